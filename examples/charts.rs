@@ -1,4 +1,4 @@
-//! Every chart of a fit, from invented data: `cargo run --example charts -- FOLDER` writes them as PNG and SVG.
+//! Charts of a fit, drawn from invented data: `cargo run --example charts -- FOLDER` writes them as PNG and SVG.
 
 use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
@@ -10,11 +10,11 @@ use streakcast::plot::{
     counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
 };
 
-/// Numbers that look like chance and are the same every time: multiples of an irrational, whole parts dropped.
+/// Reproducible quasi-random numbers: fractional parts of multiples of an irrational number.
 struct Spread(f64);
 
 impl Spread {
-    /// Evenly between 0 and 1.
+    /// Uniform between 0 and 1.
     fn even(&mut self) -> f64 {
         self.0 += 1.0;
         ((self.0 * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0)
@@ -30,7 +30,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
     let mut spread = Spread(0.0);
 
-    // A posterior: six parameters of a model, two of them correlated, one against its bound.
+    // A posterior: six parameters of a model, two of them correlated, one close to its bound.
     let names = ["c1", "n1", "c2", "n2", "f_array", "albedo_chassis"].map(str::to_owned);
     let truths = [0.0125, 31.0, 0.30, 4.2, 0.082, 0.3];
     let mut samples: Vec<Vec<f64>> = vec![Vec::new(); names.len()];
@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let posterior =
         corner(&Corner { title: "", names: &names, samples: &samples, truths: Some(&truths), bounds: None })?;
 
-    // Cells of a satellite's sky: bright towards the Sun, fewer samples near the rim.
+    // Cells of a satellite's body frame: bright towards the Sun, fewer samples near the edge.
     let nside = 32;
     let mut cells: [Vec<(u64, f64)>; 4] = Default::default();
     let (mut counts, mut iqr_mag) = (Vec::new(), Vec::new());
@@ -94,7 +94,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         most_iqr_mag: 0.4,
     })?;
 
-    // Points of a fit: a model that misses something at small phase angles, and one in fifty that is wrong.
+    // Points of a fit: a model with an error at small phase angles, and 2 % outliers.
     let mut columns: [Vec<f64>; 7] = Default::default();
     for _ in 0..20_000 {
         let (sun_latitude, longitude) = (-0.4 * spread.even() - 0.05, PI * spread.even());

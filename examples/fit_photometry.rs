@@ -1,4 +1,4 @@
-//! A brightness model from photometry: points are reduced, fitted, and used to draw from the posterior.
+//! Fit of a brightness model to photometry: points are reduced and fitted, and draws from the posterior are made.
 //!
 //! `cargo run --release --example fit_photometry`
 
@@ -13,12 +13,13 @@ use streakcast::fit::{
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, StandardMagnitude};
 
-/// Tracks, points in each, and one sigma of a point, mag.
+/// Number of tracks, points per track, and one sigma of a point, mag.
 const TRACKS: u32 = 120;
 const POINTS: u32 = 50;
 const NOISE_MAG: f64 = 0.2;
 
-/// Measurements of satellites at 550 km with a known model. Files of photometry are read with `RecordReader` and `measure` instead.
+/// Simulated measurements of satellites at 550 km with a known model. For photometry in files use `RecordReader` and
+/// `measure`.
 fn measurements(truth: &BrightnessModel) -> Measurements {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut measured = Measurements::default();

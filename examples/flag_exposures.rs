@@ -1,6 +1,6 @@
-//! One exposure judged: `cargo run --example flag_exposures [-- ELEMENTS.csv]`.
+//! Verdict on one exposure: `cargo run --example flag_exposures [-- ELEMENTS.csv]`.
 //!
-//! Without a file of element sets a synthetic constellation is used; its positions do not correspond to real satellites.
+//! Without an element file a synthetic constellation is used; its positions do not correspond to real satellites.
 
 use streakcast::frames::parse_instant;
 use streakcast::{Exposure, Field, Policy, Satellites, Site, Sky};

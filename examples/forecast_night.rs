@@ -1,6 +1,7 @@
-//! The visible passes of a night under a synthetic constellation, by the library alone: `cargo run --example forecast_night`.
+//! Visible passes of a night for a synthetic constellation: `cargo run --example forecast_night`.
 //!
-//! With real element sets, the line that makes `elements` becomes `Satellites::read(&paths, &ReadOptions::default())?.element_sets`.
+//! For real element sets, replace the line that creates `elements` by `Satellites::read(&paths,
+//! &ReadOptions::default())?.element_sets`.
 
 use std::error::Error;
 
@@ -15,7 +16,7 @@ use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::night_of;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // 1. Who is up there, who looks, and which night: from noon to noon at the site.
+    // 1. Satellites, site, and night (from noon to noon at the site).
     let noon = parse_instant("2026-08-14T12:00:00Z", None)?;
     let elements = Constellation::by_name("starlink-gen1")?.element_sets(noon);
     let site = Site::from_mpc("X05")?;
@@ -27,7 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         &ModelChoice::new(&ModelLibrary::embedded())?,
     );
 
-    // 2. What is asked: passes brighter than magnitude 4.5 that reach 40 degrees, with five points along each.
+    // 2. Request: passes brighter than magnitude 4.5 that reach 40 degrees, with five points along each.
     let request = ForecastRequest {
         max_magnitude: Some(4.5),
         min_culmination_rad: 40.0_f64.to_radians(),
@@ -37,13 +38,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let answer = forecast(&sky, &request, &Selection::default())?;
     println!("dark for {:.1} h; {} passes", answer.night.dark_s() / 3600.0, answer.found.passes.len());
 
-    // 3. Each pass: where it can be seen first, highest and last, and its light.
+    // 3. Each pass: first, highest and last visible point, and its brightness.
     for pass in answer.found.passes.iter().take(5) {
         let row = PassRow { pass, elements: &sky.elements()[pass.element_index] };
         let Some(seen) = &pass.visible else { continue };
         println!("{} until the {}", row.name(), row.ends_by().unwrap_or("end"));
         for (what, point) in [("from", &seen.begin), ("over", &seen.highest), ("to", &seen.end)] {
-            println!("    {what:4} {}", words(point));
+            println!("    {what:4} {}", point_text(point));
         }
         for point in &pass.samples {
             let magnitude = point.brightness.as_ref().map(|light| format!("{:.2}", light.magnitude.0));
@@ -56,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-fn words(point: &TrackPoint) -> String {
+fn point_text(point: &TrackPoint) -> String {
     let (altitude_rad, azimuth_rad) = (point.altitude_rad.unwrap_or(f64::NAN), point.azimuth_rad.unwrap_or(f64::NAN));
     format!("{} {:3.0} deg {}", format_utc(point.epoch, 0), altitude_rad.to_degrees(), compass(azimuth_rad))
 }

@@ -1,7 +1,8 @@
-//! Whose streak it is, by the library alone: `cargo run --example identify_streak`.
+//! Identification of a streak: `cargo run --example identify_streak`.
 //!
-//! A synthetic constellation makes the streak here, so nothing is downloaded. With a real one, the line that makes `elements` becomes
-//! `Satellites::read(&paths, &ReadOptions::default())?.element_sets`, and `ends` come from a plate-solved picture.
+//! The streak is made by a synthetic constellation, so nothing is downloaded. For real satellites, replace the line
+//! that creates `elements` by `Satellites::read(&paths, &ReadOptions::default())?.element_sets`, and take `ends` from a
+//! plate-solved image.
 
 use std::error::Error;
 
@@ -14,13 +15,14 @@ use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // 1. Who is up there, and who looks.
+    // 1. Satellites and site.
     let start = parse_instant("2026-08-14T23:29:05Z", None)?;
     let elements = Constellation::by_name("starlink-gen1")?.element_sets(parse_instant("2026-08-14T00:00:00Z", None)?);
     let observer = Observer::new(Site::from_mpc("X05")?);
     let sky = Sky::with_models(elements, observer, EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
 
-    // 2. What was measured: two ends in an exposure of 30 s, good to 5 arcsec, by a clock good to half a second. Here they are those of a crossing.
+    // 2. Measurement: two ends in an exposure of 30 s, with errors of 5 arcsec and 0.5 s (clock). Here they are those
+    // of a crossing.
     let exposure = Exposure {
         id: "1".to_owned(),
         start,
@@ -35,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let place_sigma_rad = (5.0_f64 / 3600.0).to_radians();
     let streak = MeasuredStreak::from_ends(ends, (start, 30.0), Timing::Within, place_sigma_rad, 0.5)?;
 
-    // 3. The candidates, the most probable first, each with how late and how far beside its prediction it would have been.
+    // 3. Candidates, most probable first, with along-track and cross-track offsets from the prediction.
     let found = identify_streak(&sky, &streak, &IdentifyOptions::default())?;
     for candidate in found.candidates.iter().take(3) {
         let beside_arcsec = candidate.cross_track_rad.value.to_degrees() * 3600.0;
@@ -47,9 +49,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             candidate.passage.range_km,
         );
     }
-    println!("a satellite of which no element set tells: {:.3}", found.unknown_probability);
+    println!("probability of a satellite missing from the element sets: {:.3}", found.unknown_probability);
 
-    // The one that made it comes first.
+    // The satellite that made the streak comes first.
     let first = found.candidates.first().ok_or("no candidate")?;
     if first.norad_id != pass.norad_id || seconds_between(pass.enter.epoch, first.passage.epoch).abs() > 30.0 {
         return Err(format!("{} made the streak, and {} was found", pass.norad_id, first.norad_id).into());

@@ -1,4 +1,4 @@
-//! Three random streaks on a chip of 2,000 by 2,000 pixels, without any file: their light, and what is true of them.
+//! Three random streaks on a synthetic chip of 2,000 by 2,000 pixels: their light and their truth table.
 //!
 //! `cargo run --example inject_streaks`
 
@@ -24,16 +24,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         light_area: LightArea::whole(2000, 2000),
         wcs: Wcs::tangent(centre, 0.5, 0.0, 2000, 2000)?,
         is_on_sky: true,
-        // A star of magnitude 25 is one count in 30 s.
+        // A star of magnitude 25 gives one count in 30 s.
         scale: CountScale::of_frame(25.0, exposure_s)?,
     };
-    let wanted = RandomStreaks {
+    let random_streaks = RandomStreaks {
         number: StreakNumber::Exactly(3),
         magnitude: [5.0, 8.0],
         rate_rad_s: [0.3f64.to_radians(), 0.8f64.to_radians()],
     };
     let (_, radius_rad) = chip.circle().ok_or("the chip is on the sky")?;
-    let tracks = wanted.tracks(seed, exposure_s, 2.5 * radius_rad, |drawn, _| direction_on([&chip].into_iter(), drawn));
+    let tracks =
+        random_streaks.tracks(seed, exposure_s, 2.5 * radius_rad, |drawn, _| direction_on([&chip].into_iter(), drawn));
     let sources: Vec<Source> = (1..)
         .zip(&tracks)
         .map(|(number, track)| Source {

@@ -1,6 +1,7 @@
-//! The brightest passes of a night over the sky, and the light curve of one: `cargo run --example plot_pass -- FOLDER` writes both as PNG and SVG.
+//! Brightest passes of a night on a sky chart, and the light curve of one: `cargo run --example plot_pass -- FOLDER`
+//! writes PNG and SVG.
 //!
-//! The satellites are synthetic; with real element sets, the line that makes `elements` becomes
+//! The satellites are synthetic. For real element sets, replace the line that creates `elements` by
 //! `Satellites::read(&paths, &ReadOptions::default())?.element_sets`.
 
 use std::error::Error;
@@ -19,7 +20,7 @@ use streakcast::schedule::night_of;
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
 
-    // 1. The passes of a night that get brighter than magnitude 4.9 and stand near the zenith, with points along each.
+    // 1. Passes of a night brighter than magnitude 4.9 near the zenith, with points along each.
     let noon = parse_instant("2026-08-14T12:00:00Z", None)?;
     let elements = Constellation::by_name("starlink-gen1")?.element_sets(noon);
     let site = Site::from_mpc("X05")?;
@@ -39,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let answer = forecast(&sky, &request, &Selection::default())?;
     let rows = answer.found.passes.iter().map(|pass| PassRow { pass, elements: &sky.elements()[pass.element_index] });
 
-    // 2. Columns are all that charts know.
+    // 2. Charts are drawn from columns.
     let tracks: Vec<SkyTrack> = rows.map(|row| track(row.name(), &row.pass.samples)).collect();
     let over = sky_chart(&SkyChart {
         local: None,

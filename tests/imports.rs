@@ -1,9 +1,10 @@
-//! Rooms import from the rooms below them and nothing else: the table of ARCHITECTURE.md held against every line of `src/`.
+//! Module imports: modules import only from the modules below them; the table of ARCHITECTURE.md is checked against
+//! every line of `src/`.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What each room may import of the others. Everybody may import `constants`.
+/// Allowed imports of each module. Every module may import `constants`.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("math", &[]),
@@ -41,8 +42,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Crates that only some rooms may name: one door each. Test modules may use any crate; their rooms are held all the same.
-const DOORS: &[(&str, &[&str])] = &[
+/// Crates that only the listed modules may import. Test modules may import any crate, but the module rules apply to
+/// them.
+const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("sgp4", &["elements", "orbit"]),
     ("sofars", &["frames", "geometry"]),
     ("cdshealpix", &["math"]),
@@ -89,7 +91,8 @@ const DOORS: &[(&str, &[&str])] = &[
     ("subtle", &["bin"]),
 ];
 
-/// What the library never does by itself: print, end the process, ask the environment, the clock, the network or chance.
+/// Operations that the library must not perform: printing, ending the process, reading environment, clock, network or
+/// random sources.
 const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "println!",
     "eprintln!",
@@ -111,31 +114,32 @@ const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "StdRng",
 ];
 
-/// Words that a line of a `mod.rs` must not begin with, visibility apart: it introduces its files and defines nothing.
+/// Keywords that must not start a line of a `mod.rs` (apart from visibility): such a file declares modules and defines
+/// nothing.
 const DEFINITIONS: &[&str] =
     &["fn", "struct", "enum", "trait", "impl", "impl<T>", "const", "static", "type", "macro_rules!", "union"];
 
-/// One source file, placed.
+/// One source file and its position in the module tree.
 struct Source {
     /// `orbit`, `passes`, ...; `bin` for the command line; `lib` for the root.
-    room: String,
-    /// How many names lie between the crate's root and this module, its own included.
+    module: String,
+    /// Number of path segments from the crate's root to this module, including its own name.
     depth: usize,
     is_mod: bool,
 }
 
 impl Source {
-    /// From the path below `src/`.
+    /// Creates a source from its path below `src/`.
     fn of(path: &Path) -> Self {
         let names: Vec<String> =
             path.with_extension("").components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
         let is_mod = names.last().is_some_and(|name| name == "mod");
         let depth = names.len() - usize::from(is_mod);
-        Self { room: names[0].clone(), depth, is_mod }
+        Self { module: names[0].clone(), depth, is_mod }
     }
 }
 
-/// The code of a line: without comments, and without what stands in quotation marks.
+/// Code of a line without comments and string literals.
 fn code(line: &str) -> String {
     let mut code = String::new();
     let mut quoted = false;
@@ -145,7 +149,7 @@ fn code(line: &str) -> String {
             '\\' if quoted => {
                 characters.next();
             }
-            // A quotation mark as a character is none.
+            // A quotation mark as a character literal does not start a string.
             '\'' if !quoted && characters.peek() == Some(&'"') => {
                 characters.next();
                 characters.next();
@@ -159,15 +163,15 @@ fn code(line: &str) -> String {
     code
 }
 
-/// True where `word` stands in `code` with no letter, digit or underscore before it.
+/// Whether `word` occurs in `code` without a preceding letter, digit or underscore.
 fn names(code: &str, word: &str) -> bool {
     code.match_indices(word)
         .any(|(at, _)| !code[..at].chars().next_back().is_some_and(|before| before.is_alphanumeric() || before == '_'))
 }
 
-/// The rooms that a line names as `crate::room` or within `crate::{...}`.
-fn rooms_named(code: &str) -> Vec<String> {
-    let mut rooms = Vec::new();
+/// Modules named by a line as `crate::module` or within `crate::{...}`.
+fn imported_modules(code: &str) -> Vec<String> {
+    let mut modules = Vec::new();
     for (at, prefix) in code.match_indices("crate::") {
         let rest = &code[at + prefix.len()..];
         let word = |text: &str| -> String {
@@ -184,25 +188,25 @@ fn rooms_named(code: &str) -> Vec<String> {
                         '}' => level -= 1,
                         ',' if level == 0 => start = true,
                         _ if start && !one.is_whitespace() => {
-                            rooms.push(word(&group[place..]));
+                            modules.push(word(&group[place..]));
                             start = false;
                         }
                         _ => {}
                     }
                 }
             }
-            None => rooms.push(word(rest)),
+            None => modules.push(word(rest)),
         }
     }
-    rooms
+    modules
 }
 
-/// Everything wrong with one file, a line each.
-fn offences(path: &Path, text: &str) -> Vec<String> {
+/// Returns all violations in one file, one line each.
+fn violations(path: &Path, text: &str) -> Vec<String> {
     let source = Source::of(path);
     let mut found = Vec::new();
     let mut in_tests = false;
-    // A `use crate::{` may go on over several lines: they are read as one.
+    // A `use crate::{` over several lines is read as one line.
     let mut lines: Vec<(usize, String)> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let code = code(line);
@@ -215,41 +219,45 @@ fn offences(path: &Path, text: &str) -> Vec<String> {
     }
     for (number, code) in &lines {
         in_tests |= code.starts_with("mod tests");
-        let mut offence = |what: String| found.push(format!("src/{}:{number}: {what}", path.display()));
-        let is_library = source.room != "bin";
-        if is_library && source.room != "lib" && source.room != "error" {
-            let Some((_, allowed)) = MAY_IMPORT.iter().find(|(room, _)| *room == source.room) else {
-                offence(format!("the room {} is not in the table", source.room));
+        let mut violation = |what: String| found.push(format!("src/{}:{number}: {what}", path.display()));
+        let is_library = source.module != "bin";
+        if is_library && source.module != "lib" && source.module != "error" {
+            let Some((_, allowed)) = MAY_IMPORT.iter().find(|(module, _)| *module == source.module) else {
+                violation(format!("the module {} is not in the table", source.module));
                 break;
             };
-            for room in rooms_named(code) {
-                let is_known = MAY_IMPORT.iter().any(|(known, _)| *known == room);
-                if room != source.room && room != "constants" && !(is_known && allowed.contains(&room.as_str())) {
-                    offence(format!("{} must not import {room}", source.room));
+            for module in imported_modules(code) {
+                let is_known = MAY_IMPORT.iter().any(|(known, _)| *known == module);
+                if module != source.module && module != "constants" && !(is_known && allowed.contains(&module.as_str()))
+                {
+                    violation(format!("{} must not import {module}", source.module));
                 }
             }
             let climbs = code.match_indices("super::super").count() > 0;
             let supers = (1..8).take_while(|count| code.contains(&"super::".repeat(*count))).count();
             if climbs && supers >= source.depth + usize::from(in_tests) {
-                offence("climbs to the crate's root by super; say crate::room".to_owned());
+                violation("reaches the crate's root by super; use crate::module".to_owned());
             }
         }
         if is_library {
             for never in NEVER_IN_THE_LIBRARY.iter().filter(|never| names(code, never)) {
-                offence(format!("{never} in the library"));
+                violation(format!("{never} in the library"));
             }
         }
-        for (door, rooms) in DOORS {
-            let is_named = names(code, &format!("{door}::")) || names(code, &format!("use {door};"));
-            if is_named && !in_tests && !code.contains(&format!("::{door}::")) && !rooms.contains(&source.room.as_str())
+        for (restricted, modules) in RESTRICTED_CRATES {
+            let is_named = names(code, &format!("{restricted}::")) || names(code, &format!("use {restricted};"));
+            if is_named
+                && !in_tests
+                && !code.contains(&format!("::{restricted}::"))
+                && !modules.contains(&source.module.as_str())
             {
-                offence(format!("{door} outside of its door ({})", rooms.join(", ")));
+                violation(format!("{restricted} imported outside of its modules ({})", modules.join(", ")));
             }
         }
         if source.is_mod {
             let mut words = code.split_whitespace().skip_while(|word| word.starts_with("pub"));
             if let Some(first) = words.next().filter(|first| DEFINITIONS.contains(first)) {
-                offence(format!("a mod.rs defines nothing ({first})"));
+                violation(format!("a mod.rs defines nothing ({first})"));
             }
         }
     }
@@ -272,7 +280,7 @@ fn root() -> &'static Path {
 }
 
 #[test]
-fn verif_rooms_import_only_what_lies_below_them() {
+fn verif_modules_import_only_from_modules_below_them() {
     let src = root().join("src");
     let mut files = Vec::new();
     rust_files(&src, &mut files);
@@ -281,30 +289,30 @@ fn verif_rooms_import_only_what_lies_below_them() {
         .iter()
         .flat_map(|path| {
             let text = fs::read_to_string(path).expect("a source file");
-            offences(path.strip_prefix(&src).expect("below src"), &text)
+            violations(path.strip_prefix(&src).expect("below src"), &text)
         })
         .collect();
-    assert!(found.is_empty(), "{} offences:\n{}", found.len(), found.join("\n"));
-    // A room that went away leaves the table too.
-    for (room, _) in MAY_IMPORT {
-        assert!(src.join(room).is_dir() || src.join(room).with_extension("rs").is_file(), "no room {room}");
+    assert!(found.is_empty(), "{} violations:\n{}", found.len(), found.join("\n"));
+    // The table must not name modules that no longer exist.
+    for (module, _) in MAY_IMPORT {
+        assert!(src.join(module).is_dir() || src.join(module).with_extension("rs").is_file(), "no module {module}");
     }
 }
 
 #[test]
 fn verif_imports_go_one_way() {
-    for (room, allowed) in MAY_IMPORT {
-        let own = MAY_IMPORT.iter().position(|(name, _)| name == room);
+    for (module, allowed) in MAY_IMPORT {
+        let own = MAY_IMPORT.iter().position(|(name, _)| name == module);
         for below in *allowed {
             let place = MAY_IMPORT.iter().position(|(name, _)| name == below);
-            assert!(place.is_some() && place < own, "{room} imports {below}, which does not lie below it");
+            assert!(place.is_some() && place < own, "{module} imports {below}, which is not below it");
         }
     }
 }
 
 #[test]
 fn verif_the_check_itself_can_fail() {
-    let offends = |path: &str, line: &str| !offences(Path::new(path), line).is_empty();
+    let offends = |path: &str, line: &str| !violations(Path::new(path), line).is_empty();
     for (path, line) in [
         ("photometry/band.rs", "use crate::orbit::Propagator;"),
         ("photometry/band.rs", "    let x = crate::passes::Sky::new();"),
@@ -339,6 +347,6 @@ fn verif_the_check_itself_can_fail() {
         ("fit/measurements/simulate.rs", "use rand_chacha::ChaCha8Rng;"),
         ("config/document.rs", "use crate::{frames::EopTable, schedule::Policy};"),
     ] {
-        assert!(!offends(path, line), "{path}: {line}: {:?}", offences(Path::new(path), line));
+        assert!(!offends(path, line), "{path}: {line}: {:?}", violations(Path::new(path), line));
     }
 }

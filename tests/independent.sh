@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# What comes out, read by programs that nobody here wrote, in an environment of their own: tracking data messages by ccsds-ndm, injected streaks
-# by acstools. About a minute on two cores.
-# STREAKCAST_BIN names the binary; else it is built. Frames that are not there are left out loudly, the synthetic one never.
+# Output files are read by independent programs in a virtual environment: tracking data messages by ccsds-ndm, injected
+# streaks by acstools. About a minute on two cores.
+# STREAKCAST_BIN is the binary (default: it is built). Missing frames are skipped with a message; the synthetic one is always used.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -12,7 +12,7 @@ if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet
     STREAKCAST_BIN=$target/debug/streakcast
 fi
-# The environment stays from run to run while the pins and Python are the same.
+# The environment is reused while the pinned versions and Python are the same.
 venv=$target/independent-venv requirements=tests/reference/requirements.txt
 made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat "$requirements"; } | sha256sum)
 if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then

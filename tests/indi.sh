@@ -45,14 +45,14 @@ until_property() {
 mount="Telescope Simulator"
 gate=("$STREAKCAST" gate --shells starlink-gen1 --fov 3deg --exposure 10s --limit-mag=-20 --indi "localhost:$port" --timeout 20s --strict)
 
-# The gate waits less than a second for the site of a mount whose pointing it has, which a loaded machine may miss: tries are repeated.
+# The gate waits less than a second for the site after the pointing, which is too short on a loaded machine: tries are repeated.
 gate_passes() {
     for _ in $(seq 20); do
         if "${gate[@]}" "$@" 2>"$work/error"; then return 0; fi
     done
     fail "the gate did not find the mount: $(cat "$work/error")"
 }
-# gate_fails WORDS ARGUMENT...: an error with these words.
+# gate_fails WORDS ARGUMENT...: checks for an error with these words.
 gate_fails() {
     local words=$1
     shift
@@ -68,7 +68,7 @@ gate_fails "is it connected?" --mpc X05
 
 set_property "$mount.CONNECTION.CONNECT=On"
 until_property "$mount.CONNECTION.CONNECT" On
-# 5 h, +80 deg never sets there.
+# 5 h, +80 deg is circumpolar there.
 set_property "$mount.GEOGRAPHIC_COORD.LAT;LONG;ELEV=50;10;300"
 set_property "$mount.TELESCOPE_PARK.UNPARK=On" || true
 set_property "$mount.ON_COORD_SET.TRACK=On"
@@ -81,9 +81,9 @@ python=$(command -v python3) || skip "no python3 to compare the numbers"
 "$python" - "$work/status.json" "$of_date" <<'PYTHON' || fail "the mount points elsewhere"
 import datetime, json, math, sys
 status = json.load(open(sys.argv[1]))
-said = {line.split("=")[0].rsplit(".", 1)[-1]: float(line.split("=")[1]) for line in sys.argv[2].splitlines()}
-ra, dec = math.radians(15 * said["RA"]), math.radians(said["DEC"])
-# Precession alone (Lieske 1977, to first orders), of date to J2000: good to nutation and aberration, 40 arcsec.
+mount = {line.split("=")[0].rsplit(".", 1)[-1]: float(line.split("=")[1]) for line in sys.argv[2].splitlines()}
+ra, dec = math.radians(15 * mount["RA"]), math.radians(mount["DEC"])
+# Precession only (Lieske 1977, first orders), of date to J2000: without nutation and aberration, 40 arcsec.
 t = (datetime.datetime.now(datetime.timezone.utc) - datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.timezone.utc)).total_seconds() / (36525 * 86400)
 arcsec = math.pi / 648000
 zeta, z, theta = ((2306.2181 * t + 0.30188 * t * t) * arcsec, (2306.2181 * t + 1.09468 * t * t) * arcsec, (2004.3109 * t - 0.42665 * t * t) * arcsec)
@@ -93,14 +93,14 @@ c = -math.sin(theta) * math.cos(dec) * math.cos(ra - z) + math.cos(theta) * math
 j2000 = (math.atan2(a, b) - zeta, math.asin(c))
 found = (math.radians(status["ra_deg"]), math.radians(status["dec_deg"]))
 apart = lambda p, q: math.degrees(math.acos(min(1, math.sin(p[1]) * math.sin(q[1]) + math.cos(p[1]) * math.cos(q[1]) * math.cos(p[0] - q[0])))) * 3600
-print(f"mount of date {15 * said['RA']:.4f} {said['DEC']:.4f}, gate {status['ra_deg']:.4f} {status['dec_deg']:.4f}: {apart(j2000, found):.0f} arcsec from precession alone, {apart((ra, dec), found):.0f} arcsec from what the mount said")
+print(f"mount of date {15 * mount['RA']:.4f} {mount['DEC']:.4f}, gate {status['ra_deg']:.4f} {status['dec_deg']:.4f}: {apart(j2000, found):.0f} arcsec from precession only, {apart((ra, dec), found):.0f} arcsec from the mount's coordinates")
 assert apart(j2000, found) < 60 and apart((ra, dec), found) > 100
 assert status["verdict"] == "clear" and status["mount"] == "Telescope Simulator"
 PYTHON
 
-# A site that is not the mount's.
+# A site other than the mount's.
 gate_fails "km from" --mpc X05
-# Without a server the night goes on; with --strict it is an error.
+# Without a server the night continues; with --strict it is an error.
 kill "$server"
 wait "$server" 2>/dev/null || true
 "${gate[@]:0:${#gate[@]}-1}" --mpc X05 2>"$work/error" || fail "no server must not stall a night"

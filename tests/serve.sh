@@ -40,7 +40,7 @@ if [ -z "${STREAKCAST:-}" ]; then
     STREAKCAST=$target/debug/streakcast
 fi
 
-# Beside the build, from run to run while the pins are the same.
+# Installed in the build folder and reused while the pinned versions are the same.
 tools=$target/serve-tools
 mkdir -p "$tools"
 cp tests/serve/package.json tests/serve/package-lock.json tests/serve/*.mjs tests/serve/schemathesis.toml "$tools"
@@ -62,7 +62,7 @@ work=$(mktemp -d)
     --limit-mag 7 --telescope rubin --quiet >"$work/address" 2>"$work/log" &
 server=$!
 trap 'kill "$server" 2>/dev/null || true; wait "$server" 2>/dev/null || true; rm -rf "$work"' EXIT
-# Ten minutes only end a hang.
+# Waits at most ten minutes.
 for _ in $(seq 6000); do
     [ -s "$work/address" ] && break
     kill -0 "$server" 2>/dev/null || { cat "$work/log" >&2; exit 1; }
@@ -72,7 +72,7 @@ url=$(head -n 1 "$work/address")
 
 node "$tools/browser.mjs" "$url" "$STREAKCAST" ${SERVE_PICTURES:+"$SERVE_PICTURES"}
 node "$tools/load.mjs" "$url" "$server" "$load_s"
-# Valid and invalid values of every parameter: no answer may be a server error or be missing from the document.
+# Valid and invalid values of every parameter: no response may be a server error or undocumented.
 (cd "$work" && "$tools/venv/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
     --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
     --request-timeout 300) | tail -n 60

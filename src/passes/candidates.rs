@@ -74,6 +74,15 @@ impl Sky {
         Some(PlacedCone { window, cone, teme_to_gcrs: orientation.teme_to_gcrs })
     }
 
+    /// The part of the Earth's shadow in which no satellite is lit at any time of an exposure.
+    pub(super) fn dark_cone(&self, scene: &Scene, exposure: &Exposure) -> ShadowCone {
+        let (radius_km, narrowing) = self.shadow().dark_core();
+        let sun = scene.sun.at_s(seconds_between(scene.start, exposure.start) + 0.5 * exposure.duration_s).sun;
+        // The Sun moves by this during the exposure: a share of the depth.
+        let narrowing = narrowing + SUN_RATE_RAD_S * exposure.duration_s;
+        ShadowCone { away_from_sun: Direction::from_vector(-sun.vector()), radius_km, narrowing }
+    }
+
     /// Satellites that may be in the field during an exposure, and when; dark ones only with `include_dark`. `seen` is
     /// a buffer.
     pub(super) fn candidate_intervals(
@@ -94,13 +103,7 @@ impl Sky {
             let motion = self.motion(scene, &orientation, flight, mid_s)?;
             self.cone(scene, exposure, field, (&motion, &orientation), (mid_s, half_s))
         };
-        let shadow = (!include_dark).then(|| {
-            let (radius_km, narrowing) = self.shadow().dark_core();
-            let sun = scene.sun.at_s(start_s + 0.5 * exposure.duration_s).sun;
-            // The Sun moves by this during the exposure: a share of the depth.
-            let narrowing = narrowing + SUN_RATE_RAD_S * exposure.duration_s;
-            ShadowCone { away_from_sun: Direction::from_vector(-sun.vector()), radius_km, narrowing }
-        });
+        let shadow = (!include_dark).then(|| self.dark_cone(scene, exposure));
         let shadow = shadow.as_ref();
         seen.clear();
         // A telescope in orbit moves too far for groups.

@@ -3,8 +3,8 @@
 //!     venv/bin/python tests/reference/make_fit_goldens.py --points 20000 points.csv
 //!     cargo bench --bench fit -- points.csv [--steps 500] [--threads 1]
 //!
-//! One descent from a fixed start (that of `peers/fit.py`), the whole search from many starts, and steps of 32 walkers, without
-//! and with the Earth's light. Prints medians.
+//! One descent from a fixed start (that of `peers/fit.py`), the whole search from many starts, and steps of 32 walkers,
+//! without and with earthshine. Prints medians.
 
 use std::time::Instant;
 
@@ -12,7 +12,7 @@ use streakcast::fit::{FitPoint, FitSettings, PosteriorSettings, Problem, TwoPane
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{Coefficients, Earthshine, SatelliteShape};
 
-/// Where every descent begins, c1 to c5 and both exponents.
+/// Start of every descent: c1 to c5 and both exponents.
 const START: [f64; 7] = [0.05, 0.01, 0.01, 0.2, 0.1, 4.0, 12.0];
 const NAMES: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];
 

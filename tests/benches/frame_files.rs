@@ -1,8 +1,9 @@
-//! Frames through files: a copy with five drawn streaks against the bare copy of the file, and places in frames.
+//! Frame files: a copy with five drawn streaks compared with a plain copy of the file, and pixel positions of
+//! directions.
 //!
 //!     cargo bench --bench frame_files
 //!
-//! Rounds are interleaved, because the machine's speed drifts; the ratio of the medians is printed.
+//! Rounds are interleaved because the machine's speed drifts; the ratio of the medians is printed.
 
 use std::fs;
 use std::hint::black_box;
@@ -23,11 +24,11 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// Angles of streaks to the rows, radians: through nearly all rows, and through a hundred or so.
+/// Angles of streaks to the rows, radians: through nearly all rows, and through about a hundred.
 const ACROSS: [f64; 5] = [0.3, 0.55, 0.8, 1.05, 1.3];
 const ALONG: [f64; 5] = [-0.002, -0.001, 0.0, 0.001, 0.002];
 
-/// Five streaks through the frame, drawn and added.
+/// Draws five streaks into the frame.
 fn inject(source: &Path, target: &Path, hdu: usize, angles_rad: [f64; 5]) {
     let frame = FrameFile::open(source).expect("a frame");
     let mut copy = FrameCopy::begin(&frame, target).expect("a copy");
@@ -78,7 +79,7 @@ fn files(folder: &Path) {
         ours.push(timed(|| inject(&plain, &target, 0, ACROSS)));
         fs::remove_file(&target).expect("removed");
         few_rows.push(timed(|| inject(&plain, &target, 0, ALONG)));
-        // Over the file that stands there now; ours waits for the disk before it takes its place.
+        // Overwrites the existing file; our writer flushes to disk before it replaces the file.
         synced.push(timed(|| {
             fs::copy(&plain, &target).expect("copied");
             fs::File::options().append(true).open(&target).expect("open").sync_all().expect("synced");
@@ -103,7 +104,7 @@ fn files(folder: &Path) {
     );
 }
 
-/// Places of directions in a frame, ns each.
+/// Pixel positions of directions in a frame, ns each.
 fn places(name: &str, wcs: &Wcs) {
     let [columns, rows] = wcs.size();
     let directions: Vec<_> = (0..1000)

@@ -1,4 +1,4 @@
-//! What the frames and the Sun cost: exact, by table, and the shadow; aims beside each.
+//! Time for frames and the Sun: exact, from tables, and the shadow; targets are given for each.
 
 use divan::{Bencher, black_box};
 use hifitime::Epoch;
@@ -19,21 +19,21 @@ fn orientation_exact(bencher: Bencher) {
     bencher.bench(|| Orientation::at(black_box(dusk()), &eop));
 }
 
-/// A night; 1 ms at most.
+/// A night; target: 1 ms.
 #[divan::bench]
 fn orientation_table_of_a_night(bencher: Bencher) {
     let eop = EopTable::embedded();
     bencher.bench(|| OrientationTable::new(dusk(), seconds_after(dusk(), 36_000.0), &eop));
 }
 
-/// A year; a tenth of a second at most.
+/// A year; target: 0.1 s.
 #[divan::bench(sample_count = 10)]
 fn orientation_table_of_a_year(bencher: Bencher) {
     let eop = EopTable::embedded();
     bencher.bench(|| OrientationTable::new(dusk(), seconds_after(dusk(), 365.0 * 86_400.0), &eop));
 }
 
-/// 0.3 µs at most.
+/// Target: 0.3 µs.
 #[divan::bench]
 fn orientation_from_table(bencher: Bencher) {
     let table = OrientationTable::new(dusk(), seconds_after(dusk(), 36_000.0), &EopTable::embedded());
@@ -45,7 +45,7 @@ fn sun_exact() -> SunState {
     SunState::at(black_box(dusk()))
 }
 
-/// 0.2 µs at most.
+/// Target: 0.2 µs.
 #[divan::bench]
 fn sun_from_table(bencher: Bencher) {
     let table = SunTable::new(dusk(), seconds_after(dusk(), 36_000.0));
@@ -67,7 +67,7 @@ fn aspect_of_a_satellite(bencher: Bencher) {
     bencher.bench(|| aspect(black_box(&satellite), &sun.earth_velocity, &observer, &sun.earth_velocity));
 }
 
-/// 0.2 µs at most where the shadow is far; behind the Earth and in the penumbra the inverse functions come in.
+/// Target: 0.2 µs far from the shadow; behind the Earth and in the penumbra inverse functions are needed.
 #[divan::bench(args = [0.0, 0.5, 1.168, 2.0])]
 fn shadow(bencher: Bencher, angle_from_antisun_rad: f64) {
     let sun = Position::<Gcrs>::new(1.5e8, 0.0, 0.0);
@@ -76,7 +76,7 @@ fn shadow(bencher: Bencher, angle_from_antisun_rad: f64) {
     bencher.bench(|| illumination(black_box(&satellite), black_box(&sun)));
 }
 
-/// Reading a whole finals2000A file is the face's job; this is the embedded one, cloned after the first time.
+/// The embedded table, cloned after the first call; reading finals2000A files is not included.
 #[divan::bench]
 fn embedded_table() -> EopTable {
     EopTable::embedded()

@@ -1,4 +1,4 @@
-//! Magnitudes in bulk: directions a second on one core, for the two-panel model.
+//! Magnitudes in bulk: time per direction on one core, for the two-panel model.
 //!
 //! ```text
 //! cargo bench --bench magnitudes            medians of columns at once and one by one
@@ -40,7 +40,7 @@ fn main() {
     }
 }
 
-/// Nanoseconds a direction.
+/// Nanoseconds per direction.
 fn median(mut work: impl FnMut()) -> f64 {
     let mut times: Vec<f64> = (0..ROUNDS)
         .map(|_| {

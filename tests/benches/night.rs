@@ -1,14 +1,14 @@
-//! The main job's speed: element text to crossing list, a warm exposure, and how cost grows.
+//! Speed of the main task: element text to list of crossings, a warm exposure, and scaling.
 //!
 //! ```text
 //! cargo bench --bench night -- ELEMENTS SCHEDULE [FOV_DEG]          medians of cold and warm runs
-//! cargo bench --bench night                                         growth over satellites and exposures, synthetic shells
-//! cargo bench --bench night -- old ELEMENTS DATE [FOV_DEG]          crossing probabilities of all satellites, elements as old as they then are
+//! cargo bench --bench night                                         scaling with satellites and exposures
+//! cargo bench --bench night -- old ELEMENTS DATE [FOV_DEG]          crossing probabilities with old elements
 //! cargo bench --bench night -- windows ELEMENTS DATE [FOV_DEG]      clear windows of 40 targets over five hours
 //! ```
 //!
 //! The schedule of the published figures is made by `tests/reference/make_bench_exposures.py`; `tests/benches/peers`
-//! runs others on the same work.
+//! runs other packages on the same input.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -24,7 +24,7 @@ use streakcast::schedule::{
 };
 
 fn main() {
-    // `cargo bench` and `cargo test --benches` add flags of their own.
+    // `cargo bench` and `cargo test --benches` add flags.
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     match words.as_slice() {
         [] => growth(),
@@ -57,21 +57,21 @@ fn exposures(schedule: &str) -> Vec<Exposure> {
     schedule.judged().map(|(_, exposure)| exposure.clone()).collect()
 }
 
-fn ask(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
+fn crossings_of(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
     let field = Field::circle(fov_deg.to_radians()).expect("a field");
-    // Dark satellites too: what the peers list.
+    // Including satellites in the shadow, as in the peers' lists.
     let options = PassOptions { include_dark: true, ..PassOptions::default() };
     sky.field_passes(exposures, &field, &options).expect("an answer")
 }
 
-/// Seconds for reading, making ready, and the crossings.
+/// Seconds for reading, preparation, and crossings.
 fn cold(elements: &str, exposures: &[Exposure], fov_deg: f64) -> [f64; 3] {
     let start = Instant::now();
     let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let read_s = start.elapsed().as_secs_f64();
     let sky = sky(catalogue.element_sets);
     let ready_s = start.elapsed().as_secs_f64() - read_s;
-    ask(&sky, exposures, fov_deg);
+    crossings_of(&sky, exposures, fov_deg);
     let crossings_s = start.elapsed().as_secs_f64() - read_s - ready_s;
     [read_s, ready_s, crossings_s]
 }
@@ -86,7 +86,7 @@ fn medians(elements: &str, schedule: &str, fov_deg: f64) {
     let warm: Vec<f64> = (0..9)
         .map(|_| {
             let start = Instant::now();
-            found = ask(&sky, &exposures, fov_deg).by_exposure.iter().map(Vec::len).sum();
+            found = crossings_of(&sky, &exposures, fov_deg).by_exposure.iter().map(Vec::len).sum();
             start.elapsed().as_secs_f64()
         })
         .collect();
@@ -105,14 +105,14 @@ fn medians(elements: &str, schedule: &str, fov_deg: f64) {
         .iter()
         .map(|exposure| {
             let start = Instant::now();
-            ask(&sky, std::slice::from_ref(exposure), fov_deg);
+            crossings_of(&sky, std::slice::from_ref(exposure), fov_deg);
             start.elapsed().as_secs_f64()
         })
         .collect();
-    println!("{:14} {:8.1} µs an exposure, as a scheduler's hook asks", "one by one", 1e6 * median(one_by_one));
+    println!("{:14} {:8.1} µs per exposure, as called by a scheduler", "one by one", 1e6 * median(one_by_one));
 }
 
-/// A dozen visits of an evening: the probability of every satellite in each, warm.
+/// Probabilities of all satellites in a dozen visits of an evening, warm.
 fn old_elements(elements: &str, date: &str, fov_deg: f64) {
     let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let sky = sky(catalogue.element_sets);
@@ -146,7 +146,7 @@ fn old_elements(elements: &str, date: &str, fov_deg: f64) {
     println!("{:14} {:8.2} ms a visit", "one by one", 1e3 * median(one_by_one));
 }
 
-/// Forty targets that are up in an evening, asked for their clear windows together.
+/// Clear windows of forty targets above the horizon in an evening, computed together.
 fn clear(elements: &str, date: &str, fov_deg: f64) {
     let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let sky = sky(catalogue.element_sets);
@@ -158,12 +158,13 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
     let (policy, photometry) = (Policy::default(), PhotometryOptions::default());
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
-    let ask = || clear_windows_alone(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
-    let mut report = ask();
+    let find_windows =
+        || clear_windows_alone(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
+    let mut report = find_windows();
     let times = (0..9)
         .map(|_| {
             let begin = Instant::now();
-            report = ask();
+            report = find_windows();
             begin.elapsed().as_secs_f64()
         })
         .collect();
@@ -173,10 +174,10 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
     println!("{:14} {:8.2} ms a target", "five hours", 1e3 * median(times) / targets.len() as f64);
 }
 
-/// Random pointings above 30° of altitude every 34 s through one night after another.
+/// Random pointings above 30° of altitude every 34 s over successive nights.
 fn random_exposures(start: Epoch, count: usize) -> Vec<Exposure> {
     let mut state = 1_u64;
-    // Knuth's MMIX generator: the pointings need only be spread out and the same each time.
+    // Knuth's MMIX generator: the pointings only need to be spread out and reproducible.
     let mut random = move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
@@ -216,7 +217,7 @@ fn growth() {
         let times: Vec<f64> = (0..5)
             .map(|_| {
                 let begin = Instant::now();
-                found = ask(&sky, &exposures, 3.5).by_exposure.iter().map(Vec::len).sum::<usize>();
+                found = crossings_of(&sky, &exposures, 3.5).by_exposure.iter().map(Vec::len).sum::<usize>();
                 begin.elapsed().as_secs_f64()
             })
             .collect();

@@ -1,4 +1,5 @@
-//! Time of a magnitude: by sunlight, with earthshine, of two panels as a list of panels, and of a map of all directions below.
+//! Time of a magnitude: by sunlight, with earthshine, for two panels as a list of panels, and for a map of all
+//! directions below.
 
 use divan::{Bencher, black_box};
 use nalgebra::Vector3;
@@ -6,9 +7,9 @@ use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::earthshine::LitEarth;
 use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, PhotometryOptions};
 
-/// Directions asked for by one iteration.
+/// Number of directions in one iteration.
 const DIRECTIONS: usize = 1000;
-/// Suns of low twilight, of the terminator below the satellite, and of a day that lights half of the cap, degrees.
+/// Solar latitudes, degrees: low twilight, terminator below the satellite, and daylight on half of the visible cap.
 const SUNS_DEG: [f64; 3] = [-8.0, 0.0, 8.0];
 
 fn main() {
@@ -19,7 +20,7 @@ fn model() -> std::sync::Arc<BrightnessModel> {
     ModelLibrary::embedded().get("starlink-v1.5").expect("shipped")
 }
 
-/// Spread over the half sphere below and around one Sun, at 550 km.
+/// Directions in the lower hemisphere and around one Sun, at 550 km.
 fn geometries(n: usize, sun_deg: f64) -> Vec<ViewingGeometry> {
     (0..n)
         .map(|i| {
@@ -39,7 +40,7 @@ fn geometries(n: usize, sun_deg: f64) -> Vec<ViewingGeometry> {
         .collect()
 }
 
-/// By sunlight alone: 0.2 µs at most.
+/// Sunlight only; target: 0.2 µs.
 #[divan::bench]
 fn brightness_1000_sun_only(bencher: Bencher) {
     let (model, geometries) = (model(), geometries(DIRECTIONS, -8.0));
@@ -47,7 +48,7 @@ fn brightness_1000_sun_only(bencher: Bencher) {
     bencher.bench(|| total(&model, &geometries, &options));
 }
 
-/// With earthshine for another Sun each time: 5 µs each at most.
+/// With earthshine for a different Sun each time; target: 5 µs each.
 #[divan::bench(args = SUNS_DEG)]
 fn brightness_1000_with_earthshine(bencher: Bencher, sun_deg: f64) {
     let (model, geometries) = (model(), geometries(DIRECTIONS, sun_deg));
@@ -59,7 +60,7 @@ fn total(model: &BrightnessModel, geometries: &[ViewingGeometry], options: &Phot
     geometries.iter().filter_map(magnitude).sum()
 }
 
-/// Earthshine alone, computed for another Sun each time.
+/// Earthshine only, computed for a different Sun each time.
 #[divan::bench(args = SUNS_DEG)]
 fn shine_1000_computed(bencher: Bencher, sun_deg: f64) {
     let directions = directions(DIRECTIONS, sun_deg);
@@ -81,7 +82,7 @@ fn directions(n: usize, sun_deg: f64) -> Vec<(f64, Vector3<f64>)> {
 /// Directions of nside 64 below the chassis.
 const MAP: usize = 24_448;
 
-/// A map of the body's lower half by sunlight, one direction after the other.
+/// A map of the lower hemisphere of the body frame by sunlight, one direction after the other.
 #[divan::bench(sample_count = 20)]
 fn map_24448_sun_only(bencher: Bencher) {
     let (model, geometries) = (model(), geometries_of_map(-8.0));
@@ -91,7 +92,7 @@ fn map_24448_sun_only(bencher: Bencher) {
     });
 }
 
-/// The paper's satellite as a list of panels, by sunlight: the general assembly against the two-panel equations.
+/// The paper's satellite as a list of panels, by sunlight: general code compared with the two-panel equations.
 #[divan::bench(sample_count = 20)]
 fn map_24448_sun_only_as_list_of_panels(bencher: Bencher) {
     let file = ModelLibrary::embedded().get("visorsat-panels").expect("shipped").file().expect("from a file").clone();

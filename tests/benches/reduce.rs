@@ -1,12 +1,12 @@
-//! Two million rows of photometry: text to geometry to pixels, time, rows a second and the greatest memory.
+//! Two million rows of photometry, from text to geometry to pixels: time, rows per second and peak memory.
 //!
 //! ```text
 //! cargo bench --bench reduce                  2 million simulated rows, on all threads of the pool
 //! cargo bench --bench reduce -- 10            10 million
 //! ```
 //!
-//! The rows are simulated first (timed too) and written to a temporary folder; 40 nights over a year, a shell of 1584 satellites, one
-//! element set a night and satellite.
+//! The rows are simulated first (also timed) and written to a temporary folder; 40 nights over a year, a shell of 1584
+//! satellites, one element set per night and satellite.
 
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -32,7 +32,7 @@ use simulated_photometry::{SimulationOptions, simulate, write_mmt_csv};
 
 const SHELL: &str = "[[constellation]]\nname = 'shell'\nshell = [{ altitude_km = 550, inclination_deg = 53, planes = 72, \
                      satellites_per_plane = 22, phasing = 17 }]";
-/// Rounds of each measurement; the median is told.
+/// Rounds of each measurement; the median is printed.
 const ROUNDS: usize = 3;
 const DAY_S: f64 = 86_400.0;
 
@@ -49,14 +49,15 @@ fn first_night() -> Epoch {
     "2023-01-05T12:00:00 UTC".parse().expect("an epoch")
 }
 
-/// One element set a night and satellite.
+/// One element set per night and satellite.
 fn history() -> History {
     let shell = Constellation::from_toml(SHELL).expect("a shell").remove(0);
     let nights = (0..40).map(|night| seconds_after(first_night(), (f64::from(night) * 9.0 + 0.5) * DAY_S));
     History::new(nights.flat_map(|epoch| shell.element_sets(epoch)).collect())
 }
 
-/// Simulates so many million rows, and lets another process measure them, whose memory is then that of reading alone.
+/// Simulates the given number of million rows, and measures them in another process, so that its memory is that of
+/// reading only.
 fn make(millions: u32) {
     let (history, model) = (history(), ModelLibrary::embedded().get("starlink-v1.5").expect("shipped"));
     let folder = tempfile::tempdir().expect("a folder");
@@ -99,7 +100,7 @@ fn measure(folder: &Path) {
 
 fn time(name: &str, files: &[PathBuf], placement: &Placement) {
     let mut seconds: Vec<f64> = Vec::new();
-    let (mut told, mut rows) = (String::new(), 0);
+    let (mut summary, mut rows) = (String::new(), 0);
     for _ in 0..ROUNDS {
         let begin = Instant::now();
         let mut reader = RecordReader::open(files, &PhotometryOptions::default()).expect("files");
@@ -111,7 +112,8 @@ fn time(name: &str, files: &[PathBuf], placement: &Placement) {
         rows = reduction.points + dropped.total();
         let counts: Vec<String> = dropped.iter().map(|(reason, n, _)| format!("{} {n}", reason.name())).collect();
         let (pixels, kept) = (reduction.pixels.len(), reduction.kept().count());
-        told = format!("{} points in {pixels} pixels, {kept} kept; dropped: {}", reduction.points, counts.join(", "));
+        summary =
+            format!("{} points in {pixels} pixels, {kept} kept; dropped: {}", reduction.points, counts.join(", "));
     }
     seconds.sort_by(f64::total_cmp);
     let median = seconds[ROUNDS / 2];
@@ -120,17 +122,17 @@ fn time(name: &str, files: &[PathBuf], placement: &Placement) {
         rows as f64 * 1e-6 / median,
         memory("VmHWM")
     );
-    println!("    {told}");
+    println!("    {summary}");
 }
 
-/// The same file gzipped, beside it.
+/// Writes a gzipped copy of the file.
 fn pack(path: &Path) {
     let mut out = GzEncoder::new(File::create(path.with_extension("csv.gz")).expect("a file"), Compression::fast());
     out.write_all(&std::fs::read(path).expect("a file")).expect("packed");
     out.finish().expect("packed");
 }
 
-/// Peak or present memory, where the system tells.
+/// Peak or present memory, if the system provides it.
 fn memory(what: &str) -> String {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));

@@ -1,5 +1,6 @@
-//! Schedules as the field's own tools write them (tests/reference/make_schedule_samples.py), annotated: every original byte there, the same
-//! verdicts in every format, the streaks beside, and shares of a batch that make up the whole.
+//! Annotated schedules in the formats of common tools (samples from tests/reference/make_schedule_samples.py): original
+//! bytes are kept, verdicts agree between formats, streaks are written to a second file, and shards of a batch add up
+//! to the whole.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -19,7 +20,8 @@ fn annotated(folder: &TempDir, name: &str, more: &[&str]) -> PathBuf {
     PathBuf::from(output)
 }
 
-/// True where each line, and each object of JSON on one line, stands whole in a text, in the same order: something may have been added behind it.
+/// Whether each line of a text (and each object of one-line JSON) is contained unchanged and in order in another;
+/// additions are allowed.
 fn is_contained(original: &str, text: &str) -> bool {
     let mut rest = text;
     let mut pieces = original
@@ -35,7 +37,7 @@ fn is_contained(original: &str, text: &str) -> bool {
     })
 }
 
-/// Verdicts by `flag`, row by row.
+/// Verdicts of `flag`, one per row.
 fn verdicts(name: &str, more: &[&str]) -> Vec<String> {
     let answer = crate::common::cli::json(&[&["flag", "--schedule", &sample(name)], FLAG, SKY, more]);
     answer["flags"].as_array().unwrap().iter().map(|flag| flag["verdict"].as_str().unwrap().to_owned()).collect()
@@ -52,7 +54,7 @@ fn consdb_exports_are_tai_and_the_same_in_every_format() {
     for name in ["consdb.ecsv", "consdb_comma.ecsv", "consdb.vot"] {
         assert_eq!(verdicts(name, &[]), expected, "{name}");
     }
-    // The openings of the sample are 23:05:37 TAI and on: 37 s earlier in UTC.
+    // The sample's starts (23:05:37 on) are TAI: 37 s earlier in UTC.
     let answer = crate::common::cli::json(&[&["flag", "--schedule", &sample("consdb.csv")], FLAG, SKY]);
     assert_eq!(answer["provenance"]["time_scale"], "tai");
     assert_eq!(answer["provenance"]["schedule"]["first_start_utc"], "2024-08-14T23:05:00.000Z");
@@ -63,12 +65,12 @@ fn consdb_exports_are_tai_and_the_same_in_every_format() {
 }
 
 #[test]
-fn obsplan_feeds_need_their_scale_said_and_number_their_rows() {
+fn obsplan_feeds_need_a_time_scale_and_number_their_rows() {
     let (code, _, stderr) = run(&[&["flag", "--schedule", &sample("obsplan.json")], FLAG, SKY]);
     assert_eq!(code, 2);
     assert!(stderr.contains("t_planning names no time scale") && stderr.contains("37 s"), "{stderr}");
     let scale = &["--time-scale", "utc"];
-    // The same night as the other samples, without its rotation: circles do not care.
+    // The same night as the other samples, without rotation, which is irrelevant for a circular field.
     assert_eq!(verdicts("obsplan.json", scale), verdicts("consdb.csv", &[]));
     let folder = tempfile::tempdir().unwrap();
     let output = annotated(&folder, "obsplan.json", scale);
@@ -81,7 +83,7 @@ fn obsplan_feeds_need_their_scale_said_and_number_their_rows() {
 }
 
 #[test]
-fn every_original_byte_stays_and_a_second_time_takes_the_place_of_the_first() {
+fn original_bytes_are_kept_and_a_second_annotation_replaces_the_first() {
     for (name, scale) in [
         ("consdb.csv", &[][..]),
         ("consdb.ecsv", &[]),
@@ -99,7 +101,7 @@ fn every_original_byte_stays_and_a_second_time_takes_the_place_of_the_first() {
             text.matches("clear").count() + text.matches("streaked").count() + text.matches("avoid").count()
         };
         assert!(verdict_count(&text) >= 12, "{name}");
-        // What was annotated is read as before, and annotated again only when told.
+        // An annotated file can be read as before, and annotated again only with the flag.
         let output = output.display().to_string();
         let again = |more: &[&str]| {
             run(&[&["annotate", "--schedule", &output, "-o", &path(&folder, "second")], FLAG, SKY, scale, more])
@@ -111,7 +113,7 @@ fn every_original_byte_stays_and_a_second_time_takes_the_place_of_the_first() {
         assert_eq!(code, 0, "{name}: {stderr}");
         let strip = |text: &str| text.replace(&output, "").replace(&sample(name), "");
         assert_eq!(strip(&fs::read_to_string(path(&folder, "second")).unwrap()), strip(&text), "{name}");
-        // In place, too: the file is there whole or not at all, and nothing is left beside it.
+        // In place too, the file is written atomically and no temporary file remains.
         let (code, ..) = run(&[&["annotate", "--schedule", &output, "-o", &output, "--replace"], FLAG, SKY, scale]);
         assert_eq!(code, 0, "{name}");
         let stray = fs::read_dir(folder.path())
@@ -124,7 +126,7 @@ fn every_original_byte_stays_and_a_second_time_takes_the_place_of_the_first() {
 }
 
 #[test]
-fn streaks_stand_where_the_format_has_a_place_for_them() {
+fn streaks_are_written_where_the_format_allows() {
     let folder = tempfile::tempdir().unwrap();
     annotated(&folder, "consdb.csv", &[]);
     let rows = records(&fs::read_to_string(path(&folder, "consdb.streaks.csv")).unwrap());
@@ -144,7 +146,7 @@ fn streaks_stand_where_the_format_has_a_place_for_them() {
 }
 
 #[test]
-fn what_cannot_be_written_back_is_refused_before_any_work() {
+fn unwritable_formats_are_rejected_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
     let refused = |name: &str, text: &str, part: &str| {
         let input = path(&folder, name);
@@ -169,7 +171,7 @@ fn what_cannot_be_written_back_is_refused_before_any_work() {
 /// A field wide enough for streaks in most rows.
 const WIDE: &[&str] = &["--fov", "12deg", "--limit-mag", "6.5"];
 
-/// Three nights of the same evening.
+/// The same evening on three nights.
 fn three_nights() -> String {
     let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
     for night in 0..3 {
@@ -183,7 +185,7 @@ fn three_nights() -> String {
 }
 
 #[test]
-fn shares_of_a_batch_make_up_the_whole() {
+fn shards_of_a_batch_add_up_to_the_whole() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = path(&folder, "nights.csv");
     fs::write(&schedule, three_nights()).unwrap();
@@ -225,7 +227,8 @@ fn shares_of_a_batch_make_up_the_whole() {
     assert_eq!(all_streaks, streaks);
     assert!(!streaks.is_empty());
 
-    // In the other formats a share is a whole file of its own format: one night here, so one share has it and the other has none.
+    // In the other formats a shard is a complete file: there is one night here, so one shard has it and the other has
+    // no rows.
     for (name, scale) in [
         ("consdb.ecsv", &[][..]),
         ("consdb.vot", &[]),
@@ -268,33 +271,34 @@ mod parquet {
 
     fn read(path: &Path) -> (RecordBatch, Vec<(String, Option<String>)>) {
         let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
-        let said = builder.metadata().file_metadata().key_value_metadata().cloned().unwrap_or_default();
-        let said = said.into_iter().filter(|one| one.key != "ARROW:schema").map(|one| (one.key, one.value)).collect();
+        let metadata = builder.metadata().file_metadata().key_value_metadata().cloned().unwrap_or_default();
+        let metadata =
+            metadata.into_iter().filter(|one| one.key != "ARROW:schema").map(|one| (one.key, one.value)).collect();
         let schema = builder.schema().clone();
         let batches: Vec<RecordBatch> = builder.build().unwrap().collect::<Result<_, _>>().unwrap();
-        (concat_batches(&schema, &batches).unwrap(), said)
+        (concat_batches(&schema, &batches).unwrap(), metadata)
     }
 
     #[test]
-    fn columns_values_gaps_and_metadata_stay() {
+    fn columns_values_nulls_and_metadata_are_kept() {
         let folder = tempfile::tempdir().unwrap();
         let output = annotated(&folder, "consdb.parquet", &[]);
-        let (before, said_before) = read(Path::new(&sample("consdb.parquet")));
-        let (after, said_after) = read(&output);
-        assert_eq!(said_after, said_before);
+        let (before, metadata_before) = read(Path::new(&sample("consdb.parquet")));
+        let (after, metadata_after) = read(&output);
+        assert_eq!(metadata_after, metadata_before);
         assert_eq!(after.schema().metadata(), before.schema().metadata());
         assert_eq!(after.num_rows(), 12);
         for (index, field) in before.schema().fields().iter().enumerate() {
             assert_eq!(after.schema().field(index), field.as_ref());
             let (old, new) = (before.column(index).to_data(), after.column(index).to_data());
-            // NaN in a list is not equal to itself; its bytes are.
+            // NaN values in a list are compared by their bytes.
             assert!(old == new || format!("{old:?}") == format!("{new:?}"), "{}", field.name());
         }
         let verdict = after.column_by_name("verdict").unwrap().as_string::<i32>().iter();
         let found: Vec<String> = verdict.map(|verdict| verdict.unwrap().to_owned()).collect();
         assert_eq!(found, verdicts("consdb.csv", &[]));
-        let (streaks, said) = read(Path::new(&path(&folder, "consdb.streaks.parquet")));
-        assert!(streaks.num_rows() > 0 && said[0].0 == "provenance");
+        let (streaks, metadata) = read(Path::new(&path(&folder, "consdb.streaks.parquet")));
+        assert!(streaks.num_rows() > 0 && metadata[0].0 == "provenance");
         let again = path(&folder, "again.parquet");
         let output = output.display().to_string();
         let (code, ..) = run(&[&["annotate", "--schedule", &output, "-o", &again], FLAG, SKY]);

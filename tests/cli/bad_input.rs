@@ -1,4 +1,4 @@
-//! What the command line says to input that is none: one line, exit code 2, nothing half-written.
+//! Errors of the command line for invalid input: one line, exit code 2, no partial output.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -32,7 +32,7 @@ fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// One line of error that holds every part, nothing on standard output, exit code 2.
+/// Checks that a run fails with one error line that contains every part, nothing on standard output, and exit code 2.
 #[track_caller]
 fn fails(arguments: &[&[&str]], parts: &[&str]) {
     let (code, stdout, stderr) = run(arguments);
@@ -55,10 +55,10 @@ fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 
-/// Nobody who asks for Parquet gets lines of text in its place.
+/// A request for Parquet is not answered with text.
 #[cfg(not(feature = "parquet"))]
 #[test]
-fn parquet_is_refused_where_it_cannot_be_written() {
+fn parquet_is_rejected_without_a_file() {
     let folder = TempDir::new().unwrap();
     let schedule = file(&folder, "s.csv", HEADER.as_bytes());
     for name in ["out.parquet", "OUT.PARQUET"] {
@@ -71,21 +71,21 @@ fn parquet_is_refused_where_it_cannot_be_written() {
     }
 }
 
-/// A word that is no text is an unknown word as any other.
+/// An argument that is not UTF-8 is reported like any other unknown argument.
 #[cfg(unix)]
 #[test]
-fn a_word_that_is_no_text_gets_one_line() {
+fn an_argument_that_is_not_utf8_gives_one_line() {
     use std::os::unix::ffi::OsStrExt;
     let word = std::ffi::OsStr::from_bytes(b"fore\xff");
     let output = Command::new(STREAKCAST).arg(word).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.starts_with("error: ") && said.contains("allowed: passes, flag"), "{said}");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{stderr}");
+    assert!(stderr.starts_with("error: ") && stderr.contains("allowed: passes, flag"), "{stderr}");
 }
 
-/// An unknown word is told what words there are, and a number as it was typed.
+/// Errors for unknown values list the allowed ones, and quote numbers as typed.
 #[test]
-fn what_is_allowed_stands_beside_what_is_unknown() {
+fn errors_for_unknown_values_list_the_allowed_ones() {
     fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
     #[cfg(feature = "fit")]
     fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
@@ -102,7 +102,7 @@ fn what_is_allowed_stands_beside_what_is_unknown() {
 }
 
 #[test]
-fn sites_and_satellites_that_are_not_there() {
+fn missing_sites_and_satellites() {
     fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it: "]);
     fails(&[POINTING, SHELLS, &["--site", "Moon"]], &["unknown site \"Moon\"", "streakcast sites", "--lat"]);
     fails(&[POINTING, SHELLS, &["--mpc", "ZZZ"]], &["unknown MPC observatory code \"ZZZ\""]);
@@ -113,7 +113,7 @@ fn sites_and_satellites_that_are_not_there() {
 }
 
 #[test]
-fn element_files_that_are_none() {
+fn invalid_element_files() {
     let folder = tempfile::tempdir().unwrap();
     let elements = |path: &str, parts: &[&str]| fails(&[POINTING, SITE, &["--elements", path]], parts);
     elements(&file(&folder, "empty.tle", b""), &["empty.tle", "is empty"]);
@@ -127,7 +127,7 @@ fn element_files_that_are_none() {
 }
 
 #[test]
-fn times_and_angles_that_are_none() {
+fn invalid_times_and_angles() {
     let with = |change: &[&str], parts: &[&str]| {
         let others = POINTING[1..].chunks(2).filter(|pair| pair[0] != change[0]).flatten();
         let arguments: Vec<&str> = POINTING[..1].iter().chain(others).chain(change).copied().collect();
@@ -159,7 +159,7 @@ fn times_and_angles_that_are_none() {
 }
 
 #[test]
-fn numbers_that_are_none() {
+fn invalid_numbers() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
     for (name, allowed) in [
@@ -181,7 +181,7 @@ fn numbers_that_are_none() {
 }
 
 #[test]
-fn schedules_that_are_none() {
+fn invalid_schedules() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = |name: &str, bytes: &[u8], parts: &[&str]| fails(&[&flag(&file(&folder, name, bytes))], parts);
     schedule("empty.csv", b"", &["empty.csv is empty"]);
@@ -203,7 +203,7 @@ fn schedules_that_are_none() {
     let mjd = b"exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n1,60536.14,30,280,-30\n";
     schedule("mjd.csv", mjd, &["start_mjd names no time scale", "--time-scale utc, tai or tt", "37 s"]);
     let early = format!("{HEADER}1,1850-08-14T03:30:00Z,30,280,-30\n");
-    // Rows that cannot be judged are an answer, not a failure.
+    // Rows that cannot be evaluated are reported in the result and are not an error.
     let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);
     assert_eq!(code, 0, "{stderr}");
     for part in ["warning: ", "none of its 1 rows can be judged", "no ephemeris", "1957 to 2099"] {
@@ -215,7 +215,7 @@ fn schedules_that_are_none() {
 }
 
 #[test]
-fn words_that_mean_nothing() {
+fn unknown_arguments() {
     let folder = tempfile::tempdir().unwrap();
     fails(&[POINTING, SITE, SHELLS, &["--format", "xlsx"]], &["'xlsx'", "table, csv, ecsv, json, jsonl"]);
     fails(&[POINTING, SITE, SHELLS, &["--band", "q"]], &["unknown band \"q\""]);
@@ -240,14 +240,14 @@ fn words_that_mean_nothing() {
     assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
     let policy = file(&folder, "r.toml", b"margin_s = -1\n");
     fails(&[&flag(&schedule), &["--policy", &policy]], &["r.toml: margin_s is -1, allowed 0 to 3600 s"]);
-    for (verb, told) in
+    for (verb, expected) in
         [("passes", "how many of the crossings"), ("flag", "one to avoid"), ("annotate", "one to avoid")]
     {
         let (_, help, _) = run(&[&[verb, "-h"]]);
         let (_, after) = help.split_once("--limit-mag").unwrap();
         let own = after.split(" --").next().unwrap_or_default();
         let own = own.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(own.contains(told), "{verb}: {own}");
+        assert!(own.contains(expected), "{verb}: {own}");
     }
     fails(&[&flag(&schedule), &["--fail-on", "clear"]], &["clear", "streaked", "avoid"]);
     fails(&[&["model", "show", "nonsense"]], &["unknown model 'nonsense'", "starlink-v1.5"]);
@@ -256,7 +256,7 @@ fn words_that_mean_nothing() {
 }
 
 #[test]
-fn a_failure_leaves_no_file_and_the_old_one_as_it_was() {
+fn a_failure_leaves_no_new_file_and_keeps_the_old_one() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = file(&folder, "s.csv", b"exposure_id,start_utc\n1,nan\n");
     let new = folder.path().join("new.csv").display().to_string();
@@ -271,14 +271,14 @@ fn a_failure_leaves_no_file_and_the_old_one_as_it_was() {
         &[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]],
         &["cannot write /nowhere/at/all.csv: folder /nowhere/at: No such file"],
     );
-    // The folder is asked about before the schedule is even read.
+    // The output folder is checked before the schedule is read.
     fails(&[&flag("/nowhere.csv"), &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
     let (_, _, stderr) = run(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]]);
     assert!(!stderr.contains(".part"), "{stderr}");
 }
 
 #[test]
-fn rows_that_cannot_be_judged_stay_with_their_reason_and_the_rest_goes_on() {
+fn invalid_rows_are_kept_with_a_reason_and_the_others_are_evaluated() {
     let folder = tempfile::tempdir().unwrap();
     let rows = [
         ("ok", "2024-08-14T03:30:00Z", "30", "280", "-30", ""),
@@ -318,7 +318,7 @@ fn rows_that_cannot_be_judged_stay_with_their_reason_and_the_rest_goes_on() {
 }
 
 #[test]
-fn what_may_go_unnoticed_in_a_schedule_is_a_warning() {
+fn suspicious_schedules_give_warnings() {
     let folder = tempfile::tempdir().unwrap();
     let header = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n";
     let rows = "a,2024-08-14T03:30:00Z,30,280,-30,g\na,2024-08-14T03:31:00Z,30,280,-30,q\nb,2024-08-14T03:32:00Z,30,280,-30,\n";
@@ -336,14 +336,14 @@ fn what_may_go_unnoticed_in_a_schedule_is_a_warning() {
 }
 
 #[test]
-fn a_reader_that_has_seen_enough_is_no_failure() {
+fn a_closed_output_pipe_is_not_an_error() {
     let mut child = Process::new(STREAKCAST)
         .args(["sites", "--format", "csv"])
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    // Closed before anything is read: the first write already fails.
+    // The pipe is closed before anything is read, so the first write fails.
     drop(child.stdout.take());
     let mut stderr = String::new();
     child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
@@ -351,7 +351,7 @@ fn a_reader_that_has_seen_enough_is_no_failure() {
 }
 
 #[test]
-fn elements_a_year_old_are_a_warning_and_a_wide_sigma() {
+fn elements_a_year_old_give_a_warning_and_a_large_sigma() {
     let Some(data) = crate::common::data_dir() else { return };
     let elements = data.join("tle/active/starlink_2023-10-16.txt").display().to_string();
     let year_later = [
@@ -389,7 +389,7 @@ fn elements_a_year_old_are_a_warning_and_a_wide_sigma() {
 }
 
 #[test]
-fn messy_element_files_are_read_with_their_rejects_counted() {
+fn element_files_with_invalid_records_are_read_and_rejects_counted() {
     let Some(data) = crate::common::data_dir() else { return };
     for entry in fs::read_dir(data.join("tle/messy")).unwrap() {
         let path = entry.unwrap().path().display().to_string();
@@ -400,7 +400,7 @@ fn messy_element_files_are_read_with_their_rejects_counted() {
 }
 
 #[test]
-fn misspelt_columns_are_guessed_and_other_alphabets_named() {
+fn misspelt_columns_are_suggested_and_other_encodings_named() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = |name: &str, bytes: &[u8], parts: &[&str]| fails(&[&flag(&file(&folder, name, bytes))], parts);
     let misspelt = b"Exposure ID,start_utc,duraton_s,RA_deg,band\n1,2024-08-14T03:30:00Z,30,280,r\n";
@@ -417,9 +417,9 @@ fn misspelt_columns_are_guessed_and_other_alphabets_named() {
 }
 
 #[test]
-fn an_annotation_that_cannot_be_written_is_refused_before_any_work() {
+fn an_unwritable_annotation_is_rejected_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
-    // A schedule that is not even there: the folder is what is told of.
+    // The schedule does not exist, but the error is about the folder.
     let nowhere = folder.path().join("no/such/out.csv").display().to_string();
     fails(
         &[&["annotate", "--schedule", "/nowhere.csv", "-o", &nowhere, "--fov", "1deg"], SITE, SHELLS],
@@ -430,7 +430,7 @@ fn an_annotation_that_cannot_be_written_is_refused_before_any_work() {
 }
 
 #[test]
-fn a_configurations_time_scale_yields_where_a_flags_contradicts() {
+fn a_time_scale_of_the_configuration_yields_to_the_column() {
     let folder = tempfile::tempdir().unwrap();
     let row = "1,60536.1,30,280,-30\n";
     let named =
@@ -450,7 +450,7 @@ fn a_configurations_time_scale_yields_where_a_flags_contradicts() {
 }
 
 #[test]
-fn rows_that_cannot_be_judged_rest_on_no_moment() {
+fn invalid_rows_need_no_epoch() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,nan\n").as_bytes());
     let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
@@ -465,7 +465,7 @@ fn rows_that_cannot_be_judged_rest_on_no_moment() {
 }
 
 #[test]
-fn a_policy_that_asks_for_the_telescopes_limits_needs_a_telescope() {
+fn a_policy_with_limits_of_the_telescope_needs_a_telescope() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
     let policy = file(&folder, "p.toml", b"saturation_mag = 'telescope'\n");
@@ -476,7 +476,7 @@ fn a_policy_that_asks_for_the_telescopes_limits_needs_a_telescope() {
     let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy, "--telescope", "rubin"]]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("saturation_mag has no number for band none in the file of the telescope"), "{stderr}");
-    // A telescope that has none of these limits at all cannot be asked for them.
+    // A telescope without such limits is rejected.
     fails(
         &[&flag(&schedule), &["--policy", &policy, "--telescope", "decam"]],
         &["the policy says saturation_mag = \"telescope\", but the file of decam has no such limit in any band"],

@@ -1,4 +1,4 @@
-//! `streakcast doctor`: what would be wrong, told before the night.
+//! `streakcast doctor`: checks before the night.
 
 use crate::common::cli::{path, run};
 use crate::common::elements::pair;
@@ -17,7 +17,7 @@ fn findings(words: &[&str]) -> (i32, Vec<(String, String, String)>, Value) {
     (code, all, answer)
 }
 
-/// Element sets of ages 0.5 to 40 days, one of the future, one there twice, one with a broken record.
+/// Element sets with ages of 0.5 to 40 days, one in the future, one duplicate and one invalid record.
 fn file(folder: &tempfile::TempDir) -> String {
     let days = ["226.00000000", "225.00000000", "216.00000000", "186.00000000", "234.00000000"];
     let mut text: String = days.iter().zip(90_000..).map(|(day, id)| pair(id, day)).collect();
@@ -50,7 +50,7 @@ fn ages_repetitions_and_rejections_are_counted() {
 }
 
 #[test]
-fn the_page_has_bars_and_what_to_do() {
+fn the_page_has_bars_and_remedies() {
     let folder = tempfile::tempdir().unwrap();
     let (elements, cache) = (file(&folder), path(&folder, "cache"));
     let (code, page, _) = doctor(&["--elements", &elements, "--mpc", "X05", "--cache", &cache]);
@@ -65,7 +65,7 @@ fn the_page_has_bars_and_what_to_do() {
     ] {
         assert!(page.contains(expected), "{expected}: {page}");
     }
-    // The worst first.
+    // The most severe finding comes first.
     let severities: Vec<&str> = page
         .lines()
         .skip(2)
@@ -79,7 +79,7 @@ fn the_page_has_bars_and_what_to_do() {
 }
 
 #[test]
-fn what_cannot_be_read_is_an_error_and_the_rest_is_told() {
+fn unreadable_files_are_errors_and_the_other_findings_are_listed() {
     let folder = tempfile::tempdir().unwrap();
     let cache = path(&folder, "cache");
     let (code, all, _) = findings(&["--elements", "missing.tle", "--mpc", "ZZZ", "--cache", &cache]);
@@ -94,7 +94,7 @@ fn what_cannot_be_read_is_an_error_and_the_rest_is_told() {
 }
 
 #[test]
-fn the_cache_is_looked_at() {
+fn the_cache_is_checked() {
     let folder = tempfile::tempdir().unwrap();
     let cache = folder.path().display().to_string();
     let record = r#"{"source": "CelesTrak", "url": "u", "fetched_utc": "2026-08-01T00:00:00Z", "records": 7,
@@ -113,7 +113,7 @@ fn the_cache_is_looked_at() {
 }
 
 #[test]
-fn what_was_not_looked_at_is_told_and_strict_does_not_pass_it() {
+fn unchecked_items_are_listed_and_fail_with_strict() {
     let folder = tempfile::tempdir().unwrap();
     let (elements, cache) = (file(&folder), path(&folder, "none"));
     let (code, page, _) = doctor(&["--cache", &cache]);
@@ -122,7 +122,7 @@ fn what_was_not_looked_at_is_told_and_strict_does_not_pass_it() {
         assert!(page.contains(line), "{line}: {page}");
     }
     assert_eq!(doctor(&["--cache", &cache, "--strict"]).0, 1);
-    // Nothing wrong, but no site.
+    // No problem, but no site either.
     let synthetic = ["--shells", "oneweb", "--cache", &cache, "--strict"];
     assert_eq!(doctor(&synthetic).0, 1);
     assert_eq!(doctor(&[&synthetic[..], &["--mpc", "X05"]].concat()).0, 0);
@@ -134,7 +134,7 @@ fn what_was_not_looked_at_is_told_and_strict_does_not_pass_it() {
 }
 
 #[test]
-fn limits_are_flags_and_a_policy_that_cannot_be_read_is_an_error() {
+fn limits_can_be_flags_and_an_unreadable_policy_is_an_error() {
     let folder = tempfile::tempdir().unwrap();
     let (policy, cache) = (path(&folder, "p.toml"), path(&folder, "none"));
     let about = |words: &[&str]| {
@@ -159,8 +159,8 @@ fn limits_are_flags_and_a_policy_that_cannot_be_read_is_an_error() {
     assert!(code == 2 && severity == "error" && words.contains("limit_magg"), "{words}");
 }
 
-/// No two findings say opposite things: of another time than the clock's nobody is told to set the clock, old elements are not "newer" for an old
-/// question, and the models that were counted add up.
+/// Findings do not contradict each other: for a time other than the clock's no advice on the clock is given, old
+/// elements are not called "newer" for an earlier time, and the numbers of models add up.
 #[test]
 fn no_finding_contradicts_another() {
     let folder = tempfile::tempdir().unwrap();
@@ -180,7 +180,7 @@ fn no_finding_contradicts_another() {
         "{page}"
     );
     assert_eq!(page.matches(" models: ").count(), 1, "{page}");
-    // Models that cannot be read: no word that every satellite has one.
+    // Unreadable models: no finding claims that every satellite has one.
     let config = path(&folder, "c.toml");
     std::fs::write(&config, "[models]\nfiles = ['no-such-model.json']\n").unwrap();
     let (code, page, _) = doctor(&["--elements", &elements, "--config", &config, "--cache", &cache]);

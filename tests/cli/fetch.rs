@@ -1,4 +1,5 @@
-//! `streakcast fetch` against servers that misbehave: a good cached file is never replaced but by a better one, and nobody is asked twice.
+//! `streakcast fetch` with faulty servers: a valid cached file is replaced only by a valid newer one, and requests are
+//! not repeated early.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -17,10 +18,10 @@ fn elements(file: &str) -> Vec<u8> {
     crate::common::elements::sample(file)
 }
 
-/// A server on loopback that answers each connection in turn, and keeps what it was asked.
+/// A server on loopback that answers each connection in turn and records the requests.
 struct Server {
     url: String,
-    asked: Arc<Mutex<Vec<String>>>,
+    requests: Arc<Mutex<Vec<String>>>,
 }
 
 type Reply = Box<dyn Fn(&mut TcpStream) + Send>;
@@ -29,28 +30,28 @@ impl Server {
     fn new(replies: Vec<Reply>) -> Self {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let url = format!("http://{}", listener.local_addr().unwrap());
-        let asked = Arc::new(Mutex::new(Vec::new()));
-        let kept = asked.clone();
+        let requests = Arc::new(Mutex::new(Vec::new()));
+        let shared = requests.clone();
         std::thread::spawn(move || {
             for reply in replies {
                 let Ok((mut stream, _)) = listener.accept() else { return };
-                kept.lock().unwrap().push(request(&mut stream));
+                shared.lock().unwrap().push(request(&mut stream));
                 reply(&mut stream);
             }
         });
-        Self { url, asked }
+        Self { url, requests }
     }
 
     fn one(reply: impl Fn(&mut TcpStream) + Send + 'static) -> Self {
         Self::new(vec![Box::new(reply)])
     }
 
-    fn asked(&self) -> Vec<String> {
-        self.asked.lock().unwrap().clone()
+    fn requests(&self) -> Vec<String> {
+        self.requests.lock().unwrap().clone()
     }
 }
 
-/// Head and, where its length is told, body of a request.
+/// Reads the head and, if its length is given, the body of a request.
 fn request(stream: &mut TcpStream) -> String {
     let mut bytes = Vec::new();
     let mut buffer = [0; 4096];
@@ -72,7 +73,7 @@ fn request(stream: &mut TcpStream) -> String {
 }
 
 fn send(stream: &mut TcpStream, bytes: &[u8]) {
-    // A client that has gone is part of the play.
+    // The client may have closed the connection.
     let _ = stream.write_all(bytes);
 }
 
@@ -113,7 +114,7 @@ impl Cache {
 
     fn source(&self, source: &[&str], server: &str, now: &str, more: &[&str]) -> (i32, String, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));
-        // A proxy of this machine has nothing to say about loopback.
+        // A proxy of this machine does not apply to loopback.
         for name in ["http_proxy", "HTTP_PROXY", "https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"] {
             command.env_remove(name);
         }
@@ -123,7 +124,7 @@ impl Cache {
         (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
     }
 
-    /// With a good file of two days before, so that the wait is over.
+    /// A cache with a valid file from two days before, so that the waiting time is over.
     fn filled() -> Self {
         let cache = Self::new();
         let headers = "Content-Type: text/csv\r\nETag: \"abc\"\r\nLast-Modified: Mon, 12 Aug 2024 10:00:00 GMT\r\n";
@@ -136,7 +137,7 @@ impl Cache {
 }
 
 #[test]
-fn what_comes_is_kept_with_where_it_came_from() {
+fn a_response_is_stored_with_its_source() {
     let cache = Cache::filled();
     assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
     let record = cache.record();
@@ -148,7 +149,7 @@ fn what_comes_is_kept_with_where_it_came_from() {
 }
 
 #[test]
-fn within_the_wait_nobody_is_asked_and_the_cached_file_serves() {
+fn within_the_waiting_time_no_request_is_sent_and_the_cached_file_is_used() {
     let cache = Cache::filled();
     let server = Server::new(Vec::new());
     let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T13:59:00Z", &[]);
@@ -157,8 +158,8 @@ fn within_the_wait_nobody_is_asked_and_the_cached_file_serves() {
         stderr.contains("https://celestrak.org/usage-policy.php") && stderr.contains("not asked again for 1 min"),
         "{stderr}"
     );
-    assert!(server.asked().is_empty());
-    // Without a file there is nothing to serve.
+    assert!(server.requests().is_empty());
+    // Without a cached file this is an error.
     std::fs::remove_file(cache.file()).unwrap();
     let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T13:59:00Z", &[]);
     assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
@@ -166,28 +167,28 @@ fn within_the_wait_nobody_is_asked_and_the_cached_file_serves() {
 }
 
 #[test]
-fn later_questions_are_conditional_and_304_keeps_the_file() {
+fn later_requests_are_conditional_and_304_keeps_the_file() {
     let cache = Cache::filled();
     let server = Server::one(|stream| answer(stream, "304 Not Modified", "", b""));
     let (code, stdout, stderr) = cache.run(&server.url, NOON, &[]);
     assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
-    let asked = server.asked()[0].to_ascii_lowercase();
+    let requests = server.requests()[0].to_ascii_lowercase();
     assert!(
-        asked.contains("if-none-match: \"abc\"") && asked.contains("if-modified-since: mon, 12 aug 2024"),
-        "{asked}"
+        requests.contains("if-none-match: \"abc\"") && requests.contains("if-modified-since: mon, 12 aug 2024"),
+        "{requests}"
     );
     let record = cache.record();
     assert_eq!((&record["fetched_utc"], &record["asked_utc"]), (&"2024-08-12T12:00:00Z".into(), &NOON.into()));
     assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
-    // A file that somebody else wrote is not what the source means by "not modified".
+    // A file changed by another program is not what the server means by "not modified".
     std::fs::write(cache.file(), elements("sample.2le")).unwrap();
     let server = Server::one(ok(elements("sample.csv"), ""));
     assert_eq!(cache.run(&server.url, "2024-08-15T12:00:00Z", &[]).0, 0);
-    assert!(!server.asked()[0].to_ascii_lowercase().contains("if-none-match"));
+    assert!(!server.requests()[0].to_ascii_lowercase().contains("if-none-match"));
 }
 
 #[test]
-fn a_newer_file_takes_the_place_of_the_old() {
+fn a_newer_file_replaces_the_old_one() {
     let cache = Cache::filled();
     let newer = crate::common::elements::gzip(&elements("sample.csv"));
     let server = Server::one(ok(newer, "Content-Encoding: gzip\r\nContent-Type: text/csv\r\n"));
@@ -197,9 +198,9 @@ fn a_newer_file_takes_the_place_of_the_old() {
     assert_eq!(cache.record()["fetched_utc"], NOON);
 }
 
-/// Every way in which a server can fail: the good file stays, the record says why, and the next question waits.
+/// For each server failure the valid file is kept, the record has the reason, and the next request waits.
 #[test]
-fn nothing_bad_replaces_a_good_file() {
+fn no_failure_replaces_a_valid_file() {
     let status = |status: &'static str, headers: &'static str, body: &'static str| -> Reply {
         Box::new(move |stream| answer(stream, status, headers, body.as_bytes()))
     };
@@ -230,7 +231,7 @@ fn nothing_bad_replaces_a_good_file() {
         (status("200 OK", "Content-Type: image/png\r\n", "\u{1}PNG"), &[], "no element sets"),
         (status("200 OK", "", ""), &[], "nothing"),
         (status("200 OK", "Content-Encoding: gzip\r\n", "this is not gzip"), &[], "the answer broke off"),
-        // More bytes were announced than came.
+        // More bytes are announced than sent.
         (
             Box::new(move |stream| {
                 send(stream, format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n", half.len()).as_bytes());
@@ -239,7 +240,7 @@ fn nothing_bad_replaces_a_good_file() {
             &[],
             "the answer broke off",
         ),
-        // Without any length, cut within the record.
+        // No length is given, and the last record is cut.
         (
             Box::new(move |stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n");
@@ -248,19 +249,19 @@ fn nothing_bad_replaces_a_good_file() {
             &[],
             "what came is",
         ),
-        // Chunks that end before the last.
+        // The connection ends before the last chunk.
         (
             Box::new(|stream| send(stream, b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nOBJEC\r\n")),
             &[],
             "the answer broke off",
         ),
-        // More than is taken.
+        // More bytes than the limit.
         (Box::new(ok(vec![b'1'; 5_000], "")), &["--max-bytes", "1000"], "more than the 1000 bytes"),
-        // A byte now and then.
+        // Single bytes with long pauses.
         (
             Box::new(|stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n");
-                // Until the client closes.
+                // Until the client closes the connection.
                 while stream.write_all(b"1").is_ok() {
                     std::thread::sleep(Duration::from_millis(50));
                 }
@@ -268,9 +269,9 @@ fn nothing_bad_replaces_a_good_file() {
             &["--timeout", "5s"],
             "the answer broke off",
         ),
-        // Silence.
+        // No response.
         (Box::new(|stream| _ = stream.read(&mut [0])), &["--timeout", "5s"], "no answer"),
-        // Hung up at once; not HTTP at all.
+        // Closed at once; not HTTP.
         (Box::new(|_| {}), &[], "no answer"),
         (Box::new(|stream| send(stream, b"SSH-2.0-OpenSSH_9.6\r\n")), &[], "no answer"),
     ];
@@ -289,13 +290,13 @@ fn nothing_bad_replaces_a_good_file() {
             (&"2024-08-12T12:00:00Z".into(), &NOON.into()),
             "{record}"
         );
-        assert_eq!(server.asked().len(), 1, "{expected}");
-        // The refusal is remembered: the old file serves with a warning, nobody is asked.
+        assert_eq!(server.requests().len(), 1, "{expected}");
+        // The failure is remembered: the old file is used with a warning and no request is sent.
         let (code, stdout, stderr) = cache.run(&server.url, "2024-08-14T13:00:00Z", &[]);
         assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
         assert!(stderr.contains("warning: CelesTrak was asked for this at 2024-08-14T12:00:00Z"), "{stderr}");
-        assert_eq!(server.asked().len(), 1);
-        // Nothing half-written lies about.
+        assert_eq!(server.requests().len(), 1);
+        // No partial file remains.
         let left: Vec<_> = std::fs::read_dir(cache.folder())
             .unwrap()
             .map(|entry| entry.unwrap().file_name().into_string().unwrap())
@@ -304,9 +305,9 @@ fn nothing_bad_replaces_a_good_file() {
     }
 }
 
-/// A name without an address, a port where nobody listens, a service whose TLS is none: nobody was asked, so no wait begins.
+/// Unresolvable name, closed port, failing TLS: no request was sent, so no waiting time starts.
 #[test]
-fn who_was_not_reached_was_not_asked() {
+fn failed_connections_start_no_waiting_time() {
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let plain = Server::one(|stream| send(stream, b"HTTP/1.1 400 Bad Request\r\n\r\n"));
     for url in
@@ -321,12 +322,12 @@ fn who_was_not_reached_was_not_asked() {
         assert!(error.contains("stays as it was; it was not asked, and may be at once"), "{url}: {stderr}");
         assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
         assert_eq!(cache.record(), before, "{url}");
-        // A minute later the network is back.
+        // A minute later the network is available.
         let server = Server::one(|stream| answer(stream, "304 Not Modified", "", b""));
         assert_eq!(cache.run(&server.url, "2024-08-14T12:01:00Z", &[]).0, 0, "{url}");
-        assert_eq!(server.asked().len(), 1, "{url}");
+        assert_eq!(server.requests().len(), 1, "{url}");
     }
-    // The first question of all leaves nothing behind that could bind.
+    // A first failed request leaves no record that would delay the next one.
     let cache = Cache::new();
     assert_eq!(cache.run(&format!("http://{gone}"), NOON, &[]).0, 2);
     assert!(!cache.folder().join(format!("{NAME}.fetch.json")).exists());
@@ -334,9 +335,9 @@ fn who_was_not_reached_was_not_asked() {
     assert_eq!(cache.run(&server.url, NOON, &[]).0, 0);
 }
 
-/// A login that comes to nobody binds no more than a question.
+/// A login without connection starts no waiting time.
 #[test]
-fn a_login_that_reaches_nobody_is_not_counted() {
+fn a_login_without_connection_starts_no_waiting_time() {
     let cache = Cache::new();
     let account = cache.folder().join("account");
     std::fs::write(&account, "me\nsecret\n").unwrap();
@@ -344,14 +345,14 @@ fn a_login_that_reaches_nobody_is_not_counted() {
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (code, _, stderr) = cache.source(&words, &format!("http://{gone}"), NOON, &[]);
     assert!(code == 2 && stderr.contains("it was not asked, and may be at once"), "{stderr}");
-    // Reached, and hung up: that counts.
+    // A login that is received and then disconnected does.
     let server = Server::one(|_| {});
     let (code, _, stderr) = cache.source(&words, &server.url, NOON, &[]);
     assert!(code == 2 && stderr.contains("no answer to the login") && stderr.contains("not asked again"), "{stderr}");
 }
 
 #[test]
-fn a_cache_that_is_a_file_says_what_is_allowed() {
+fn a_cache_path_that_is_a_file_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a-file");
     std::fs::write(&file, "x").unwrap();
@@ -371,7 +372,7 @@ fn a_cache_that_is_a_file_says_what_is_allowed() {
 }
 
 #[test]
-fn a_file_that_has_lost_most_of_its_records_is_not_taken_unasked() {
+fn a_file_with_far_fewer_records_is_rejected_without_a_flag() {
     let cache = Cache::new();
     let many: String = (0..10).map(|id| crate::common::elements::pair(90_000 + id, "223.50000000")).collect();
     let tle = ["celestrak", "--group", "starlink", "--elements-format", "tle"];
@@ -389,7 +390,7 @@ fn a_file_that_has_lost_most_of_its_records_is_not_taken_unasked() {
 }
 
 #[test]
-fn space_track_logs_in_asks_and_logs_out_and_the_account_is_nowhere_to_be_read() {
+fn space_track_logs_in_and_out_and_the_account_is_not_stored() {
     let cache = Cache::new();
     let account = cache.folder().join("account");
     std::fs::write(&account, "me@example.org\nhunter+2&x=y\n").unwrap();
@@ -403,31 +404,31 @@ fn space_track_logs_in_asks_and_logs_out_and_the_account_is_nowhere_to_be_read()
     let words = ["space-track", "--credentials", &account.display().to_string()];
     let (code, stdout, stderr) = cache.source(&words, &server.url, NOON, &[]);
     assert_eq!(code, 0, "{stderr}");
-    let asked = server.asked();
+    let requests = server.requests();
     assert!(
-        asked[0].starts_with("POST /ajaxauth/login ")
-            && asked[0].ends_with("identity=me%40example.org&password=hunter%2B2%26x%3Dy"),
+        requests[0].starts_with("POST /ajaxauth/login ")
+            && requests[0].ends_with("identity=me%40example.org&password=hunter%2B2%26x%3Dy"),
         "{}",
-        asked[0]
+        requests[0]
     );
     assert!(
-        asked[1].starts_with("GET /basicspacedata/query/class/gp/decay_date/null-val/epoch/%3Enow-30/"),
+        requests[1].starts_with("GET /basicspacedata/query/class/gp/decay_date/null-val/epoch/%3Enow-30/"),
         "{}",
-        asked[1]
+        requests[1]
     );
-    assert!(asked[1].to_ascii_lowercase().contains("cookie: chocolatechip=123"), "{}", asked[1]);
-    assert!(asked[2].starts_with("GET /ajaxauth/logout "), "{}", asked[2]);
+    assert!(requests[1].to_ascii_lowercase().contains("cookie: chocolatechip=123"), "{}", requests[1]);
+    assert!(requests[2].starts_with("GET /ajaxauth/logout "), "{}", requests[2]);
     let record = std::fs::read_to_string(format!("{}.fetch.json", stdout.trim_end())).unwrap();
     for text in [&stdout, &stderr, &record] {
         assert!(!text.contains("hunter") && !text.contains("example.org"), "{text}");
     }
-    // A wrong password comes with 200.
+    // A wrong password is answered with status 200.
     let server =
         Server::one(|stream| answer(stream, "200 OK", "Set-Cookie: chocolatechip=1\r\n", b"{\"Login\":\"Failed\"}"));
     let (code, _, stderr) = cache.source(&words, &server.url, "2024-08-15T12:00:00Z", &[]);
     assert!(code == 2 && stderr.contains("the account was refused") && !stderr.contains("hunter"), "{stderr}");
-    assert_eq!(server.asked().len(), 1);
-    // From the environment, by name.
+    assert_eq!(server.requests().len(), 1);
+    // The account is read from environment variables.
     let (code, _, stderr) = cache.source(
         &["space-track", "--identity-env", "NO_SUCH_A", "--password-env", "NO_SUCH_B"],
         &server.url,
@@ -438,27 +439,27 @@ fn space_track_logs_in_asks_and_logs_out_and_the_account_is_nowhere_to_be_read()
 }
 
 #[test]
-fn supgp_and_satchecker_have_their_own_addresses() {
+fn supgp_and_satchecker_have_separate_addresses() {
     let cache = Cache::new();
     let server = Server::one(ok(elements("sample.csv"), ""));
     let (code, _, stderr) = cache.source(&["supgp", "--file", "starlink"], &server.url, NOON, &[]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(server.asked()[0].starts_with("GET /NORAD/elements/supplemental/sup-gp.php?FILE=starlink&FORMAT=csv "));
+    assert!(server.requests()[0].starts_with("GET /NORAD/elements/supplemental/sup-gp.php?FILE=starlink&FORMAT=csv "));
     let server = Server::one(ok(elements("sample.2le"), ""));
     let (code, stdout, stderr) =
         cache.source(&["satchecker", "--epoch", "2024-08-14T00:00:00Z"], &server.url, NOON, &[]);
     assert_eq!(code, 0, "{stderr}");
     // JD 2460536.5 is 2024-08-14 00:00.
     assert!(
-        server.asked()[0].starts_with("GET /tools/tles-at-epoch/?epoch=2460536.5000&format=txt "),
+        server.requests()[0].starts_with("GET /tools/tles-at-epoch/?epoch=2460536.5000&format=txt "),
         "{:?}",
-        server.asked()
+        server.requests()
     );
     assert!(stdout.trim_end().ends_with("satchecker-2460536.5000.tle"), "{stdout}");
 }
 
 #[test]
-fn what_is_typed_wrongly_asks_nobody() {
+fn invalid_arguments_send_no_request() {
     let cache = Cache::new();
     let server = Server::new(Vec::new());
     for (words, expected) in [
@@ -473,12 +474,12 @@ fn what_is_typed_wrongly_asks_nobody() {
         assert_eq!((code, stdout.as_str()), (2, ""), "{words:?}");
         assert!(stderr.lines().last().unwrap().contains(expected), "{words:?}: {stderr}");
     }
-    assert!(server.asked().is_empty());
+    assert!(server.requests().is_empty());
 }
 
-/// A crash between the question and the answer: the stamp is there already.
+/// After a crash between request and response the time of the request is already recorded.
 #[test]
-fn a_question_without_an_answer_counts() {
+fn a_request_without_a_response_starts_the_waiting_time() {
     let cache = Cache::filled();
     let path = cache.folder().join(format!("{NAME}.fetch.json"));
     let mut record = cache.record();

@@ -1,4 +1,4 @@
-//! `streakcast fit` as a user meets it: simulated photometry in a file, a model file, a report and chains out of it, and clear refusals.
+//! `streakcast fit`: simulated photometry in a file gives a model file, a report and chains; invalid input is rejected.
 
 use std::collections::HashMap;
 use std::fs;
@@ -13,7 +13,7 @@ use tempfile::{TempDir, tempdir};
 
 const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
 
-/// A folder with `mmt.csv`: tracks of one shell whose coefficients are known, and `fit.csv` of elements beside.
+/// A folder with `mmt.csv` (simulated tracks of one shell with known coefficients) and the element file `fit.csv`.
 fn folder() -> TempDir {
     let folder = tempdir().expect("a folder");
     let library = ModelLibrary::embedded();
@@ -52,25 +52,26 @@ fn run_words(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
 const FIT: &str = "fit run --photometry mmt.csv --height-km 550 --model starlink-v1.5 --raw-points --no-earthshine";
 
 #[test]
-fn verif_a_fit_writes_a_model_that_works_and_a_report_with_pictures() {
+fn verif_a_fit_writes_a_valid_model_and_a_report_with_charts() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    let (code, _, said) = run(folder.path(), &format!("{FIT} --name mine --date 2026-11 -o mine.json --report fit.md"));
-    assert!(code == 0 || said.contains("not sound:"), "{code} {said}");
-    assert!(said.contains("measurements") && said.contains("unseen: quadratic in phase"), "{said}");
+    let (code, _, stderr) =
+        run(folder.path(), &format!("{FIT} --name mine --date 2026-11 -o mine.json --report fit.md"));
+    assert!(code == 0 || stderr.contains("not sound:"), "{code} {stderr}");
+    assert!(stderr.contains("measurements") && stderr.contains("unseen: quadratic in phase"), "{stderr}");
     let text = fs::read_to_string(at("mine.json")).expect("a model file");
     let model = BrightnessModel::from_json(&text, "mine.json").expect("a model");
     let file = model.file().expect("a file");
     assert_eq!((file.name.as_str(), file.provenance.date.as_str()), ("mine", "2026-11"));
     assert!(file.covariance.is_some() && file.geometry_range.is_some() && file.rms_mag.is_some_and(|rms| rms < 0.6));
     let c = file.coefficients.expect("coefficients");
-    // Circles of 550 km stand for orbits: the geometry is off by degrees, and nothing more exact than this can come back.
+    // Orbits are approximated by circles at 550 km: the geometry has errors of degrees, which limits the accuracy.
     assert!((c.c5 / 0.09 - 1.0).abs() < 0.3 && (c.c3 / 0.006 - 1.0).abs() < 0.5, "{c:?}");
     let report = fs::read_to_string(at("fit.md")).expect("a report");
     for part in ["# Fit of mine", "## Verdict", "| c5 |", "On unseen points", "diffuse sphere"] {
         assert!(report.contains(part), "{part} is not in {report}");
     }
-    // Every picture that the report names is there.
+    // All images named by the report exist.
     #[cfg(feature = "plot")]
     {
         let named: Vec<&str> = report.split("](<").skip(1).filter_map(|rest| rest.split(">)").next()).collect();
@@ -79,22 +80,22 @@ fn verif_a_fit_writes_a_model_that_works_and_a_report_with_pictures() {
             assert!(fs::read(at(name)).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG")), "{name}");
         }
     }
-    // The model is one that every other verb takes.
-    let (code, table, said) = run(folder.path(), "map body --model mine.json --sun-latitude-deg -14 --format csv");
-    assert!(code == 0 && table.contains("brdf:mine"), "{said}");
-    let (code, page, said) = {
-        let (code, _, said) =
+    // The model is accepted by the other verbs.
+    let (code, table, stderr) = run(folder.path(), "map body --model mine.json --sun-latitude-deg -14 --format csv");
+    assert!(code == 0 && table.contains("brdf:mine"), "{stderr}");
+    let (code, page, stderr) = {
+        let (code, _, stderr) =
             run(folder.path(), &format!("{FIT} --free c3,c5 --folds 0 --quiet -o two.json --report fit.html"));
-        (code, fs::read_to_string(at("fit.html")).expect("a page"), said)
+        (code, fs::read_to_string(at("fit.html")).expect("a page"), stderr)
     };
-    assert!(code < 2 && said.is_empty(), "{said}");
+    assert!(code < 2 && stderr.is_empty(), "{stderr}");
     assert!(page.starts_with("<!doctype html>") && page.contains("<td>c5</td>"));
     #[cfg(feature = "plot")]
     assert!(page.contains("src=\"data:image/png;base64,iVBOR"));
 }
 
 #[test]
-fn verif_chains_go_on_where_they_were_cut_short() {
+fn verif_interrupted_chains_can_be_resumed() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let fit = |steps: usize, chains: &str, threads: usize| {
@@ -103,37 +104,37 @@ fn verif_chains_go_on_where_they_were_cut_short() {
         run(folder.path(), &format!("{FIT} {more}"))
     };
     for (steps, chains, threads) in [(60, "whole.npz", 1), (25, "cut.npz", 2), (60, "cut.npz", 2)] {
-        let (code, _, said) = fit(steps, chains, threads);
-        assert!(code < 2, "{said}");
+        let (code, _, stderr) = fit(steps, chains, threads);
+        assert!(code < 2, "{stderr}");
     }
     let (whole, about) = read_chain(&at("whole.npz")).expect("chains");
     let (cut, _) = read_chain(&at("cut.npz")).expect("chains");
     assert_eq!((whole.steps(), whole.walkers(), whole.parameters()), (60, 32, 7));
     assert_eq!(about.parameters, ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"]);
     assert_eq!(whole, cut);
-    // Other points are another fit.
-    let (code, _, said) = run(
+    // With other points the fit is a different one.
+    let (code, _, stderr) = run(
         folder.path(),
         &format!("{FIT} --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.npz -o m.json"),
     );
-    assert!(code == 2 && said.contains("another fit"), "{said}");
+    assert!(code == 2 && stderr.contains("another fit"), "{stderr}");
     fs::write(at("broken.npz"), b"PK not really").expect("a file");
-    let (code, _, said) = fit(60, "broken.npz", 1);
-    assert!(code == 2 && said.contains("broken.npz"), "{said}");
+    let (code, _, stderr) = fit(60, "broken.npz", 1);
+    assert!(code == 2 && stderr.contains("broken.npz"), "{stderr}");
 }
 
 #[test]
 fn verif_pixels_comparison_and_pictures() {
     let folder = folder();
     let reduce = "fit reduce --photometry mmt.csv --height-km 550 --nside 8 --min-count 5 --max-iqr 1 --quiet";
-    let (code, table, said) = run(folder.path(), &format!("{reduce} --format csv"));
-    assert_eq!(code, 0, "{said}");
+    let (code, table, stderr) = run(folder.path(), &format!("{reduce} --format csv"));
+    assert_eq!(code, 0, "{stderr}");
     let rows: Vec<&str> = table.lines().filter(|line| !line.starts_with('#')).collect();
     assert!(rows[0].contains("mode") && rows.len() > 50, "{}", rows.len());
     #[cfg(feature = "plot")]
     for more in ["--picture three.png", "--picture two.svg --layer -14.5"] {
-        let (code, _, said) = run(folder.path(), &format!("{reduce} {more} --format csv"));
-        assert_eq!(code, 0, "{said}");
+        let (code, _, stderr) = run(folder.path(), &format!("{reduce} {more} --format csv"));
+        assert_eq!(code, 0, "{stderr}");
     }
     #[cfg(feature = "plot")]
     {
@@ -142,20 +143,20 @@ fn verif_pixels_comparison_and_pictures() {
         assert!(fs::read_to_string(at("two.svg")).is_ok_and(|svg| svg.contains("Sun at latitude")));
     }
     let compare = "fit compare --photometry mmt.csv --height-km 550 --model starlink-v1.5 --raw-points --no-earthshine --layer-deg 4";
-    let (code, json, said) = run(folder.path(), &format!("{compare} --format json"));
-    assert_eq!(code, 0, "{said}");
+    let (code, json, stderr) = run(folder.path(), &format!("{compare} --format json"));
+    assert_eq!(code, 0, "{stderr}");
     let answer: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let standings = answer["standings"].as_array().expect("standings");
     assert_eq!(standings.len(), 4);
     let unseen = |i: usize| standings[i]["held_out_rms_mag"].as_f64().expect("a number");
-    // The form that is true beats the others where it has seen nothing.
+    // The true form predicts unseen data better than the others.
     assert!((1..4).all(|other| unseen(0) < unseen(other)), "{standings:?}");
     assert_eq!(answer["rivals"].as_array().map(Vec::len), Some(4));
     assert!(answer["panel_offsets"].as_array().is_some_and(|layers| !layers.is_empty()));
 }
 
 #[test]
-fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
+fn verif_invalid_fits_are_rejected_in_one_line() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     fs::write(at("empty.csv"), "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track\n").expect("a file");
@@ -205,9 +206,9 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         (FIT.replace("mmt.csv", "few.csv") + " -o m.json", vec!["5 points cannot constrain 7 parameters"]),
         (FIT.replace("--height-km 550", "--on-station") + " -o m.json", vec!["--elements"]),
     ] {
-        let (code, out, said) = run(folder.path(), &arguments);
-        let errors: Vec<&str> = said.lines().filter(|line| line.starts_with("error: ")).collect();
-        assert_eq!((code, out.as_str(), errors.len()), (2, "", 1), "{arguments}: {said}");
+        let (code, out, stderr) = run(folder.path(), &arguments);
+        let errors: Vec<&str> = stderr.lines().filter(|line| line.starts_with("error: ")).collect();
+        assert_eq!((code, out.as_str(), errors.len()), (2, "", 1), "{arguments}: {stderr}");
         for part in parts {
             assert!(errors[0].contains(part), "{arguments}: '{part}' is not in {}", errors[0]);
         }
@@ -215,15 +216,16 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
     }
 }
 
-/// What is not as the model has it is said on the way, in the report and in the model file; and names may hold blanks.
+/// Differences from the model's band are reported on standard error, in the report and in the model file; names may
+/// contain blanks.
 #[test]
-fn verif_bands_are_compared_and_names_hold_blanks() {
+fn verif_bands_are_compared_and_names_may_contain_blanks() {
     let folder = folder();
     let report = folder.path().join("my fit.md");
     let mut words: Vec<&str> = FIT.split_whitespace().collect();
     words.extend(["--folds", "0", "-o", "-", "--report", "my fit.md"]);
-    let (code, json, said) = run_words(folder.path(), &words);
-    assert!(code < 2 && said.contains("warning: photometry through Clear ("), "{said}");
+    let (code, json, stderr) = run_words(folder.path(), &words);
+    assert!(code < 2 && stderr.contains("warning: photometry through Clear ("), "{stderr}");
     let model = BrightnessModel::from_json(&json, "standard output").expect("a model");
     let notes = &model.file().expect("a file").provenance.notes;
     assert!(notes.iter().any(|note| note.contains("taken as V")), "{notes:?}");
@@ -232,83 +234,89 @@ fn verif_bands_are_compared_and_names_hold_blanks() {
     assert!(text.contains("**Band:** photometry through Clear"), "{text}");
     #[cfg(feature = "plot")]
     assert!(text.contains("](<my fit-phase.png>)") && folder.path().join("my fit-phase.png").is_file());
-    // Two files through different filters are mixed, and counted apart.
+    // Two files with different filters are mixed and counted separately.
     let table = fs::read_to_string(folder.path().join("mmt.csv")).expect("a table");
     fs::write(folder.path().join("v.csv"), table.replace(",Clear,", ",V,")).expect("a file");
     let two = FIT.replace("mmt.csv", "mmt.csv v.csv --filter Clear V --keep-duplicates") + " --folds 0 -o m.json";
-    let (_, _, said) = run(folder.path(), &two);
-    assert!(said.contains("warning: mixed filters: photometry through Clear (") && said.contains("V ("), "{said}");
-    let (_, _, said) = run(folder.path(), &(FIT.replace("mmt.csv", "v.csv --filter V") + " --folds 0 -o m.json"));
-    assert!(!said.contains("taken as"), "{said}");
+    let (_, _, stderr) = run(folder.path(), &two);
+    assert!(
+        stderr.contains("warning: mixed filters: photometry through Clear (") && stderr.contains("V ("),
+        "{stderr}"
+    );
+    let (_, _, stderr) = run(folder.path(), &(FIT.replace("mmt.csv", "v.csv --filter V") + " --folds 0 -o m.json"));
+    assert!(!stderr.contains("taken as"), "{stderr}");
 }
 
-/// Thresholds of the selection as they are typed, and what an answer says of them.
+/// Thresholds of the selection are options and are listed in the provenance.
 #[test]
-fn verif_thresholds_are_options_and_are_told() {
+fn verif_thresholds_are_options_and_are_listed() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let reduce = |more: &str| {
-        let (code, json, said) = run(
+        let (code, json, stderr) = run(
             folder.path(),
             &format!("fit reduce --photometry mmt.csv --height-km 550 --raw-points --format json {more}"),
         );
-        assert_eq!(code, 0, "{said}");
+        assert_eq!(code, 0, "{stderr}");
         serde_json::from_str::<serde_json::Value>(&json).expect("JSON")
     };
     let count = |answer: &serde_json::Value| answer["measurements"].as_array().expect("rows").len();
     let (plain, high) = (reduce(""), reduce("--least-altitude-deg 45"));
     assert!(count(&high) < count(&plain), "{} {}", count(&high), count(&plain));
-    let told = &high["provenance"];
-    assert_eq!(told["least_altitude_deg"], 45.0);
-    assert!(told["left_out_below_horizon"].as_u64() >= Some((count(&plain) - count(&high)) as u64), "{told}");
-    let rows = told["rows_through_Clear"].as_u64().expect("a number");
-    assert_eq!(told["rows_left_out"].as_u64(), Some(rows - count(&high) as u64), "{told}");
-    // Rows that the survey flags.
+    let provenance = &high["provenance"];
+    assert_eq!(provenance["least_altitude_deg"], 45.0);
+    assert!(
+        provenance["left_out_below_horizon"].as_u64() >= Some((count(&plain) - count(&high)) as u64),
+        "{provenance}"
+    );
+    let rows = provenance["rows_through_Clear"].as_u64().expect("a number");
+    assert_eq!(provenance["rows_left_out"].as_u64(), Some(rows - count(&high) as u64), "{provenance}");
+    // Rows flagged by the survey.
     let table = fs::read_to_string(at("mmt.csv")).expect("a table");
     fs::write(at("mmt.csv"), table.replace(",Clear,0,", ",Clear,1,")).expect("a file");
     assert_eq!(count(&reduce("--keep-penumbra-flag")), count(&plain));
-    let (code, _, said) = run(folder.path(), "fit reduce --photometry mmt.csv --height-km 550 --raw-points");
-    assert!(code == 2 && said.contains("penumbra flag"), "{said}");
+    let (code, _, stderr) = run(folder.path(), "fit reduce --photometry mmt.csv --height-km 550 --raw-points");
+    assert!(code == 2 && stderr.contains("penumbra flag"), "{stderr}");
     fs::write(at("mmt.csv"), table).expect("a file");
-    // The Sun is 1.0119 au away on 20 May 2023: its light is fainter by 5 log10 of it.
+    // The Sun is at 1.0119 au on 20 May 2023: its light is fainter by 5 log10 of that.
     let magnitudes = |answer: &serde_json::Value| {
         let rows = answer["measurements"].as_array().expect("rows");
         rows.iter().filter_map(|row| row["standard_magnitude"].as_f64()).collect::<Vec<f64>>()
     };
-    /// Over five days, and of printed digits, mag.
+    /// Tolerance over five days and for rounded digits, mag.
     const WITHIN: f64 = 0.003;
     for (with, without) in magnitudes(&reduce("--sun-distance")).iter().zip(magnitudes(&plain)) {
         assert!((without - with - 0.0257).abs() < WITHIN, "{without} {with}");
     }
-    // Every threshold of a comparison is told, and every row left out.
+    // The provenance of a comparison has all thresholds and all numbers of omitted rows.
     let compare = FIT.replace("fit run", "fit compare") + " --layer-deg 30 --max-phase-difference-deg 2 --format json";
-    let (code, json, said) = run(folder.path(), &compare);
-    assert_eq!(code, 0, "{said}");
+    let (code, json, stderr) = run(folder.path(), &compare);
+    assert_eq!(code, 0, "{stderr}");
     let answer: serde_json::Value = serde_json::from_str(&json).expect("JSON");
-    let told = &answer["provenance"];
+    let provenance = &answer["provenance"];
     for name in
         ["least_grazing_km", "max_range_difference_km", "max_phase_difference_deg", "rows_left_out", "free", "band"]
     {
-        assert!(!told[name].is_null(), "{name} is not in {told}");
+        assert!(!provenance[name].is_null(), "{name} is not in {provenance}");
     }
     assert!(answer["dropped"].is_array());
 }
 
-/// Every parameter ends at a bound, or there are fewer nights than folds: an answer all the same.
+/// A fit with every parameter at a bound, or with fewer nights than folds, still gives a result.
 #[test]
-fn verif_poor_fits_are_told_and_not_dropped() {
+fn verif_poor_fits_are_reported_and_not_dropped() {
     let folder = folder();
-    let (code, _, said) = run(folder.path(), &format!("{FIT} --free c3 --hold c5=1 --folds 0 -o bound.json"));
-    assert_eq!(code, 1, "{said}");
-    assert!(said.contains("not sound: c3 stands at its bound 0"), "{said}");
-    let (code, _, said) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
-    assert!(code < 2 && said.contains("cannot be held out in 5000 folds"), "{said}");
+    let (code, _, stderr) = run(folder.path(), &format!("{FIT} --free c3 --hold c5=1 --folds 0 -o bound.json"));
+    assert_eq!(code, 1, "{stderr}");
+    assert!(stderr.contains("not sound: c3 stands at its bound 0"), "{stderr}");
+    let (code, _, stderr) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
+    assert!(code < 2 && stderr.contains("cannot be held out in 5000 folds"), "{stderr}");
     assert!(folder.path().join("m.json").is_file());
-    // Held values are held by the paper's tests too, but for what a test sets itself.
+    // Held values are also held in the paper's tests, except those that a test sets itself.
     let compare = FIT.replace("fit run", "fit compare") + " --format json --quiet --layer-deg 10";
     let rivals = |more: &str| {
-        let (code, json, said) = run(folder.path(), &format!("{compare} {more}"));
-        assert_eq!(code, 0, "{said}");
+        let (code, json, stderr) = run(folder.path(), &format!("{compare} {more}"));
+        assert_eq!(code, 0, "{stderr}");
         let answer: serde_json::Value = serde_json::from_str(&json).expect("JSON");
         answer["rivals"].clone()
     };
@@ -317,9 +325,10 @@ fn verif_poor_fits_are_told_and_not_dropped() {
     assert_ne!(plain[0], held[0]);
 }
 
-/// Tracks of MMT-9 whose satellites somebody found, placed by element sets: closer to the record, and at least as well explained.
+/// MMT-9 tracks of identified satellites, computed from element sets: closer to the record, and at least as well
+/// explained.
 #[test]
-fn valid_identified_tracks_are_placed_by_elements() {
+fn valid_identified_tracks_use_element_sets() {
     let Some(data) = crate::common::data_dir() else { return };
     let folder = tempdir().expect("a folder");
     let at = |name: &str| data.join(name).display().to_string();
@@ -331,19 +340,19 @@ fn valid_identified_tracks_are_placed_by_elements() {
         "fit reduce --photometry {table} --elements {} --identified {tracks} --fit-offset-s 90 --raw-points --format csv",
         elements.join(" ")
     );
-    let (code, rows, said) = run(folder.path(), &arguments);
-    assert_eq!(code, 0, "{said}");
+    let (code, rows, stderr) = run(folder.path(), &arguments);
+    assert_eq!(code, 0, "{stderr}");
     let named = rows
         .lines()
         .filter(|line| !line.starts_with('#'))
         .skip(1)
         .filter(|line| !line.split(',').nth(1).unwrap_or("").is_empty());
-    assert!(named.count() > 5_000, "{said}");
-    // The same tracks without anybody's help: the satellites that were found independently, none of them wrong.
+    assert!(named.count() > 5_000, "{stderr}");
+    // Without the identifications the same tracks give the same satellites.
     let identify =
         format!("fit identify --photometry {table} --elements {} --format csv -o found.csv", elements.join(" "));
-    let (code, _, said) = run(folder.path(), &identify);
-    assert!(code == 0 && said.contains("tracks identified"), "{said}");
+    let (code, _, stderr) = run(folder.path(), &identify);
+    assert!(code == 0 && stderr.contains("tracks identified"), "{stderr}");
     let found: HashMap<String, String> = fs::read_to_string(folder.path().join("found.csv"))
         .expect("a table")
         .lines()
@@ -361,18 +370,18 @@ fn valid_identified_tracks_are_placed_by_elements() {
         same += usize::from(norad == cells[3]);
     }
     assert!(same == sure && sure > 15, "{same} of {sure}");
-    let (code, rows, said) = run(folder.path(), &arguments.replace(&tracks, "found.csv"));
-    assert!(code == 0 && rows.lines().count() > 3_000, "{said}");
+    let (code, rows, stderr) = run(folder.path(), &arguments.replace(&tracks, "found.csv"));
+    assert!(code == 0 && rows.lines().count() > 3_000, "{stderr}");
     let radius = arguments.replace("--fit-offset-s 90", "--elements-radius --max-element-age-days 50");
-    let (code, on_radius, said) = run(folder.path(), &radius);
-    assert!(code == 0 && on_radius.lines().count() > 5_000 && on_radius != rows, "{said}");
-    // A table without the columns, and a number that is none.
+    let (code, on_radius, stderr) = run(folder.path(), &radius);
+    assert!(code == 0 && on_radius.lines().count() > 5_000 && on_radius != rows, "{stderr}");
+    // A table without the required columns, and an invalid number.
     fs::write(folder.path().join("bad.csv"), "track,norad\n18903315,many\n").expect("a file");
-    let (code, _, said) = run(folder.path(), &arguments.replace(&tracks, "bad.csv"));
-    assert!(code == 2 && said.contains("row 1: norad many"), "{said}");
+    let (code, _, stderr) = run(folder.path(), &arguments.replace(&tracks, "bad.csv"));
+    assert!(code == 2 && stderr.contains("row 1: norad many"), "{stderr}");
 }
 
-/// Pomenis and Slingshot as they were published; single measurements on unseen nights.
+/// Published photometry of Pomenis and Slingshot: single measurements on unseen nights.
 #[test]
 fn valid_published_photometry_is_predicted_better_than_by_phase_alone() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -382,9 +391,9 @@ fn valid_published_photometry_is_predicted_better_than_by_phase_alone() {
         "fit compare --photometry {} --model starlink-v1.5 --raw-points --loss squares --format json",
         pomenis.display()
     );
-    let (code, json, said) = run(folder.path(), &arguments);
-    assert_eq!(code, 0, "{said}");
-    assert!(said.contains("742 measurements, 178 rows left out"), "{said}");
+    let (code, json, stderr) = run(folder.path(), &arguments);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("742 measurements, 178 rows left out"), "{stderr}");
     let answer: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     let unseen: Vec<f64> = answer["standings"]
         .as_array()
@@ -392,6 +401,6 @@ fn valid_published_photometry_is_predicted_better_than_by_phase_alone() {
         .iter()
         .filter_map(|row| row["held_out_rms_mag"].as_f64())
         .collect();
-    // The best published figure is 0.762, in sample.
+    // The best published figure is 0.762 (in-sample).
     assert!(unseen[0] < 0.55 && unseen[1..].iter().all(|other| *other > unseen[0] + 0.05), "{unseen:?}");
 }

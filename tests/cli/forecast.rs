@@ -1,4 +1,4 @@
-//! `forecast`: its columns and formats, its filters, an empty night, and what it refuses.
+//! `forecast`: columns and formats, filters, empty nights, and errors.
 
 use std::fs;
 
@@ -7,10 +7,10 @@ use serde_json::Value;
 
 const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days";
 const NIGHT: &[&str] = &["forecast", "--night", "2024-08-14"];
-/// Twenty planes of the constellation: some are seen in the evening, some in the morning.
-const FEW: &[&str] = &["--name", "S1 P2", "S1 P6"];
+/// Twenty planes of the constellation, with visible passes in the evening and in the morning.
+const PLANES: &[&str] = &["--name", "S1 P2", "S1 P6"];
 
-/// Peaks come out with three decimals.
+/// Tolerance of peak magnitudes, which are printed with three decimals.
 const MAGNITUDE_DECIMALS: f64 = 5e-4;
 
 fn number(value: &Value) -> f64 {
@@ -18,13 +18,13 @@ fn number(value: &Value) -> f64 {
 }
 
 #[test]
-fn verif_columns_rows_and_json_say_the_same() {
-    let text = done(&[NIGHT, SKY, FEW, &["--format", "csv"]]);
+fn verif_columns_rows_and_json_agree() {
+    let text = done(&[NIGHT, SKY, PLANES, &["--format", "csv"]]);
     assert!(text.starts_with("# "), "provenance first");
     let rows = records(&text);
     assert_eq!(rows[0].iter().collect::<Vec<_>>().join(","), HEADER);
     assert!(rows.len() > 30, "{} rows", rows.len());
-    let answer = json(&[NIGHT, SKY, FEW]);
+    let answer = json(&[NIGHT, SKY, PLANES]);
     let passes = answer["passes"].as_array().unwrap();
     assert_eq!(passes.len(), rows.len() - 1);
     for (row, pass) in rows[1..].iter().zip(passes) {
@@ -36,7 +36,7 @@ fn verif_columns_rows_and_json_say_the_same() {
                 "{name}: {cell} {text}"
             );
         }
-        // What can be seen lies within the pass, and its brightest moment within what can be seen (or in the half shadow beside it).
+        // The visible part lies within the pass, and the peak within the visible part (or in the penumbra next to it).
         let time = |name: &str| pass[name].as_str().unwrap_or_default().to_owned();
         assert!(time("begin_utc") <= time("highest_utc") && time("highest_utc") <= time("end_utc"), "{pass}");
         assert!(time("rise_utc") <= time("begin_utc") && time("end_utc") <= time("set_utc"), "{pass}");
@@ -59,11 +59,11 @@ fn verif_columns_rows_and_json_say_the_same() {
 }
 
 #[test]
-fn verif_filters_leave_out_what_they_say_and_nothing_else() {
-    let all = json(&[NIGHT, SKY, FEW]);
+fn verif_filters_omit_only_the_specified_passes() {
+    let all = json(&[NIGHT, SKY, PLANES]);
     let all = all["passes"].as_array().unwrap();
     let keep = |holds: &dyn Fn(&Value) -> bool| all.iter().filter(|pass| holds(pass)).cloned().collect::<Vec<_>>();
-    let found = |more: &[&str]| json(&[NIGHT, SKY, FEW, more]);
+    let found = |more: &[&str]| json(&[NIGHT, SKY, PLANES, more]);
     let bright = found(&["--max-mag", "5.5"]);
     let expected = keep(&|pass| pass["peak_magnitude"].as_f64().is_some_and(|magnitude| magnitude <= 5.5));
     assert!(!expected.is_empty() && expected.len() < all.len());
@@ -77,11 +77,11 @@ fn verif_filters_leave_out_what_they_say_and_nothing_else() {
     let ours = found(&["--norad", &one.to_string()]);
     assert_eq!(ours["passes"].as_array().unwrap(), &keep(&|pass| pass["norad_id"] == one));
     assert_eq!(found(&["--generation", "starlink-v1.5"])["passes"].as_array().unwrap(), all);
-    // All passes, seen or not, hold those that are seen.
+    // All passes include the visible ones.
     let dark = found(&["--include-dark"]);
     let dark = dark["passes"].as_array().unwrap();
     assert!(dark.len() > all.len() + 50, "{} {}", dark.len(), all.len());
-    // Another search ends elsewhere by rounding: to the second, no root lies that near to a full one here.
+    // Another search ends elsewhere by rounding; times agree to the second, and no root is close to a full second here.
     let second = |pass: &Value| pass["begin_utc"].as_str().unwrap_or_default().chars().take(19).collect::<String>();
     for pass in all {
         assert!(
@@ -94,10 +94,10 @@ fn verif_filters_leave_out_what_they_say_and_nothing_else() {
 }
 
 #[test]
-fn verif_light_curves_hold_the_peak() {
+fn verif_light_curves_contain_the_peak() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "curves.csv");
-    let sky = [SKY, FEW, &["--max-mag", "6"]].concat();
+    let sky = [SKY, PLANES, &["--max-mag", "6"]].concat();
     let answer = json(&[NIGHT, &sky, &["--light-curves", &file, "--samples", "41"]]);
     let passes = answer["passes"].as_array().unwrap();
     let curves = records(&fs::read_to_string(&file).unwrap());
@@ -126,7 +126,7 @@ fn verif_light_curves_hold_the_peak() {
 }
 
 #[test]
-fn verif_a_night_that_never_gets_dark_says_why() {
+fn verif_a_night_without_darkness_has_a_reason() {
     let polar: &[&str] = &["--shells", "starlink-gen1", "--lat", "78.2", "--lon", "15.6", "--night", "2024-06-21"];
     let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
     assert_eq!(code, 0);
@@ -138,14 +138,14 @@ fn verif_a_night_that_never_gets_dark_says_why() {
     let night = &answer["night"][0];
     assert!(why.ends_with(night["why_empty"].as_str().unwrap().split(" (").next().unwrap()), "{night}");
     assert!(night["dark_from_utc"].is_null() && number(&night["lowest_sun_altitude_deg"]) > 11.0);
-    // And one that is dark, with nothing bright enough, says that.
-    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--max-mag", "-8", "--format", "csv"]]);
+    // A dark night without bright passes has a reason too.
+    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--max-mag", "-8", "--format", "csv"]]);
     assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -8"), "{stderr}");
 }
 
 #[test]
 fn verif_documents() {
-    let sky = [SKY, FEW, &["--max-mag", "6"]].concat();
+    let sky = [SKY, PLANES, &["--max-mag", "6"]].concat();
     let answer = json(&[NIGHT, &sky]);
     let passes = answer["passes"].as_array().unwrap();
     let calendar = done(&[NIGHT, &sky, &["--format", "ics", "--alarm", "5min"]]);
@@ -180,7 +180,7 @@ fn verif_documents() {
     for (row, pass) in rows[1..].iter().zip(passes) {
         assert_eq!(row[4].parse::<f64>().ok(), pass["peak_magnitude"].as_f64());
         assert!(row[24].starts_with("predicted by streakcast") && &row[26] == "X05", "{row:?}");
-        // What only a measurement has.
+        // A satellite with measured photometry.
         assert!([3, 9, 10, 11, 13, 14, 17, 18, 19, 21, 22, 23].iter().all(|&cell| row[cell].is_empty()), "{row:?}");
     }
 
@@ -192,39 +192,41 @@ fn verif_documents() {
     assert!(votable.starts_with("<?xml") && votable.trim_end().ends_with("</VOTABLE>"));
 }
 
-/// A satellite of which nobody knows how bright it is: told, shown or hidden.
+/// Satellites of unknown brightness are reported, shown or hidden.
 #[test]
-fn verif_priors_are_told() {
+fn verif_priors_are_reported() {
     let elements = crate::common::golden_dir().join("elements/sample.3le").display().to_string();
-    let asked = ["forecast", "--elements", &elements, "--lat", "35", "--lon", "10", "--format", "csv"];
+    let arguments = ["forecast", "--elements", &elements, "--lat", "35", "--lon", "10", "--format", "csv"];
     let time = ["--start", "2026-03-18T00:00:00Z", "--end", "2026-03-23T00:00:00Z"];
     let prior = |more: &[&str]| {
-        let (code, stdout, stderr) = run(&[&asked, &time, more]);
+        let (code, stdout, stderr) = run(&[&arguments, &time, more]);
         assert_eq!(code, 0, "{stderr}");
-        let told = stderr.lines().find(|line| line.contains("prior alone")).map(str::to_owned);
-        (records(&stdout), told, stderr)
+        let warning = stderr.lines().find(|line| line.contains("prior alone")).map(str::to_owned);
+        (records(&stdout), warning, stderr)
     };
-    let (all, told, _) = prior(&[]);
+    let (all, warning, _) = prior(&[]);
     let (count, source) = (all.len() - 1, all[0].iter().position(|name| name == "mag_source").unwrap());
     assert!(count > 1 && all[1..].iter().all(|row| &row[source] == "prior"), "{all:?}");
-    let told = told.expect("a warning");
+    let warning = warning.expect("a warning");
     assert!(
-        told.starts_with("warning: ") && told.contains(&format!("({count} passes shown); --qs-mag FILE")),
-        "{told}"
+        warning.starts_with("warning: ") && warning.contains(&format!("({count} passes shown); --qs-mag FILE")),
+        "{warning}"
     );
-    // The faintest peak as the limit but for a bit: one is hidden, and the grammar holds.
+    // A limit slightly brighter than the faintest peak hides one pass; the message uses the singular.
     let peak = all[0].iter().position(|name| name == "peak_magnitude").unwrap();
     let mut peaks: Vec<f64> = all[1..].iter().map(|row| row[peak].parse().unwrap()).collect();
     peaks.sort_by(f64::total_cmp);
     let limit = (0.5 * (peaks[count - 2] + peaks[count - 1])).to_string();
-    let (_, told, _) = prior(&["--max-mag", &limit]);
+    let (_, warning, _) = prior(&["--max-mag", &limit]);
     let expected = format!("{} shown, 1 pass left out as fainter than mag {limit})", passes(count - 1));
-    assert!(told.as_ref().is_some_and(|told| told.contains(&expected)), "{told:?}: {expected}");
-    let (_, told, stderr) = prior(&["--max-mag", "-9"]);
-    assert!(told.is_some_and(|told| told.contains(&format!("({count} passes left out as fainter than mag -9)"))));
+    assert!(warning.as_ref().is_some_and(|warning| warning.contains(&expected)), "{warning:?}: {expected}");
+    let (_, warning, stderr) = prior(&["--max-mag", "-9"]);
+    assert!(
+        warning.is_some_and(|warning| warning.contains(&format!("({count} passes left out as fainter than mag -9)")))
+    );
     assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -9"), "{stderr}");
-    // Nobody of a kind that has a model is told of.
-    let (code, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--format", "csv"]]);
+    // Satellites with a model are not reported.
+    let (code, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--format", "csv"]]);
     assert!(code == 0 && !stderr.contains("prior"), "{stderr}");
 }
 
@@ -232,7 +234,7 @@ fn passes(count: usize) -> String {
     format!("{count} {}", if count == 1 { "pass" } else { "passes" })
 }
 
-/// Numbers come back as numbers, all else as the text of CSV; what it rests on stands in the file.
+/// Numbers are stored as numbers, other columns as the text of CSV; the provenance is in the file's metadata.
 #[cfg(feature = "parquet")]
 #[test]
 fn verif_parquet_has_the_rows_of_csv() {
@@ -241,11 +243,13 @@ fn verif_parquet_has_the_rows_of_csv() {
     use arrow_array::types::{Float64Type, Int64Type};
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "night.parquet");
-    done(&[NIGHT, SKY, FEW, &["-o", &file]]);
-    let rows = records(&done(&[NIGHT, SKY, FEW, &["--format", "csv"]]));
+    done(&[NIGHT, SKY, PLANES, &["-o", &file]]);
+    let rows = records(&done(&[NIGHT, SKY, PLANES, &["--format", "csv"]]));
     let builder = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(&file).unwrap()).unwrap();
-    let said = builder.metadata().file_metadata().key_value_metadata().unwrap().clone();
-    assert!(said.iter().any(|one| one.key == "provenance" && one.value.as_ref().unwrap().contains("starlink-gen1")));
+    let metadata = builder.metadata().file_metadata().key_value_metadata().unwrap().clone();
+    assert!(
+        metadata.iter().any(|one| one.key == "provenance" && one.value.as_ref().unwrap().contains("starlink-gen1"))
+    );
     let batches: Vec<_> = builder.build().unwrap().map(Result::unwrap).collect();
     assert_eq!(batches.iter().map(|batch| batch.num_rows()).sum::<usize>(), rows.len() - 1);
     let names: Vec<_> = batches[0].schema().fields().iter().map(|field| field.name().clone()).collect();
@@ -264,30 +268,31 @@ fn verif_parquet_has_the_rows_of_csv() {
 }
 
 #[test]
-fn one_is_no_plural() {
+fn messages_use_the_singular_for_one() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "one.tle");
     let good = fs::read_to_string(crate::common::golden_dir().join("elements/sample.2le")).unwrap();
-    // The last digit of each line is its sum.
+    // The last digit of each line is its checksum.
     let wrong = |line: &str| format!("{}{}\n", &line[..68], (line.as_bytes()[68] - b'0' + 1) % 10);
     fs::write(&file, good.lines().take(2).map(wrong).collect::<String>()).unwrap();
-    let asked = ["forecast", "--elements", &file, "--accept-bad-checksums", "--mpc", "X05", "--night", "2026-03-20"];
-    let (code, _, stderr) = run(&[&asked]);
+    let arguments =
+        ["forecast", "--elements", &file, "--accept-bad-checksums", "--mpc", "X05", "--night", "2026-03-20"];
+    let (code, _, stderr) = run(&[&arguments]);
     assert!(code == 0 && stderr.contains("1 record taken in spite of a wrong checksum"), "{stderr}");
-    // One satellite and one high pass: found by asking for nothing but the highest.
-    let all = json(&[NIGHT, SKY, FEW]);
+    // One satellite and one high pass, selected by the minimum culmination.
+    let all = json(&[NIGHT, SKY, PLANES]);
     let all = all["passes"].as_array().unwrap();
     let one = all.iter().map(|pass| number(&pass["max_altitude_deg"])).fold(0.0, f64::max);
     let just_below = format!("{:.3}", one - 0.001);
-    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--min-culmination", &just_below, "--format", "csv"]]);
+    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--min-culmination", &just_below, "--format", "csv"]]);
     assert!(stderr.contains("1 pass of 1 satellite"), "{stderr}");
     let (_, _, stderr) =
-        run(&[NIGHT, &SKY[..4], FEW, &["--min-culmination", &just_below, "--max-mag", "-9", "--format", "csv"]]);
+        run(&[NIGHT, &SKY[..4], PLANES, &["--min-culmination", &just_below, "--max-mag", "-9", "--format", "csv"]]);
     assert!(stderr.contains("1 pass stays fainter than mag -9"), "{stderr}");
 }
 
 #[test]
-fn bad_input_is_one_line_that_says_what_is_allowed() {
+fn invalid_input_gives_one_line_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let elsewhere = path(&folder, "nowhere/x.csv");
     for (arguments, parts) in [
@@ -348,17 +353,18 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
     }
 }
 
-/// What is counted as in the shadow is up while it is dark, within the time asked about, and lit at no such moment.
+/// Passes counted as in the shadow are above the horizon in darkness within the time span, and never sunlit there.
 #[test]
-fn verif_shadow_counts_the_dark_alone() {
-    // Sunlit, and gone before it gets dark.
+fn verif_shadow_counts_passes_in_darkness_only() {
+    // Sunlit, and set before darkness.
     let evening = ["--start", "2026-08-14T22:10:00Z", "--end", "2026-08-14T22:45:00Z", "--norad", "900002031"];
     let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
     assert_eq!(night["passes_in_shadow"], 0, "{night}");
     let why = night["why_empty"].as_str().unwrap();
     assert!(why.starts_with("the one satellite does not stand above 10.0 deg while it is dark"), "{why}");
     assert!(!json(&[&["forecast"], SKY, &evening, &["--include-dark"]])["passes"].as_array().unwrap().is_empty());
-    // By brute force: every pass of a time that is all dark, less those that are seen. Ten seconds at midnight, and the last hours of a night.
+    // By brute force: all passes in a dark time span minus the visible ones; ten seconds at midnight, and the last
+    // hours of a night.
     for (start, end) in
         [("2026-08-15T04:00:00Z", "2026-08-15T04:00:10Z"), ("2026-08-15T08:00:00Z", "2026-08-15T10:30:00Z")]
     {
@@ -373,7 +379,7 @@ fn verif_shadow_counts_the_dark_alone() {
 }
 
 #[test]
-fn verif_a_number_that_nobody_has_is_named() {
+fn verif_an_unknown_catalogue_number_is_named() {
     let (code, _, stderr) =
         run(&[NIGHT, &SKY[..4], &["--norad", "900000001", "99999", "--include-dark", "--format", "csv"]]);
     assert_eq!(code, 0, "{stderr}");
@@ -381,25 +387,25 @@ fn verif_a_number_that_nobody_has_is_named() {
 }
 
 #[test]
-fn verif_an_empty_night_is_a_whole_calendar_and_no_message() {
+fn verif_an_empty_night_is_a_valid_calendar_without_message() {
     let empty: &[&str] = &["--max-mag", "-8"];
-    let calendar = done(&[NIGHT, SKY, FEW, empty, &["--format", "ics", "--alarm", "5min"]]).replace("\r\n ", "");
+    let calendar = done(&[NIGHT, SKY, PLANES, empty, &["--format", "ics", "--alarm", "5min"]]).replace("\r\n ", "");
     assert_eq!((calendar.matches("BEGIN:VEVENT").count(), calendar.matches("BEGIN:VALARM").count()), (1, 0));
     for line in ["SUMMARY:No satellite to be seen over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");
-    // By its name, however that is written.
+    // By file name extension, in any case.
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "NIGHT.ICS");
-    done(&[NIGHT, SKY, FEW, empty, &["-o", &file]]);
+    done(&[NIGHT, SKY, PLANES, empty, &["-o", &file]]);
     assert!(fs::read_to_string(&file).unwrap().starts_with("BEGIN:VCALENDAR"));
-    // Of passes none of which can be seen, too.
+    // Also for passes that are never visible.
     let unseen = ["forecast", "--start", "2026-08-15T04:00:00Z", "--end", "2026-08-15T04:00:10Z", "--include-dark"];
     let calendar = done(&[&unseen, SKY, &["--format", "ics"]]);
     assert!(calendar.matches("BEGIN:VEVENT").count() == 1 && calendar.contains("all passes are in the Earth's shadow"));
     assert_eq!(run(&[&unseen, SKY, &["--format", "tdm"]]).0, 2);
-    let (code, stdout, stderr) = run(&[NIGHT, SKY, FEW, empty, &["--format", "tdm"]]);
+    let (code, stdout, stderr) = run(&[NIGHT, SKY, PLANES, empty, &["--format", "tdm"]]);
     assert!(code == 2 && stdout.is_empty(), "{stdout}");
     assert!(stderr.contains("fainter than mag -8") && stderr.contains("one segment at least"), "{stderr}");
 }

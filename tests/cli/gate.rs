@@ -1,4 +1,4 @@
-//! The gate: what hosts see of it (exit codes, standard input, status file), what it asks of a mount, and that no fault of ours stalls a night.
+//! The gate: exit codes, standard input and status file; requests to a mount; errors that must not stop a night.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -11,29 +11,29 @@ use crate::common::cli::{json, path, run};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Dusk over Rubin Observatory: in a field of 8 deg a synthetic Starlink crosses every minute.
+/// Dusk over Rubin Observatory: a field of 8 deg is crossed by a synthetic Starlink every minute.
 const GATE: &[&str] = &["gate", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--exposure", "10s"];
 const POINTING: &[&str] = &["--ra", "217.5", "--dec=-30"];
 const LIMIT: &[&str] = &["--limit-mag", "7", "--max-wait", "10min"];
-/// The clock of the rehearsals.
+/// Time of the simulated runs.
 const NOW: &str = "2024-08-14T23:30:00.000Z";
-/// The same evening of the year of the invented satellite, whose elements are made half a day older.
+/// The same evening in the year of the invented satellite, with elements half a day old.
 const ELEMENTS_NOW: &str = "2026-08-14T23:30:00.000Z";
-/// Time limit of a run whose answer does not depend on it: it only ends a hang.
+/// Time limit of a run with a result that does not depend on it; it only ends a hang.
 const LONG: &str = "600s";
-/// Time limit of a run that ends by it.
+/// Time limit of a run that is ended by it.
 const SHORT: &str = "3s";
 
 #[track_caller]
 fn gate(folder: &TempDir, more: &[&str]) -> (i32, String, Value) {
     let status = path(folder, "status.json");
     let (code, stdout, stderr) = run(&[GATE, more, &["--status-file", &status]]);
-    assert_eq!(stdout, "", "data of nobody's asking");
+    assert_eq!(stdout, "", "unexpected output");
     let text = fs::read_to_string(status).unwrap_or_else(|_| "null".to_owned());
     (code, stderr, serde_json::from_str(&text).unwrap())
 }
 
-/// Runs the gate as Ekos does, with this standard input.
+/// Runs the gate as Ekos does, with the given standard input.
 fn ekos(folder: &TempDir, input: &[u8], close: bool, more: &[&str]) -> (i32, Value) {
     let status = path(folder, "status.json");
     let is_complete = close || serde_json::from_slice::<Value>(input).is_ok();
@@ -82,11 +82,11 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
             rows.iter().filter(|row| row["magnitude_peak"].as_f64().is_some_and(|magnitude| magnitude < 7.0)).count()
         };
         assert_eq!(brighter(start, "10s"), 0, "{status}");
-        // The shutter may open as late as the margin.
+        // The shutter may open later by the margin.
         let late = streakcast::frames::parse_instant(start, None).unwrap() + 2.0 * hifitime::Unit::Second;
         assert_eq!(brighter(&streakcast::output::format_utc(late, 3), "10s"), 0, "{status}");
         if wait_s > 0.0 {
-            // What was waited for stands there: now, or within the margins.
+            // The blocking satellite is in the field now, or within the margins.
             let early = streakcast::frames::parse_instant(&now, None).unwrap() - 2.0 * hifitime::Unit::Second;
             assert!(brighter(&streakcast::output::format_utc(early, 3), "14s") > 0, "{status}");
             assert!(status["n_dodged"].as_u64().unwrap() > 0);
@@ -96,9 +96,9 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
 }
 
 #[test]
-fn exit_codes_and_counters_are_those_of_the_contract() {
+fn exit_codes_and_counters_are_as_documented() {
     let folder = tempfile::tempdir().unwrap();
-    // Every lit satellite within 60 deg: never clear.
+    // All lit satellites within 60 deg: never clear.
     let never: &[&str] = &["--fov", "60deg", "--max-wait", "20s", "--now", NOW];
     let never: Vec<&str> =
         GATE[1..5].iter().chain(&["--exposure", "60s"]).chain(POINTING).chain(never).copied().collect();
@@ -108,25 +108,29 @@ fn exit_codes_and_counters_are_those_of_the_contract() {
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("warning: gate: no clear start within 20 s"), "{stderr}");
     assert_eq!(run_never(&["--strict"]).0, 1);
-    let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
-    assert_eq!((told["verdict"].as_str(), told["exit_code"].as_i64()), (Some("not_clear"), Some(1)));
-    assert_eq!((told["counters"]["runs"].as_i64(), told["counters"]["not_clear"].as_i64()), (Some(2), Some(2)));
-    // Nothing as bright as -20: clear now.
-    let (code, stderr, told) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
-    assert_eq!((code, told["verdict"].as_str(), told["waited_s"].as_f64()), (0, Some("clear"), Some(0.0)), "{stderr}");
-    assert_eq!(told["counters"]["clear"], 1);
+    let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!((record["verdict"].as_str(), record["exit_code"].as_i64()), (Some("not_clear"), Some(1)));
+    assert_eq!((record["counters"]["runs"].as_i64(), record["counters"]["not_clear"].as_i64()), (Some(2), Some(2)));
+    // No satellite is brighter than -20: clear now.
+    let (code, stderr, record) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
+    assert_eq!(
+        (code, record["verdict"].as_str(), record["waited_s"].as_f64()),
+        (0, Some("clear"), Some(0.0)),
+        "{stderr}"
+    );
+    assert_eq!(record["counters"]["clear"], 1);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no half-written file stays");
-    // A status file that is not one, or cannot be written, stalls nobody.
+    // An invalid or unwritable status file does not stop the gate.
     fs::write(&status, "{\"counters\": {\"runs\": 3").unwrap();
-    let (code, _, told) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
-    assert_eq!((code, told["counters"]["runs"].as_i64()), (0, Some(1)));
+    let (code, _, record) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
+    assert_eq!((code, record["counters"]["runs"].as_i64()), (0, Some(1)));
     let nowhere = &["--limit-mag=-20", "--now", NOW, "--status-file", "/nowhere/at/all.json"];
     assert_eq!(run(&[GATE, POINTING, nowhere]).0, 0);
     assert_eq!(run(&[GATE, POINTING, nowhere, &["--strict"]]).0, 2);
 }
 
 #[test]
-fn errors_of_usage_are_two_whatever_is_forgiven() {
+fn usage_errors_have_exit_code_2_always() {
     for (arguments, part) in [
         (&[GATE][..], "no pointing; say --ra and --dec"),
         (&[GATE, &["--ra", "10"]], "--dec"),
@@ -160,26 +164,27 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
             let lines = stderr.lines().filter(|line| line.contains(part)).count();
             assert_eq!(lines, 1, "'{part}' is not one line of: {stderr}");
         }
-        let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
-        assert_eq!((told["verdict"].as_str(), told["fault"].as_str()), (Some("fault"), Some(kind)));
-        assert_eq!(told["counters"]["faults"][kind], 2 * count, "{told}");
+        let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        assert_eq!((record["verdict"].as_str(), record["fault"].as_str()), (Some("fault"), Some(kind)));
+        assert_eq!(record["counters"]["faults"][kind], 2 * count, "{record}");
     };
     let all =
         crate::common::elements::pair(25544, "227.50000000") + &crate::common::elements::pair(25545, "227.50000000");
     let many: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
     check("elements", "elements.tle", 1, ELEMENTS_NOW);
-    // Half a record, as a copy over a slow line leaves it.
+    // Half a record, as from a slow copy.
     fs::write(&elements, &all[..100]).unwrap();
     check("elements", "elements.tle", 2, ELEMENTS_NOW);
     fs::write(&elements, "").unwrap();
     check("elements", "is empty", 3, ELEMENTS_NOW);
-    // Whole, and clear: the sky has few satellites.
+    // Complete file, clear field: there are few satellites.
     fs::write(&elements, &many).unwrap();
     let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
     assert_eq!(code, 0, "{stderr}");
-    let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
-    assert_eq!((told["satellites"].as_i64(), told["verdict"].as_str()), (Some(40), Some("clear")), "{told}");
-    // A quarter of what was there the last time, cut between two records: fewer than half, so it is not believed until it has stayed so for minutes.
+    let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!((record["satellites"].as_i64(), record["verdict"].as_str()), (Some(40), Some("clear")), "{record}");
+    // A quarter of the previous file, cut between records: it has fewer than half of the satellites and is rejected
+    // until it has not changed for minutes.
     let is_believed = |text: &str, minutes: i64, part: &str| {
         fs::write(&elements, text).unwrap();
         let apart = Duration::from_secs(60 * minutes.unsigned_abs());
@@ -189,16 +194,16 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
         let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
         assert_eq!(code, 0, "{stderr}");
         assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
-        let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
-        told["verdict"] != "fault"
+        let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        record["verdict"] != "fault"
     };
     let quarter: String = many.split_inclusive('\n').take(20).collect();
     let fewer = "half-written elements? 10 satellites, 0 records rejected, 40 the last time";
-    // A date in the future is another machine's, and tells nothing.
+    // A modification time in the future (clock of another machine) is ignored.
     for minutes in [-60, 0, 1, 9] {
         assert!(!is_believed(&quarter, minutes, fewer));
     }
-    // Cut within a record: fewer than nine in ten are not believed, however long they stay.
+    // Cut within a record: with fewer than nine in ten valid records the file is always rejected.
     let torn: String = many.split_inclusive('\n').take(60).collect::<String>() + &many[..100];
     let broken = "half-written elements? 30 satellites, 1 records rejected, 40 the last time";
     assert!(!is_believed(&torn, 60, broken));
@@ -206,19 +211,19 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     assert!(is_believed(&last, 1, "ends with a broken record"));
     assert!(is_believed(&many, 0, "clear now"));
     assert!(is_believed(&quarter, 11, "clear now"));
-    // Weeks old: no wait can be trusted.
+    // Weeks old: waiting times are not reliable.
     fs::write(&elements, &many).unwrap();
     check("stale_elements", "100 % of the elements are more than 14 days from now", 1, "2026-09-14T23:30:00Z");
 }
 
 #[test]
-fn elements_that_are_just_being_replaced_are_read_again() {
+fn elements_being_replaced_are_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let elements = path(&folder, "elements.tle");
     let whole: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
     let base: &[&str] =
         &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
-    // The gate reads for 0.9 s. On a loaded machine the writer may come later than that, and the attempt is repeated.
+    // The gate reads for 0.9 s. On a loaded machine the writer may be later than that, and the attempt is repeated.
     let end = Instant::now() + Duration::from_secs(120);
     loop {
         fs::write(&elements, &whole[..60]).unwrap();
@@ -240,7 +245,7 @@ const TARGETS: &str =
     "[targets.'M 31']\nra = '00h42m44s'\ndec = '+41d16m09s'\n[targets.field_1]\nra = 217.5\ndec = -30\n";
 
 #[test]
-fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
+fn ekos_jobs_are_read_and_darks_pass() {
     let folder = tempfile::tempdir().unwrap();
     let targets = path(&folder, "targets.toml");
     fs::write(&targets, TARGETS).unwrap();
@@ -250,7 +255,7 @@ fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
             "{{\"script_type\":\"PRE_CAPTURE\",\"job\":{{\"filter\":\"L\",\"exposure\":120.0,\"type\":\"{kind}\",\"binning_x\":1,\"binning_y\":1,\"target_name\":\"{target}\"}}}}"
         )
     };
-    // Ekos puts underscores for blanks; what it says of the exposure counts. The pipe stays open, as a host may leave it.
+    // Ekos replaces blanks by underscores; its exposure time is used. The pipe stays open, as with some hosts.
     let (code, status) = ekos(&folder, job("Light", "Field 1").as_bytes(), false, more);
     assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{status}");
     assert_eq!((status["exposure_s"].as_f64(), status["ra_deg"].as_f64()), (Some(120.0), Some(217.5)));
@@ -259,7 +264,8 @@ fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
         let (code, status) = ekos(&folder, job(kind, "anything").as_bytes(), true, more);
         assert_eq!((code, status["verdict"].as_str()), (0, Some("skipped")), "{status}");
     }
-    // A target that nobody knows, below the horizon, no JSON, half of it, and silence: on with the night, counted.
+    // Unknown target, target below the horizon, invalid JSON, partial JSON, and no input: the night continues, with
+    // counters.
     for (input, close, kind) in [
         (job("Light", "NGC 1"), true, "target"),
         (job("Light", "M 31"), true, "target"),
@@ -274,7 +280,7 @@ fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
         let strict: Vec<&str> = more.iter().chain(&["--strict"]).copied().collect();
         assert_eq!(ekos(&folder, input.as_bytes(), close, &strict).0, 2, "{input}");
     }
-    // Older KStars say nothing: what was typed counts.
+    // Older KStars versions send no data: the arguments are used.
     let typed: Vec<&str> = ["--limit-mag=-20", "--now", NOW].iter().chain(POINTING).copied().collect();
     for (input, close) in [("", true), ("", false), ("\n", false)] {
         let (code, status) = ekos(&folder, input.as_bytes(), close, &typed);
@@ -283,9 +289,10 @@ fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
     }
 }
 
-/// As N.I.N.A.: a program with arguments; any code but 0 fails the sequence; the answer is read from the status file.
+/// As N.I.N.A.: a program with arguments; any exit code except 0 fails the sequence; the result is read from the status
+/// file.
 #[test]
-fn nina_reads_the_status_file_and_is_never_failed_unless_strict() {
+fn nina_reads_the_status_file_and_fails_only_with_strict() {
     let folder = tempfile::tempdir().unwrap();
     let targets = path(&folder, "targets.toml");
     fs::write(&targets, TARGETS).unwrap();
@@ -305,25 +312,25 @@ fn nina_reads_the_status_file_and_is_never_failed_unless_strict() {
     assert_eq!(named("nowhere", &["--strict"]).0, 2);
 }
 
-/// An INDI server that sends these messages to its first client, and then keeps the connection open or closes it.
+/// An INDI server that sends messages to its first client, and then keeps the connection open or closes it.
 fn fake_indi(messages: impl FnOnce() -> Vec<String> + Send + 'static, close: bool) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
     thread::spawn(move || {
         let (mut stream, _) = listener.accept().unwrap();
-        let mut asked = [0; 256];
-        let read = stream.read(&mut asked).unwrap_or(0);
-        assert!(asked[..read].starts_with(b"<getProperties version="));
+        let mut received = [0; 256];
+        let read = stream.read(&mut received).unwrap_or(0);
+        assert!(received[..read].starts_with(b"<getProperties version="));
         for message in messages() {
             if stream.write_all(message.as_bytes()).is_err() {
                 return;
             }
-            // Separate reads of the client, in most cases.
+            // Usually received in separate reads.
             thread::sleep(Duration::from_millis(20));
         }
         if !close {
-            // Until the client closes.
-            let _ = stream.read(&mut asked);
+            // Until the client closes the connection.
+            let _ = stream.read(&mut received);
         }
     });
     address
@@ -342,7 +349,7 @@ fn numbers(device: &str, name: &str, state: &str, stamp: &str, numbers: &[(&str,
 }
 
 fn eod(state: &str, stamp: &str) -> String {
-    // What stands at ICRS 217.5, -30 on 2024-08-14, of date: astropy 8.0.2, TETE.
+    // Apparent position (of date) of ICRS 217.5, -30 on 2024-08-14: astropy 8.0.2, TETE.
     numbers("Mount", "EQUATORIAL_EOD_COORD", state, stamp, &[("RA", "14:31:26.619"), ("DEC", "-30.110918")])
 }
 
@@ -359,43 +366,44 @@ fn place(latitude: &str, longitude: &str) -> String {
 const STAMP: &str = "2024-08-14T23:30:00";
 const CCD: &str = "<defTextVector device='CCD' name='DRIVER_INFO' state='Idle'><defText name='A'>a &amp; b</defText></defTextVector>\n";
 
-/// Runs the gate with an INDI server; it ends by its time limit only if the server sends nothing and keeps the connection open.
+/// Runs the gate with an INDI server; the time limit matters only if the server sends nothing and keeps the connection
+/// open.
 #[track_caller]
-fn ask(folder: &TempDir, messages: Vec<String>, close: bool, more: &[&str]) -> (i32, String, Value) {
+fn run_with_indi(folder: &TempDir, messages: Vec<String>, close: bool, more: &[&str]) -> (i32, String, Value) {
     let timeout = if messages.is_empty() && !close { SHORT } else { LONG };
     let address = fake_indi(|| messages, close);
     gate(folder, &[&["--indi", &address, "--timeout", timeout, "--limit-mag=-20"], more].concat())
 }
 
 #[test]
-fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
+fn pointing_and_site_are_read_from_a_mount() {
     let folder = tempfile::tempdir().unwrap();
     let now = &["--now", NOW];
-    // In one message: the gate waits less than a second for the site of a mount whose pointing it has.
+    // In one message, because the gate waits less than a second for the site after it has received the pointing.
     let good = || vec![CCD.to_owned() + &eod("Ok", STAMP) + &place("-30:14:40", "289.2506")];
-    let (code, stderr, status) = ask(&folder, good(), false, now);
+    let (code, stderr, status) = run_with_indi(&folder, good(), false, now);
     assert_eq!(
         (code, status["verdict"].as_str(), status["mount"].as_str()),
         (0, Some("clear"), Some("Mount")),
         "{stderr}"
     );
-    // A third of a degree from what the mount said, back to 0.1 arcsec.
+    // Converted from the mount's coordinates of date (a third of a degree away) to 0.1 arcsec.
     let (ra, dec) = (status["ra_deg"].as_f64().unwrap(), status["dec_deg"].as_f64().unwrap());
     assert!((ra - 217.5).abs() < 3e-5 && (dec + 30.0).abs() < 3e-5, "{ra} {dec}");
-    // A message in pieces, and a mount that comes to rest during the connection.
+    // A message in pieces, and a mount that stops moving during the connection.
     let cut = eod("Busy", STAMP) + &place("-30.2446", "289.2506");
     let moved = eod("Ok", STAMP)
         .replace("def", "set")
         .replace("setNumber name", "oneNumber name")
         .replace("</setNumber>", "</oneNumber>");
     let pieces = cut.as_bytes().chunks(50).map(|piece| String::from_utf8(piece.to_vec()).unwrap()).chain([moved]);
-    let (code, stderr, status) = ask(&folder, pieces.collect(), false, now);
+    let (code, stderr, status) = run_with_indi(&folder, pieces.collect(), false, now);
     assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{stderr}");
-    // J2000 is taken as it is.
+    // J2000 coordinates are used unchanged.
     let j2000 = numbers("Mount", "EQUATORIAL_COORD", "Idle", STAMP, &[("RA", "14.5"), ("DEC", "-30")]);
-    let (_, stderr, status) = ask(&folder, vec![j2000], false, now);
+    let (_, stderr, status) = run_with_indi(&folder, vec![j2000], false, now);
     assert_eq!((status["ra_deg"].as_f64(), status["dec_deg"].as_f64()), (Some(217.5), Some(-30.0)), "{stderr}");
-    // Without a site of ours, the mount's.
+    // Without a configured site, the mount's site is used.
     let status_file = path(&folder, "own.json");
     let address = fake_indi(good, false);
     let own =
@@ -405,7 +413,7 @@ fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
 }
 
 #[test]
-fn servers_that_are_down_silent_or_mad_stall_nobody() {
+fn faulty_servers_do_not_stop_the_gate() {
     let folder = tempfile::tempdir().unwrap();
     let second = eod("Ok", STAMP).replace("\"Mount\"", "\"Other\"");
     let wrong = numbers("Mount", "EQUATORIAL_EOD_COORD", "Ok", STAMP, &[("RA", "14.5"), ("DEC", "-300")]);
@@ -420,29 +428,29 @@ fn servers_that_are_down_silent_or_mad_stall_nobody() {
         (vec![eod("Ok", STAMP) + &place("-30.2446", "289.2506") + &second], false, "several mounts (Mount, Other)"),
         (vec![wrong], false, "points at 14.5 h, -300 deg"),
     ] {
-        let (code, stderr, status) = ask(&folder, pieces, close, &["--now", NOW]);
+        let (code, stderr, status) = run_with_indi(&folder, pieces, close, &["--now", NOW]);
         assert_eq!((code, status["fault"].as_str()), (0, Some("indi")), "{stderr}");
         assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
     }
-    let nobody = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
-    let (code, stderr, status) = gate(&folder, &["--indi", &nobody, "--now", NOW]);
+    let closed_port = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
+    let (code, stderr, status) = gate(&folder, &["--indi", &closed_port, "--now", NOW]);
     assert_eq!((code, status["fault"].as_str()), (0, Some("indi")), "{stderr}");
-    assert_eq!(gate(&folder, &["--indi", &nobody, "--now", NOW, "--strict"]).0, 2);
+    assert_eq!(gate(&folder, &["--indi", &closed_port, "--now", NOW, "--strict"]).0, 2);
 }
 
 #[test]
-fn a_site_elsewhere_and_a_clock_that_is_wrong_are_noticed() {
+fn a_different_site_and_a_wrong_clock_are_reported() {
     let folder = tempfile::tempdir().unwrap();
-    // 0.02 deg are 2.2 km; 0.005 deg are half a kilometre.
+    // 0.02 deg are 2.2 km; 0.005 deg are 0.5 km.
     let (code, stderr, status) =
-        ask(&folder, vec![eod("Ok", STAMP) + &place("-30.2646", "289.2506")], false, &["--now", NOW]);
+        run_with_indi(&folder, vec![eod("Ok", STAMP) + &place("-30.2646", "289.2506")], false, &["--now", NOW]);
     assert_eq!((code, status["fault"].as_str()), (0, Some("site")), "{stderr}");
     assert!(stderr.contains("the mount Mount stands 2.2 km from"), "{stderr}");
     let (_, stderr, status) =
-        ask(&folder, vec![eod("Ok", STAMP) + &place("-30.2496", "289.2506")], false, &["--now", NOW]);
+        run_with_indi(&folder, vec![eod("Ok", STAMP) + &place("-30.2496", "289.2506")], false, &["--now", NOW]);
     assert_eq!(status["verdict"], "clear", "{stderr}");
 
-    // Against the machine's own clock: right, and 37 s wrong. The server takes the time when it is called.
+    // Compared with the machine's clock: correct, and 37 s wrong. The server reads the time when it is called.
     let stamp = |offset_s: f64| {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
         streakcast::output::format_utc(hifitime::Epoch::from_unix_seconds(now + offset_s), 0).replace('Z', "")
@@ -461,8 +469,8 @@ fn a_site_elsewhere_and_a_clock_that_is_wrong_are_noticed() {
 }
 
 #[test]
-fn the_machines_clock_is_waited_for() {
-    // A field that never sets from the pole; what is asked is that real time passes, not how much of it.
+fn the_gate_waits_in_real_time() {
+    // A field near the pole never sets; only the fact that real time passes is tested, not its amount.
     let folder = tempfile::tempdir().unwrap();
     let status = path(&folder, "status.json");
     let began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
@@ -483,16 +491,16 @@ fn the_machines_clock_is_waited_for() {
     ];
     let (code, _, stderr) = run(&[&arguments, &["--limit-mag", "9", "--max-wait", "30s", "--status-file", &status]]);
     assert_eq!(code, 0, "{stderr}");
-    let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
-    let ended = utc_seconds(told["ended_utc"].as_str().unwrap());
-    assert!(ended >= began, "{told}");
-    if let Some(start) = told["start_utc"].as_str() {
-        assert!(ended >= utc_seconds(start) - 1e-3, "{told}");
+    let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    let ended = utc_seconds(record["ended_utc"].as_str().unwrap());
+    assert!(ended >= began, "{record}");
+    if let Some(start) = record["start_utc"].as_str() {
+        assert!(ended >= utc_seconds(start) - 1e-3, "{record}");
     }
 }
 
 #[test]
-fn the_sky_of_a_gate_is_that_of_passes() {
+fn the_gate_uses_the_same_satellites_as_passes() {
     let folder = tempfile::tempdir().unwrap();
     let (_, _, status) = gate(&folder, &[POINTING, LIMIT, &["--now", NOW]].concat());
     let dodged = status["dodged"].as_array().unwrap();

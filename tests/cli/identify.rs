@@ -1,9 +1,9 @@
-//! `streakcast identify`: every way of saying a streak, and what is said of those that are none.
+//! `streakcast identify`: all forms of a streak, and errors for invalid ones.
 
 use crate::common::cli::{SKY, done, json, path, records, run};
 use serde_json::Value;
 
-/// A pass of a synthetic constellation, for which nothing is needed.
+/// A pass of a synthetic constellation, which needs no files.
 fn pass() -> Value {
     let answer = json(&[
         &["passes"],
@@ -23,7 +23,7 @@ fn first(words: &[&str]) -> (Value, Value) {
 }
 
 #[test]
-fn a_pass_is_identified_however_it_is_said() {
+fn a_pass_is_identified_in_every_form() {
     let pass = pass();
     let (enter, exit) = (end(&pass, "enter"), end(&pass, "exit"));
     let times = [pass["enter_utc"].as_str().unwrap(), pass["exit_utc"].as_str().unwrap()];
@@ -53,18 +53,18 @@ fn the_same_rows_in_every_format() {
     let ends = [end(&pass, "enter"), end(&pass, "exit")];
     let times = [pass["enter_utc"].as_str().unwrap(), pass["exit_utc"].as_str().unwrap()];
     let words = ["--end", &ends[0], "--end", &ends[1], "--times", times[0], times[1], "--top", "1"];
-    let said = |format: &str| done(&[&["identify"], SKY, &words, &["--format", format]]);
+    let output = |format: &str| done(&[&["identify"], SKY, &words, &["--format", format]]);
     let id = pass["norad_id"].to_string();
     for format in ["csv", "ecsv", "jsonl", "json", "table"] {
-        assert!(said(format).contains(&id), "{format}: {}", said(format));
+        assert!(output(format).contains(&id), "{format}: {}", output(format));
     }
-    let rows = records(&said("csv"));
+    let rows = records(&output("csv"));
     assert_eq!((rows.len(), &rows[0][0], &rows[1][0]), (2, "norad_id", id.as_str()));
 }
 
 #[test]
 fn no_candidate_ends_with_1() {
-    // Far south, where no shell of 53 degrees comes by.
+    // Far south, where no satellite of inclination 53 degrees passes.
     let words = ["--end", "10,-86.5", "--end", "12,-86.6", "--start", "2026-08-14T23:29:05Z", "--exposure", "1s"];
     let (code, stdout, stderr) = run(&[&["identify"], &SKY[..4], &words, &["--format", "csv"]]);
     assert_eq!(code, 1, "{stderr}");
@@ -73,7 +73,7 @@ fn no_candidate_ends_with_1() {
 }
 
 #[test]
-fn what_is_no_streak_is_told_on_one_line() {
+fn invalid_streaks_give_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let region = path(&folder, "a.reg");
     std::fs::write(&region, "fk5\ncircle(1,2,3\")\n").unwrap();
@@ -117,9 +117,9 @@ fn what_is_no_streak_is_told_on_one_line() {
     }
 }
 
-/// Two forms of one frame of Boley et al. (2021): its region file, and its corner points as ends.
+/// Two forms of one frame of Boley et al. (2021): the region file, and its corner points as ends.
 #[test]
-fn valid_a_region_of_ds9_is_a_streak() {
+fn valid_a_ds9_region_is_a_streak() {
     let Some(data) = crate::common::data_dir() else { return };
     let folder = data.join("photometry/boley2021_plaskett");
     let elements = folder.join("starlink.15JUL2021").display().to_string();
@@ -135,7 +135,7 @@ fn valid_a_region_of_ds9_is_a_streak() {
 
 #[cfg(feature = "fits")]
 #[test]
-fn valid_a_frame_says_where_and_when() {
+fn valid_a_frame_provides_position_and_time() {
     let Some(data) = crate::common::data_dir() else { return };
     let frame = data.join("frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz").display().to_string();
     for file in ["supgp/starlink_supgp_2020-02-23.tle", "supgp/starlink_supgp_2020-02-25.tle"] {

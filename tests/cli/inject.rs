@@ -1,4 +1,4 @@
-//! `inject` as a user types it: frames, masks, truth, bad input.
+//! `inject` on the command line: frames, masks, truth, invalid input.
 
 use std::fs;
 use std::path::Path;
@@ -21,11 +21,11 @@ fn names(file: &str) -> Vec<String> {
 }
 
 #[test]
-fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
+fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
     let folder = TempDir::new().unwrap();
     let plain = path(&folder, "plain.fits");
     let description = path(&folder, "sky.toml");
-    // Without whole counts, so that nothing is rounded.
+    // Floating-point pixels, so that nothing is rounded.
     fs::write(&description, SKY.replace(", quantisation = { greatest_adu = 65535 }", "")).unwrap();
     done(&[&["inject", "--synthetic", &description, "-o", &plain, "--pixels-only", "--seed", "1"], RANDOM]);
     let before = fs::read(&plain).unwrap();
@@ -42,9 +42,10 @@ fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
     let counts: f64 = numbers(&rows, "counts").iter().sum();
     let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
     let added: f64 = old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum();
-    // Single precision next to a sky of a thousand counts: 1e-4 of a count a pixel.
+    // Single precision with a sky of a thousand counts: 1e-4 of a count per pixel.
     assert!((added - counts).abs() < 1e-4 * counts, "{added} {counts}");
-    // LSST's bits: STREAK 0, INJECTED 1. What changed is marked, but for the faintest fringe; what is marked as a streak is injected.
+    // LSST bits: STREAK 0, INJECTED 1. Changed pixels are marked, except for the faintest wings; pixels with STREAK
+    // also have INJECTED.
     assert!(mask.iter().all(|&bits| [0.0, 2.0, 3.0].contains(&bits)));
     let unmarked: f64 = old
         .iter()
@@ -56,14 +57,14 @@ fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
     assert!(unmarked.abs() < 1e-2 * counts, "{unmarked}");
     let stands_out = mask.iter().filter(|&&bits| bits == 3.0).count();
     assert!(stands_out > 300, "{stands_out}");
-    // The ends of both streaks lie on the frame's border, or where the shutter closed on it.
+    // Both streaks end at the frame's border, or where the shutter closed.
     for (x, y) in numbers(&rows, "x1_pix").into_iter().zip(numbers(&rows, "y1_pix")) {
         assert!((0.5..=400.5).contains(&x) && (0.5..=300.5).contains(&y));
     }
 }
 
 #[test]
-fn verif_a_seed_gives_one_frame_and_another_seed_another() {
+fn verif_the_seed_determines_the_frame() {
     let folder = TempDir::new().unwrap();
     let [a, b, c] = [("a.fits", "7", "1"), ("b.fits", "7", "2"), ("c.fits", "8", "2")].map(|(name, seed, threads)| {
         fs::read(synthetic(&folder, name, &["--seed", seed, "--threads", threads])).unwrap()
@@ -73,7 +74,7 @@ fn verif_a_seed_gives_one_frame_and_another_seed_another() {
 }
 
 #[test]
-fn verif_many_frames_go_to_a_folder_each_with_its_own_streaks() {
+fn verif_many_frames_are_written_to_a_folder_with_individual_streaks() {
     let folder = TempDir::new().unwrap();
     let (description, truth) = (path(&folder, "sky.toml"), path(&folder, "all.csv"));
     fs::write(&description, SKY).unwrap();
@@ -92,7 +93,7 @@ fn verif_many_frames_go_to_a_folder_each_with_its_own_streaks() {
     let mut lengths = column(&rows, "x1_pix");
     lengths.dedup();
     assert_eq!(lengths.len(), 6, "no two streaks are the same");
-    // Any frame of a set is made alone from the seed that its truth names.
+    // Each frame of a set can be reproduced from the seed in its truth table.
     let alone = path(&folder, "alone.fits");
     let seed = column(&rows, "seed")[2].clone();
     done(&[&["inject", "--synthetic", &description, "-o", &alone, "--seed", &seed], RANDOM]);
@@ -132,7 +133,8 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     let streaks = document["streaks"].as_array().unwrap();
     assert!(!streaks.is_empty());
     assert!(document["provenance"]["models"].to_string().contains("starlink"));
-    // The same satellites as `passes` finds in the circle about the frame, those that touch the frame itself.
+    // The same satellites as found by `passes` in the circle around the frame, restricted to those that touch the
+    // frame.
     let passes: serde_json::Value =
         crate::common::cli::json(&[&["passes"], &shot[..8], &["--fov", "4.6deg", "--quiet"], &question]);
     let known: Vec<i64> =
@@ -141,7 +143,7 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
         assert!(known.contains(&streak["norad_id"].as_i64().unwrap()), "{streak}");
         assert!(streak["magnitude"].as_f64().unwrap() < 9.0 && streak["length_pix"].as_f64().unwrap() > 0.0);
     }
-    // Trails: mag is of a pixel of length, so that the flux of all is that of the streak.
+    // Trails: mag is per pixel of length, so the total flux is that of the streak.
     let rows = records(&fs::read_to_string(&trails).unwrap());
     assert_eq!(column(&rows, "source_type")[0], "Trail");
     let (mag, length) = (numbers(&rows, "mag")[0], numbers(&rows, "trail_length")[0]);
@@ -150,7 +152,7 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     assert!((total - first["total_magnitude"].as_f64().unwrap()).abs() < 2e-3);
 }
 
-/// A wide synthetic frame under a constellation, 4 s long, while its first satellite of the evening crosses it.
+/// A wide synthetic frame under a constellation, exposed for 4 s while the first satellite of the evening crosses it.
 fn wide(folder: &TempDir, more: &[&str]) -> Vec<csv::StringRecord> {
     let pointing = ["--shells", "starlink-gen1", "--mpc", "X05", "--ra", "198.9", "--dec", "7.7"];
     let evening = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--fov", "2deg", "--quiet"];
@@ -172,7 +174,7 @@ fn wide(folder: &TempDir, more: &[&str]) -> Vec<csv::StringRecord> {
 }
 
 #[test]
-fn verif_a_followed_satellite_is_a_point_with_all_its_light() {
+fn verif_a_tracked_satellite_is_a_point_with_its_total_light() {
     let folder = TempDir::new().unwrap();
     let rows = wide(&folder, &[]);
     let brightest = numbers(&rows, "magnitude")
@@ -191,13 +193,15 @@ fn verif_a_followed_satellite_is_a_point_with_all_its_light() {
     let followed = wide(&folder, &[&follow]);
     let index =
         column(&followed, "norad_id").iter().position(|id| *id == norad).expect("the satellite is in the frame");
-    // It moves along its orbit, the telescope along a great circle at the rate of the middle: a few pixels of 30" in 4 s.
+    // The satellite moves along its orbit, the telescope along a great circle at the middle rate: a difference of a few
+    // pixels of 30" in 4 s.
     assert!(numbers(&followed, "length_pix")[index] < 6.0);
-    // All the light of the 4 s is in one place: 10^(-0.4 (m - ZP)), m that of the middle, which changes by a few hundredths over 4 s.
+    // All light of the 4 s is in one point: 10^(-0.4 (m - ZP)), m at the middle, which changes by a few hundredths over
+    // 4 s.
     let expected = 10f64.powf(-0.4 * (magnitude - zero_point));
     let counts = numbers(&followed, "counts")[index];
     assert!((counts / expected - 1.0).abs() < 0.05, "{counts} {expected}");
-    // A point keeps its magnitude; a streak looks fainter.
+    // A point keeps its magnitude; a streak has a lower surface brightness.
     let effective = |rows: &[csv::StringRecord], index: usize| numbers(rows, "effective_magnitude")[index];
     assert!(
         (effective(&followed, index) - magnitude).abs() < 1.5
@@ -206,10 +210,10 @@ fn verif_a_followed_satellite_is_a_point_with_all_its_light() {
 }
 
 #[test]
-fn verif_stars_trail_where_the_telescope_follows_something_else() {
+fn verif_stars_trail_with_non_sidereal_tracking() {
     let folder = TempDir::new().unwrap();
     let [description, list] = ["sky.toml", "stars.csv"].map(|name| path(&folder, name));
-    // One star in the middle, in a frame without noise.
+    // One star in the centre of a frame without noise.
     let sky = "columns = 400\nrows = 300\npixel_scale_arcsec = 0.5\nzero_point_1s_mag = 25.0\nsky_mag_arcsec2 = 40\n\
         star_list = 'stars.csv'\ndetector = { shot_noise = false }\n";
     fs::write(&description, sky).unwrap();
@@ -232,7 +236,7 @@ fn verif_stars_trail_where_the_telescope_follows_something_else() {
     };
     let (still, trailed) =
         (moments(&take("still.fits", &[])), moments(&take("trailed.fits", &["--track-rate", "2,1"])));
-    // 2"/s east and 1"/s north for 30 s: 120 and 60 pixels. An even line of length L has a variance of L² / 12.
+    // 2"/s east and 1"/s north for 30 s: 120 and 60 pixels. A uniform line of length L has a variance of L² / 12.
     assert!((trailed[0] / still[0] - 1.0).abs() < 1e-3, "{} {}", trailed[0], still[0]);
     let mean = |sums: &[f64; 6], index: usize| sums[index] / sums[0];
     assert!((mean(&trailed, 1) - mean(&still, 1)).abs() < 0.05 && (mean(&trailed, 2) - mean(&still, 2)).abs() < 0.05);
@@ -242,7 +246,7 @@ fn verif_stars_trail_where_the_telescope_follows_something_else() {
     }
     assert!((mean(&trailed, 5).abs() / 600.0 - 1.0).abs() < 0.01, "{}", mean(&trailed, 5));
 
-    // Random stars as many as without it, also where the telescope follows a satellite.
+    // The number of random stars is the same with tracking of a satellite.
     let field = "stars = { per_megapixel = 1000, slope = 0.6, brightest_mag = 14, faintest_mag = 16 }";
     fs::write(&description, sky.replace("star_list = 'stars.csv'", field)).unwrap();
     let total = |pixels: Vec<f32>| pixels.iter().map(|pixel| f64::from(*pixel)).sum::<f64>();
@@ -252,7 +256,7 @@ fn verif_stars_trail_where_the_telescope_follows_something_else() {
         assert!((trailed / still - 1.0).abs() < 0.4, "{rate}: {trailed} {still}");
     }
 
-    // More trails than anybody waits for are refused; so is a star that is too bright, where it is over the frame.
+    // Too many trails are rejected; so is a star that is too bright, if it is on the frame.
     let refused = |more: &[&str]| {
         let output = path(&folder, "none.fits");
         let centre = ["--ra", "40", "--dec", "10", "--random-streaks", "0", "--magnitude", "5", "--exposure", "30s"];
@@ -274,7 +278,7 @@ fn verif_stars_trail_where_the_telescope_follows_something_else() {
 }
 
 #[test]
-fn verif_the_middle_is_the_middle_and_a_flash_is_seen() {
+fn verif_the_middle_point_and_a_flash_in_the_light_curve() {
     let folder = TempDir::new().unwrap();
     let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
     let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
@@ -291,19 +295,19 @@ fn verif_the_middle_is_the_middle_and_a_flash_is_seen() {
         "--seed",
         "2",
     ];
-    let ask = |more: &[&str]| {
+    let inject_with = |more: &[&str]| {
         done(&[&["inject", "--image", &plain, "-o", &output, "--truth", &truth], &one, more]);
         records(&fs::read_to_string(&truth).unwrap())
     };
-    let [two, eleven] = ["2", "11"].map(|points| ask(&["--truth-points", points]));
+    let [two, eleven] = ["2", "11"].map(|points| inject_with(&["--truth-points", points]));
     assert_eq!(column(&two, "magnitude"), column(&eleven, "magnitude"));
     assert!(
         (numbers(&two, "surface_brightness_mag_arcsec2")[0] - numbers(&eleven, "surface_brightness_mag_arcsec2")[0])
             .abs()
             < 2e-3
     );
-    let flash = ask(&["--glint", "5,0,0.1"]);
-    // The flash of magnitude 5 on light of 9: 4.97 at its height, and its own light, 0.1 s × 1.064, in 30 s.
+    let flash = inject_with(&["--glint", "5,0,0.1"]);
+    // A flash of magnitude 5 on light of magnitude 9: 4.97 at the peak, and its fluence, 0.1 s × 1.064, in 30 s.
     assert!((numbers(&flash, "magnitude_peak")[0] - 4.97).abs() < 0.03, "{:?}", column(&flash, "magnitude_peak"));
     let gained = numbers(&flash, "counts")[0] - numbers(&eleven, "counts")[0];
     let expected = 10f64.powf(-0.4 * (5.0 - numbers(&flash, "zero_point_mag")[0])) * 0.106_447 / 30.0;
@@ -313,11 +317,11 @@ fn verif_the_middle_is_the_middle_and_a_flash_is_seen() {
 #[test]
 fn verif_faint_light_is_not_rounded_away() {
     let folder = TempDir::new().unwrap();
-    // Whole counts of 16 bits: a streak whose brightest pixel is below one count.
+    // 16-bit integer counts: a streak with a peak below one count.
     let plain = synthetic(&folder, "plain.fits", &["--pixels-only", "--seed", "1"]);
     let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
     for (more, noise) in [(&["--no-noise"][..], 0.0), (&["--gain", "8"], 1.0 / 8.0)] {
-        let (mut added, mut wanted, mut pixels) = (0.0, 0.0, 0.0);
+        let (mut added, mut expected_counts, mut pixels) = (0.0, 0.0, 0.0);
         for seed in ["3", "4", "5", "6"] {
             let streak = [
                 "--random-streaks",
@@ -336,34 +340,38 @@ fn verif_faint_light_is_not_rounded_away() {
             let (old, new) = (values(&plain, 0), values(&output, 0));
             added += old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum::<f64>();
             pixels += old.iter().zip(&new).filter(|(old, new)| old != new).count() as f64;
-            wanted += numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum::<f64>();
+            expected_counts += numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum::<f64>();
         }
-        // A pixel of x counts becomes 1 with probability x: the variance of each is below 1/4 of a count; photons add theirs. Five sigma.
-        let sigma = (4.0 * 0.25 * 400.0 * 40.0 + noise * wanted).sqrt();
-        assert!((added - wanted).abs() < 5.0 * sigma && pixels > 500.0, "{added} {wanted} ± {sigma}, {pixels} pixels");
-        assert!(wanted > 10.0 * sigma, "the test can fail: {wanted} {sigma}");
+        // A pixel of x counts becomes 1 with probability x: its variance is below 1/4 count²; photon noise adds to it.
+        // Five sigma.
+        let sigma = (4.0 * 0.25 * 400.0 * 40.0 + noise * expected_counts).sqrt();
+        assert!(
+            (added - expected_counts).abs() < 5.0 * sigma && pixels > 500.0,
+            "{added} {expected_counts} ± {sigma}, {pixels} pixels"
+        );
+        assert!(expected_counts > 10.0 * sigma, "the test can fail: {expected_counts} {sigma}");
     }
 }
 
 #[test]
-fn verif_resolved_panels_are_two_lights_side_by_side() {
+fn verif_resolved_panels_are_two_light_sources() {
     let folder = TempDir::new().unwrap();
     let rows = wide(&folder, &[]);
-    // A small frame with small pixels about a place that a satellite passes, 4 s about the moment.
+    // A small frame with small pixels at the position of a satellite, exposed for 4 s.
     let entered: hifitime::Epoch = column(&rows, "enter_utc")[0].parse().unwrap();
     let start = streakcast::output::format_utc(entered - hifitime::Unit::Second * 2.0, 3);
     let [ra, dec, norad] = ["ra1_deg", "dec1_deg", "norad_id"].map(|name| column(&rows, name)[0].clone());
     let description = path(&folder, "small.toml");
     fs::write(&description, unrounded().replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 0.4")).unwrap();
-    let ask = |name: &str, more: &[&str]| {
+    let inject_with = |name: &str, more: &[&str]| {
         let (output, truth) = (path(&folder, name), path(&folder, "small.csv"));
         let frame = ["--synthetic", &description, "-o", &output, "--truth", &truth, "--quiet", "--no-noise"];
         let shot = ["--shells", "starlink-gen1", "--mpc", "X05", "--start", &start, "--exposure", "4s", "--ra", &ra];
         done(&[&["inject"], &frame, &shot, &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"], more]);
         (records(&fs::read_to_string(&truth).unwrap()), values(&output, 0))
     };
-    let (whole, whole_values) = ask("whole.fits", &[]);
-    let (apart, apart_values) = ask("apart.fits", &["--resolve-panels"]);
+    let (whole, whole_values) = inject_with("whole.fits", &[]);
+    let (apart, apart_values) = inject_with("apart.fits", &["--resolve-panels"]);
     let of_satellite = |rows: &[csv::StringRecord]| -> Vec<(String, f64)> {
         let ids = column(rows, "norad_id");
         let parts = column(rows, "part").into_iter().zip(numbers(rows, "counts"));
@@ -373,22 +381,22 @@ fn verif_resolved_panels_are_two_lights_side_by_side() {
     let labels = |parts: &[(String, f64)]| parts.iter().map(|(label, _)| label.clone()).collect::<Vec<_>>();
     assert_eq!(labels(&whole), ["whole"]);
     assert_eq!(labels(&apart), ["chassis", "array"]);
-    // Together they are as bright; over a corner of the frame one way is a few pixels longer than the other.
+    // The total light is the same; at a corner of the frame one of the paths is a few pixels longer.
     let together: f64 = apart.iter().map(|(_, counts)| counts).sum();
     assert!((together / whole[0].1 - 1.0).abs() < 0.05, "{together} {}", whole[0].1);
-    // And the light lies elsewhere: beside itself.
+    // The light is distributed differently.
     let moved: f64 = whole_values.iter().zip(&apart_values).map(|(a, b)| f64::from((a - b).abs())).sum();
     assert!(moved > 0.05 * together, "{moved} {together}");
 }
 
 #[test]
-fn verif_a_satellite_on_the_edge_of_a_chip_leaves_what_falls_on_it() {
+fn verif_a_satellite_at_the_edge_of_a_chip_adds_only_the_light_inside() {
     let folder = TempDir::new().unwrap();
     let truth_of_wide = wide(&folder, &["--no-noise"]);
     let (x1, x2) = (numbers(&truth_of_wide, "x1_pix")[0], numbers(&truth_of_wide, "x2_pix")[0]);
     let (y1, y2) = (numbers(&truth_of_wide, "y1_pix")[0], numbers(&truth_of_wide, "y2_pix")[0]);
     assert!((y2 - y1).abs() > 4.0 && (x2 - x1).abs() >= 0.0, "{y1} {y2}");
-    // The same frame without the rows above the middle of the streak: its way leaves the chip there.
+    // The same frame without the rows above the middle of the streak: the track leaves the chip there.
     let whole = path(&folder, "plain.fits");
     let description = path(&folder, "plain.toml");
     let text = unrounded()
@@ -421,7 +429,7 @@ fn verif_a_satellite_on_the_edge_of_a_chip_leaves_what_falls_on_it() {
         (light, records(&fs::read_to_string(&truth).unwrap()))
     };
     let ((all, _), (kept, truth)) = (added(&whole), added(&part));
-    // The same light in every pixel that is left, up to the last row, and an end of the way on the edge.
+    // Identical light in all remaining pixels up to the last row, and the track ends at the edge.
     let peak = all.iter().copied().fold(0.0_f32, f32::max);
     let worst = all.iter().zip(&kept).map(|(a, b)| (a - b).abs()).fold(0.0_f32, f32::max);
     assert_eq!(kept.len(), 400 * rows_kept);
@@ -433,24 +441,24 @@ fn verif_a_satellite_on_the_edge_of_a_chip_leaves_what_falls_on_it() {
 }
 
 #[test]
-fn verif_names_with_brackets_and_pixels_without_a_value() {
+fn verif_names_with_brackets_and_undefined_pixels() {
     let folder = TempDir::new().unwrap();
     let (description, plain) = (path(&folder, "sky.toml"), path(&folder, "plain.fits"));
     fs::write(&description, unrounded()).unwrap();
     done(&[&["inject", "--synthetic", &description, "-o", &plain, "--pixels-only"], RANDOM]);
-    // Every seventh pixel has no value.
+    // Every seventh pixel is undefined.
     let mut bytes = fs::read(&plain).unwrap();
     let header = 2880 * (bytes.chunks_exact(80).position(|card| card.starts_with(b"END ")).unwrap() / 36 + 1);
     for pixel in (0..400 * 300).step_by(7) {
         let at = header + 4 * pixel;
         bytes[at..at + 4].copy_from_slice(&f32::NAN.to_be_bytes());
     }
-    // To CFITSIO these would be sections, filters and compression.
+    // CFITSIO would interpret these names as sections, filters and compression.
     let input = path(&folder, "night[1:100,*](2)+1.fits");
     let output = path(&folder, "out[compress R][0].fits");
     fs::write(&input, &bytes).unwrap();
-    let asked = ["--random-streaks", "2", "--magnitude", "5", "--seeing", "2.5arcsec", "--gain", "2", "--quiet"];
-    done(&[&["inject", "--image", &input, "-o", &output], &asked]);
+    let options = ["--random-streaks", "2", "--magnitude", "5", "--seeing", "2.5arcsec", "--gain", "2", "--quiet"];
+    done(&[&["inject", "--image", &input, "-o", &output], &options]);
     assert_eq!(fs::read(&input).unwrap(), bytes);
     let (old, new) = (values(&input, 0), values(&output, 0));
     assert!(old.iter().zip(&new).all(|(old, new)| old.is_nan() == new.is_nan()));
@@ -458,20 +466,20 @@ fn verif_names_with_brackets_and_pixels_without_a_value() {
     assert!(changed > 1000, "{changed}");
 }
 
-/// A disk that fills up, as a limit on the size of files (the signal that comes with it is ignored), and folders that take no files.
+/// A full disk, simulated by a limit on file sizes (its signal is ignored), and folders that do not accept files.
 #[cfg(target_os = "linux")]
 #[test]
-fn verif_no_room_and_no_right_to_write_leave_no_output() {
+fn verif_a_full_disk_and_missing_permissions_leave_no_output() {
     let folder = TempDir::new().unwrap();
     let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
     let (before, output) = (fs::read(&plain).unwrap(), path(&folder, "out.fits"));
     fs::write(&output, "an older file").unwrap();
-    let asked = ["--random-streaks", "1", "--magnitude", "5", "--seeing", "2arcsec", "--quiet"];
+    let options = ["--random-streaks", "1", "--magnitude", "5", "--seeing", "2arcsec", "--quiet"];
     // 100 blocks of 512 (or 1024) bytes; the frame has 240,000.
     let script = "trap '' XFSZ; ulimit -f 100; exec \"$0\" \"$@\"";
     let full = std::process::Command::new("sh")
         .args(["-c", script, env!("CARGO_BIN_EXE_streakcast"), "inject", "--image", &plain, "-o", &output])
-        .args(asked)
+        .args(options)
         .output()
         .unwrap();
     let stderr = String::from_utf8_lossy(&full.stderr).into_owned();
@@ -480,9 +488,9 @@ fn verif_no_room_and_no_right_to_write_leave_no_output() {
         stderr.lines().count() == 1 && stderr.contains("out.fits") && stderr.contains("is the disk full?"),
         "{stderr}"
     );
-    assert_eq!(fs::read_to_string(&output).unwrap(), "an older file", "what stood there stands there");
-    // Permissions do not hold for root; nobody makes files in /proc.
-    let (code, stdout, stderr) = run(&[&["inject", "--image", &plain, "-o", "/proc/out.fits"], &asked]);
+    assert_eq!(fs::read_to_string(&output).unwrap(), "an older file", "the old file is kept");
+    // Permissions do not apply to root; /proc does not accept files.
+    let (code, stdout, stderr) = run(&[&["inject", "--image", &plain, "-o", "/proc/out.fits"], &options]);
     assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
     assert!(stderr.contains("/proc"), "{stderr}");
     assert_eq!(fs::read(&plain).unwrap(), before);
@@ -491,7 +499,7 @@ fn verif_no_room_and_no_right_to_write_leave_no_output() {
 }
 
 #[test]
-fn verif_bad_input_gets_one_clear_line_and_no_output() {
+fn verif_invalid_input_gives_one_line_and_no_output() {
     let folder = TempDir::new().unwrap();
     let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
     let output = path(&folder, "out.fits");

@@ -1,4 +1,4 @@
-//! `inject` through a detector: no light is lost beside large numbers, and masks know what bled and what ghosts are.
+//! `inject` with a detector: no light is lost in large numbers, and masks mark bleeding and ghosts.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 const SIDE: usize = 300;
 
-/// Pixels of the first HDU with all their digits.
+/// Pixels of the first HDU with full precision.
 fn exact(file: &str) -> Vec<f64> {
     FrameFile::open(Path::new(file)).unwrap().read_rows(0, 0..SIDE).unwrap()
 }
@@ -26,7 +26,7 @@ fn verif_noise_beside_large_numbers_loses_no_light() {
         let image = ImageValues::new(SIDE, pixels).unwrap();
         let image = NewImage { name: "", values: &image, cards: &cards, rice: None };
         write_frame(Path::new(&input), &[image]).unwrap();
-        // A peak of some 30 counts: half of what single precision tells apart at a thousand million.
+        // A peak of some 30 counts: half of the resolution of single precision at 1e9.
         let light = ["--random-streaks", "1", "--magnitude", "8", "--zero-point-1s", "22", "--gain", "2"];
         let sky =
             ["--pixel-scale", "1arcsec", "--seeing", "2.5arcsec", "--start", "2024-08-14T00:30:00Z", "--seed", "3"];
@@ -35,14 +35,14 @@ fn verif_noise_beside_large_numbers_loses_no_light() {
         let counts: f64 = numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum();
         let (sum, peak) = (added.iter().sum::<f64>(), added.iter().copied().fold(0.0, f64::max));
         assert!((5.0..200.0).contains(&peak), "{peak}");
-        // Electrons are twice the counts; six sigma.
+        // Two electrons per count; six sigma.
         let allowed = 6.0 * (counts / 2.0).sqrt();
         assert!((sum - counts).abs() < allowed && allowed < 0.04 * counts, "{number}: {sum} {counts}");
     }
 }
 
 #[test]
-fn verif_what_bled_and_ghosts_are_masked() {
+fn verif_bleeding_and_ghosts_are_masked() {
     let folder = TempDir::new().unwrap();
     let [description, plain, output, detector] =
         ["sky.toml", "plain.fits", "out.fits", "detector.toml"].map(|name| path(&folder, name));
@@ -51,7 +51,7 @@ fn verif_what_bled_and_ghosts_are_masked() {
         &["inject", "--synthetic", &description, "-o", &plain, "--random-streaks", "0", "--pixels-only"],
         &RANDOM[2..],
     ]);
-    // Wells of 4,000 electrons, the sky's 1,200 among them; a half of the chip has ghosts in the other one.
+    // Full wells of 4,000 electrons, including 1,200 of the sky; one half of the chip has ghosts of the other.
     let text = "bias_adu = 300\nsaturation = { full_well_e = 4000, bleeding = 'columns' }\nquantisation = {}\n\
         crosstalk = { coefficients = [[0, 0.03], [0.03, 0]], amplifiers = [\
         { first_row = 0, rows = 300, first_column = 0, columns = 200 },\
@@ -60,7 +60,7 @@ fn verif_what_bled_and_ghosts_are_masked() {
     let files = ["--image", &plain, "-o", &output, "--detector", &detector, "--quiet", "--seed", "5"];
     done(&[&["inject"], &files, &["--random-streaks", "1", "--magnitude", "1", "--seeing", "2.5arcsec"]]);
     let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
-    // The sky's noise is 17.5 counts; a count is drawn.
+    // The sky noise is 17.5 counts; one count is added.
     let [mut changed, mut unmasked, mut alone, mut idle] = [0; 4];
     for ((old, new), bits) in old.iter().zip(&new).zip(&mask) {
         let change = (new - old).abs();
@@ -88,8 +88,8 @@ fn verif_variances_of_a_masked_image_grow_with_the_light() {
     write_frame(Path::new(&input), &[&[primary][..], &planes].concat()).unwrap();
     let light = ["--random-streaks", "1", "--magnitude", "6", "--zero-point-1s", "26", "--gain", "4", "--hdu", "1"];
     let sky = ["--pixel-scale", "1arcsec", "--seeing", "2.5arcsec", "--start", "2024-08-14T00:30:00Z", "--seed", "3"];
-    let asked: &[&str] = &["inject", "--image", &input, "-o", &output, "--quiet"];
-    done(&[asked, &light, &sky]);
+    let arguments: &[&str] = &["inject", "--image", &input, "-o", &output, "--quiet"];
+    done(&[arguments, &light, &sky]);
     let (added, variances) = (values(&output, 1), values(&output, 3));
     let lit = added.iter().filter(|value| **value > 100.0).count();
     assert!(lit > 100, "{lit}");
@@ -97,7 +97,7 @@ fn verif_variances_of_a_masked_image_grow_with_the_light() {
         assert!((variance - 629.0 - added / 4.0).abs() < 1e-6 * variance, "{added} {variance}");
     }
     for option in ["--pixels-only", "--no-noise"] {
-        done(&[asked, &light, &sky, &[option]]);
+        done(&[arguments, &light, &sky, &[option]]);
         assert!(values(&output, 3).iter().all(|variance| *variance == 629.0), "{option}");
     }
 }

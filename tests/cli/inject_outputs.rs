@@ -1,4 +1,4 @@
-//! Where `inject` writes to: links, pipes, names that promise what is not done.
+//! Output files of `inject`: links, pipes, and names with an unsupported extension.
 
 use std::fs;
 use std::path::Path;
@@ -8,7 +8,7 @@ use crate::common::injected::{RANDOM, SKY};
 use streakcast::images::{Card, FrameFile};
 use tempfile::TempDir;
 
-/// A description of synthetic frames.
+/// Description file of synthetic frames.
 fn sky(folder: &TempDir) -> String {
     let description = path(folder, "sky.toml");
     fs::write(&description, SKY).unwrap();
@@ -17,7 +17,7 @@ fn sky(folder: &TempDir) -> String {
 
 #[cfg(unix)]
 #[test]
-fn verif_links_are_followed_and_pipes_are_refused() {
+fn verif_links_are_followed_and_pipes_are_rejected() {
     use std::os::unix::fs::{FileTypeExt, symlink};
     let folder = TempDir::new().unwrap();
     let description = sky(&folder);
@@ -26,12 +26,12 @@ fn verif_links_are_followed_and_pipes_are_refused() {
     for name in names {
         symlink(format!("store/{name}"), folder.path().join(name)).unwrap();
     }
-    // One of them leads to a file, two to nothing yet.
+    // One link points to a file, two point to missing files.
     fs::write(folder.path().join("store/truth.csv"), "old").unwrap();
     let [frame, truth, view] = names.map(|name| path(&folder, name));
-    let asked: &[&str] = &["inject", "--synthetic", &description, "-o", &frame, "--truth", &truth];
+    let arguments: &[&str] = &["inject", "--synthetic", &description, "-o", &frame, "--truth", &truth];
     let pictures: &[&str] = if cfg!(feature = "plot") { &["--preview", &view] } else { &[] };
-    let (code, _, stderr) = run(&[asked, pictures, RANDOM]);
+    let (code, _, stderr) = run(&[arguments, pictures, RANDOM]);
     assert_eq!(code, 0, "{stderr}");
     for (name, begin) in names.iter().zip([&b"SIMPLE"[..], b"#", b"\x89PNG"]) {
         let link = folder.path().join(name);
@@ -46,7 +46,7 @@ fn verif_links_are_followed_and_pipes_are_refused() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     symlink(&pipe, &link).unwrap();
     for output in [&pipe, &link] {
-        // Before anything is read: there is no such frame, and nothing is said of it.
+        // Checked before reading: the frame does not exist, but the error is not about it.
         let none = path(&folder, "none.fits");
         let (code, stdout, stderr) = run(&[&["inject", "--image", &none, "-o", output], RANDOM]);
         assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
@@ -59,7 +59,7 @@ fn verif_links_are_followed_and_pipes_are_refused() {
 }
 
 #[test]
-fn verif_names_that_promise_packed_frames_are_refused() {
+fn verif_names_of_compressed_files_are_rejected() {
     let folder = TempDir::new().unwrap();
     let description = sky(&folder);
     for (name, words) in [("out.fits.gz", "without .gz"), ("out.fits.fz", "not compressed in tiles")] {
@@ -68,7 +68,7 @@ fn verif_names_that_promise_packed_frames_are_refused() {
         assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
         assert!(stderr.contains(name) && stderr.contains(words) && !fs::exists(&output).unwrap(), "{stderr}");
     }
-    // Tiles in, tiles out.
+    // A tile-compressed frame stays tile-compressed.
     fs::write(&description, format!("compress = true\n{SKY}")).unwrap();
     let [first, second] = ["first.fits.fz", "second.fits.fz"].map(|name| path(&folder, name));
     assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &first], RANDOM]).0, 0);
@@ -79,13 +79,13 @@ fn verif_names_that_promise_packed_frames_are_refused() {
 }
 
 #[test]
-fn verif_a_batch_that_fails_says_which_frame_and_what_is_done() {
+fn verif_a_failed_batch_names_the_frame_and_the_finished_ones() {
     let folder = TempDir::new().unwrap();
     let description = sky(&folder);
     let [good, bad, out] = ["good.fits", "bad.fits", "out"].map(|name| path(&folder, name));
     let plain: &[&str] = &["--random-streaks", "0", "--pixels-only"];
     assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &good], plain, &RANDOM[2..]]).0, 0);
-    // Pixels of 1000 arcsec: an image of 2 arcsec is a point there, and cannot be drawn.
+    // With pixels of 1000 arcsec an image of 2 arcsec is a point and cannot be drawn.
     fs::write(&description, SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 100.0")).unwrap();
     let wide: &[&str] =
         &["--random-streaks", "0", "--pixels-only", "--magnitude", "8", "--exposure", "30s", "--seeing", "100arcsec"];
@@ -102,10 +102,10 @@ fn verif_a_batch_that_fails_says_which_frame_and_what_is_done() {
 }
 
 #[test]
-fn verif_options_of_satellites_are_refused_for_random_streaks() {
+fn verif_options_of_satellites_are_rejected_for_random_streaks() {
     let folder = TempDir::new().unwrap();
     let (description, output) = (sky(&folder), path(&folder, "out.fits"));
-    let asked: &[&str] = &["inject", "--synthetic", &description, "-o", &output];
+    let arguments: &[&str] = &["inject", "--synthetic", &description, "-o", &output];
     for option in [
         &["--extinction", "0.1"][..],
         &["--resolve-panels"],
@@ -117,19 +117,19 @@ fn verif_options_of_satellites_are_refused_for_random_streaks() {
         &["--mpc", "X05"],
         &["--observer-norad", "20580"],
     ] {
-        let (code, stdout, stderr) = run(&[asked, RANDOM, option]);
+        let (code, stdout, stderr) = run(&[arguments, RANDOM, option]);
         assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
         assert!(stderr.contains(&format!("{} is for satellites", option[0])), "{stderr}");
     }
-    // A configuration file is for other verbs too.
+    // A configuration file may contain options of other verbs.
     let config = path(&folder, "config.toml");
     fs::write(&config, "extinction = 0.1\nmpc = 'X05'\nshadow = 'atmosphere'\n").unwrap();
-    let (code, _, stderr) = run(&[asked, RANDOM, &["--config", &config]]);
+    let (code, _, stderr) = run(&[arguments, RANDOM, &["--config", &config]]);
     assert_eq!(code, 0, "{stderr}");
 }
 
 #[test]
-fn verif_history_and_tables_say_what_is_known() {
+fn verif_history_and_tables_contain_the_settings() {
     let folder = TempDir::new().unwrap();
     let (description, output) = (sky(&folder), path(&folder, "out.fits"));
     assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &output, "--psf", "moffat:3"], RANDOM]).0, 0);

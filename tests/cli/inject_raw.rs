@@ -1,4 +1,4 @@
-//! `inject` into frames as they come from the camera: with overscan, and with pixels that are not square.
+//! `inject` into raw frames: overscan regions and non-square pixels.
 
 use std::fs;
 use std::ops::Range;
@@ -13,7 +13,7 @@ const COLUMNS: usize = 400;
 const LIT_COLUMNS: Range<usize> = 50..380;
 const LIT_ROWS: Range<usize> = 10..290;
 
-/// A frame of stars, with these cards in its header.
+/// Creates a frame of stars with the given header cards.
 fn frame(folder: &TempDir, name: &str, sky: &str, cards: &[(&str, CardValue)]) -> String {
     let [description, plain, output] = ["sky.toml", "plain.fits", name].map(|name| path(folder, name));
     fs::write(&description, sky).unwrap();
@@ -25,7 +25,7 @@ fn frame(folder: &TempDir, name: &str, sky: &str, cards: &[(&str, CardValue)]) -
     output
 }
 
-/// Pixels that differ and lie on the lit part of the frame, and those that do not.
+/// Numbers of changed pixels on the illuminated part of the frame and elsewhere.
 fn changed(before: &str, after: &str) -> [usize; 2] {
     let mut counts = [0, 0];
     for (pixel, (old, new)) in values(before, 0).iter().zip(&values(after, 0)).enumerate() {
@@ -44,18 +44,18 @@ fn with(sky: &str, folder: &TempDir, name: &str, sections: &[(&str, &str)]) -> S
 }
 
 #[test]
-fn verif_overscan_gets_no_light() {
+fn verif_overscan_receives_no_light() {
     let folder = TempDir::new().unwrap();
     let raw = with(&unrounded(), &folder, "raw.fits", &[DATA, BIAS]);
     let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
-    let ask = ["--random-streaks", "4", "--magnitude", "5,6", "--seeing", "2.5arcsec", "--seed", "3"];
+    let options = ["--random-streaks", "4", "--magnitude", "5,6", "--seeing", "2.5arcsec", "--seed", "3"];
     let files = ["--image", &raw, "-o", &output, "--truth", &truth, "--no-noise"];
-    let (code, _, said) = run(&[&["inject"], &files, &ask]);
-    assert_eq!(code, 0, "{said}");
-    assert!(said.contains("HDU 0: light falls on [51:380,11:290] alone"), "{said}");
+    let (code, _, stderr) = run(&[&["inject"], &files, &options]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("HDU 0: light falls on [51:380,11:290] alone"), "{stderr}");
     let [lit, dark] = changed(&raw, &output);
     assert!(lit > 1000 && dark == 0, "{lit} {dark}");
-    // The truth is of what is on the lit part: its light, and its ends on the borders.
+    // The truth table covers the illuminated part: its light, and ends at its borders.
     let rows = records(&fs::read_to_string(&truth).unwrap());
     let counts: f64 = numbers(&rows, "counts").iter().sum();
     let light = values(&raw, 0).iter().zip(&values(&output, 0)).map(|(old, new)| f64::from(new - old)).sum::<f64>();
@@ -68,10 +68,10 @@ fn verif_overscan_gets_no_light() {
     let on_y = borders([numbers(&rows, "y1_pix"), numbers(&rows, "y2_pix")].concat(), 10.5, 290.5);
     assert_eq!(on_x + on_y, 2 * (rows.len() - 1), "every streak runs from border to border");
 
-    // Sections that may be left over from before trimming say nothing.
+    // Sections that may be left over from before trimming are ignored.
     let trimmed = with(&unrounded(), &folder, "trimmed.fits", &[DATA]);
     let files = ["--image", &trimmed, "-o", &output, "--no-noise", "--quiet"];
-    done(&[&["inject"], &files, &ask]);
+    done(&[&["inject"], &files, &options]);
     assert!(changed(&trimmed, &output)[1] > 100);
 }
 
@@ -89,12 +89,12 @@ fn verif_charge_that_bleeds_stays_out_of_the_overscan() {
 }
 
 #[test]
-fn verif_oblong_pixels_get_an_oblong_image() {
+fn verif_non_square_pixels_give_an_elongated_image() {
     let folder = TempDir::new().unwrap();
     // Pixels of 2" by 1".
     let oblong = frame(&folder, "oblong.fits", &unrounded(), &[("CD1_1", CardValue::Real(-2.0 / 3600.0))]);
     let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
-    // A light that moves by two hundredths of an arcsecond.
+    // A light source that moves by 0.02 arcsec.
     let still = ["--random-streaks", "1", "--magnitude", "7", "--streak-rate-deg-s", "1e-4", "--exposure", "0.05s"];
     let files = ["--image", &oblong, "-o", &output, "--truth", &truth, "--no-noise", "--quiet"];
     done(&[&["inject"], &files, &still, &["--seeing", "12arcsec", "--psf", "gaussian"]]);
@@ -105,7 +105,7 @@ fn verif_oblong_pixels_get_an_oblong_image() {
     }
     let [light, x, y, xx, yy] = sums;
     let variance = |first: f64, second: f64| second / light - (first / light).powi(2);
-    // A Gaussian's variance and that of a pixel, each in pixels; numbers of single precision beside the sky hold 1 % of it.
+    // Variance of a Gaussian plus that of a pixel, each in pixels; single precision with the sky has an error of 1 %.
     let sigma_arcsec = 12.0 / (8.0f64 * 2f64.ln()).sqrt();
     let expected = |side_arcsec: f64| (sigma_arcsec / side_arcsec).powi(2) + 1.0 / 12.0;
     let (across, along) = (variance(x, xx) / expected(2.0), variance(y, yy) / expected(1.0));

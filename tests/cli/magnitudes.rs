@@ -1,9 +1,9 @@
-//! Switches of the photometry through the command line: each changes magnitudes as it says, and is named in the provenance.
+//! Photometry options on the command line: each changes magnitudes as documented and is named in the provenance.
 
 use crate::common::cli::{SKY, json, run};
 use serde_json::Value;
 
-/// A wide field at dusk: Starlink of both kinds of light, chassis and array.
+/// A wide field at dusk with Starlink satellites.
 const PASSES: &[&str] = &[
     "passes",
     "--start",
@@ -17,7 +17,7 @@ const PASSES: &[&str] = &[
     "80deg",
 ];
 
-/// (satellite, magnitude, altitude) of every pass that has one.
+/// Satellite, magnitude and altitude of every pass with a magnitude.
 fn magnitudes(answer: &Value) -> Vec<(u64, f64, f64)> {
     let of = |pass: &Value| {
         Some((pass["norad_id"].as_u64()?, pass["magnitude"].as_f64()?, pass["altitude_deg"].as_f64()?.to_radians()))
@@ -25,18 +25,19 @@ fn magnitudes(answer: &Value) -> Vec<(u64, f64, f64)> {
     answer["passes"].as_array().unwrap().iter().filter_map(of).collect()
 }
 
-fn asked(flags: &[&str]) -> Value {
+fn passes_with(flags: &[&str]) -> Value {
     json(&[PASSES, SKY, flags])
 }
 
 #[test]
 fn extinction_dims_by_the_airmass() {
-    let (above, below) = (asked(&[]), asked(&["--extinction", "0.2"]));
+    let (above, below) = (passes_with(&[]), passes_with(&["--extinction", "0.2"]));
     let (above_air, below_air) = (magnitudes(&above), magnitudes(&below));
     assert!(above_air.len() > 10 && above_air.len() == below_air.len(), "{}", above_air.len());
     for ((id, above, altitude_rad), (same, below, _)) in above_air.into_iter().zip(below_air) {
         assert_eq!(id, same);
-        // The plane-parallel airmass is good to 1 % above 20 degrees, and the altitude to the latitude's 0.2 degrees.
+        // The plane-parallel airmass has an error of 1 % above 20 degrees, and the altitude one of 0.2 degrees
+        // (latitude).
         if altitude_rad > 0.35 {
             assert!((below - above - 0.2 / altitude_rad.sin()).abs() < 0.01, "{id}: {above} {below} {altitude_rad}");
         }
@@ -47,18 +48,18 @@ fn extinction_dims_by_the_airmass() {
 }
 
 #[test]
-fn the_distance_of_the_sun_of_the_day() {
-    let (standard, of_the_day) = (magnitudes(&asked(&[])), magnitudes(&asked(&["--sun-distance"])));
+fn the_distance_of_the_sun_on_the_date() {
+    let (standard, of_the_day) = (magnitudes(&passes_with(&[])), magnitudes(&passes_with(&["--sun-distance"])));
     assert!(standard.len() > 10);
     for ((_, standard, _), (_, of_the_day, _)) in standard.into_iter().zip(of_the_day) {
-        // 1.0126 au on 14 August 2024 (astronomical almanacs): 5 log₁₀ R = 0.0272, printed to a thousandth.
+        // 1.0126 au on 14 August 2024 (astronomical almanacs): 5 log₁₀ R = 0.0272, printed to 0.001.
         assert!((of_the_day - standard - 0.0272).abs() < 0.0016, "{standard} {of_the_day}");
     }
 }
 
 #[test]
 fn earthshine_only_brightens_and_is_named() {
-    let (with, without) = (asked(&[]), asked(&["--no-earthshine"]));
+    let (with, without) = (passes_with(&[]), passes_with(&["--no-earthshine"]));
     assert_eq!(
         (&with["provenance"]["earthshine"], &without["provenance"]["earthshine"]),
         (&"computed".into(), &"off".into())
@@ -68,16 +69,16 @@ fn earthshine_only_brightens_and_is_named() {
 }
 
 #[test]
-fn passes_say_whether_the_model_was_asked_within_its_range() {
-    let answer = asked(&[]);
+fn passes_have_the_fitted_range_flag() {
+    let answer = passes_with(&[]);
     let passes = answer["passes"].as_array().unwrap();
-    let said = passes.iter().filter(|pass| pass["in_fitted_range"].is_boolean()).count();
-    assert_eq!(said, magnitudes(&answer).len());
+    let flagged = passes.iter().filter(|pass| pass["in_fitted_range"].is_boolean()).count();
+    assert_eq!(flagged, magnitudes(&answer).len());
     assert!(passes.iter().any(|pass| pass["in_fitted_range"] == true));
 }
 
 #[test]
-fn an_impossible_extinction_is_refused() {
+fn an_invalid_extinction_is_rejected() {
     for wrong in ["-0.1", "9"] {
         let flag = format!("--extinction={wrong}");
         let (code, stdout, stderr) = run(&[PASSES, SKY, &[&flag]]);

@@ -1,4 +1,4 @@
-//! The main job through the command line: elements and a schedule in, passes and verdicts out, in every format.
+//! The main task of the command line: elements and a schedule in, passes and verdicts out, in every format.
 
 use std::fs;
 
@@ -30,7 +30,7 @@ fn evening() -> String {
 }
 
 #[test]
-fn passes_say_the_same_in_every_format() {
+fn passes_agree_in_every_format() {
     let answer = json(&[PASSES, SKY]);
     let passes = answer["passes"].as_array().unwrap();
     assert!(passes.len() > 3, "{} passes", passes.len());
@@ -66,11 +66,11 @@ fn passes_say_the_same_in_every_format() {
 }
 
 #[test]
-fn rows_are_consistent_in_themselves() {
+fn rows_are_self_consistent() {
     for pass in json(&[PASSES, SKY, &["--samples", "5", "--telescope", "rubin"]])["passes"].as_array().unwrap() {
         let number = |name: &str| pass[name].as_f64().unwrap_or_else(|| panic!("{name} in {pass}"));
         let text = |name: &str| pass[name].as_str().unwrap().to_owned();
-        // ISO texts of one length compare as their times do.
+        // ISO texts of equal length sort like their times.
         assert!(text("enter_utc") <= text("mid_utc") && text("mid_utc") <= text("exit_utc"), "{pass}");
         assert!(text("enter_utc").as_str() >= "2024-08-14T23:30:00.000000Z");
         assert!(text("exit_utc").as_str() <= "2024-08-14T23:32:00.000000Z");
@@ -89,7 +89,7 @@ fn rows_are_consistent_in_themselves() {
 }
 
 #[test]
-fn spellings_of_one_question() {
+fn equivalent_arguments() {
     let expected = json(&[PASSES, SKY])["passes"].clone();
     let respelled: &[&[&str]] = &[
         &[
@@ -180,8 +180,8 @@ fn schedules_in_four_formats_give_the_same_flags() {
 }
 
 #[test]
-fn a_next_clear_start_is_clear_and_nothing_earlier_is() {
-    /// Ten degrees across: enough to wait for.
+fn a_next_clear_start_is_the_earliest_clear_one() {
+    /// Ten degrees wide, so that some exposures must wait.
     const WIDE: &[&str] = &["--fov", "10deg"];
     let folder = tempfile::tempdir().unwrap();
     fs::write(path(&folder, "s.csv"), evening()).unwrap();
@@ -196,7 +196,7 @@ fn a_next_clear_start_is_clear_and_nothing_earlier_is() {
         later += &format!("{},{start},{},{},{}\n", &row[0], &row[2], &row[3], &row[4]);
         if delay_s.is_some_and(|delay_s| delay_s > 0.01) {
             waiting += 1;
-            // Ten milliseconds before it, the satellite that is waited for is still there.
+            // Ten milliseconds earlier the blocking satellite is still in the field.
             let seconds: f64 = start[17..23].parse().unwrap();
             let hundredth =
                 if seconds >= 0.01 { format!("{}{:06.3}Z", &start[..17], seconds - 0.01) } else { continue };
@@ -272,7 +272,8 @@ fn policies_and_exit_codes() {
     let flag =
         |more: &[&str]| run(&[&["flag", "--schedule", &schedule, "--fov", "3.5deg", "--format", "jsonl"], more, SKY]);
     let count = |stdout: &str, verdict: &str| stdout.matches(&format!("\"verdict\": \"{verdict}\"")).count();
-    // Without a limit nothing is to be avoided; with one that lets nothing pass, every lit crossing is.
+    // Without a limit no exposure is avoided; with a limit that excludes everything, all exposures with lit crossings
+    // are.
     let (code, free, _) = flag(&["--fail-on", "avoid"]);
     assert_eq!((code, count(&free, "avoid")), (0, 0));
     let (code, strict, _) = flag(&["--limit-mag", "30", "--fail-on", "avoid"]);
@@ -285,20 +286,20 @@ fn policies_and_exit_codes() {
     assert_eq!(count(&flag(&["--policy", &policy]).1, "avoid"), count(&strict, "avoid"));
     fs::write(&policy, "[limit_mag]\ng = 30\n").unwrap();
     assert_eq!(count(&flag(&["--policy", &policy]).1, "avoid"), 0);
-    // A margin can only make more of them streaked, and each says why.
+    // A margin can only increase the number of streaked exposures, and each has a reason.
     fs::write(&policy, "margin_s = 20\n").unwrap();
     let (_, wide, _) = flag(&["--policy", &policy]);
     assert!(count(&wide, "clear") < count(&free, "clear") && wide.contains("within 20 s of the exposure"));
     fs::write(&policy, "max_lost_fraction = 1e-9\n").unwrap();
     let (_, lost, _) = flag(&["--policy", &policy, "--telescope", "rubin"]);
     assert_eq!(count(&lost, "avoid"), count(&free, "streaked"));
-    // No patience: whoever is not clear has no next start.
+    // Without waiting time, exposures that are not clear have no next start.
     let (_, hurried, _) = flag(&["--max-delay", "0s"]);
     assert_eq!(hurried.matches("\"next_clear_start_utc\": null").count(), count(&hurried, "streaked"));
 }
 
 #[test]
-fn bare_dates_follow_the_scale_that_is_said() {
+fn bare_dates_use_the_given_scale() {
     let folder = tempfile::tempdir().unwrap();
     let row = |start: &str| format!("1,{start},30,217.5,-30\n");
     let header = |start: &str| format!("exposure_id,{start},duration_s,ra_deg,dec_deg\n");
@@ -319,7 +320,7 @@ fn bare_dates_follow_the_scale_that_is_said() {
     assert_eq!(first("mjd.csv", &["--time-scale", "tt"]), at("28:50.816", "tt"));
     assert_eq!(first("tai.csv", &[]), at("29:23.000", "tai"));
     assert_eq!(first("utc.csv", &["--time-scale", "utc"]), at("30:00.000", "utc"));
-    // Two words for one column are an error; a Z is the cell's own word and stays.
+    // Two scales for one column are an error; a Z in a cell takes precedence.
     let named = ["flag", "--schedule", &path(&folder, "utc.csv"), "--fov", "0.1deg", "--time-scale", "tai"];
     let (code, _, stderr) = run(&[&named, SKY]);
     assert_eq!(code, 2, "{stderr}");
@@ -329,7 +330,7 @@ fn bare_dates_follow_the_scale_that_is_said() {
 }
 
 #[test]
-fn a_configuration_says_what_flags_would_and_flags_win() {
+fn a_configuration_replaces_flags_and_flags_take_precedence() {
     let folder = tempfile::tempdir().unwrap();
     let config = path(&folder, "streakcast.toml");
     fs::write(&config, "shells = ['starlink-gen1']\nquiet = true\nexposure = '120s'\nstart = 2024\n[site]\nmpc = 'X05'\n[field]\ncircle_deg = 20.0\n").unwrap();
@@ -340,7 +341,7 @@ fn a_configuration_says_what_flags_would_and_flags_win() {
 }
 
 #[test]
-fn csv_schedules_are_annotated_without_a_lost_byte() {
+fn csv_schedules_are_annotated_and_keep_all_bytes() {
     let folder = tempfile::tempdir().unwrap();
     let text = evening();
     fs::write(path(&folder, "s.csv"), &text).unwrap();
@@ -358,7 +359,7 @@ fn csv_schedules_are_annotated_without_a_lost_byte() {
     let streaks = records(&fs::read_to_string(path(&folder, "out.streaks.csv")).unwrap());
     let count: usize = flags[1..].iter().map(|flag| flag[2].parse::<usize>().unwrap()).sum();
     assert_eq!(streaks.len() - 1, count);
-    // In place, a second time only when told.
+    // In place, and a second time only with the flag.
     let again = |more: &[&str]| run(&[&["annotate", "--schedule", &output, "-o", &output], more, FLAG, SKY]);
     assert_eq!(again(&[]).0, 2);
     assert_eq!(again(&["--replace"]).0, 0);
@@ -392,7 +393,7 @@ fn a_schedule_and_one_of_its_exposures_see_the_same_synthetic_satellites() {
 }
 
 #[test]
-fn limits_by_band_are_typed_as_a_policy_says_them() {
+fn limits_by_band_have_the_syntax_of_a_policy() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(path(&folder, "s.csv"), evening().replace(",r\n", ",g\n")).unwrap();
     let flags = |limit: &str| {
@@ -414,7 +415,7 @@ fn lists_of_models_sites_and_shells() {
     assert!(model["rms_mag"].is_number() && model["provenance"].is_object());
     let names = records(&done(&[&["model", "list", "--format", "csv"]]));
     assert!(names.iter().any(|row| &row[0] == "starlink-v1.5"));
-    // Every model is compared with something, and without a folder measurements are no data.
+    // Every model has a comparison, and without the folder of measurements there are no data.
     let checks = records(&done(&[&["model", "check", "--format", "csv"]]));
     let verdict = checks[0].len() - 1;
     assert!(names[1..].iter().all(|name| checks.iter().any(|row| row[0] == name[0])));
@@ -426,7 +427,7 @@ fn lists_of_models_sites_and_shells() {
 }
 
 #[test]
-fn decam_saw_starlink_1102_and_so_do_we() {
+fn starlink_1102_is_found_in_a_decam_exposure() {
     let Some(data) = crate::common::data_dir() else { return };
     let elements = data.join("tle/supgp/starlink_supgp_2020-02-23.tle").display().to_string();
     // Header of exposure 941420: DATE-OBS, EXPTIME, RA, DEC.

@@ -1,4 +1,4 @@
-//! `streakcast map`: tables, FITS, pictures, and what it says to questions that are none.
+//! `streakcast map`: tables, FITS, charts, and errors for invalid arguments.
 
 use std::fs;
 
@@ -15,7 +15,7 @@ fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// The rows below the provenance: the header first.
+/// Rows below the provenance, including the header.
 fn rows(text: &str) -> Vec<Vec<&str>> {
     text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect()
 }
@@ -51,7 +51,7 @@ fn verif_body_table() {
         assert!(row[2].is_empty() || row[2].parse::<f64>().unwrap().is_finite(), "{row:?}");
     }
     assert!(text.contains("# earthshine: \"computed\""));
-    // A model of a mean receives none, and nothing is said of it.
+    // The mean model has no such option, and the option is not mentioned.
     let mean = answers(&[&["map", "body", "--model", "oneweb", "--sun-latitude-deg", "-14", "--format", "csv"]]);
     assert!(mean.contains("# model: ") && !mean.contains("earthshine"), "{}", &mean[..400]);
     let sunlight = answers(&[BODY, &["--no-earthshine", "--format", "csv"]]);
@@ -67,7 +67,7 @@ fn verif_sky_table_of_a_site() {
     assert_eq!(sphere.len(), 1 + 72 * 19);
     assert_eq!(sphere[sphere.len() - 1][2], "550.000");
     assert!(text.contains("# earth: \"sphere of 6378.137 km\""));
-    // Opposite to the Sun, low: in the shadow, with a range and without a magnitude.
+    // Low and opposite to the Sun: in the shadow, with a range and without a magnitude.
     let low = sphere.iter().find(|row| row[0] == "180.000000" && row[1] == "10.000000").unwrap();
     assert!(low[3].is_empty() && low[2].parse::<f64>().unwrap() > 1500.0);
     let place = ["--mpc", "X05", "--sun-azimuth-deg", "250", "--extinction", "0.15", "--band", "r"];
@@ -78,7 +78,7 @@ fn verif_sky_table_of_a_site() {
 }
 
 #[test]
-fn verif_cells_come_in_every_format() {
+fn verif_cells_in_every_format() {
     let text = answers(&[SKY, &["--nside", "4", "--format", "csv"]]);
     let rows = rows(&text);
     assert_eq!(rows[0][0], "healpix_cell");
@@ -91,7 +91,7 @@ fn verif_cells_come_in_every_format() {
 }
 
 #[test]
-fn verif_files_are_made_beside_one_another() {
+fn verif_several_output_files() {
     let folder = tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     let (table, picture) = (path("body.csv"), path("body.svg"));
@@ -117,7 +117,7 @@ fn verif_the_papers_twelve_maps() {
     assert_eq!(fs::read_dir(&made).unwrap().count(), 4);
 }
 
-/// Light and run are said to the paper's figures as to any map.
+/// Options of light also apply to the paper's figures.
 #[cfg(feature = "plot")]
 #[test]
 fn verif_the_papers_figures_in_another_band() {
@@ -142,7 +142,7 @@ fn verif_the_papers_figures_in_another_band() {
 #[cfg(feature = "fits")]
 #[test]
 fn verif_fits_by_format_or_by_name() {
-    // A name that CFITSIO would take for an expression.
+    // A name that CFITSIO would interpret as an expression.
     let folder = tempdir().unwrap();
     for (name, more) in [("map[1].fits", &["--nside", "16"][..]), ("map.out", &["--format", "fits", "--nside", "16"])] {
         let path = folder.path().join(name);
@@ -158,7 +158,7 @@ fn verif_fits_by_format_or_by_name() {
 }
 
 #[test]
-fn verif_questions_that_are_none() {
+fn verif_invalid_arguments() {
     let folder = tempdir().unwrap();
     let path = folder.path().join("out.csv").display().to_string();
     let out = ["-o", path.as_str()];
@@ -193,9 +193,9 @@ fn verif_questions_that_are_none() {
 }
 
 #[test]
-fn verif_a_provisional_model_and_a_sun_behind_the_earth_are_said() {
+fn verif_a_provisional_model_and_a_hidden_sun_are_reported() {
     let (_, _, stderr) = run(&[BODY]);
-    // As the model's own file says it.
+    // As stated in the model's file.
     let file = answers(&[&["model", "show", "starlink-v1.5", "--format", "json"]]);
     let file: serde_json::Value = serde_json::from_str(&file).unwrap();
     assert_eq!(stderr.contains("is provisional"), file["provenance"]["provisional"] == true, "{stderr}");
@@ -205,9 +205,9 @@ fn verif_a_provisional_model_and_a_sun_behind_the_earth_are_said() {
     assert_eq!(run(&[&dark, &["--height-km", "1200"]]).2, "");
 }
 
-/// The end of a file's name says what is in it, in any case, and what it cannot be is refused before any work.
+/// The file name extension (in any case) determines the format, and unsupported ones are rejected before any work.
 #[test]
-fn verif_names_say_what_is_in_files() {
+fn verif_file_name_extensions() {
     let folder = tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     #[cfg(feature = "fits")]
@@ -236,13 +236,13 @@ fn verif_names_say_what_is_in_files() {
 
 #[cfg(feature = "plot")]
 #[test]
-fn verif_one_file_is_not_two() {
+fn verif_two_outputs_need_two_files() {
     let folder = tempdir().unwrap();
     fs::create_dir(folder.path().join("sub")).unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
     for (output, picture) in [("a.svg", "a.svg"), ("a.svg", "./a.svg"), ("sub/../a.png", "a.png")] {
-        let said = ["-o", &path(output), "--picture", &path(picture)];
-        fails(&[SKY, &said], &["pictures are made by --picture"]);
+        let outputs = ["-o", &path(output), "--picture", &path(picture)];
+        fails(&[SKY, &outputs], &["pictures are made by --picture"]);
     }
     fails(&[SKY, &["--nside", "8", "--picture", &path("a.png")]], &["--nside is for tables", "needs -o or --format"]);
     fails(&[BODY, &["--step-deg", "1", "--picture", &path("a.png")]], &["--step-deg is for tables"]);
@@ -252,7 +252,7 @@ fn verif_one_file_is_not_two() {
     assert!(fs::read(path("a.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
-/// What a configuration says counts where nothing was typed; what a map cannot do is said.
+/// Values of the configuration apply unless overridden; values that a map cannot use are reported.
 #[test]
 fn verif_a_configuration() {
     let folder = tempdir().unwrap();
@@ -267,7 +267,7 @@ fn verif_a_configuration() {
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!((code, &json["provenance"]["band"], json["directions"][0].is_object()), (0, &"r".into(), true));
     assert!(stderr.contains("warning: the configuration's sun_distance has no part in a map of the sky"), "{stderr}");
-    // What is typed wins, the end of a name too.
+    // Flags take precedence, including the file name extension.
     assert!(answers(&[SKY, &with, &["--format", "csv"]]).contains("healpix_cell,azimuth_deg"));
     let table = path("sky.csv");
     assert_eq!(answers(&[SKY, &with, &["-o", &table]]), "");
@@ -295,16 +295,16 @@ fn verif_a_model_is_a_name_or_a_path() {
     fs::write(folder.path().join("mine.v2"), &file).unwrap();
     fs::write(folder.path().join("oneweb"), "no model").unwrap();
     let here = |model: &str| {
-        let asked =
+        let arguments =
             ["map", "body", "--model", model, "--sun-latitude-deg", "-14", "--step-deg", "5", "--format", "csv"];
-        let output = Command::new(STREAKCAST).args(asked).current_dir(folder.path()).output().unwrap();
+        let output = Command::new(STREAKCAST).args(arguments).current_dir(folder.path()).output().unwrap();
         [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
     };
     let whole = folder.path().join("mine.v2").display().to_string();
     for path in ["mine.v2", "./mine.v2", &whole] {
         assert!(here(path)[0].contains("# model: \"prior:mine\""), "{path}: {:?}", here(path)[1]);
     }
-    // A model's name is no file's, and a path no model's.
+    // A model name is not a file name, and a path is not a model name.
     assert!(here("oneweb")[0].contains("# model: \"prior:oneweb\""), "{}", here("oneweb")[1]);
     assert!(here("./oneweb")[1].contains("./oneweb"));
     assert!(
@@ -317,7 +317,7 @@ fn verif_a_model_is_a_name_or_a_path() {
 
 #[cfg(feature = "fits")]
 #[test]
-fn verif_a_bad_scratch_folder_is_told_once_with_its_remedy() {
+fn verif_an_invalid_temporary_folder_is_reported_once_with_a_remedy() {
     let folder = tempdir().unwrap();
     let output = folder.path().join("a.fits");
     let map_with = |scratch: &std::path::Path| {
@@ -333,7 +333,7 @@ fn verif_a_bad_scratch_folder_is_told_once_with_its_remedy() {
     assert!(error.contains("No such file") && error.contains("TMPDIR can name another folder"), "{error}");
     assert_eq!(error.matches(&scratch.display().to_string()).count(), 1, "{error}");
     assert!(!output.exists());
-    // CFITSIO reads brackets in a name as a filter, but a scratch folder may have them.
+    // CFITSIO interprets brackets in a name as a filter; the temporary folder may contain them.
     let bracket = folder.path().join("a[b]");
     fs::create_dir(&bracket).unwrap();
     assert!(map_with(&bracket).status.success());

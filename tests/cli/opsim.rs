@@ -1,4 +1,4 @@
-//! Rubin's opsim databases through the command line: judged, annotated, and not a cell lost.
+//! Rubin's opsim databases on the command line: verdicts, annotation, and unchanged cells.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,8 @@ fn rubins_night_is_flagged() {
     let flags = answer["flags"].as_array().unwrap();
     assert_eq!(flags.len(), 242);
     let count = |verdict: &str| flags.iter().filter(|flag| flag["verdict"] == verdict).count();
-    // A night in August with ten thousand satellites: most visits are clear, some are not, all stand above the horizon.
+    // A night in August with ten thousand satellites: most visits are clear, some are not, and all are above the
+    // horizon.
     assert!(count("clear") > 150 && count("streaked") > 5 && count("avoid") > 5, "{} clear", count("clear"));
     assert_eq!(count("invalid"), 0);
     let (code, _, stderr) = run(&[&words[..5], &words[7..]]);
@@ -51,7 +52,7 @@ fn rubins_night_is_flagged() {
     assert!(stderr.contains("observationStartMJD names no time scale"), "{stderr}");
 }
 
-/// 37 seconds turn every answer wrong: of visits of 30 s that one satellite crosses, hardly one keeps it.
+/// An error of 37 s changes the result: of 30 s visits crossed by one satellite, almost none keeps that satellite.
 #[test]
 fn tai_read_as_utc_finds_other_satellites() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -69,7 +70,7 @@ fn tai_read_as_utc_finds_other_satellites() {
 }
 
 #[test]
-fn a_next_clear_start_is_clear_of_what_is_only_probable_too() {
+fn a_next_clear_start_is_also_clear_of_improbable_crossings() {
     let Some((schedule, elements)) = real() else {
         eprintln!("SKIPPED: no data");
         return;
@@ -103,7 +104,7 @@ fn a_next_clear_start_is_clear_of_what_is_only_probable_too() {
 }
 
 #[test]
-fn rubins_night_is_annotated_without_a_lost_cell() {
+fn rubins_night_is_annotated_and_keeps_all_cells() {
     let Some((schedule, elements)) = real() else { return };
     let folder = tempfile::tempdir().unwrap();
     let output = path(&folder, "annotated.db");

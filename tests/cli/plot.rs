@@ -1,4 +1,4 @@
-//! `streakcast plot`: every plot writes PNG and SVG with its data beside, tables of other verbs are drawn again, and what it says to bad input.
+//! `streakcast plot`: PNG and SVG with their data, charts redrawn from tables of other verbs, and errors.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ const SCHEDULE: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n\
     d,2026-08-15T04:10:00Z,30,0,-30,r\n\
     broken,2026-08-14T23:31:00Z,-5,198.9,7.7,r\n";
 
-/// An asked picture as PNG and SVG; says what the command said on standard error.
+/// Draws a chart as PNG and SVG; returns standard error.
 #[track_caller]
 fn drawn(folder: &TempDir, name: &str, plot: &[&[&str]], code: i32) -> String {
     let (png, svg) = (path(folder, &format!("{name}.png")), path(folder, &format!("{name}.svg")));
@@ -24,21 +24,21 @@ fn drawn(folder: &TempDir, name: &str, plot: &[&[&str]], code: i32) -> String {
     let image = image::load_from_memory(&fs::read(&png).unwrap()).unwrap().to_rgb8();
     let colours: std::collections::BTreeSet<_> = image.pixels().map(|pixel| pixel.0).collect();
     assert!(image.width() > 600 && image.height() > 500 && colours.len() > 30, "{} colours", colours.len());
-    words(&svg);
+    svg_texts(&svg);
     stderr
 }
 
-/// The words of an SVG that is well-formed and has its font with it.
+/// Texts of an SVG, which must be well-formed and contain its font.
 #[track_caller]
-fn words(svg: &str) -> Vec<String> {
+fn svg_texts(svg: &str) -> Vec<String> {
     let text = fs::read_to_string(svg).unwrap();
     assert!(text.contains("@font-face") && text.contains("data:font/ttf;base64,"), "no font in {svg}");
     let mut reader = quick_xml::Reader::from_str(&text);
-    let mut words = Vec::new();
+    let mut texts = Vec::new();
     loop {
         match reader.read_event().unwrap() {
-            quick_xml::events::Event::Eof => return words,
-            quick_xml::events::Event::Text(text) if !text.contains("@font-face") => words.push(text.trim().to_owned()),
+            quick_xml::events::Event::Eof => return texts,
+            quick_xml::events::Event::Text(text) if !text.contains("@font-face") => texts.push(text.trim().to_owned()),
             _ => {}
         }
     }
@@ -72,32 +72,32 @@ fn schedule(folder: &TempDir) -> String {
 fn verif_a_night_has_the_numbers_of_flag() {
     let folder = tempdir().unwrap();
     let schedule = schedule(&folder);
-    let asked: &[&str] = &["--schedule", &schedule, "--limit-mag", "7"];
-    drawn(&folder, "night", &[&["night"], asked, SKY, FIELD], 0);
+    let arguments: &[&str] = &["--schedule", &schedule, "--limit-mag", "7"];
+    drawn(&folder, "night", &[&["night"], arguments, SKY, FIELD], 0);
     let data = fs::read_to_string(path(&folder, "night-data.ecsv")).unwrap();
-    let (_, flags, _) = run(&[&["flag"], asked, SKY, FIELD, &["--format", "csv"]]);
+    let (_, flags, _) = run(&[&["flag"], arguments, SKY, FIELD, &["--format", "csv"]]);
     for name in ["exposure_id", "verdict", "n_streaks", "brightest_mag"] {
-        // The row that cannot be judged has no time and no night.
+        // The invalid row has no time and no night.
         assert_eq!(column(&data, name), column(&flags, name)[..4], "{name}");
     }
     assert!(column(&flags, "n_streaks").iter().any(|number| number != "0"), "{flags}");
-    // In twilight it sinks; four hours later it is near midnight.
+    // In twilight the Sun is setting; four hours later it is near midnight.
     let sun: Vec<f64> = column(&data, "sun_altitude_deg").iter().map(|cell| cell.parse().unwrap()).collect();
     assert!(sun[0] > sun[1] && sun[1] > sun[2] && (-25.0..-8.0).contains(&sun[0]) && sun[3] < -60.0, "{sun:?}");
-    let said = words(&path(&folder, "night.svg"));
+    let texts = svg_texts(&path(&folder, "night.svg"));
     assert!(
-        said.iter()
-            .any(|words| words.starts_with("4 exposures, ")
-                && words.contains("1 row of the schedule could not be judged")),
-        "{said:?}"
+        texts.iter()
+            .any(|text| text.starts_with("4 exposures, ")
+                && text.contains("1 row of the schedule could not be judged")),
+        "{texts:?}"
     );
     assert!(
-        said.contains(&"UTC, 2026-08-14/15".to_owned())
-            && said.iter().any(|words| words.starts_with("local mean solar time, 2026-08-14")),
-        "{said:?}"
+        texts.contains(&"UTC, 2026-08-14/15".to_owned())
+            && texts.iter().any(|text| text.starts_with("local mean solar time, 2026-08-14")),
+        "{texts:?}"
     );
 
-    // The data are drawn again, and so are flags with their schedule: the same pictures.
+    // Saved data, and flags with their schedule, give the same chart.
     let png = fs::read(path(&folder, "night.png")).unwrap();
     drawn(
         &folder,
@@ -108,29 +108,29 @@ fn verif_a_night_has_the_numbers_of_flag() {
     assert!(!Path::new(&path(&folder, "again-data.ecsv")).exists());
     let flags_file = path(&folder, "flags.csv");
     fs::write(&flags_file, &flags).unwrap();
-    drawn(&folder, "flags", &[&["night", "--from", &flags_file, "--mpc", "X05"], asked], 0);
+    drawn(&folder, "flags", &[&["night", "--from", &flags_file, "--mpc", "X05"], arguments], 0);
     assert_eq!(fs::read(path(&folder, "flags.png")).unwrap(), png);
-    // Of a table of one night alone, it is not said how many rows of the schedule there were beside.
-    let again = words(&path(&folder, "again.svg"));
-    assert!(again.iter().any(|words| words.starts_with("4 exposures, ")), "{again:?}");
+    // A table of one night does not give the number of other rows in the schedule.
+    let again = svg_texts(&path(&folder, "again.svg"));
+    assert!(again.iter().any(|text| text.starts_with("4 exposures, ")), "{again:?}");
 
-    // Without any satellite bright enough to be known.
+    // No satellite is bright enough.
     let (code, _, stderr) =
-        run(&[&["plot", "night", "--night", "2026-08-20"], asked, SKY, FIELD, &["-o", &path(&folder, "x.png")]]);
+        run(&[&["plot", "night", "--night", "2026-08-20"], arguments, SKY, FIELD, &["-o", &path(&folder, "x.png")]]);
     assert!(code == 2 && stderr.contains("allowed: 2026-08-14"), "{stderr}");
 }
 
 #[test]
-fn verif_an_empty_night_says_so() {
+fn verif_an_empty_night_is_labelled() {
     let folder = tempdir().unwrap();
     let file = path(&folder, "empty.csv");
     let text = "start_utc,duration_s,verdict,n_streaks,brightest_mag\n2024-08-14T04:10:00Z,30,clear,0,\n2024-08-14T04:11:00Z,30,clear,0,\n";
     fs::write(&file, text).unwrap();
     drawn(&folder, "empty", &[&["night", "--from", &file]], 0);
-    let said = words(&path(&folder, "empty.svg"));
-    assert!(said.contains(&"no exposure of this night is struck".to_owned()), "{said:?}");
-    // No site: neither twilight nor a local clock.
-    assert!(!said.iter().any(|words| words.contains("local") || words.contains("twilight")), "{said:?}");
+    let texts = svg_texts(&path(&folder, "empty.svg"));
+    assert!(texts.contains(&"no exposure of this night is struck".to_owned()), "{texts:?}");
+    // Without a site there is neither twilight nor a local clock.
+    assert!(!texts.iter().any(|text| text.contains("local") || text.contains("twilight")), "{texts:?}");
 }
 
 #[test]
@@ -140,18 +140,18 @@ fn verif_a_field_has_the_table_of_passes() {
     let (_, passes, _) = run(&[&["passes"], EXPOSURE, SKY, FIELD, &["--format", "csv"]]);
     assert_eq!(fs::read_to_string(path(&folder, "field.csv")).unwrap(), passes);
     let names = column(&passes, "name");
-    let said = words(&path(&folder, "field.svg"));
+    let texts = svg_texts(&path(&folder, "field.svg"));
     assert!(
         !names.is_empty()
-            && said.iter().any(|words| words.len() > 12 && names.iter().any(|name| name.starts_with(words.as_str()))),
-        "{said:?}"
+            && texts.iter().any(|text| text.len() > 12 && names.iter().any(|name| name.starts_with(text.as_str()))),
+        "{texts:?}"
     );
     assert!(
-        said.contains(&"N".to_owned()) && said.contains(&"E".to_owned()) && said.contains(&"0.5°".to_owned())
-            || said.contains(&"1°".to_owned()),
-        "{said:?}"
+        texts.contains(&"N".to_owned()) && texts.contains(&"E".to_owned()) && texts.contains(&"0.5°".to_owned())
+            || texts.contains(&"1°".to_owned()),
+        "{texts:?}"
     );
-    // What passes wrote, in any of its formats, is the same picture.
+    // Tables written by passes in any format give the same chart.
     let picture = fs::read(path(&folder, "field.png")).unwrap();
     for format in ["csv", "ecsv", "json"] {
         let file = path(&folder, &format!("passes.{format}"));
@@ -159,17 +159,17 @@ fn verif_a_field_has_the_table_of_passes() {
         drawn(&folder, "again", &[&["field", "--from", &file]], 0);
         assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{format}");
     }
-    // In the middle of a night nothing is lit: drawn, said, and exit code 1 as of passes.
+    // In the middle of a night no satellite is lit: the chart is drawn, with a message and exit code 1 as for passes.
     let night: &[&str] =
         &["--ra", "75", "--dec", "-30", "--start", "2024-12-14T04:45:00Z", "--exposure", "1s", "--fov", "3arcmin"];
     let (code, ..) = run(&[&["passes"], night, SKY]);
     assert_eq!(code, 1);
     drawn(&folder, "none", &[&["field"], night, SKY], 1);
-    assert!(words(&path(&folder, "none.svg")).contains(&"no streak crosses this field".to_owned()));
+    assert!(svg_texts(&path(&folder, "none.svg")).contains(&"no streak crosses this field".to_owned()));
 }
 
 #[test]
-fn verif_a_light_curve_goes_through_its_pass() {
+fn verif_a_light_curve_agrees_with_its_pass() {
     let folder = tempdir().unwrap();
     drawn(&folder, "curve", &[&["light-curve"], EXPOSURE, SKY, FIELD, &["--limit-mag", "7", "--utc-offset", "-4"]], 0);
     let data = fs::read_to_string(path(&folder, "curve-data.ecsv")).unwrap();
@@ -179,20 +179,20 @@ fn verif_a_light_curve_goes_through_its_pass() {
     let peaks = column(&passes, "magnitude_peak");
     let number = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
     assert!(peaks.iter().all(|peak| number(peak) >= number(&peaks[row])), "the brightest: {peaks:?} {row}");
-    // Entry, exit and the magnitude at mid are those of the table of passes.
+    // Entry, exit and mid magnitude agree with the table of passes.
     let (utc, inside) = (column(&data, "utc"), column(&data, "in_field"));
     let first = inside.iter().position(|cell| cell == "true").unwrap();
     assert!(utc[first] >= column(&passes, "enter_utc")[row] && utc[first - 1] < column(&passes, "enter_utc")[row]);
     let mid = column(&passes, "mid_utc")[row].clone();
     let near = utc.iter().position(|moment| *moment > mid).unwrap();
     let (magnitude, expected) = (number(&column(&data, "magnitude")[near]), number(&column(&passes, "magnitude")[row]));
-    // A step of the track is a third of a second at most.
+    // A step of the track is at most a third of a second.
     assert!((magnitude - expected).abs() < 0.05, "{magnitude} {expected}");
-    let said = words(&path(&folder, "curve.svg"));
+    let texts = svg_texts(&path(&folder, "curve.svg"));
     for expected in
         ["enter", "exit", "magnitude, ±1σ", "shutter open", "limit 7.0 mag", "local time (UTC−4), 2026-08-14"]
     {
-        assert!(said.iter().any(|words| words == expected), "{expected}: {said:?}");
+        assert!(texts.iter().any(|text| text == expected), "{expected}: {texts:?}");
     }
     let png = fs::read(path(&folder, "curve.png")).unwrap();
     let again: &[&str] = &["--from", &path(&folder, "curve-data.ecsv"), "--limit-mag", "7", "--utc-offset", "-4"];
@@ -207,7 +207,7 @@ fn verif_a_light_curve_goes_through_its_pass() {
 #[test]
 fn verif_rates_over_the_sky_are_means_of_passes() {
     let folder = tempdir().unwrap();
-    let asked: &[&str] = &[
+    let arguments: &[&str] = &[
         "--start",
         "2026-08-14T23:29:00Z",
         "--exposure",
@@ -221,24 +221,24 @@ fn verif_rates_over_the_sky_are_means_of_passes() {
         "--min-altitude",
         "40",
     ];
-    drawn(&folder, "rate", &[&["sky-rate"], asked, SKY, FIELD, &["--limit-mag", "5"]], 0);
+    drawn(&folder, "rate", &[&["sky-rate"], arguments, SKY, FIELD, &["--limit-mag", "5"]], 0);
     let data = fs::read_to_string(path(&folder, "rate-data.ecsv")).unwrap();
     let (all, bright) = (column(&data, "streaks_per_exposure"), column(&data, "bright_per_exposure"));
     let sum = |cells: &[String]| cells.iter().map(|cell| cell.parse::<f64>().unwrap()).sum::<f64>();
     assert!(sum(&all) > 0.0 && sum(&bright) < sum(&all), "{all:?} {bright:?}");
-    // Two exposures a cell: halves.
+    // Two exposures per cell: halves.
     assert!(all.iter().all(|cell| (cell.parse::<f64>().unwrap() * 2.0).fract() == 0.0), "{all:?}");
     let again: &[&str] = &["sky-rate", "--from", &path(&folder, "rate-data.ecsv")];
     drawn(&folder, "again", &[again], 0);
     assert!(fs::read(path(&folder, "again.png")).unwrap() == fs::read(path(&folder, "rate.png")).unwrap());
     let at = ["--sun-altitude-deg", "-15"];
-    drawn(&folder, "sun", &[&["sky-rate"], asked, &at, SKY, FIELD], 0);
+    drawn(&folder, "sun", &[&["sky-rate"], arguments, &at, SKY, FIELD], 0);
     let data = fs::read_to_string(path(&folder, "sun-data.ecsv")).unwrap();
-    let said = data.split("\"sun_altitude_deg\":").nth(1).unwrap().split([',', '}']).next().unwrap();
-    // Its moment is closed to 0.1 s, in which the Sun sinks by 0.0004°.
-    assert!((said.parse::<f64>().unwrap() + 15.0).abs() < 0.001, "{said}");
+    let texts = data.split("\"sun_altitude_deg\":").nth(1).unwrap().split([',', '}']).next().unwrap();
+    // The time is rounded to 0.1 s, in which the Sun sets by 0.0004°.
+    assert!((texts.parse::<f64>().unwrap() + 15.0).abs() < 0.001, "{texts}");
     fails(
-        &[&["sky-rate"], asked, &["--sun-altitude-deg", "85"], SKY, FIELD, &["-o", &path(&folder, "x.png")]],
+        &[&["sky-rate"], arguments, &["--sun-altitude-deg", "85"], SKY, FIELD, &["-o", &path(&folder, "x.png")]],
         &["does not stand there"],
     );
     fails(
@@ -257,10 +257,10 @@ fn verif_trails_against_the_sun_of_a_schedule_and_of_a_grid() {
     let folder = tempdir().unwrap();
     let schedule = schedule(&folder);
     drawn(&folder, "schedule", &[&["sun-altitude", "--schedule", &schedule, "--limit-mag", "7"], SKY, FIELD], 0);
-    let said = words(&path(&folder, "schedule.svg"));
+    let texts = svg_texts(&path(&folder, "schedule.svg"));
     assert!(
-        said.iter().any(|words| words.starts_with("4 exposures, ")) && said.contains(&"brighter than 7 mag".to_owned()),
-        "{said:?}"
+        texts.iter().any(|text| text.starts_with("4 exposures, ")) && texts.contains(&"brighter than 7 mag".to_owned()),
+        "{texts:?}"
     );
     let grid: &[&str] =
         &["--start", "2026-08-14T21:30:00Z", "--exposure", "30s", "--step", "2h", "--min-altitude", "60"];
@@ -279,7 +279,7 @@ fn verif_trails_against_the_sun_of_a_schedule_and_of_a_grid() {
 }
 
 #[test]
-fn verif_the_pictures_of_maps_are_those_of_map() {
+fn verif_charts_of_maps_equal_those_of_map() {
     let folder = tempdir().unwrap();
     let model: &[&str] = &["--model", "starlink-v1.5"];
     for (name, angle) in [("sky", "--sun-altitude-deg"), ("body", "--sun-latitude-deg")] {
@@ -293,7 +293,7 @@ fn verif_the_pictures_of_maps_are_those_of_map() {
     }
 }
 
-/// Points of a model itself, 0.1 mag fainter: all residuals are that.
+/// Points of a model, made 0.1 mag fainter: all residuals are 0.1 mag.
 #[test]
 fn verif_residuals_are_observed_less_computed() {
     let folder = tempdir().unwrap();
@@ -322,9 +322,9 @@ fn verif_residuals_are_observed_less_computed() {
         drawn(&folder, plot, &[&[plot, "--model", "starlink-v1.5", "--from", &file]], 0);
         let data = fs::read_to_string(path(&folder, &format!("{plot}-data.ecsv"))).unwrap();
         let is_curve = plot == "phase-curve";
-        let said = words(&path(&folder, &format!("{plot}.svg")));
+        let texts = svg_texts(&path(&folder, &format!("{plot}.svg")));
         let title = if is_curve { "observed and computed" } else { "observed less computed" };
-        assert!(said.iter().any(|words| words == &format!("starlink-v1.5: {title}")), "{said:?}");
+        assert!(texts.iter().any(|text| text == &format!("starlink-v1.5: {title}")), "{texts:?}");
         let residuals = column(&data, "residual_mag");
         // The map has three decimals.
         assert!(
@@ -342,7 +342,7 @@ fn verif_residuals_are_observed_less_computed() {
 }
 
 #[test]
-fn verif_bad_input_is_one_line_and_writes_nothing() {
+fn verif_invalid_input_gives_one_line_and_no_file() {
     let folder = tempdir().unwrap();
     let out = path(&folder, "x.png");
     let table = |text: &str| {
@@ -395,7 +395,7 @@ fn verif_bad_input_is_one_line_and_writes_nothing() {
 }
 
 #[test]
-fn verif_what_forecast_wrote_is_drawn() {
+fn verif_tables_of_forecast_are_drawn() {
     let folder = tempdir().unwrap();
     let (curves, json, ecsv) = (path(&folder, "c.csv"), path(&folder, "n.json"), path(&folder, "c.ecsv"));
     let night = ["forecast", "--night", "2026-08-14", "--max-mag", "5", "--min-culmination", "86", "--samples", "41"];
@@ -403,11 +403,11 @@ fn verif_what_forecast_wrote_is_drawn() {
         let (code, _, stderr) = run(&[&night, SKY, &["--light-curves", light_curves, "-o", output]]);
         assert_eq!(code, 0, "{stderr}");
     }
-    // Rows of points, passes that hold them, in each format: one picture.
+    // Rows of points, or passes that contain them, in each format give one chart.
     drawn(&folder, "sky", &[&["sky-chart", "--from", &curves]], 0);
-    let sky = words(&path(&folder, "sky.svg"));
+    let sky = svg_texts(&path(&folder, "sky.svg"));
     for expected in ["Passes over Rubin Observatory, 2026-08-14 to 2026-08-15", "N", "E", "60°", "from UTC", "13"] {
-        assert!(sky.iter().any(|words| words == expected), "{expected}: {sky:?}");
+        assert!(sky.iter().any(|text| text == expected), "{expected}: {sky:?}");
     }
     let picture = fs::read(path(&folder, "sky.png")).unwrap();
     for file in [&ecsv, &json, &path(&folder, "n.jsonl")] {
@@ -415,40 +415,38 @@ fn verif_what_forecast_wrote_is_drawn() {
         assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{file}");
     }
     drawn(&folder, "local", &[&["sky-chart", "--from", &curves, "--utc-offset", "-4"]], 0);
-    let local = words(&path(&folder, "local.svg"));
-    assert!(local.iter().any(|words| words == "from") && !local.iter().any(|words| words == "from UTC"), "{local:?}");
+    let local = svg_texts(&path(&folder, "local.svg"));
+    assert!(local.iter().any(|text| text == "from") && !local.iter().any(|text| text == "from UTC"), "{local:?}");
     assert!(local.join(" ").contains("Times: local time (UTC−4)."), "{local:?}");
-    // One pass has minutes along it, and its curve has the peak of the table.
+    // A single pass is labelled with minutes, and its light curve has the peak of the table.
     let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
     let passes = document["passes"].as_array().unwrap();
     let peak = |pass: &serde_json::Value| pass["peak_magnitude"].as_f64().unwrap();
     let brightest = passes.iter().min_by(|a, b| peak(a).total_cmp(&peak(b))).unwrap();
     let id = brightest["norad_id"].to_string();
     drawn(&folder, "one", &[&["sky-chart", "--from", &curves, "--norad", &id]], 0);
-    let one = words(&path(&folder, "one.svg"));
+    let one = svg_texts(&path(&folder, "one.svg"));
     let clock = |name: &str| brightest[name].as_str().unwrap()[11..16].to_owned();
-    let minutes = |words: &String| words.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(words);
+    let minutes = |text: &String| text.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(text);
     assert!(one.iter().any(minutes) && !sky.iter().any(minutes), "{one:?}");
     for (file, offset, clock) in [
         (&curves, &["--utc-offset", "-04:00"][..], "local time (UTC−4), 2026-08-15"),
         (&json, &[], "local mean solar time, 2026-08-15"),
     ] {
         drawn(&folder, "curve", &[&["light-curve", "--from", file], offset], 0);
-        let said = words(&path(&folder, "curve.svg"));
-        assert!(said.iter().any(|words| words == clock), "{clock}: {said:?}");
-        assert!(said.iter().any(|words| words.contains(" (synthetic) (NORAD ")), "{said:?}");
-        assert!(said.join(" ").contains("Satellites of shells are synthetic."), "{said:?}");
-        assert!(said.iter().any(|words| words.contains(&format!("(NORAD {id})"))), "{said:?}");
-        assert!(
-            said.iter().any(|words| words == "magnitude, ±1σ") && !said.iter().any(|words| words == "in the field")
-        );
+        let texts = svg_texts(&path(&folder, "curve.svg"));
+        assert!(texts.iter().any(|text| text == clock), "{clock}: {texts:?}");
+        assert!(texts.iter().any(|text| text.contains(" (synthetic) (NORAD ")), "{texts:?}");
+        assert!(texts.join(" ").contains("Satellites of shells are synthetic."), "{texts:?}");
+        assert!(texts.iter().any(|text| text.contains(&format!("(NORAD {id})"))), "{texts:?}");
+        assert!(texts.iter().any(|text| text == "magnitude, ±1σ") && !texts.iter().any(|text| text == "in the field"));
     }
-    // A night without a pass is an empty sky; of no pass there is no light curve.
+    // A night without passes gives an empty chart; without a pass there is no light curve.
     let empty = path(&folder, "empty.json");
     let (code, _, stderr) = run(&[&night[..3], &["--max-mag", "-9", "--samples", "5", "-o", &empty], SKY]);
     assert_eq!(code, 0, "{stderr}");
     drawn(&folder, "empty", &[&["sky-chart", "--from", &empty]], 0);
-    assert!(words(&path(&folder, "empty.svg")).iter().any(|words| words == "no pass"));
+    assert!(svg_texts(&path(&folder, "empty.svg")).iter().any(|text| text == "no pass"));
     let out = path(&folder, "x.png");
     fails(&[&["light-curve", "--from", &empty, "-o", &out]], &["it has no pass"]);
     let table = path(&folder, "plain.csv");
@@ -469,36 +467,37 @@ fn verif_the_list_names_every_plot() {
     let named: Vec<String> = column(&list, "plot");
     let commands =
         help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
-    // Longer words go on in lines that are set in farther.
+    // Long descriptions are continued on indented lines.
     let commands = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
     let commands: Vec<&str> =
         commands.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").collect();
     assert_eq!(named, commands);
 }
 
-/// A picture of synthetic satellites says so, one drawn again from its table too, with its site, its limit and its twilight.
+/// Charts of synthetic satellites are labelled as such, also when redrawn from a table, with site, limit and twilight.
 #[test]
-fn what_a_table_says_of_itself_is_drawn_again() {
+fn metadata_of_a_table_are_drawn_again() {
     let folder = tempdir().unwrap();
     let schedule = schedule(&folder);
-    let asked: &[&str] =
+    let arguments: &[&str] =
         &["night", "--schedule", &schedule, "--shells", "starlink-gen1", "--mpc", "X05", "--limit-mag", "6"];
     let table = path(&folder, "n.ecsv");
     let (first, again, bare) = (path(&folder, "a.svg"), path(&folder, "b.svg"), path(&folder, "c.svg"));
-    let (code, _, stderr) = run(&[&["plot"], asked, FIELD, &["-o", &first, "--data", &table]]);
+    let (code, _, stderr) = run(&[&["plot"], arguments, FIELD, &["-o", &first, "--data", &table]]);
     assert_eq!(code, 0, "{stderr}");
     let text = |path: &str| fs::read_to_string(path).unwrap();
     assert!(text(&first).contains("All satellites are synthetic.") && text(&first).contains("limit"), "{}", &first);
     let (code, _, stderr) = run(&[&["plot", "night", "--from", &table, "-o", &again]]);
     assert_eq!(code, 0, "{stderr}");
-    // All but the count of rows that could not be judged, which the data of a night leave out.
-    let kept =
-        |path: &str| words(path).into_iter().filter(|words| !words.contains("could not be judged")).collect::<Vec<_>>();
+    // Identical except for the number of invalid rows, which saved data do not contain.
+    let kept = |path: &str| {
+        svg_texts(path).into_iter().filter(|text| !text.contains("could not be judged")).collect::<Vec<_>>()
+    };
     let (drawn_first, drawn_again) = (kept(&first), kept(&again));
     assert!(drawn_first.iter().all(|one| drawn_again.contains(one)), "{drawn_first:?} {drawn_again:?}");
     assert!(drawn_again.iter().any(|one| one.contains("Rubin Observatory")), "{drawn_again:?}");
     assert!(text(&again).contains("All satellites are synthetic."));
-    // Without a site neither twilight nor clock can be drawn, and that is said.
+    // Without a site neither twilight nor clock can be drawn, and a message is printed.
     let stripped: String = text(&table)
         .lines()
         .filter(|line| !line.contains("\"site\"") && !line.contains("# site"))
@@ -513,11 +512,12 @@ fn what_a_table_says_of_itself_is_drawn_again() {
     assert!(code == 0 && stderr.contains("no site was said, and the table names none"), "{stderr}");
 }
 
-/// Where among the stars: the whole sky that the site reaches, means over the dark hours, drawn again from its table.
+/// Rates over right ascension and declination: all directions reached by the site, means over the dark hours, redrawn
+/// from the table.
 #[test]
 fn verif_the_rate_over_right_ascension_and_declination() {
     let folder = tempdir().unwrap();
-    let asked: &[&str] = &[
+    let arguments: &[&str] = &[
         "sky-rate",
         "--equatorial",
         "--night",
@@ -535,28 +535,30 @@ fn verif_the_rate_over_right_ascension_and_declination() {
         "--mpc",
         "X05",
     ];
-    drawn(&folder, "stars", &[asked, FIELD], 0);
+    drawn(&folder, "stars", &[arguments, FIELD], 0);
     let data = fs::read_to_string(path(&folder, "stars-data.ecsv")).unwrap();
     let numbers = |name: &str| column(&data, name).iter().map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>();
     let (dec, exposures, rate) = (numbers("dec_deg"), numbers("exposures"), numbers("streaks_per_exposure"));
-    // At latitude -30.2 a place 40 deg high has a declination between -80 and +20 deg, and half a cell of 29 deg more by its centre.
+    // At latitude -30.2, altitudes above 40 deg have declinations between -80 and +20 deg, and cell centres up to half
+    // a cell of 29 deg more.
     assert!(dec.iter().all(|dec| *dec < 20.0 + 15.0), "{dec:?}");
-    // Every exposure of every dark hour is in one cell: as many in all as moments times cells of the horizon above 40 deg.
+    // Every exposure of every dark hour is in one cell: the total equals the number of times multiplied by the cells
+    // above 40 deg.
     let all: f64 = exposures.iter().sum();
     let above = 12.0;
     assert!(all % above == 0.0 && all >= 5.0 * above, "{all}");
     assert!(rate.iter().zip(&exposures).all(|(rate, n)| (rate * n - (rate * n).round()).abs() < 1e-3 * n));
-    // A night said twice is one night, and a configuration may say the exposure.
+    // A repeated night counts once, and a configuration may set the exposure.
     let config = path(&folder, "config.toml");
     fs::write(&config, "exposure = \"30s\"\n").unwrap();
-    let night: Vec<&str> = asked.iter().copied().filter(|word| !["--exposure", "30s"].contains(word)).collect();
+    let night: Vec<&str> = arguments.iter().copied().filter(|word| !["--exposure", "30s"].contains(word)).collect();
     drawn(&folder, "twice", &[&night[..], FIELD, &["--night", "2026-08-14", "--config", &config]], 0);
     assert!(fs::read(path(&folder, "twice.png")).unwrap() == fs::read(path(&folder, "stars.png")).unwrap());
     let again: &[&str] = &["sky-rate", "--from", &path(&folder, "stars-data.ecsv")];
     drawn(&folder, "again", &[again], 0);
     assert!(fs::read(path(&folder, "again.png")).unwrap() == fs::read(path(&folder, "stars.png")).unwrap());
     let x = path(&folder, "x.png");
-    for (words, part) in [
+    for (text, part) in [
         (vec!["--equatorial", "--exposure", "30s"], "--night"),
         (vec!["--equatorial", "--night", "2026-08-14", "--repeats", "3", "--exposure", "30s"], "--repeats"),
         (
@@ -568,6 +570,6 @@ fn verif_the_rate_over_right_ascension_and_declination() {
             "no cell of nside 2 has its centre above 80 deg",
         ),
     ] {
-        fails(&[&["sky-rate"], &words[..], SKY, FIELD, &["-o", &x]], &[part]);
+        fails(&[&["sky-rate"], &text[..], SKY, FIELD, &["-o", &x]], &[part]);
     }
 }

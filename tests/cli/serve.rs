@@ -1,4 +1,4 @@
-//! The server: its numbers are the command line's, and so are its warnings.
+//! The server: results and warnings equal those of the command line.
 
 use std::collections::BTreeSet;
 use std::io::{Read, Write};
@@ -8,7 +8,7 @@ use crate::common::cli::{json as command, run};
 use crate::common::server::{RULES, SHARED, Server, parse, serve, shared};
 use serde_json::{Value, json};
 
-/// The first exposure of the example, and where it is.
+/// First exposure of the example, with its pointing.
 const FIRST: &str = "start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=198.9&dec_deg=7.7";
 
 fn flags_of_the_command_line() -> &'static Value {
@@ -17,7 +17,7 @@ fn flags_of_the_command_line() -> &'static Value {
 }
 
 #[test]
-fn the_night_is_that_of_flag() {
+fn the_night_equals_flag() {
     let server = shared();
     let night = server.json("/api/v1/night");
     let flags = flags_of_the_command_line();
@@ -38,7 +38,7 @@ fn the_night_is_that_of_flag() {
 }
 
 #[test]
-fn every_exposure_is_that_of_flag_and_passes() {
+fn every_exposure_equals_flag_and_passes() {
     let server = shared();
     let flags = flags_of_the_command_line();
     let night = server.json("/api/v1/night");
@@ -56,7 +56,7 @@ fn every_exposure_is_that_of_flag_and_passes() {
         let mut expected = flag.clone();
         expected["exposure_id"] = json!("1");
         assert_eq!(answer["flags"][0], expected, "{target}");
-        // Shells are made for the beginning of the UTC day of what is asked: of the schedule's first here.
+        // Shells are generated for 0h UTC of the date of the first exposure of the schedule.
         if !text("start_utc").starts_with("2026-08-14") {
             continue;
         }
@@ -74,7 +74,7 @@ fn every_exposure_is_that_of_flag_and_passes() {
 }
 
 #[test]
-fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
+fn other_starts_and_limits_equal_a_schedule_with_them() {
     let server = shared();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("shifted.csv");
@@ -95,7 +95,7 @@ fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
         verdicts.insert(flag["verdict"].as_str().unwrap().to_owned());
     }
     assert!(verdicts.len() > 1, "{verdicts:?}");
-    // The start that is called clear is clear.
+    // The next clear start is clear.
     let first = server.json(&format!("/api/v1/exposure?{FIRST}"));
     let next = first["flags"][0]["next_clear_start_utc"].as_str().unwrap();
     let then = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", next)));
@@ -103,7 +103,7 @@ fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
 }
 
 #[test]
-fn crossings_before_and_after_are_those_of_a_longer_exposure() {
+fn crossings_before_and_after_equal_those_of_a_longer_exposure() {
     let server = shared();
     let answer = server.json(&format!("/api/v1/exposure?{FIRST}&around_s=120"));
     let passes = command(&[
@@ -124,7 +124,7 @@ fn crossings_before_and_after_are_those_of_a_longer_exposure() {
     }
 }
 
-/// An element set that is two years old at the schedule's night.
+/// An element set that is two years old on the schedule's night.
 fn old(norad_id: u32, bstar_per_earth_radius: f64) -> String {
     let now =
         crate::common::elements::read(crate::common::elements::pair(norad_id, "226.52426840").as_bytes()).unwrap();
@@ -134,19 +134,19 @@ fn old(norad_id: u32, bstar_per_earth_radius: f64) -> String {
     streakcast::elements::format_tle(&set).unwrap().map(|line| line + "\n").concat()
 }
 
-/// A server of old elements: one set holds, SGP4 gives up another soon, and a third is broken.
+/// A server with old elements: one valid set, one for which SGP4 soon fails, and one invalid.
 fn stale() -> (tempfile::TempDir, Server) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("old.tle").display().to_string();
     let broken = old(90003, 0.0).replacen("1 90003", "1 90x03", 1);
     std::fs::write(&path, old(90001, 0.0) + &old(90002, 0.05) + &broken).unwrap();
-    let asked = ["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet", "--utc-offset=-04:30"];
-    let server = Server::start(&[&asked, RULES].concat());
+    let arguments = ["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet", "--utc-offset=-04:30"];
+    let server = Server::start(&[&arguments, RULES].concat());
     (folder, server)
 }
 
 #[test]
-fn what_the_command_line_warns_of_is_in_the_answers() {
+fn warnings_of_the_command_line_are_in_the_responses() {
     let (folder, server) = stale();
     let path = folder.path().join("old.tle").display().to_string();
     let (_, _, stderr) = run(&[&["flag", "--elements", &path, "--mpc", "X05", "--fov", "3.5deg"], RULES]);
@@ -172,7 +172,7 @@ fn what_the_command_line_warns_of_is_in_the_answers() {
             "{start}"
         );
     }
-    // The same of the sky and of SatChecker's paths; at what moment a satellite was lost differs by what was asked.
+    // The same for the sky and SatChecker's paths; the time at which a satellite fails depends on the request.
     let words = |answer: &Value| -> Vec<String> {
         let warnings = answer["warnings"].as_array().unwrap().iter();
         warnings.map(|one| one.as_str().unwrap().split("SGP4").next().unwrap().to_owned()).collect()
@@ -183,7 +183,7 @@ fn what_the_command_line_warns_of_is_in_the_answers() {
         assert_eq!(words(&answer), words(&exposure), "{target}");
         assert_eq!((&answer["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
     }
-    // Shells stand where they stand on the day of the schedule: other days are told.
+    // Shells are computed for the day of the schedule: other days are reported.
     let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
     assert!(answer["warnings"].to_string().contains("the shells were made for 2026-08-14"), "{}", answer["warnings"]);
     let answer = shared().json(&format!("/api/v1/exposure?{FIRST}"));
@@ -197,7 +197,7 @@ fn what_the_command_line_warns_of_is_in_the_answers() {
     assert!(later["warnings"].to_string().contains("the shells were made for 2026-08-14"), "{}", later["warnings"]);
 }
 
-/// Everything else that is asked of satellites, at the first exposure.
+/// Other requests about satellites, for the first exposure.
 fn at_the_first_exposure() -> [String; 4] {
     let field = "duration=30&ra=198.9&dec=7.7&fov_radius=1.75";
     let passes = format!("/fov/satellite-passes/?site=rubin&start_time_jd=2461267.4785300926&{field}");
@@ -210,10 +210,10 @@ fn at_the_first_exposure() -> [String; 4] {
 }
 
 #[test]
-fn a_sky_that_nobody_can_tell_of_is_not_empty() {
+fn a_sky_that_cannot_be_computed_is_not_empty() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("old.tle").display().to_string();
-    // Holds at the night of the schedule, and is long gone years later.
+    // Valid on the night of the schedule, and decayed years later.
     std::fs::write(&path, old(90001, 0.001)).unwrap();
     let server = Server::start(&[&["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet"], RULES].concat());
     let later = |target: &str| target.replace("2026-08-14", "2090-08-14").replace("2461267.", "2484643.");
@@ -229,7 +229,7 @@ fn a_sky_that_nobody_can_tell_of_is_not_empty() {
 }
 
 #[test]
-fn a_field_below_the_horizon_is_told() {
+fn a_field_below_the_horizon_is_reported() {
     let server = shared();
     let answer = server.json("/api/v1/exposure?start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=18.9&dec_deg=80");
     assert_eq!(answer["flags"][0]["verdict"], "invalid");
@@ -239,7 +239,7 @@ fn a_field_below_the_horizon_is_told() {
 }
 
 #[test]
-fn the_dome_holds_what_crosses_the_field() {
+fn the_dome_contains_the_crossings_of_the_field() {
     let server = shared();
     let dome = server.json("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&height_km=550");
     let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
@@ -247,7 +247,7 @@ fn the_dome_holds_what_crosses_the_field() {
     assert!(up.len() > 50, "{} satellites up at dusk", up.len());
     for pass in exposure["passes"].as_array().unwrap() {
         let found = up.iter().find(|one| one["norad_id"] == pass["norad_id"]).expect("on the dome");
-        // Mid of the pass lies between the ends of the track.
+        // The middle of the pass lies between the ends of the track.
         let altitudes: Vec<f64> =
             found["track_deg"].as_array().unwrap().iter().map(|place| place[1].as_f64().unwrap()).collect();
         let (low, high) =
@@ -255,7 +255,7 @@ fn the_dome_holds_what_crosses_the_field() {
         let altitude = pass["altitude_deg"].as_f64().unwrap();
         assert!((low - 2.0..=high + 2.0).contains(&altitude), "{altitude} {altitudes:?}");
     }
-    // The map is that of `map sky` for the same Sun.
+    // The map equals `map sky` for the same Sun.
     let sun = (dome["sun"]["altitude_deg"].to_string(), dome["sun"]["azimuth_deg"].to_string());
     let map = command(&[
         &["map", "sky", "--model", "starlink-v1.5", "--height-km", "550", "--mpc", "X05", "--step-deg", "5", "--quiet"],
@@ -267,7 +267,7 @@ fn the_dome_holds_what_crosses_the_field() {
     assert_eq!(table.len(), ours.len());
     for (theirs, ours) in table.iter().zip(ours) {
         match (theirs["magnitude"].as_f64(), ours.as_f64()) {
-            // Both are rounded, and the Sun of the question is.
+            // Both are rounded, as is the Sun of the request.
             (Some(theirs), Some(ours)) => assert!((theirs - ours).abs() < 0.02, "{theirs} {ours}"),
             (theirs, ours) => assert_eq!(theirs.is_some(), ours.is_some(), "{theirs:?} {ours:?}"),
         }
@@ -280,14 +280,14 @@ fn the_dome_holds_what_crosses_the_field() {
     assert_eq!(server.get("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&model=none").status, 400);
 }
 
-/// Keys of the example bodies of SatChecker's docs (docs/source/fov.rst, 2026): clients read these.
+/// Keys of the example bodies in SatChecker's docs (docs/source/fov.rst, 2026), which clients read.
 const POSITION: &[&str] = &["altitude", "angle", "azimuth", "date_time", "dec", "julian_date", "ra", "tle_epoch"];
 const ABOVE: &[&str] = &["altitude", "azimuth", "dec", "julian_date", "name", "norad_id", "ra", "range", "tle_epoch"];
 
 #[test]
 fn satchecker_shapes_carry_magnitudes() {
     let server = shared();
-    // 2026-08-14T23:29:05Z; X05 by its own numbers.
+    // 2026-08-14T23:29:05Z; coordinates of X05.
     let site = server.json("/api/v1/night")["site"].clone();
     let place =
         format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
@@ -308,7 +308,7 @@ fn satchecker_shapes_carry_magnitudes() {
             assert!(magnitude >= pass["magnitude_peak"].as_f64().unwrap() - 1e-3, "{position} {pass}");
             assert!(position["angle"].as_f64().unwrap() <= 1.75 + 1e-4 && position["illuminated"] == true);
         }
-        // Once a second at least, from entry to exit.
+        // At least one point per second, from entry to exit.
         let jd: Vec<f64> = positions.iter().map(|one| one["julian_date"].as_f64().unwrap()).collect();
         assert!(jd.windows(2).all(|pair| (0.0..=1.05 / 86_400.0).contains(&(pair[1] - pair[0]))), "{jd:?}");
         let streak = &satellite["streaks"][0];
@@ -332,7 +332,7 @@ fn satchecker_shapes_carry_magnitudes() {
     assert!(up.len() > 20 && up.iter().all(|one| ABOVE.iter().all(|key| !one[key].is_null())));
     assert!(up.iter().all(|one| one["altitude"].as_f64().unwrap() >= 20.0));
     assert!(up.iter().any(|one| one["apparent_magnitude"].is_number()));
-    // From a known site by name, and from the other side of the Earth.
+    // At a named site, and at a site on the other side of the Earth.
     let named = server.json("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926&min_altitude=20");
     assert_eq!(named["count"], above["count"]);
     let elsewhere =
@@ -368,13 +368,13 @@ fn satchecker_shapes_carry_magnitudes() {
 }
 
 #[test]
-fn openapi_says_what_there_is() {
+fn openapi_describes_all_paths() {
     let server = shared();
     let document = server.json("/openapi.json");
     assert_eq!(document["openapi"], "3.1.0");
     for (path, operations) in document["paths"].as_object().unwrap() {
         assert_eq!(operations.as_object().unwrap().keys().collect::<Vec<_>>(), ["get"]);
-        // Every path is there, and asks for what it says that it asks for.
+        // Every path exists and accepts its documented parameters.
         let missing: Vec<&Value> = operations["get"]["parameters"]
             .as_array()
             .unwrap()
@@ -394,11 +394,11 @@ fn openapi_says_what_there_is() {
 }
 
 #[test]
-fn a_stop_finishes_what_is_open() {
+fn a_stop_completes_open_requests() {
     for signal in ["-TERM", "-INT"] {
         let server = serve(&[]);
-        // Half a request has arrived before the signal: it is answered, and then the server ends. The answer is in the cache,
-        // since the server waits 10 s at most.
+        // Half a request has arrived before the signal: it is answered, then the server ends. The result is cached,
+        // because the server waits at most 10 s.
         let target = format!("/api/v1/exposure?{FIRST}");
         server.json(&target);
         let mut stream = server.connect();

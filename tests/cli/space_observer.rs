@@ -1,4 +1,4 @@
-//! A telescope in orbit and the shadow's models through the command line.
+//! A telescope in orbit and the shadow models on the command line.
 
 use std::fs;
 
@@ -18,7 +18,7 @@ fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// The first of eight pointings around the sky that is clear of the Earth and crossed.
+/// The first of eight pointings around the sky that is not blocked by the Earth and is crossed.
 fn crossed() -> (String, String, Value) {
     for ra in (0..360).step_by(45) {
         let (ra, dec) = (ra.to_string(), "20".to_owned());
@@ -44,7 +44,7 @@ fn passes_and_flags_from_an_orbit() {
         assert!(pass["altitude_deg"].is_null() && pass["azimuth_deg"].is_null());
         assert!(pass["range_km"].as_f64().unwrap() > 0.0 && pass["norad_id"] != 90001);
     }
-    // The same field in a schedule, and one on the other side of the sky: between them both verdicts of the limb.
+    // The same field in a schedule, and one on the opposite side of the sky, have the two verdicts on the limb.
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("s.csv").display().to_string();
     let mut rows = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
@@ -63,20 +63,20 @@ fn passes_and_flags_from_an_orbit() {
     let lit = passes.iter().filter(|pass| pass["illumination"] != "umbra").count();
     assert!(flags[0]["n_streaks"].as_u64().unwrap() as usize >= lit.min(1), "{}", flags[0]);
     let hidden = flags.iter().filter(|flag| flag["verdict"] == "invalid").collect::<Vec<_>>();
-    // The Earth fills 33 % of the sky at 550 km.
+    // The Earth covers 33 % of the sky at 550 km.
     assert!((6..20).contains(&hidden.len()), "{}", hidden.len());
     assert!(hidden[0]["reasons"].to_string().contains("meets the Earth ("), "{}", hidden[0]);
 }
 
 #[test]
-fn what_says_where_the_telescope_is_says_it_once() {
+fn the_observer_is_specified_once() {
     let folder = TempDir::new().unwrap();
     let two = folder.path().join("two.tle").display().to_string();
     let other = "1 25544U 98067A   26080.73419088  .00005258  00000+0  10370-3 0  9991\n\
                  2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097\n";
     fs::write(&two, fs::read_to_string(OBSERVER).unwrap() + other).unwrap();
     let pointing = ["--ra", "10", "--dec", "20"];
-    for (more, told) in [
+    for (more, expected) in [
         (&["--observer-elements", OBSERVER, "--mpc", "X05"][..], "exclude each other; say one of them"),
         (&["--observer-norad", "90001", "--lat", "3", "--lon", "4"], "exclude each other; say one of them"),
         (&["--observer-norad", "90001"], "no elements of the telescope in orbit; say --observer-elements FILE"),
@@ -90,9 +90,9 @@ fn what_says_where_the_telescope_is_says_it_once() {
     ] {
         let (code, _, stderr) = run(&[&["passes"], SHELLS, EXPOSURE, &pointing, more]);
         assert_eq!(code, 2, "{more:?}");
-        assert!(stderr.contains(told) && stderr.trim_end().lines().count() == 1, "{more:?}: {stderr}");
+        assert!(stderr.contains(expected) && stderr.trim_end().lines().count() == 1, "{more:?}: {stderr}");
     }
-    // Out of several by its number, and out of the satellites themselves.
+    // Selected from several by its number, and from the satellites themselves.
     for more in [
         &["--observer-elements", &two, "--accept-bad-checksums", "--observer-norad", "90001"][..],
         &["--elements", OBSERVER, "--observer-norad", "90001"],
@@ -102,9 +102,10 @@ fn what_says_where_the_telescope_is_says_it_once() {
     }
 }
 
-/// Over a site at dusk a wide field holds satellites that fade: with air none is brighter, and more of them have lost some light.
+/// A wide field over a site at dusk contains fading satellites: with the atmosphere none is brighter, and more of them
+/// are dimmed.
 #[test]
-fn the_shadow_with_air_dims_and_says_so() {
+fn the_shadow_with_atmosphere_dims_and_is_named() {
     let lit = |shadow: &str| -> Vec<(u64, f64)> {
         let question = [
             "passes",
@@ -132,7 +133,7 @@ fn the_shadow_with_air_dims_and_says_so() {
     assert!(fading(&air) > fading(&solid) && fading(&air) > 2, "{} {}", fading(&solid), fading(&air));
     for (solid, air) in solid.iter().zip(&air) {
         assert_eq!(solid.0, air.0);
-        // Light bent into the umbra is all that the air adds.
+        // The atmosphere only adds light refracted into the umbra.
         assert!(air.1 <= solid.1 || solid.1 < 0.12, "{solid:?} {air:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Clear windows: held against `passes` at random times, and in every shape that schedulers take.
+//! Clear windows: compared with `passes` at random times, and written in the formats of schedulers.
 
 use std::fs;
 
@@ -17,16 +17,17 @@ use streakcast::schedule::{
 
 const LIMIT_MAG: f64 = 6.5;
 const MARGIN_S: f64 = 1.0;
-/// Openings tried for each target.
-const TRIED: usize = 400;
+/// Number of openings tried for each target.
+const TRIALS: usize = 400;
 
 fn utc(text: &str) -> Epoch {
     parse_instant(text, None).unwrap()
 }
 
-/// Windows against single exposures at random times: inside nothing crosses, outside something does, or target or Sun forbid it.
+/// Windows compared with single exposures at random times: inside no satellite crosses; outside one crosses, or the
+/// altitude of target or Sun excludes it.
 #[test]
-fn verif_windows_are_what_passes_says() {
+fn verif_windows_agree_with_passes() {
     let config = Config::from_toml("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '6deg'", "t.toml").unwrap();
     let (from, to) = (utc("2024-08-14T22:40:00Z"), utc("2024-08-15T01:00:00Z"));
     let prepared = config.prepare(from, to).unwrap();
@@ -71,11 +72,11 @@ fn verif_windows_are_what_passes_says() {
         let windows = &found.windows;
         assert!(windows.iter().all(|window| window.first <= window.last && window.first >= from && window.last <= to));
         assert!(windows.windows(2).all(|pair| pair[0].last < pair[1].first));
-        // Random openings, and the very ends of windows.
+        // Random openings, and the ends of windows.
         let mut starts: Vec<Epoch> =
-            (0..TRIED).map(|_| seconds_after(from, random.between(0.0, seconds_between(from, to)))).collect();
+            (0..TRIALS).map(|_| seconds_after(from, random.between(0.0, seconds_between(from, to)))).collect();
         starts.extend(windows.iter().take(40).flat_map(|window| [window.first, window.last]));
-        // With the margin at both ends, as the windows keep it.
+        // Including the margin at both ends.
         let exposures: Vec<Exposure> = starts
             .iter()
             .map(|start| Exposure {
@@ -101,7 +102,8 @@ fn verif_windows_are_what_passes_says() {
             } else if lowest_deg >= min_altitude_deg + 1e-3 && highest_sun_deg <= max_sun_altitude_deg - 1e-3 {
                 crossed += 1;
                 if bright == 0 {
-                    // The whole pass counts: what the exposure sees of it may be its faint or dark part, and the guard is 2 ms wide.
+                    // The whole pass counts: its part within the exposure may be faint or dark, and the guard interval
+                    // is 2 ms.
                     let begin = seconds_after(exposure.start, -0.003);
                     let end = seconds_after(exposure.start, exposure.duration_s + 0.003);
                     let touches = found.dodged.iter().any(|pass| pass.enter.epoch <= end && pass.exit.epoch >= begin);
@@ -146,7 +148,7 @@ fn lists_in_every_syntax_give_the_same_windows() {
     let reasons: Vec<&str> =
         answer["targets"].as_array().unwrap().iter().map(|one| one["reason"].as_str().unwrap_or("")).collect();
     assert_eq!(reasons, ["", "right ascension is missing: the target has no place", "never up in the dark"]);
-    // A target without a place is told, and the others go on.
+    // A target without coordinates is reported, and the others are computed.
     let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
     let (code, _, stderr) = run(&[&["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7"], RANGE, &loud]);
     assert_eq!(code, 0);
@@ -154,7 +156,7 @@ fn lists_in_every_syntax_give_the_same_windows() {
 }
 
 #[test]
-fn schedulers_get_their_shapes() {
+fn formats_of_schedulers() {
     let folder = tempfile::tempdir().unwrap();
     let targets = path(&folder, "t.csv");
     fs::write(&targets, CSV).unwrap();
@@ -193,7 +195,7 @@ fn schedulers_get_their_shapes() {
     let astroq = records(&astroq);
     assert_eq!(astroq.len() - 1, windows.len());
     assert!(astroq[1..].iter().all(|row| clear(utc(&format!("{}Z", &row[2])), utc(&format!("{}Z", &row[3])))));
-    // A whole night by its name holds these windows.
+    // A whole night, given by its name, contains these windows.
     let night =
         json(&[&["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--night", "2024-08-14"], SKY]);
     let firsts: Vec<Epoch> =
@@ -202,7 +204,7 @@ fn schedulers_get_their_shapes() {
 }
 
 #[test]
-fn what_cannot_be_asked_is_told() {
+fn invalid_arguments_are_reported() {
     let folder = tempfile::tempdir().unwrap();
     let targets = path(&folder, "t.csv");
     fs::write(&targets, CSV).unwrap();

@@ -1,11 +1,11 @@
-//! How well we agree with an authority: the largest difference that was seen, held against what is allowed.
+//! Agreement with a reference: the largest difference, compared with the allowed one.
 //!
-//! What holds is written down, one line a comparison, in the file that `STREAKCAST_FIGURES` names: `docs/tables.sh` makes the table of
-//! docs/explanation/accuracy.md of these lines.
+//! Passed comparisons are written, one line each, to the file named by `STREAKCAST_FIGURES`; `docs/tables.sh` makes the
+//! table of docs/explanation/accuracy.md from these lines.
 
 use std::io::Write;
 
-/// Asserts when it goes: something was compared, and nothing was further off than allowed.
+/// Asserts on drop that something was compared and that no difference exceeds the allowed one.
 pub struct Agreement {
     what: &'static str,
     authority: &'static str,
@@ -21,17 +21,17 @@ impl Agreement {
         Self { what, authority, allowed, unit, worst: 0.0, compared: 0 }
     }
 
-    /// A difference, in the unit; its sign does not matter.
+    /// Adds a difference, in the unit; its sign is ignored.
     pub fn see(&mut self, difference: f64) {
         let size = difference.abs();
-        // Not a number is the worst of all, and stays.
+        // NaN counts as the largest difference.
         if size.is_nan() || size > self.worst {
             self.worst = size;
         }
         self.compared += 1;
     }
 
-    /// The largest difference seen so far.
+    /// Returns the largest difference so far.
     pub fn worst(&self) -> f64 {
         self.worst
     }
@@ -41,7 +41,7 @@ impl Agreement {
         let Self { what, authority, allowed, unit, worst, compared } = self;
         let line = format!("{what}\t{authority}\t{compared}\t{worst:e}\t{allowed:e}\t{unit}\n");
         let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
-        // One write a line, so that lines of tests that run at once do not mix.
+        // One write per line, so that lines of concurrent tests do not mix.
         file.and_then(|mut file| file.write_all(line.as_bytes())).expect("STREAKCAST_FIGURES names a file");
     }
 }

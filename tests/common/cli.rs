@@ -1,11 +1,11 @@
-//! What the tests of the command line share: running it, and reading what it wrote.
+//! Helpers for tests of the command line: running it, and reading its output.
 
 use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
 const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
-/// Dusk over Rubin Observatory under a synthetic constellation: needs no data and always finds something.
+/// Dusk over Rubin Observatory with a synthetic constellation: needs no data and always has crossings.
 pub const SKY: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
 
 pub fn run(arguments: &[&[&str]]) -> (i32, String, String) {
@@ -26,7 +26,7 @@ pub fn json(arguments: &[&[&str]]) -> Value {
     serde_json::from_str(&done(&[&arguments.concat(), &["--format", "json"]])).unwrap()
 }
 
-/// Header and rows of CSV, ECSV: what stands below the `#` lines.
+/// Header and rows of CSV or ECSV, without the `#` lines.
 pub fn records(text: &str) -> Vec<csv::StringRecord> {
     let reader = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(text.as_bytes());
     reader.into_records().collect::<Result<_, _>>().unwrap()

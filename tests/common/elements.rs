@@ -1,4 +1,4 @@
-//! The invented satellite of `tests/data/elements`, and how tests read it.
+//! The invented satellite of `tests/data/elements`, and functions to read it.
 
 use std::io::Write;
 
@@ -12,12 +12,12 @@ pub fn sample(name: &str) -> Vec<u8> {
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The text as one file.
+/// Reads the text as one file.
 pub fn read(bytes: &[u8]) -> Result<Satellites, CatalogueError> {
     Satellites::from_bytes("test", bytes, &ReadOptions::default())
 }
 
-/// The same, every element set kept.
+/// Like `read`, and checks that every element set is kept.
 pub fn read_all(bytes: &[u8]) -> Satellites {
     let options = ReadOptions { keep: Keep::All, ..Default::default() };
     Satellites::from_bytes("test", bytes, &options).expect("readable")
@@ -28,14 +28,14 @@ pub fn reasons(catalogue: &Satellites) -> Vec<(usize, String)> {
     catalogue.rejected.iter().map(|rejected| (rejected.line, rejected.reason.to_string())).collect()
 }
 
-/// Compressed.
+/// Returns the bytes compressed with gzip.
 pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
     encoder.write_all(bytes).unwrap();
     encoder.finish().unwrap()
 }
 
-/// The sample with another day of its epoch, with right checksums.
+/// The sample with another day of the epoch, and valid checksums.
 pub fn pair(norad_id: u32, day: &str) -> String {
     let mut set = read(sample("sample.2le").as_slice()).unwrap().element_sets.remove(0);
     set.norad_id = NoradId(norad_id);

@@ -1,4 +1,4 @@
-//! Frames with streaks in them, and what their truth says.
+//! Frames with injected streaks, and their truth tables.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ detector = { gain_e_adu = 2.0, read_noise_e = 5, bias_adu = 300, quantisation = 
 pub const RANDOM: &[&str] =
     &["--random-streaks", "2", "--magnitude", "6,8", "--exposure", "30s", "--seeing", "2.5arcsec", "--quiet"];
 
-/// `SKY` in numbers with fractions, so that nothing is rounded.
+/// `SKY` with floating-point pixels, so that nothing is rounded.
 pub fn unrounded() -> String {
     SKY.replace(", quantisation = { greatest_adu = 65535 }", "")
 }
@@ -34,12 +34,12 @@ pub fn column(rows: &[csv::StringRecord], name: &str) -> Vec<String> {
     rows[1..].iter().map(|row| row[index].to_owned()).collect()
 }
 
-/// The same as numbers.
+/// Columns of a truth table by name, as numbers.
 pub fn numbers(rows: &[csv::StringRecord], name: &str) -> Vec<f64> {
     column(rows, name).iter().map(|cell| cell.parse().unwrap()).collect()
 }
 
-/// The value of a header's card, right-justified in columns 11 to 30 of its first 80-byte record.
+/// Sets the value of a header card, right-justified in columns 11 to 30 of its first 80-byte record.
 pub fn with_card(file: &[u8], keyword: &str, value: &str) -> Vec<u8> {
     let mut bytes = file.to_vec();
     let start = format!("{keyword:<8}= ");

@@ -1,13 +1,13 @@
-//! What the tests of maps share.
+//! Helpers for tests of maps.
 
 use streakcast::photometry::{BrightnessModel, ModelLibrary, PhotometryOptions};
 
-/// The shipped two panels of Starlink V1.5.
+/// The bundled two-panel model of Starlink V1.5.
 pub fn v15() -> BrightnessModel {
     ModelLibrary::embedded().get("starlink-v1.5").unwrap().as_ref().clone()
 }
 
-/// As the paper has it.
+/// Options of the paper.
 pub fn options() -> PhotometryOptions {
     PhotometryOptions::default()
 }

@@ -1,4 +1,4 @@
-//! What the integration tests share: where the folder of real data is, and a loud word when it is not there.
+//! Helpers for the integration tests, and the folder of real data with a message if it is missing.
 #![allow(dead_code)]
 
 pub mod agreement;
@@ -17,10 +17,9 @@ pub mod simulated_photometry;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The folder of real data: `STREAKCAST_DATA`, else `../shared/data` beside the project.
-///
-/// It is not part of the project (licences differ), so a test that needs it is left out where it is missing, and says
-/// so loudly on standard error. Call it once at the head of such a test:
+/// The folder of real data: `STREAKCAST_DATA`, otherwise `../shared/data` next to the project. It is not part of the
+/// project (licences differ), so tests that need it are skipped with a message on standard error if it is missing. Call
+/// this function at the start of such a test:
 ///
 /// ```ignore
 /// let Some(data) = common::data_dir() else { return };
@@ -33,7 +32,7 @@ pub fn data_dir() -> Option<PathBuf> {
         return Some(folder);
     }
     let test = std::thread::current().name().unwrap_or("a test").to_string();
-    // The handle itself: what goes through `eprintln!` is kept back when a test passes.
+    // Written to the handle directly: output of `eprintln!` is hidden if a test passes.
     let _ = writeln!(
         std::io::stderr(),
         "\n*** SKIPPED {test}: no real data at {} (set STREAKCAST_DATA) ***\n",
@@ -42,7 +41,7 @@ pub fn data_dir() -> Option<PathBuf> {
     None
 }
 
-/// The folder of the project's own golden numbers and small samples.
+/// The folder of golden data and small samples of this project.
 pub fn golden_dir() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("data")
 }

@@ -1,4 +1,4 @@
-//! Numbers that are the same in every run: SplitMix64, which needs no crate.
+//! Reproducible random numbers: SplitMix64, which needs no crate.
 
 use nalgebra::Vector3;
 
@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 pub struct Random(pub u64);
 
 impl Random {
-    /// Uniform in (0, 1), neither end included.
+    /// Uniform in (0, 1), excluding both ends.
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -25,7 +25,7 @@ impl Random {
         (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }
 
-    /// A unit vector, even over the sphere.
+    /// A unit vector, uniform over the sphere.
     pub fn direction(&mut self) -> Vector3<f64> {
         let (longitude, z) = (self.between(0.0, std::f64::consts::TAU), self.between(-1.0, 1.0));
         let r = (1.0 - z * z).sqrt();

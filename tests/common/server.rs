@@ -66,7 +66,7 @@ impl Server {
         self.send("GET", target, &[])
     }
 
-    /// The JSON of an answer of 200.
+    /// Returns the JSON of a response with status 200.
     #[track_caller]
     pub fn json(&self, target: &str) -> Value {
         let response = self.get(target);

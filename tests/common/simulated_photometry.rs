@@ -1,12 +1,15 @@
 //! Simulated photometry as MMT-9 would record it, of satellites with a known brightness model.
 //!
 //! 1. A night consists of the times at which the Sun is low enough at the site.
-//! 2. Satellites in a random order are checked every half minute; a satellite that is high enough and clears the 100 km rule makes a pass.
+//! 2. Satellites in a random order are checked every half minute; a satellite that is high enough and clears the 100 km
+//!    rule makes a pass.
 //! 3. A part of each pass with random length is a track, until the night has enough tracks.
 //! 4. Along a track the model gives the brightness; noise, scatter and attitude are random.
-//! 5. Some tracks are recorded under another satellite: its number, distance and phase, with the magnitudes of the true one.
+//! 5. Some tracks are recorded under another satellite: its number, distance and phase, with the magnitudes of the true
+//!    one.
 //!
-//! Every night and every track has its own stream of random numbers, so that the result does not depend on the number of threads.
+//! Every night and every track has its own stream of random numbers, so that the result does not depend on the number
+//! of threads.
 
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -31,7 +34,7 @@ use streakcast::photometry::{BrightnessModel, Earthshine};
 
 /// Step of the search for passes, s.
 const STEP_S: f64 = 30.0;
-/// Most draws of another satellite for a misidentified track, until one is above the horizon.
+/// Maximum number of draws of another satellite for a misidentified track, until one is above the horizon.
 const DRAWS: usize = 16;
 
 /// Satellites are observed above this altitude, and with the Sun below this altitude.
@@ -44,7 +47,7 @@ const OUTLIER_MAG: f64 = 1.0;
 #[derive(Clone, Debug)]
 pub struct SimulationOptions {
     pub seed: u64,
-    /// A time in the day whose evening begins the first night, by the Sun at the site.
+    /// A time on the day (by the Sun at the site) of the first night's evening.
     pub first_night: Epoch,
     pub nights: u32,
     /// Days from one night to the next, at least 1.
@@ -70,8 +73,8 @@ pub struct SimulationOptions {
 }
 
 impl SimulationOptions {
-    /// MMT-9: noise 0.1 mag (Mallama), 0.2 mag from point to point, 0.1 mag from track to track; 3 % of the tracks misidentified, 5 % of tracks
-    /// and points in another attitude (Lu 2024, section 3).
+    /// MMT-9: noise 0.1 mag (Mallama), 0.2 mag from point to point, 0.1 mag from track to track; 3 % of the tracks
+    /// misidentified, 5 % of tracks and points in another attitude (Lu 2024, section 3).
     pub fn mmt9(first_night: Epoch, nights: u32) -> Self {
         Self {
             seed: 1,
@@ -138,7 +141,7 @@ pub fn simulate(model: &BrightnessModel, history: &History, options: &Simulation
 
 /// Writes records as an MMT-9 table with the catalogue number as an additional column; digits are those of the survey.
 ///
-/// `StdMag` is the survey's own: `Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ)`.
+/// `StdMag` is computed as in the survey: `Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ)`.
 pub fn write_mmt_csv(out: &mut dyn Write, records: &Records) -> std::io::Result<()> {
     writeln!(out, "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track,NORAD")?;
     for record in &records.records {
@@ -278,10 +281,10 @@ impl<'o> Night<'o> {
         let options = self.options;
         let normal = |sigma: f64, random: &mut ChaCha8Rng| sigma * random.sample::<f64, _>(StandardNormal);
         let [shortest, longest] = options.track_s;
-        // A pass of one step lasts a step.
+        // A pass found in a single step has the length of a step.
         let pass_s = (last_s - first_s).max(STEP_S);
-        let wanted_s = shortest + (longest - shortest) * random.random::<f64>();
-        let track_s = wanted_s.min(pass_s);
+        let drawn_s = shortest + (longest - shortest) * random.random::<f64>();
+        let track_s = drawn_s.min(pass_s);
         let start_s = first_s + (pass_s - track_s) * random.random::<f64>();
         let is_wrong = random.random::<f64>() < options.wrong_association_share;
         let recorded = if is_wrong { self.another(objects, propagator, start_s, random) } else { None };
@@ -295,7 +298,7 @@ impl<'o> Night<'o> {
         };
         let mut points = Vec::new();
         for step in 0..=(track_s / options.cadence_s) as u32 {
-            // To the microsecond of the survey.
+            // Rounded to a microsecond, as in the survey.
             let seconds = ((start_s + f64::from(step) * options.cadence_s) * 1e6).round() * 1e-6;
             let moment = self.at(seconds);
             let Some((geometry, altitude_rad, is_lit)) = self.seen(propagator, &moment) else { continue };

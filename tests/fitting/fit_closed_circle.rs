@@ -1,17 +1,18 @@
-//! Photometry of a satellite whose coefficients are known, as MMT-9 would have made it, through the whole pipeline of Lu (2024), sections 3
-//! and 4: do the coefficients come back, and do the paper's three tests say what is true?
+//! Simulated MMT-9 photometry of satellites with known coefficients through the pipeline of Lu (2024), sections 3 and
+//! 4: recovered coefficients and the results of the paper's three tests are checked.
 //!
-//! The long form (two million points) is `cargo test --release --test fit_closed_circle -- --include-ignored --nocapture`; the short one has
-//! fewer points and larger pixels.
+//! The long version (two million points) is run by `cargo test --release --test fitting -- --include-ignored
+//! --nocapture fit_closed_circle`; the short one has fewer points and larger pixels.
 //!
-//! Noise switched off source by source (long form, paper's thresholds, two million points in 3,600 tracks) shows one bias and its cause:
-//! wrong associations. Two pixels in a hundred are of one track, and a tenth of three tracks or fewer; where these are booked under another
-//! satellite, the densest magnitude is wrong, and the interquartile range, which is that within tracks, is small: such pixels weigh as much
-//! as good ones. By squares they pull c3 by +16 % and n_base by +10 % (4 to 5 sigma, and 1 sigma at most without wrong associations, other
-//! attitudes of tracks and points left in), and they make the RMS 0.27 instead of 0.11 mag. No number of points mends it, but these do: a
-//! robust loss, or three tracks a pixel ([`ReduceOptions::least_tracks`]). Mode against mean, the size of pixels and the selection by spread
-//! leave
-//! 3 % in c1, 1 % in n_sail and 0.6 % or less in the others (measured without any noise): a quarter of a sigma.
+//! Switching off one noise source after the other (long version, paper's thresholds, two million points in 3,600
+//! tracks) shows one bias, caused by wrong associations. Two pixels in a hundred have a single track, and a tenth three
+//! tracks or fewer; if these are associated with another satellite, the densest magnitude is wrong and the
+//! interquartile range (that within tracks) is small, so that such pixels have the weight of good ones. With least
+//! squares they change c3 by +16 % and n_base by +10 % (4 to 5 sigma; at most 1 sigma without wrong associations but
+//! with the other attitudes of tracks and points), and the RMS is 0.27 instead of 0.11 mag. More points do not help; a
+//! robust loss or three tracks per pixel ([`ReduceOptions::least_tracks`]) do. Mode instead of mean, the size of pixels
+//! and the selection by spread change c1 by 3 %, n_sail by 1 % and the others by 0.6 % or less (measured without
+//! noise): a quarter of a sigma.
 
 use crate::common::simulated_photometry::{SimulationOptions, simulate};
 use streakcast::elements::{Constellation, ElementSet, History};
@@ -22,7 +23,7 @@ use streakcast::fit::{
 };
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelFile, ModelLibrary, PANEL_OFFSET};
 
-/// What is true: the paper's form with a glossy sail.
+/// True coefficients: the paper's form with a glossy sail.
 const TRUTH: Coefficients =
     Coefficients { c1: 0.12, c2: 0.02, c3: 0.006, c4: 0.25, c5: 0.09, n_sail: 4.0, n_base: 16.0 };
 
@@ -47,7 +48,7 @@ fn form(earthshine: Earthshine) -> TwoPanelForm {
     }
 }
 
-/// How the satellites are observed.
+/// Observing campaign.
 #[derive(Copy, Clone)]
 struct Campaign {
     nights: u32,
@@ -59,7 +60,7 @@ struct Campaign {
     earthshine: Earthshine,
 }
 
-/// The first shell of Starlink on some nights spread over a year.
+/// Photometry of the first shell of Starlink on some nights spread over a year.
 fn observed(campaign: &Campaign) -> Measurements {
     let model = BrightnessModel::from_file(file(), "truth").expect("a model");
     let first: hifitime::Epoch = "2023-01-10T20:00:00 UTC".parse().expect("a moment");
@@ -82,10 +83,10 @@ fn observed(campaign: &Campaign) -> Measurements {
     measure(&mut simulation.records.source(), &placement, &Selection::default()).expect("measurements")
 }
 
-/// Sets of tracks that are left out in turn.
+/// Number of groups of tracks for the jackknife.
 const SETS: usize = 24;
 
-/// Pixels, and the fit to them with the errors that tracks left out by the set give.
+/// Pixels, and a fit to them with errors from the jackknife over tracks.
 fn fitted(
     form: &TwoPanelForm,
     measurements: &Measurements,
@@ -111,8 +112,8 @@ fn free(loss: Loss) -> FitSettings {
     FitSettings { loss, ..FitSettings::free(&COEFFICIENTS) }
 }
 
-/// Coefficients within `sigmas` of the truth.
-fn comes_back(fit: &Fit, sigmas: f64) {
+/// Checks that the coefficients are within `sigmas` of the truth.
+fn check_coefficients(fit: &Fit, sigmas: f64) {
     let truth = [TRUTH.c1, TRUTH.c2, TRUTH.c3, TRUTH.c4, TRUTH.c5, TRUTH.n_sail, TRUTH.n_base];
     let off = |i: usize| (fit.parameters[i].value - truth[i]) / fit.uncertainty.sigma(i).expect("a sigma");
     for (i, truth) in truth.iter().enumerate() {
@@ -125,7 +126,7 @@ fn comes_back(fit: &Fit, sigmas: f64) {
     }
 }
 
-fn tests_say_what_is_true(tests: &PaperTests, truth: Earthshine) {
+fn check_paper_tests(tests: &PaperTests, truth: Earthshine) {
     for layer in &tests.offsets {
         println!(
             "  {:?} n {} POA {:+.3} ± {:.3?} RMS {:.4}",
@@ -133,19 +134,19 @@ fn tests_say_what_is_true(tests: &PaperTests, truth: Earthshine) {
         );
     }
     println!("  {:?}\n  {:?}", tests.sail_glossy, tests.earthshine);
-    // The sail stands upright: offsets lie about 0, whatever the layer.
-    // (Where a layer's points do not fix all eight parameters, its offset says nothing.)
+    // The sail is upright, so offsets are about 0 in every layer (except where a layer's points do not constrain all
+    // eight parameters).
     let known: Vec<f64> =
         tests.offsets.iter().filter(|layer| layer.sigma_deg.is_some()).map(|layer| layer.panel_offset_deg).collect();
     let mean = known.iter().sum::<f64>() / known.len() as f64;
-    /// Between layers of some hundred pixels each.
+    /// Tolerance between layers of some hundred pixels each.
     const OFFSET_DEG: f64 = 0.5;
     assert!(known.len() > 3 && mean.abs() < OFFSET_DEG, "{mean}");
-    // The glossy lobe is there, and Akaike's criterion keeps it.
+    // The glossy lobe exists, and Akaike's criterion keeps it.
     let gloss = &tests.sail_glossy;
     assert!(gloss.aic[0] < gloss.aic[1] - 10.0 && gloss.rms_mag[0] < gloss.rms_mag[1], "{gloss:?}");
-    // Mean residuals and RMSE hardly tell earthshine from the light through the sail's back (the paper: p = 0.25). Akaike's criterion does where
-    // there is earthshine, and does not make one up where there is none.
+    // Mean residuals and RMSE hardly distinguish earthshine from light through the sail's back (the paper: p = 0.25).
+    // Akaike's criterion detects earthshine if there is any, and does not prefer it otherwise.
     let earth = &tests.earthshine;
     assert!((earth.rms_mag[0] - earth.rms_mag[1]).abs() < 0.005, "{earth:?}");
     let [with, without] = earth.aic;
@@ -156,7 +157,7 @@ fn tests_say_what_is_true(tests: &PaperTests, truth: Earthshine) {
 }
 
 #[test]
-fn verif_known_coefficients_come_back_through_the_pipeline() {
+fn verif_known_coefficients_are_recovered_by_the_pipeline() {
     let reduction = ReduceOptions {
         nside: 16,
         least_count: 40,
@@ -177,15 +178,15 @@ fn verif_known_coefficients_come_back_through_the_pipeline() {
     let measurements = observed(&campaign);
     let form = form(campaign.earthshine);
     let (pixels, fit) = fitted(&form, &measurements, reduction, &free(Loss::Squares));
-    comes_back(&fit, 3.0);
+    check_coefficients(&fit, 3.0);
     let points = points_of_pixels(&pixels);
     let tests =
         paper_tests(&form, &points, &FitSettings::default(), reduction.layer_width_rad.to_degrees()).expect("tests");
-    tests_say_what_is_true(&tests, campaign.earthshine);
+    check_paper_tests(&tests, campaign.earthshine);
 }
 
-/// MMT-9 as its public tracks are: ten points a second, nine tracks in ten shorter than 109 s. Satellites differ so that the RMS on pixels,
-/// of which wrong associations make the larger part, is near the paper's (0.24 mag).
+/// Public tracks of MMT-9: ten points per second, nine tracks in ten shorter than 109 s. The differences between
+/// satellites give an RMS on pixels, mostly from wrong associations, near the paper's (0.24 mag).
 const MMT9: Campaign = Campaign {
     nights: 48,
     per_night: 80,
@@ -196,7 +197,7 @@ const MMT9: Campaign = Campaign {
     earthshine: Earthshine::Off,
 };
 
-/// The panel offset of each layer with the sigma of tracks left out.
+/// Checks the panel offset of each layer with its jackknife sigma.
 fn offsets_lie_about_zero(
     form: &TwoPanelForm,
     measurements: &Measurements,
@@ -244,32 +245,32 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         );
         assert!(measurements.points.len() > 1_800_000, "{}", measurements.points.len());
         let (form, paper) = (form(truth), ReduceOptions::default());
-        // The paper's thresholds and a robust loss; or its squares, over pixels in which tracks check one another.
+        // The paper's thresholds and a robust loss; or least squares with pixels of several tracks.
         let robust = Loss::Student(4.0);
         let (pixels, fit) = fitted(&form, &measurements, paper, &free(robust));
         assert!(pixels.kept().count() > 1_000);
         let found = rms(&fit.residuals_mag);
-        /// Of the paper, 0.24 mag.
+        /// Range around the paper's 0.24 mag.
         const RMS_MAG: std::ops::Range<f64> = 0.2..0.3;
         assert!(RMS_MAG.contains(&found), "{found}");
-        comes_back(&fit, 2.0);
+        check_coefficients(&fit, 2.0);
         let several = ReduceOptions { least_tracks: 3, ..paper };
         let (checked, by_squares) = fitted(&form, &measurements, several, &free(Loss::Squares));
-        comes_back(&by_squares, 2.0);
-        // What the paper does, for the record: see above.
+        check_coefficients(&by_squares, 2.0);
+        // The paper's choice, for the record (see above).
         let (_, plain) = fitted(&form, &measurements, paper, &free(Loss::Squares));
         let c3 = plain.value("c3").expect("c3") / TRUTH.c3 - 1.0;
         println!("  by squares over all pixels c3 is off by {:+.1} %", 100.0 * c3);
-        /// Share of c3.
+        /// Fraction of c3.
         const BIAS: f64 = 0.05;
         assert!(c3 > BIAS, "{c3}: the limit that is stated above is no longer there");
 
         let points = points_of_pixels(&checked);
         let tests = paper_tests(&form, &points, &FitSettings::default(), 1.0).expect("tests");
-        tests_say_what_is_true(&tests, truth);
+        check_paper_tests(&tests, truth);
         offsets_lie_about_zero(&form, &measurements, several, &tests, Loss::Squares);
 
-        // Single measurements scatter as they were made to.
+        // The scatter of single measurements equals the simulated one.
         let points = points_of_measurements(&measurements, &RawWeights::default());
         let predicted = predict(&form, &points, &fit.values());
         let residuals: Vec<f64> =

@@ -1,10 +1,10 @@
-//! Lists of panels and spheres as a fit sees them: the magnitudes of the model, parameters that come back, and phase functions beside.
+//! Lists of panels and spheres in a fit: magnitudes of the model, recovered parameters, and phase functions.
 
 use streakcast::fit::{FitPoint, FitSettings, Form, PanelsForm, PhaseForm, Problem, SphereForm, predict, range_of};
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BrightnessModel, Earthshine};
 
-/// Chassis of facets under a sail that lets light through, and clutter.
+/// Chassis of facets below a translucent sail, and clutter.
 const SATELLITE: &str = r#"{
   "schema": 1, "name": "invented", "title": "An invented satellite", "kind": "panels", "band": "V", "mag_system": "Vega", "size_m": 4.0,
   "panels": {
@@ -51,11 +51,11 @@ fn points() -> Vec<FitPoint> {
     suns.iter().flat_map(|&sun| directions.iter().map(move |&direction| at(sun, direction))).collect()
 }
 
-/// The Earth's light between nodes of slope and exponent.
+/// Earthshine between nodes of slope and exponent.
 const EARTH_MAG: f64 = 2e-3;
 
 #[test]
-fn verif_magnitudes_are_those_of_the_model() {
+fn verif_magnitudes_equal_those_of_the_model() {
     let (model, points) = (model(), points());
     for (earthshine, tolerance) in [(Earthshine::Off, 1e-9), (Earthshine::Computed, EARTH_MAG)] {
         let form = form(earthshine);
@@ -72,14 +72,14 @@ fn verif_magnitudes_are_those_of_the_model() {
 }
 
 #[test]
-fn verif_parameters_come_back() {
+fn verif_parameters_are_recovered() {
     for earthshine in [Earthshine::Off, Earthshine::Computed] {
         let form = form(earthshine);
         let truth: Vec<f64> = form.parameters().iter().map(|parameter| parameter.value).collect();
         let mut points = points();
         let magnitudes = predict(&form, &points, &truth);
         points.iter_mut().zip(magnitudes).for_each(|(point, magnitude)| point.magnitude = magnitude);
-        // Begun elsewhere.
+        // Started from other values.
         let mut begun = form.clone();
         for (parameter, value) in begun.spec.parameters.iter_mut().zip([0.1, 0.1, 30.0, 0.3, 0.3, 0.05, 0.1]) {
             parameter.value = value;
@@ -87,7 +87,7 @@ fn verif_parameters_come_back() {
         let names: Vec<String> = begun.parameters().into_iter().map(|parameter| parameter.name).collect();
         let settings = FitSettings { free: names, ..FitSettings::default() };
         let fit = Problem::new(&begun, &points, &settings).expect("a problem").solve().expect("a fit");
-        /// Of parameters, where nothing is noise: derivatives are differences.
+        /// Tolerance of parameters without noise: derivatives are finite differences.
         const SHARE: f64 = 1e-3;
         for (parameter, truth) in fit.parameters.iter().zip(&truth) {
             assert!((parameter.value / truth - 1.0).abs() < SHARE, "{}: {} {truth}", parameter.name, parameter.value);

@@ -1,4 +1,4 @@
-//! The paper's form as a fit sees it: magnitudes, derivatives, minima, posterior; against SciPy and emcee.
+//! The paper's form in a fit: magnitudes, derivatives, minima, posterior; compared with SciPy and emcee.
 
 use crate::common::agreement::Agreement;
 use std::fs;
@@ -32,7 +32,7 @@ fn form(earthshine: Earthshine) -> TwoPanelForm {
     }
 }
 
-/// Points of the golden file and the numbers before them.
+/// Points of the golden file and the numbers in its header.
 struct Golden {
     points: Vec<FitPoint>,
     head: Vec<(String, Vec<f64>)>,
@@ -70,11 +70,12 @@ fn many(suns_deg: &[f64]) -> Vec<FitPoint> {
     suns_deg.iter().flat_map(|&sun| directions.iter().map(move |&(lon, lat)| point(sun, lon, lat, 6.0, 0.2))).collect()
 }
 
-/// The product rule is good to 3e-4 mag at exponents of 1 and 2 and its nodes change with the exponent; interpolation adds 2e-5. mag.
+/// The product rule has errors of 3e-4 mag at exponents of 1 and 2, and its nodes change with the exponent;
+/// interpolation adds 2e-5. mag.
 const EARTH: f64 = 4e-4;
 
 #[test]
-fn verif_magnitudes_are_those_of_the_model() {
+fn verif_magnitudes_equal_those_of_the_model() {
     for (earthshine, tolerance) in [(Earthshine::Off, 1e-9), (Earthshine::Computed, EARTH)] {
         let points = many(&[-21.0, -12.0, -3.0, 4.0]);
         for n_base in [2.0, 18.0, 75.0] {
@@ -86,7 +87,7 @@ fn verif_magnitudes_are_those_of_the_model() {
             let mut seen = 0;
             for (point, predicted) in points.iter().zip(predict(&form, &points, &values)) {
                 let b_total = model.terms_with(&point.geometry, earthshine).b_total_m2_sr();
-                // What only the Earth lights, above the chassis' night, is left out of fits.
+                // Directions lit only by the Earth, on the chassis' night side, are omitted from fits.
                 if let Some(expected) =
                     StandardMagnitude::from_reflection(b_total, SUN).filter(|_| predicted.is_finite())
                 {
@@ -119,7 +120,7 @@ fn verif_slopes_are_derivatives() {
                 objective.cost(&moved)
             };
             let expected = (moved(h) - moved(-h)) / (2.0 * h);
-            /// Of central differences over a step of 1e-5.
+            /// Error of central differences over a step of 1e-5.
             const DIFFERENCES: f64 = 2e-5;
             let scale = expected.abs().max(1e-3 * cost / x_i);
             assert!((slope[i] - expected).abs() < DIFFERENCES * scale, "{} {} {expected}", names[i], slope[i]);
@@ -135,7 +136,7 @@ fn valid_least_squares_against_scipy() {
         let problem = Problem::new(&form(Earthshine::Off), &golden.points, &settings).expect("a problem");
         let fit = problem.solve().expect("a fit");
         let scipy = golden.numbers(key)[0];
-        /// Both stop where the cost no longer falls in twelve digits.
+        /// Both stop when the cost decreases by less than 1e-12.
         const COST: f64 = 1e-8;
         Agreement::new("Least squares, plain and robust: the least cost", "SciPy 1.17", COST, "of it")
             .see(fit.cost / scipy - 1.0);
@@ -164,12 +165,12 @@ fn valid_least_squares_against_scipy() {
 }
 
 #[test]
-fn verif_every_start_is_worth_it_and_the_best_is_kept() {
+fn verif_the_best_of_all_starts_is_kept() {
     let golden = Golden::read();
     let problem = Problem::new(&form(Earthshine::Off), &golden.points, &FitSettings::free(&SEVEN)).expect("a problem");
     let fit = problem.solve().expect("a fit");
     assert!(fit.costs.len() > 3, "{:?}", fit.costs);
-    // A descent from a poor place ends in another minimum, or in the same: never below.
+    // A descent from a poor start ends in another minimum or in the same one, never in a lower one.
     let poor = problem.descend(&[0.5, 0.5, 0.5, 0.5, 0.5, 150.0, 1.0]);
     assert!(poor.cost >= fit.cost * (1.0 - 1e-9), "{} {}", poor.cost, fit.cost);
 }
@@ -207,7 +208,7 @@ fn valid_posterior_against_emcee() {
     }
     let emcee_tau = golden.numbers("emcee_tau");
     for (marginal, emcee) in found.marginals.iter().zip(emcee_tau) {
-        // The same walk: its correlation times scatter by some tens of percent.
+        // Correlation times of equivalent chains differ by some tens of percent.
         assert!((marginal.autocorrelation.steps / emcee).ln().abs() < 0.4, "{marginal:?} {emcee}");
     }
 }
@@ -227,14 +228,14 @@ fn valid_autocorrelation_times_against_emcee() {
     }
     let chain = Chain::from_parts(walkers, 1, places, vec![0.0; steps * walkers], vec![0; walkers]).expect("a chain");
     let tau = autocorrelation_times(&chain, 0)[0];
-    /// emcee sums the same products by a Fourier transform.
+    /// emcee computes the same products by a Fourier transform.
     const ROUNDING: f64 = 1e-9;
     let mut times = Agreement::new("Autocorrelation times", "emcee 3.1.6", ROUNDING, "of them");
     times.see(tau.steps / golden.numbers("emcee_recurrence_tau")[0] - 1.0);
     assert!(tau.is_trusted && !autocorrelation_times(&chain, steps - 200)[0].is_trusted);
 }
 
-/// Same seed, same draws: on one thread and on many, in one go and resumed.
+/// The same seed gives the same draws: on one thread and on many, in one run and resumed.
 #[test]
 fn verif_a_chain_is_the_same_at_any_number_of_threads_and_when_resumed() {
     let golden = Golden::read();
@@ -254,13 +255,13 @@ fn verif_a_chain_is_the_same_at_any_number_of_threads_and_when_resumed() {
     assert_eq!(whole, run(2, 30, Some(run(1, 13, None))));
     let other = draw(&objective, &fit, &PosteriorSettings { seed: 12, ..settings }, None, |_| Ok(())).expect("a chain");
     assert_ne!(whole, other);
-    // Outside the bounds nothing is possible.
+    // Zero probability outside the bounds.
     let mut outside = whole.at(29, 0).to_vec();
     outside[0] = 1.5;
     assert_eq!(objective.of_many(&[outside]), [f64::NEG_INFINITY]);
 }
 
-/// A panel offset that was fitted is in the file's covariance, and what it does to magnitudes in their sigma.
+/// A fitted panel offset is in the file's covariance and contributes to the sigma of magnitudes.
 #[test]
 fn verif_a_fitted_panel_offset_is_in_the_covariance() {
     let mut form = form(Earthshine::Off);
@@ -299,7 +300,7 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
     assert!(covariance.len() == 8 && (covariance[7][7] / variance - 1.0).abs() < 1e-12, "{covariance:?}");
     assert_eq!(file.parameters()[7], ("panel_offset_deg", file.shape.expect("a shape").panel_offset_deg));
     assert!((file.parameters()[7].1 - 3.0).abs() < 0.5, "{:?}", file.parameters());
-    // The same file read again, with an offset that alone is uncertain: sigma is the slope of the magnitude by it.
+    // The same file read again with an uncertain offset only: sigma is the derivative of the magnitude by the offset.
     let only = |variance: f64| {
         let mut file = file.clone();
         let mut covariance = vec![vec![0.0; 8]; 8];
@@ -313,7 +314,7 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
         file.shape = file.shape.map(|shape| SatelliteShape { panel_offset_deg: shape.panel_offset_deg + by, ..shape });
         BrightnessModel::from_file(file, "moved").expect("a model")
     };
-    /// Of differences over 0.02 deg, share; and where the offset matters at all, mag.
+    /// Relative error of differences over 0.02 deg, and minimum effect of the offset, mag.
     const DIFFERENCES: (f64, f64) = (1e-2, 1e-3);
     let (model, up, down) = (only(0.04), at_offset(0.01), at_offset(-0.01));
     let mut compared = 0;

@@ -1,4 +1,5 @@
-//! Photometry without real data: goldens of the reduction, every reason for dropping a row, and a closed circle of simulated tracks.
+//! Photometry without real data: golden data of the reduction, every reason for dropping a row, and simulated tracks
+//! with known truth.
 
 use crate::common::agreement::Agreement;
 use crate::common::simulated_photometry::{Simulation, SimulationOptions, simulate, write_mmt_csv};
@@ -26,7 +27,7 @@ fn golden(name: &str) -> csv::Reader<std::fs::File> {
 
 #[test]
 fn valid_modes_and_quartiles_against_scipy() {
-    // Goldens are printed to 1e-9; their grid for the kernel's mode is finer than 1e-5 mag.
+    // Golden values are printed to 1e-9; their grid for the kernel's mode is finer than 1e-5 mag.
     const PRINTED_MAG: f64 = 2e-9;
     const GRID_MAG: f64 = 2e-5;
     let mut compared = 0;
@@ -78,7 +79,7 @@ fn measured(text: &str, placement: &Placement, selection: &Selection) -> Measure
 fn verif_each_reason_is_counted_with_its_first_row() {
     let row = |from: &str, to: &str| GOOD.replace(from, to).replace("7.18581", "7.18582");
     let at_550 = Placement::recorded(Some(550.0));
-    for (reason, bad, told) in [
+    for (reason, bad, expected) in [
         (DropReason::Unparsable, row("2021-01-01 15:18:04.795000", "yesterday"), "Date 'yesterday', expected a time"),
         (DropReason::Unparsable, row("2021-01-01", "2191-01-01"), "1957 to 2100"),
         (DropReason::Unparsable, row(",0,", ",2,"), "Penumbra '2', expected 0 or 1"),
@@ -91,11 +92,11 @@ fn verif_each_reason_is_counted_with_its_first_row() {
         (DropReason::NoMagnitude, GOOD.replace("7.18581", ""), "Mag ''"),
         (DropReason::Duplicate, GOOD.to_owned(), ""),
         (DropReason::PenumbraFlag, row(",0,", ",1,"), ""),
-        // A satellite 2900 km away at midnight of January, at 550 km.
+        // A satellite at a distance of 2900 km at midnight in January, at 550 km height.
         (DropReason::NoGeometry, row("697.324", "350.0"), ""),
         (DropReason::NoGeometry, row(",78.267,", ",,"), ""),
     ] {
-        // A row cut short has no filter and no distance: nothing of it is used either.
+        // A truncated row has no filter and no distance, so none of it is used.
         let measured = measured(&format!("{HEADER}{GOOD}{bad}"), &at_550, &Selection::default());
         if reason == DropReason::Unparsable && bad.starts_with("2021-01-01,8.1") {
             assert_eq!((measured.points.len(), measured.dropped.total()), (1, 1), "{bad}");
@@ -105,9 +106,9 @@ fn verif_each_reason_is_counted_with_its_first_row() {
         assert_eq!((measured.dropped.count(reason), measured.dropped.total()), (1, 1), "{bad}: {:?}", measured.dropped);
         let example = measured.dropped.example(reason).unwrap();
         assert_eq!((example.file.as_str(), example.row), ("t.csv", 2), "{bad}");
-        assert!(example.to_string().contains(told), "{example}");
+        assert!(example.to_string().contains(expected), "{example}");
     }
-    // The same text with one magnitude of two.
+    // The same text with one of two magnitudes.
     let table = measured(&format!("{HEADER}{GOOD}{GOOD}"), &at_550, &Selection::default()).dropped.table();
     assert_eq!(table.rows.len(), 1);
     let kept = PhotometryOptions { keep_duplicates: true, ..PhotometryOptions::default() };
@@ -124,7 +125,7 @@ fn model() -> BrightnessModel {
     ModelLibrary::embedded().get("starlink-v1.5").unwrap().as_ref().clone()
 }
 
-/// A night of MMT-9 without any trouble.
+/// A night of MMT-9 without errors.
 fn quiet() -> SimulationOptions {
     let first = "2023-05-20T12:00:00 UTC".parse().unwrap();
     SimulationOptions {
@@ -155,7 +156,7 @@ fn verif_reasons_that_need_element_sets() {
     let (placement, all) = (Placement::elements(&history), Selection::default());
     let sound = measure(&mut records.source(), &placement, &all).unwrap();
     assert_eq!((sound.points.len(), sound.dropped.total()), (200, 0), "{:?}", sound.dropped);
-    // Nobody of this number.
+    // No element set for this number.
     let mut other = records.clone();
     other.records.iter_mut().for_each(|record| record.norad_id = Some(NoradId(5)));
     assert_eq!(count(&other, &placement, &all, DropReason::NoElements), 200);
@@ -168,7 +169,7 @@ fn verif_reasons_that_need_element_sets() {
         .collect();
     let by_group = Placement { identified, ..Placement::elements(&history) };
     assert_eq!(measure(&mut other.source(), &by_group, &all).unwrap().points, sound.points);
-    // The neighbour in the plane is somewhere else, mostly below the horizon.
+    // The neighbour in the plane is elsewhere, mostly below the horizon.
     let ids: Vec<NoradId> = history.element_sets().iter().map(|set| set.norad_id).collect();
     let next = |id: NoradId| ids[(ids.iter().position(|one| *one == id).unwrap() + 1) % ids.len()];
     other.records.iter_mut().zip(&records.records).for_each(|(other, one)| other.norad_id = one.norad_id.map(next));
@@ -177,10 +178,10 @@ fn verif_reasons_that_need_element_sets() {
     assert_eq!(count(&other, &placement, &blind, DropReason::WrongAssociation), 200);
     let by_phase = Selection { max_range_difference_km: None, max_phase_difference_rad: Some(0.01), ..blind };
     assert!(count(&other, &placement, &by_phase, DropReason::WrongAssociation) > 190);
-    // Elements of a month before.
+    // Element sets of a month before.
     let stale = History::new(shell("2023-04-10T20:00:00 UTC"));
     assert_eq!(count(&records, &Placement::elements(&stale), &all, DropReason::StaleElements), 200);
-    // A single element set tells no station; three do, and three higher than the last rise.
+    // A single element set does not determine the station; three do, and three higher than the last rise.
     let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
     assert_eq!(count(&records, &placement, &station, DropReason::OffStation), 200);
     let days =
@@ -203,22 +204,22 @@ fn verif_reasons_that_need_element_sets() {
         ),
         200
     );
-    // An element set that SGP4 cannot start from.
+    // An element set that SGP4 cannot initialise.
     let broken =
         history.element_sets().iter().map(|set| ElementSet { mean_motion_rev_day: 0.0, ..set.clone() }).collect();
     let broken = History::new(broken);
     assert_eq!(count(&records, &Placement::elements(&broken), &all, DropReason::NoPosition), 200);
-    // The 100 km rule: everything is shaded where 3000 km are asked for.
+    // The 100 km rule: with 3000 km everything counts as shaded.
     let high = Selection { least_grazing_height_km: Some(3000.0), ..Selection::default() };
     assert!(count(&records, &placement, &high, DropReason::Shaded) > 150);
 }
 
 #[test]
-fn verif_questions_that_cannot_be_answered() {
+fn verif_invalid_measurements() {
     let records = read(&format!("{HEADER}{GOOD}"), &PhotometryOptions::default()).unwrap();
     let history = History::new(Vec::new());
-    let nobody = Placement { history: None, ..Placement::elements(&history) };
-    let error = measure(&mut records.source(), &nobody, &Selection::default()).unwrap_err();
+    let without_history = Placement { history: None, ..Placement::elements(&history) };
+    let error = measure(&mut records.source(), &without_history, &Selection::default()).unwrap_err();
     assert!(matches!(error, MeasurementError::NoHistory { .. }));
     let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
     assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &station).is_err());
@@ -239,20 +240,20 @@ fn verif_questions_that_cannot_be_answered() {
 
 #[test]
 fn verif_files_that_cannot_be_read() {
-    let told = |text: &str, options: &PhotometryOptions| read(text, options).unwrap_err().to_string();
+    let error_of = |text: &str, options: &PhotometryOptions| read(text, options).unwrap_err().to_string();
     let plain = PhotometryOptions::default();
-    assert!(told("", &plain).contains("has no rows"));
-    assert!(told(HEADER, &plain).contains("has no rows"));
-    assert!(told("a,b\n1,2\n", &plain).contains("belongs to no known format"));
+    assert!(error_of("", &plain).contains("has no rows"));
+    assert!(error_of(HEADER, &plain).contains("has no rows"));
+    assert!(error_of("a,b\n1,2\n", &plain).contains("belongs to no known format"));
     let named = |format: Format| PhotometryOptions { format: Some(format), ..PhotometryOptions::default() };
-    assert!(told("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
-    assert!(told("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
+    assert!(error_of("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
+    assert!(error_of("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
     assert!(Format::by_name("fits").unwrap_err().to_string().contains("pomenis, mmt, score, slingshot, csv"));
     assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
     let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();
     assert!(missing.to_string().starts_with("cannot read no such file"));
     assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(MeasurementError::NoFiles));
-    // A gzip file cut short.
+    // A truncated gzip file.
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(format!("{HEADER}{}", GOOD.repeat(1000)).as_bytes()).unwrap();
     let mut packed = packed.finish().unwrap();
@@ -263,7 +264,7 @@ fn verif_files_that_cannot_be_read() {
 }
 
 #[test]
-fn verif_mixed_filters_are_refused_unless_named() {
+fn verif_mixed_filters_are_rejected_unless_named() {
     let map =
         "time=t,time_scale=utc,magnitude=m,filter=f,distance=d,phase=p,latitude=43.6,longitude=41.4,site_height=2000";
     let columns = Some(ColumnMap::from_text(map).unwrap());
@@ -284,20 +285,20 @@ fn verif_mixed_filters_are_refused_unless_named() {
     let filters: Vec<(Option<&str>, u64)> = reader.filters().iter().collect();
     assert_eq!(filters, [(Some("V"), 1), (Some("B"), 1), (Some("v"), 1)]);
     assert!(reader.filters().mismatch(Band::V).unwrap().to_string().starts_with("mixed filters: "));
-    // MMT-9 has a filter of its own; the polarised rows come only where they are named.
+    // MMT-9 has its own filter; polarised rows are read only if named.
     let polarised = format!("{HEADER}{GOOD}{}", GOOD.replace("Clear", "Pol"));
     assert_eq!(read(&polarised, &PhotometryOptions::default()).unwrap().dropped.count(DropReason::WrongFilter), 1);
     let named = PhotometryOptions { filters: vec!["pol".into()], ..PhotometryOptions::default() };
     assert_eq!(read(&polarised, &named).unwrap().records.len(), 1);
-    // Named, and nobody can tell.
+    // Without the column the filter is unknown.
     let map = ColumnMap::from_text("magnitude=m,distance=d,phase=p").unwrap();
     let options = PhotometryOptions { columns: Some(map), filters: vec!["V".into()], ..PhotometryOptions::default() };
     assert!(read(text, &options).unwrap_err().to_string().contains("no column of filters"));
 }
 
-/// Spreadsheets write the hour of an upload to SCORE without its zero.
+/// Spreadsheets write hours in uploads to SCORE without leading zero.
 #[test]
-fn verif_hours_of_one_digit_are_hours() {
+fn verif_hours_of_one_digit_are_read() {
     let head = "satellite_name,norad_cat_id,observation_time_utc,apparent_magnitude,apparent_magnitude_uncertainty,\
                 observer_latitude_deg,observer_longitude_deg,observer_altitude_m,observing_filter";
     let row = |time: &str| format!("S,46056,{time},6.1,0.1,43.65,41.43,2030,V\n");
@@ -312,7 +313,7 @@ fn verif_hours_of_one_digit_are_hours() {
 }
 
 #[test]
-fn verif_a_column_map_says_the_same_in_other_units_and_scales() {
+fn verif_a_column_map_converts_units_and_scales() {
     let usual = measured(&format!("{HEADER}{GOOD}"), &Placement::recorded(Some(550.0)), &Selection::default());
     let site = Site::by_name("MMT-9").unwrap();
     let (latitude, longitude) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
@@ -322,7 +323,7 @@ fn verif_a_column_map_says_the_same_in_other_units_and_scales() {
         site.height_m
     );
     let phase = 78.267_f64.to_radians();
-    // TAI is 37 s ahead; the same moment as a modified Julian date and as a Julian date, of UTC.
+    // TAI is 37 s ahead; the same time as a Modified Julian Date and as a Julian date, UTC.
     let tai = format!("when;mag;metres;angle;id;of\n2021-01-01T15:18:41.795;7.18581;697324.0;{phase};46056;18903315\n");
     let options = |map: &str| PhotometryOptions {
         columns: Some(ColumnMap::from_text(map).unwrap()),
@@ -345,13 +346,13 @@ fn verif_a_column_map_says_the_same_in_other_units_and_scales() {
         assert!(apart.abs() < 1e-7, "{apart}");
         assert_eq!((one.norad_id, &same.groups), (other.norad_id, &usual.groups));
     }
-    // Z says UTC, the map says TAI.
+    // Z means UTC, the map has TAI.
     let records = read(&tai.replace("41.795", "41.795Z"), &options(&map)).unwrap();
     assert_eq!(records.dropped.count(DropReason::Unparsable), 1);
 }
 
 #[test]
-fn verif_long_files_come_in_chunks_and_lose_nothing() {
+fn verif_long_files_are_read_in_chunks_without_loss() {
     let row = |i: usize| {
         GOOD.replace("04.795000", &format!("{:09.6}", (i % 600_000) as f64 * 1e-4))
             .replace("7.18581", &format!("{:.5}", 5.0 + i as f64 * 1e-5))
@@ -379,8 +380,8 @@ fn verif_long_files_come_in_chunks_and_lose_nothing() {
 }
 
 #[test]
-fn verif_simulated_photometry_comes_back_through_a_file() {
-    // Times to a microsecond, distances to a metre, phases to 0.001 deg, magnitudes to 1e-5.
+fn verif_simulated_photometry_survives_a_file() {
+    // Times are printed to a microsecond, distances to a metre, phases to 0.001 deg, magnitudes to 1e-5.
     const ROUNDING_MAG: f64 = 1e-4;
     let (model, options) = (model(), quiet());
     let history = History::new(shell("2023-05-20T20:00:00 UTC"));
@@ -399,7 +400,7 @@ fn verif_simulated_photometry_comes_back_through_a_file() {
         assert!((truth.0 - point.magnitude.0).abs() < ROUNDING_MAG, "{point:?} {truth}");
         assert!(point.geometry.sun_latitude_rad < 0.0);
     }
-    // By distance and phase: the radius of SGP4 is that of the truth, up to the mirror image.
+    // From distance and phase, with the true radius from SGP4, up to the mirror image.
     let by_radius = Placement {
         place: Place::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
         ..Placement::elements(&history)
@@ -416,12 +417,12 @@ fn verif_simulated_photometry_comes_back_through_a_file() {
     };
     let mut sorted = apart.clone();
     sorted.sort_by(f64::total_cmp);
-    // The Sun's parallax and rounding, blown up near α = 0 and π.
+    // Solar parallax and rounding, amplified near α = 0 and π.
     assert!(quantile(&sorted, 0.9) < 0.1, "{}", quantile(&sorted, 0.9));
 }
 
 #[test]
-fn verif_the_same_seed_is_the_same_photometry_on_any_threads() {
+fn verif_the_seed_determines_the_photometry_on_any_number_of_threads() {
     let model = model();
     let history = History::new(shell("2023-05-20T20:00:00 UTC"));
     let noisy = SimulationOptions {
@@ -444,9 +445,9 @@ fn verif_the_same_seed_is_the_same_photometry_on_any_threads() {
     let wrong = one.truth.iter().filter(|track| track.norad_id != track.recorded_as).count() as f64;
     let turned = one.truth.iter().filter(|track| track.attitude_mag != 0.0).count() as f64;
     let tracks = one.truth.len() as f64;
-    // Thirty in a hundred of fifty tracks, within three sigma.
+    // Thirty per cent of fifty tracks, within three sigma.
     assert!((wrong / tracks - 0.3).abs() < 0.2 && (turned / tracks - 0.3).abs() < 0.2, "{wrong} {turned} of {tracks}");
-    // What differs from the model is the noise, where nothing else is.
+    // Without other errors the differences from the model are the noise.
     let placement = Placement::elements(&history);
     let measured = measure(&mut one.records.source(), &placement, &Selection::everything()).unwrap();
     let mut residuals: Vec<f64> = measured
@@ -460,9 +461,9 @@ fn verif_the_same_seed_is_the_same_photometry_on_any_threads() {
         .collect();
     residuals.sort_by(f64::total_cmp);
     let core = (quantile(&residuals, 0.75) - quantile(&residuals, 0.25)) / 1.349;
-    // √(0.1² + 0.2² + 0.1²) = 0.245, a little more for a tenth of the points that lie 1 mag apart.
+    // √(0.1² + 0.2² + 0.1²) = 0.245, slightly more because a tenth of the points are 1 mag off.
     assert!((0.22..0.32).contains(&core), "{core}");
-    // Reduced on any threads too.
+    // The reduction is also independent of the number of threads.
     let options = ReduceOptions { least_count: 5, nside: 8, ..ReduceOptions::default() };
     let reduced = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -472,11 +473,11 @@ fn verif_the_same_seed_is_the_same_photometry_on_any_threads() {
 }
 
 #[test]
-fn verif_a_late_satellite_is_found_by_its_ranges() {
+fn verif_a_late_satellite_is_detected_by_its_ranges() {
     let (model, options) = (model(), quiet());
     let history = History::new(shell("2023-05-20T20:00:00 UTC"));
     let simulation = simulate(&model, &history, &options);
-    // Element sets that come 6 s late: the same orbits with an epoch shifted by as much.
+    // Element sets that are 6 s late: the same orbits with shifted epochs.
     let late =
         history.element_sets().iter().map(|set| ElementSet { epoch: seconds_after(set.epoch, 6.0), ..set.clone() });
     let late = History::new(late.collect());
@@ -490,14 +491,15 @@ fn verif_a_late_satellite_is_found_by_its_ranges() {
             .fold(0.0, f64::max)
     };
     let (as_it_is, fitted) = (worst_km(&with(None)), worst_km(&with(Some(10.0))));
-    // 6 s are 45 km of way. The Earth's turn within them stays: 2.8 km at most, less in range, and short tracks hide some of it.
+    // 6 s are 45 km along the track. The Earth's rotation in that time remains: at most 2.8 km, less in range, and
+    // short tracks hide part of it.
     assert!(as_it_is > 20.0 && fitted < 3.0, "{as_it_is} {fitted}");
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
     #[test]
-    fn verif_pixels_hold_their_points(
+    fn verif_pixels_contain_their_points(
         points in prop::collection::vec((-0.6..0.0_f64, 0.0..6.2_f64, -1.5..-0.2_f64, 3.0..9.0_f64), 1..300),
     ) {
         let points: Vec<Measurement> = points
@@ -524,13 +526,13 @@ proptest! {
                     layer == pixel.layer && ring_cell(4, g.observer_longitude_rad, g.observer_latitude_rad) == Some(pixel.cell)
                 })
                 .collect();
-            // A degree is not exactly its share of π: at a layer's very border a point may count to either side.
+            // Degrees are not exact fractions of π: a point at the border of a layer may be in either.
             prop_assert!(inside.len().abs_diff(pixel.count as usize) <= 1);
             prop_assert!((0.0..=std::f64::consts::PI + 1e-12).contains(&pixel.observer_longitude_rad));
             prop_assert_eq!(pixel.sun_latitude_rad.to_degrees().floor() as i32, pixel.layer);
             let magnitudes: Vec<f64> = inside.iter().map(|point| point.magnitude.0).collect();
             let [low, high] = [f64::INFINITY, f64::NEG_INFINITY].map(|start| magnitudes.iter().copied().fold(start, if start > 0.0 { f64::min } else { f64::max }));
-            // Magnitudes are kept to 5e-7.
+            // Magnitudes are stored to 5e-7.
             prop_assert!(pixel.mode_mag > low - 1e-6 && pixel.mode_mag < high + 1e-6);
             prop_assert!(pixel.iqr_mag >= 0.0 && pixel.iqr_mag <= high - low + 1e-6);
         }

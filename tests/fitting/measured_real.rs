@@ -1,6 +1,7 @@
-//! Real photometry: tracks identified, geometry by elements against geometry by distance and phase, surveys read whole.
+//! Real photometry: identification of tracks, geometry from element sets compared with geometry from distance and
+//! phase, complete surveys.
 //!
-//! Needs the data folder; left out, loudly, without it.
+//! Needs the data folder; skipped with a message without it.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -30,7 +31,7 @@ fn visorsat(data: &Path) -> Records {
     Records::collect(&mut RecordReader::open(&[path], &PhotometryOptions::default()).unwrap()).unwrap()
 }
 
-/// Track, catalogue number, how sure.
+/// Track, catalogue number, confidence.
 fn identified(data: &Path) -> Vec<(String, NoradId, String)> {
     let text = std::fs::read_to_string(data.join("derived/mmt9_visorsat_track_ident.csv")).unwrap();
     let row = |line: &str| {
@@ -57,7 +58,7 @@ fn quantile(values: &[f64], p: f64) -> f64 {
 fn valid_tracks_are_identified() {
     let Some(data) = crate::common::data_dir() else { return };
     let records = visorsat(&data);
-    // The 132 rows through a polariser are left out, and said so.
+    // The 132 rows through a polariser are omitted, with a message.
     assert_eq!(records.dropped.count(DropReason::WrongFilter), 132);
     assert_eq!(records.records.len(), 12_633);
     let begin = std::time::Instant::now();
@@ -81,12 +82,12 @@ fn valid_tracks_are_identified() {
     assert_eq!(sure, 29);
     let (range_km, phase_deg) = (quantile(&ranges, 0.5), quantile(&phases, 0.5));
     println!("median differences {range_km:.2} km, {phase_deg:.2} deg");
-    // About a kilometre is what public element sets are good for.
+    // Public element sets have errors of about a kilometre.
     assert!(range_km < 1.0 && phase_deg < 0.5, "{range_km} km, {phase_deg} deg");
 }
 
 #[test]
-fn valid_distance_and_phase_give_the_angles_that_elements_give() {
+fn valid_distance_and_phase_give_the_angles_of_element_sets() {
     let Some(data) = crate::common::data_dir() else { return };
     let mut records = visorsat(&data);
     let sure: HashMap<String, NoradId> = identified(&data)
@@ -110,7 +111,7 @@ fn valid_distance_and_phase_give_the_angles_that_elements_give() {
     let truth = by(Place::Elements { fit_offset_s: Some(120.0) });
     let circle = by(Place::Recorded { radius: Some(OrbitRadius::HeightKm(550.0)) });
     let osculating = by(Place::Recorded { radius: Some(OrbitRadius::Elements) });
-    // Differences of α by either radius, degrees; and of range and phase.
+    // Differences of α with either radius, degrees; and of range and phase.
     let (mut rough, mut fine, mut ranges, mut phases) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (at, record) in records.records.iter().enumerate() {
         let Ok(truth) = &truth[at] else { panic!("{:?}", truth[at]) };
@@ -150,18 +151,18 @@ fn valid_raw_text_of_mmt9() {
     assert_eq!(records.groups, ["35331456"]);
     let measured = measure(&mut records.source(), &Placement::recorded(Some(600.0)), &Selection::default()).unwrap();
     assert_eq!(measured.dropped.count(DropReason::PenumbraFlag), 6);
-    // StdMag = Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ): 9.048 of the first row after the penumbra but two.
+    // StdMag = Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ): 9.048 for the first row after the penumbra but two.
     let point = records.records.iter().find(|record| record.magnitude.0 == 7.59723).unwrap();
     let (range_km, phase_rad) = point.sighting.distance_and_phase();
     let standard = point.magnitude.to_standard(range_km.unwrap()).0 + 2.5 * (1.0 + phase_rad.unwrap().cos()).log10();
-    // Printed to 0.001, and the survey's own rounding.
+    // Printed to 0.001, plus the survey's rounding.
     assert!((standard - 9.048).abs() < 0.004, "{standard}");
 }
 
 #[test]
-fn valid_surveys_are_read_whole() {
+fn valid_surveys_are_read_completely() {
     let Some(data) = crate::common::data_dir() else { return };
-    // Rows that are measured, of these files with these heights.
+    // Number of measured rows of these files with these heights.
     for (file, height_km, format, rows, duplicates) in [
         ("photometry/pomenis/pomenis_observations.csv", None, Format::Pomenis, 920, None),
         ("photometry/slingshot_v2/Observations_in_field.csv", None, Format::Slingshot, 1232, None),
@@ -188,7 +189,7 @@ fn valid_surveys_are_read_whole() {
     let records = Records::collect(&mut reader).unwrap();
     println!("SCORE: {} rows, {:?}, dropped {:?}", records.records.len(), records.groups, records.dropped);
     assert!(records.records.len() >= 5 && records.records.iter().all(|record| record.norad_id.is_some()));
-    // Places of five Dutch frames, with ranges: geometry without any elements. The visual rows have none.
+    // Positions from five Dutch frames, with ranges: geometry without element sets. Visual rows have none.
     let measured = measure(&mut records.source(), &Placement::recorded(None), &Selection::default()).unwrap();
     assert!(
         measured.points.len() >= 2 && measured.dropped.count(DropReason::NoGeometry) >= 3,
@@ -210,20 +211,20 @@ fn valid_pixels_of_visorsats() {
     let kept: Vec<_> = reduction.kept().collect();
     println!("{} points, {} pixels, {} kept", reduction.points, reduction.pixels.len(), kept.len());
     assert!(kept.len() > 50);
-    // Twilight: no Sun above the chassis; the magnitudes are those of VisorSats (7.2, sd 0.85).
+    // Twilight: the Sun is not above the chassis; the magnitudes are those of VisorSats (7.2, sd 0.85).
     assert!(kept.iter().all(|pixel| (-35..0).contains(&pixel.layer) && (4.0..11.0).contains(&pixel.mode_mag)));
     let table = reduction.table();
     assert_eq!(table.rows.len(), reduction.pixels.len());
 }
 
 #[test]
-fn valid_stations_are_told_apart() {
+fn valid_stations_are_distinguished() {
     let Some(data) = crate::common::data_dir() else { return };
     let sets = history(&[data.join("derived/starlink_tle_history_2026-05-29_2026-08-21_sel.tle")]);
-    // Since 2025 shells stand at 460 to 485 km, Direct to Cell at 360 km.
+    // Since 2025 there are shells at 460 to 485 km, and Direct to Cell at 360 km.
     let stations = Stations::new(&sets, &StationRule { min_height_km: 355.0, ..StationRule::default() });
     let index = std::fs::read_to_string(data.join("derived/starlink_tle_history_sel_index.csv")).unwrap();
-    // Of each group the satellites that were on station, raising, decaying for the longest part of the time.
+    // For each group the satellites that were on station, raising or decaying for most of the time.
     let mut tally: HashMap<&str, HashMap<&str, usize>> = HashMap::new();
     for row in index.lines().skip(1) {
         let cells: Vec<&str> = row.split(',').collect();
@@ -249,11 +250,11 @@ fn valid_stations_are_told_apart() {
     };
     assert!(share("v15_onstation_cfg", OrbitPhase::OnStation) > 0.95);
     assert!(share("v2mini_onstation", OrbitPhase::OnStation) > 0.9);
-    // Raising comes in legs between parking orbits; what decays first waits.
+    // Orbit raising consists of legs between parking orbits; decaying satellites first stay in orbit.
     assert!(share("raising", OrbitPhase::Raising) > 3.0 * share("raising", OrbitPhase::Decaying));
     assert!(share("decaying", OrbitPhase::Decaying) > 3.0 * share("decaying", OrbitPhase::Raising));
     assert!(share("v15_onstation_cfg", OrbitPhase::Raising) + share("v15_onstation_cfg", OrbitPhase::Decaying) < 0.02);
-    // Years of satellites that rose and came down: on station in between, by the paper's own rule.
+    // Years of satellites that rose and decayed: on station in between, by the paper's rule.
     for number in [44713, 44714, 44724] {
         let sets = history(&[data.join(format!("tle/history/starlink_{number}.txt"))]);
         let intervals = Stations::new(&sets, &StationRule::default()).intervals(NoradId(number));
@@ -268,7 +269,7 @@ fn valid_stations_are_told_apart() {
 }
 
 #[test]
-fn verif_a_source_is_the_same_in_memory_and_from_a_file() {
+fn verif_sources_in_memory_and_in_files_agree() {
     let Some(data) = crate::common::data_dir() else { return };
     let records = visorsat(&data);
     let path = data.join("derived/mmt9_starlink_visorsat.csv.gz");

@@ -1,6 +1,7 @@
-//! Shipped models against published means, phase curves and photometry: the numbers of `streakcast model check`.
+//! Bundled models compared with published means, phase curves and photometry: the numbers of `streakcast model check`.
 //!
-//! What was published is always compared; measured magnitudes need the data folder and are left out, loudly, without it.
+//! Published numbers are always compared; measured magnitudes need the data folder and are skipped with a message
+//! without it.
 
 use std::collections::BTreeMap;
 
@@ -20,7 +21,7 @@ fn rows_of(name: &str, photometry: Option<&Photometry>) -> Vec<Comparison> {
 }
 
 #[test]
-fn valid_every_shipped_model_agrees_with_what_was_published() {
+fn valid_bundled_models_agree_with_published_means() {
     let library = ModelLibrary::embedded();
     let mut compared = 0;
     for name in library.names() {
@@ -33,13 +34,13 @@ fn valid_every_shipped_model_agrees_with_what_was_published() {
             compared += 1;
         }
     }
-    // 15 models of satellites of which a mean is known (two of them V2 Mini's, with two means), 8 of those with a curve.
+    // 15 models of satellites with a known mean (two of them of V2 Mini, with two means), 8 of them with a phase curve.
     assert_eq!(compared, 15 + 2 + 8);
 }
 
 #[test]
-fn valid_files_carry_the_published_numbers() {
-    // The same polynomial twice, in the model file and in the table of what was published.
+fn valid_files_have_the_published_numbers() {
+    // The same polynomial is in the model file and in the table of published numbers.
     const ROUNDING_MAG: f64 = 1e-9;
     for name in ["visorsat", "starlink-v1.5-phase", "v2mini", "direct-to-cell"] {
         let rows = rows_of(name, None);
@@ -56,7 +57,7 @@ fn valid_files_carry_the_published_numbers() {
 
 #[test]
 fn valid_population_means_against_satellites_one_by_one() {
-    // Quadratures over different variables, steps of 2 by 5 deg here, and a shadow of the ellipsoid here, of a sphere there.
+    // Different quadratures: steps of 2 by 5 deg and the shadow of the ellipsoid here, the shadow of a sphere there.
     const MEAN_TOLERANCE_MAG: f64 = 0.015;
     const SD_TOLERANCE_MAG: f64 = 0.02;
     let mut reader = csv::ReaderBuilder::new()
@@ -77,7 +78,7 @@ fn valid_population_means_against_satellites_one_by_one() {
     assert_eq!(compared, 9);
 }
 
-/// A shipped file under another name, with other numbers.
+/// A bundled file with another name and other numbers.
 fn changed(from: &str, name: &str, changes: &[(&str, serde_json::Value)]) -> BrightnessModel {
     let (_, text) = ModelLibrary::shipped_files().iter().find(|(file, _)| *file == from).unwrap();
     let mut json: serde_json::Value = serde_json::from_str(text).unwrap();
@@ -90,7 +91,7 @@ fn changed(from: &str, name: &str, changes: &[(&str, serde_json::Value)]) -> Bri
 }
 
 #[test]
-fn verif_a_model_that_is_wrong_is_called_off() {
+fn verif_a_wrong_model_is_reported() {
     let faint = changed("oneweb.json", "oneweb-mine", &[("/mean_mag", 7.9.into())]);
     let rows = compare(&faint, None);
     let mean = one(&rows, ReferenceKind::Mean);
@@ -100,17 +101,17 @@ fn verif_a_model_that_is_wrong_is_called_off() {
     let rows = compare(&bright, None);
     assert_eq!(one(&rows, ReferenceKind::PhaseCurve).verdict, Verdict::Off);
     assert_eq!(one(&rows, ReferenceKind::Mean).verdict, Verdict::Off);
-    // Whose it is, nobody knows.
+    // The satellite of this model is unknown.
     let rows = compare(&changed("oneweb.json", "mine", &[]), None);
     assert_eq!(rows.len(), 1);
     assert_eq!((rows[0].kind, rows[0].verdict, rows[0].satellites), (ReferenceKind::None, Verdict::NoData, None));
 }
 
-/// A model may be made in any band; what it is compared with is V (Vega).
+/// Models can be in any band; comparisons are made in V (Vega).
 #[test]
-fn verif_a_model_in_another_band_is_brought_to_v() {
+fn verif_a_model_in_another_band_is_converted_to_v() {
     const ROUNDING_MAG: f64 = 1e-9;
-    // Willmer (2018), table 3, as `Band` has it: the Sun in i (AB) -27.04, in V (Vega) -26.76.
+    // Willmer (2018), table 3, as in `Band`: the Sun in i (AB) -27.04, in V (Vega) -26.76.
     const I_LESS_V_MAG: f64 = -27.04 + 26.76;
     let in_i = [("/band", "i".into()), ("/mag_system", "AB".into())];
     let apart = |from: &str, name: &str, key: &str, value: f64| {
@@ -121,12 +122,12 @@ fn verif_a_model_in_another_band_is_brought_to_v() {
     assert!(apart("oneweb.json", "oneweb-i", "/mean_mag", 7.18)[0].abs() < ROUNDING_MAG);
     let curve = apart("visorsat.json", "visorsat-i", "/phase_function/coefficients/0", 5.732);
     assert!(curve[1].abs() < ROUNDING_MAG, "{curve:?}");
-    // Panels reflect; in which band they are asked changes no reflectance, and so nothing here.
+    // Panels have reflectances, which do not depend on the band, so nothing changes.
     let (panels_in_i, panels) = (changed("starlink-v1.5.json", "v1.5-i", &in_i), rows_of("starlink-v1.5", None));
     for (in_i, in_v) in compare(&panels_in_i, None).iter().zip(&panels).filter(|(_, row)| row.n > 0) {
         assert!((in_i.difference_mag.unwrap() - in_v.difference_mag.unwrap()).abs() < ROUNDING_MAG, "{in_i:?}");
     }
-    // Measurements too.
+    // The same holds for measurements.
     let geometry = ViewingGeometry::from_angles(-0.2, 1.0, -0.8, 1000.0, 550.0);
     let magnitude = StandardMagnitude(6.0);
     let seen = ReferenceMeasurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry };
@@ -135,15 +136,15 @@ fn verif_a_model_in_another_band_is_brought_to_v() {
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
 }
 
-/// The same rows through other code, with astropy's places of the site and the Sun: arc seconds, and three digits.
+/// The same rows in other code, with astropy's positions of site and Sun: arcseconds, and three digits.
 const PYTHON_MAG: f64 = 0.002;
-/// The core is a median, which jumps from point to point where there are 742.
+/// The core is a median, which jumps between points in samples of 742.
 const PYTHON_CORE_MAG: f64 = 0.005;
-/// Rows that pass the 100 km rule here and not there, by metres.
+/// Rows that pass the 100 km rule only here, by metres.
 const PYTHON_ROWS: usize = 5;
 
-/// n, mean difference, RMS and core of shipped models about the measurements, mag: shipped files in the Python of
-/// tests/reference/model_magnitudes.py, its own geometry, its own panels, laws and spheres.
+/// n, mean difference, RMS and core of bundled models against the measurements, mag: computed by
+/// tests/reference/model_magnitudes.py with independent geometry, panels, laws and spheres.
 const EXPECTED: &[(&str, usize, [f64; 3])] = &[
     ("starlink-v1.5", 742, [0.007, 0.514, 0.374]),
     ("starlink-v1.5-facets", 742, [0.004, 0.474, 0.335]),
@@ -157,12 +158,12 @@ const EXPECTED: &[(&str, usize, [f64; 3])] = &[
     ("iridium-next", 11_403, [-0.007, 0.259, 0.211]),
 ];
 
-/// Those fitted for this project: their sigma is measured on unseen points.
+/// Models fitted for this project: their sigma is measured on unseen points.
 const FITTED: [&str; 6] =
     ["starlink-v1.5", "starlink-v1.5-facets", "v2mini-panels", "visorsat-panels", "oneweb-panels", "iridium-next"];
 
 #[test]
-fn valid_shipped_models_against_photometry() {
+fn valid_bundled_models_against_photometry() {
     let Some(data) = crate::common::data_dir() else { return };
     let photometry = Photometry::read(&data).unwrap();
     let library = ModelLibrary::embedded();
@@ -185,11 +186,11 @@ fn valid_shipped_models_against_photometry() {
             assert!((ours.unwrap() - expected).abs() < tolerance, "{row:?}");
         }
         assert!(row.difference_mag.unwrap().abs() < OFFSET_TOLERANCE_MAG, "{row:?}");
-        // Published sigmas are scatters of single magnitudes, of which wings leave more within.
+        // Published sigmas are the scatter of single magnitudes; because of wings more of them are within one sigma.
         let is_fitted = FITTED.contains(&name);
         let share = if is_fitted { 0.6..0.8 } else { 0.68..0.92 };
         assert!(share.contains(&row.within_one_sigma.unwrap()), "{row:?}");
-        // Sigma is that of the core and not of the wings: between them.
+        // Sigma is that of the core, not of the wings: limits on both sides.
         let (rms, core) = (row.rms_mag.unwrap(), row.core_mag.unwrap());
         assert!(!is_fitted || (core < row.sigma_mag && rms < 2.0 * row.sigma_mag && row.sigma_mag < rms), "{row:?}");
     }
@@ -203,7 +204,7 @@ fn valid_shipped_models_against_photometry() {
     ] {
         assert!(rms(more) < rms(less), "{more} explains more than {less}");
     }
-    // The priors are the mean and the scatter of what is listed.
+    // The priors are the mean and the scatter of the listed values.
     for (name, n) in [("unknown", 2360), ("rocket-body", 1640)] {
         let row = &found[name];
         assert!(row.n == n && row.difference_mag.unwrap().abs() < 0.1, "{row:?}");
@@ -212,11 +213,11 @@ fn valid_shipped_models_against_photometry() {
 }
 
 #[test]
-fn valid_fitted_range_holds_the_points_it_was_fitted_to() {
+fn valid_fitted_range_contains_the_fitted_points() {
     let Some(data) = crate::common::data_dir() else { return };
     let photometry = Photometry::read(&data).unwrap();
     let library = ModelLibrary::embedded();
-    // Files state the inner 99 % of three angles, their ends rounded to whole degrees; that of V1.5 leaves out nine bright points too.
+    // Files give the inner 99 % of three angles, rounded to whole degrees; that of V1.5 also omits nine bright points.
     const LEAST_SHARE: f64 = 0.93;
     for (name, set) in [
         ("starlink-v1.5", DataSet::Pomenis),
@@ -234,7 +235,7 @@ fn valid_fitted_range_holds_the_points_it_was_fitted_to() {
 }
 
 #[test]
-fn valid_amateurs_table_is_read_whole() {
+fn valid_the_amateur_table_is_read_completely() {
     let Some(data) = crate::common::data_dir() else { return };
     let bytes = std::fs::read(data.join("metadata/qs.mag")).unwrap();
     let table = StandardMagnitudes::from_qs_mag(&String::from_utf8_lossy(&bytes)).unwrap();
@@ -242,14 +243,14 @@ fn valid_amateurs_table_is_read_whole() {
 }
 
 #[test]
-fn verif_a_broken_folder_is_named() {
+fn verif_an_invalid_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let nothing = Photometry::read(folder.path()).unwrap_err();
     assert!(matches!(nothing, CheckError::Nothing { .. }));
     assert!(nothing.to_string().contains(DataSet::Pomenis.path()));
     let path = folder.path().join(DataSet::SlingshotV2.path());
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-    for (text, told) in [
+    for (text, expected) in [
         ("sun altitude,sat altitude,sat height,measured_ab\n-20,40,530000,7\n", "no column 'az diff'"),
         ("sun altitude,sat altitude,sat height,measured_ab,az diff\n-20,40,530000,x,10\n", "row 1: measured_ab 'x'"),
         (
@@ -260,7 +261,7 @@ fn verif_a_broken_folder_is_named() {
     ] {
         std::fs::write(&path, text).unwrap();
         let error = Photometry::read(folder.path()).unwrap_err().to_string();
-        assert!(error.contains(told) && error.contains("Observations_in_field.csv"), "{error}");
+        assert!(error.contains(expected) && error.contains("Observations_in_field.csv"), "{error}");
     }
     std::fs::write(&path, "sun altitude,sat altitude,sat height,measured_ab,az diff\n-20,40,530000,7,10\n").unwrap();
     let photometry = Photometry::read(folder.path()).unwrap();

@@ -1,4 +1,4 @@
-//! When an exposure was, and what a count is worth, from headers as observatories write them.
+//! Exposure times and zero points from headers as written by observatories.
 
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
@@ -12,7 +12,7 @@ fn time(text: &str) -> Result<ExposureTime, String> {
 fn begins(text: &str, utc: &str, from: &str) {
     let found = time(text).unwrap_or_else(|error| panic!("{error}"));
     let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
-    // A microsecond: what one f64 of days holds.
+    // A microsecond: the precision of days in one f64.
     assert!(seconds_between(expected, found.start).abs() < 1e-6, "{} is not {utc}", found.start);
     assert_eq!(found.start_from, from);
 }
@@ -50,7 +50,7 @@ fn verif_spellings_of_the_start() {
         ("DATE-OBS= '2016-12-31T23:59:60.5'", "2017-01-01T00:00:00", "DATE-OBS"),
     ] {
         if cards.contains("23:59:60.5") {
-            // The leap second itself: half a second before the new year.
+            // Within the leap second: half a second before the new year.
             let found = time(&format!("{cards}\n{LENGTH}")).expect("a moment");
             let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
             assert!((seconds_between(found.start, expected) - 0.5).abs() < 1e-6, "{}", found.start);
@@ -61,7 +61,7 @@ fn verif_spellings_of_the_start() {
 }
 
 #[test]
-fn verif_what_is_not_said_or_contradicts_itself() {
+fn verif_missing_and_contradictory_keywords() {
     for (cards, words) in [
         ("EXPTIME = 60.0", "no start of the exposure"),
         ("DATE-OBS= '2020-03-06'\nEXPTIME = 60.0", "DATE-OBS is the date 2020-03-06 without a time"),
@@ -97,7 +97,7 @@ fn verif_what_is_not_said_or_contradicts_itself() {
 }
 
 #[test]
-fn verif_digits_that_were_left_out_are_no_conflict() {
+fn verif_rounded_values_are_no_conflict() {
     // Five decimals of a day are 0.86 s.
     let found =
         time("DATE-OBS= '2021-04-07T12:03:57.256'\nMJD_OBS =          59311.50275\nEXPTIME = 120.27").expect("agree");
@@ -114,7 +114,7 @@ fn verif_lengths_in_other_units() {
 }
 
 #[test]
-fn verif_the_image_counts_before_the_primary_header() {
+fn verif_the_image_header_precedes_the_primary_header() {
     let image = Header::from_text("EXPTIME = 10.0\nGAIN    = 2.0");
     let primary = Header::from_text("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 20.0\nFILTER  = 'r'");
     let found = ExposureTime::from_headers(&[&image, &primary]).expect("both");
@@ -144,7 +144,7 @@ fn verif_zero_points() {
 }
 
 #[test]
-fn verif_amplifiers_and_nonsense() {
+fn verif_amplifiers_and_invalid_values() {
     let of = |text: &str| Calibration::from_headers(&[&Header::from_text(text)]);
     let pair = of("GAINA   = 3.9\nGAINB   = 4.1\nRDNOISEA= 6.0\nRDNOISEB= 7.0\nSATURATA= 46994.0\nSATURATB= 47770.0");
     let gain = pair.gain_e_adu.expect("a gain");
@@ -160,7 +160,7 @@ fn verif_amplifiers_and_nonsense() {
 fn valid_real_headers() {
     use streakcast::images::FrameFile;
     let Some(data) = crate::common::data_dir() else { return };
-    // Start in UTC as the observatory's own page, paper or time keyword has it; or the words of the refusal.
+    // Start in UTC from the observatory's web page, paper or time keyword; or the error message.
     for (name, hdu, expected, seconds) in [
         ("galsim_wcs/tpv.fits", 0, Ok("2007-10-11T04:28:14.1"), 420.0),
         ("galsim_wcs/tnx.fits", 0, Ok("2006-07-28T02:09:22.0"), 30.0),
@@ -174,7 +174,7 @@ fn valid_real_headers() {
         ("trailblazer/cutout_lbcb.20210407.120357.fits", 2, Ok("2021-04-07T12:03:57.256"), 120.27),
         ("clean/HorseHead.fits", 0, Ok("1990-12-22T13:49:00"), 3900.0),
         ("clean/sep_image.fits", 0, Ok("1992-10-26T15:04:07.968"), 1200.0),
-        // Its MJD-OBS is 69.7 s later than its DATE-OBS (TT?); the primary header below says TAI of a DATE-OBS that is UTC.
+        // MJD-OBS is 69.7 s later than DATE-OBS (TT?); the primary header below has TAI for a DATE-OBS in UTC.
         ("trailblazer/cutout_calexp-0941420_23.fits", 1, Err("37.0 s apart"), 0.0),
         ("astride/long.fits", 0, Err("DATE-OBS is \"26/07/102\""), 0.0),
         ("clean/gc_2mass_k.fits", 0, Err("no length of the exposure"), 0.0),
@@ -197,9 +197,9 @@ fn valid_real_headers() {
     assert_eq!(calibration.band.expect("a band").value, "g DECam SDSS c0001 4720.0 1520.0");
 }
 
-/// Sums of such a length with an epoch are beyond any calendar.
+/// The sum of such a length and an epoch is beyond any calendar.
 #[test]
-fn verif_an_exposure_of_ages_is_refused() {
+fn verif_an_extremely_long_exposure_is_rejected() {
     let error = time("DATE-OBS= '2024-08-14T00:00:00'\nEXPTIME =  9223372036854775807").expect_err("refused");
     assert!(error.contains("EXPTIME is 9223372036854776000 s") && error.contains("at most 10000000 s"), "{error}");
 }

@@ -1,4 +1,4 @@
-//! Copies of real frames: every card, extension and table stays, in order.
+//! Copies of real frames: all cards, extensions and tables are kept in order.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -25,10 +25,10 @@ const FRAMES: &[(&str, usize)] = &[
     ("astride/long.fits", 0),
 ];
 
-/// Keywords that packing tiles again changes; EXTEND is T once there are extensions.
+/// Keywords changed by compressing tiles again; EXTEND is T if there are extensions.
 const PACKING: &[&str] = &["PCOUNT", "TFORM1", "TFORM2", "CHECKSUM", "DATASUM", "EXTEND"];
 
-/// Where copies are made; they stay where STREAKCAST_KEEP names a folder, for `tests/reference/check_frame_copies.py`.
+/// Folder of the copies; kept if STREAKCAST_KEEP names a folder, for `tests/reference/check_frame_copies.py`.
 fn kept_folder() -> (Option<tempfile::TempDir>, PathBuf) {
     match std::env::var_os("STREAKCAST_KEEP") {
         Some(folder) => {
@@ -61,7 +61,7 @@ fn copied(path: &Path, hdu: usize, folder: &Path) -> PathBuf {
 }
 
 #[test]
-fn verif_everything_that_was_there_is_there() {
+fn verif_all_content_is_kept() {
     let Some(data) = crate::common::data_dir() else { return };
     let (_guard, folder) = kept_folder();
     for (name, hdu) in FRAMES {
@@ -79,7 +79,7 @@ fn verif_everything_that_was_there_is_there() {
                 assert_eq!(old, new, "{name}[{}]", info.index);
                 continue;
             }
-            // One card more, and behind the others of its kind; the sums and the sizes of packed data are new.
+            // One additional card after the others of its kind; checksums and sizes of compressed data are new.
             let is_new = |text: &str| text.starts_with("HISTORY light was added");
             let cards = |header: &streakcast::images::Header| -> Vec<String> {
                 let kept = header.cards().iter().filter(|card| !PACKING.contains(&card.keyword().as_str()));

@@ -1,4 +1,4 @@
-//! Frames in files: read, copied with changes, made; and what is refused.
+//! Frame files: read, copied with changes, created; and rejected files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use streakcast::images::{
     Plane, Rice, TableColumn, write_frame,
 };
 
-/// A frame of numbers that differ everywhere, in every type.
+/// A frame with different numbers everywhere, in every type.
 fn numbers(kind: &str) -> ImageValues {
     let values = 0..30 * 20;
     let pixels = match kind {
@@ -71,14 +71,14 @@ fn verif_every_type_is_written_and_read() {
 }
 
 #[test]
-fn verif_changed_pixels_and_nothing_else() {
+fn verif_only_changed_pixels_differ() {
     let folder = folder();
     for kind in KINDS {
         let source = FrameFile::open(&simple(folder.path(), kind, None, "")).expect(kind);
         let before = source.read_rows(0, 0..20).expect(kind);
         let target = folder.path().join("out.fits");
         let mut copy = FrameCopy::begin(&source, &target).expect(kind);
-        // 2.5 and 3.5 are both exact in every type of ours but the whole numbers, which are rounded half to even.
+        // 2.5 and 3.5 are exact in every floating-point type; in integer types they are rounded half to even.
         copy.add(0, 4, 10, &[2.5, 0.0, 3.5]).expect(kind);
         copy.add(0, 4, 12, &[1.0, 1.0]).expect(kind);
         copy.add(0, 19, 29, &[-7.0]).expect(kind);
@@ -96,7 +96,7 @@ fn verif_changed_pixels_and_nothing_else() {
             };
             let mut expected = before[index] + added;
             if is_whole && expected.fract() != 0.0 {
-                // One of the two next to it.
+                // One of the two neighbouring integers.
                 assert!((after[index] - expected).abs() < 1.0 && after[index].fract() == 0.0, "{kind} {index}");
                 expected = after[index];
             }
@@ -110,7 +110,7 @@ fn verif_changed_pixels_and_nothing_else() {
 }
 
 #[test]
-fn verif_ranges_and_pixels_without_value() {
+fn verif_ranges_and_undefined_pixels() {
     let folder = folder();
     let path = simple(folder.path(), "u8", None, "BLANK   = 7\n");
     let source = FrameFile::open(&path).expect("a file");
@@ -126,7 +126,7 @@ fn verif_ranges_and_pixels_without_value() {
 }
 
 #[test]
-fn verif_new_extensions_are_behind_the_old_ones() {
+fn verif_new_extensions_follow_the_old_ones() {
     let folder = folder();
     let source = FrameFile::open(&simple(folder.path(), "f32", None, "HISTORY made\n")).expect("a file");
     let target = folder.path().join("out.fits");
@@ -183,7 +183,7 @@ fn verif_new_extensions_are_behind_the_old_ones() {
 }
 
 #[test]
-fn verif_rice_out_and_in() {
+fn verif_rice_round_trip() {
     let folder = folder();
     for kind in KINDS {
         let plain =
@@ -193,7 +193,7 @@ fn verif_rice_out_and_in() {
         assert_eq!(file.hdus()[1].kind, HduKind::CompressedImage("RICE_1".into()));
         assert_eq!(file.hdus()[1].image_size(), Some([20, 30]));
         let packed = file.read_rows(1, 0..20).expect(kind);
-        // Whole numbers come back as they were; of others, a straight ramp has no noise and is kept exactly too.
+        // Integers are restored exactly; of floats, a straight ramp has no noise and is also kept exactly.
         for (index, (a, b)) in plain.iter().zip(&packed).enumerate() {
             assert!((a - b).abs() <= if kind.starts_with('f') { 1e-6 } else { 0.0 }, "{kind} {index}: {a} {b}");
         }
@@ -207,7 +207,7 @@ fn refused(path: &Path) -> String {
 }
 
 #[test]
-fn verif_what_is_no_frame_is_refused() {
+fn verif_invalid_frames_are_rejected() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let good = fs::read(simple(folder.path(), "i16", None, "")).expect("bytes");
@@ -233,7 +233,7 @@ fn verif_what_is_no_frame_is_refused() {
     );
     let more = with("naxis-more.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                 2000"));
     assert!(more.contains("its data needs 122880 bytes"), "{more}");
-    // Too few rows leave data where a header should be.
+    // With too few rows, data are read as a header.
     let large = ImageValues::new(100, Pixels::I16((0..10_000).map(|n| n as i16 | 1).collect())).expect("rows");
     write_frame(&at("large.fits"), &[NewImage { name: "", values: &large, cards: &[], rice: None }]).expect("written");
     let text = String::from_utf8_lossy(&fs::read(at("large.fits")).expect("bytes")[..2880])
@@ -253,7 +253,7 @@ fn verif_what_is_no_frame_is_refused() {
 }
 
 #[test]
-fn verif_hdus_that_are_not_there_or_no_images() {
+fn verif_hdus_that_are_missing_or_not_images() {
     let folder = folder();
     let file = FrameFile::open(&simple(folder.path(), "i16", Some(Rice::default()), "")).expect("a file");
     assert!(file.read_plane(5).expect_err("none").to_string().ends_with("has no HDU 5; it has 0 to 1"));
@@ -268,9 +268,9 @@ fn verif_hdus_that_are_not_there_or_no_images() {
     assert!(copy.add_history(9, "x").is_err());
 }
 
-/// Names that are CFITSIO's own syntax are plain names here.
+/// Names with CFITSIO syntax are used as plain names.
 #[test]
-fn verif_names_with_brackets_are_names() {
+fn verif_names_with_brackets_are_plain_names() {
     let folder = folder();
     for name in ["a[1].fits", "!b.fits", "c(d).fits", "e+1.fits", "mem:f.fits", "g [compress R].fits", "h*.fits"] {
         let path = folder.path().join(name);
@@ -290,7 +290,7 @@ fn verif_names_with_brackets_are_names() {
 }
 
 #[test]
-fn verif_the_input_stays_and_no_half_output_appears() {
+fn verif_the_input_is_kept_and_no_partial_output_remains() {
     let folder = folder();
     let path = simple(folder.path(), "f32", None, "");
     let bytes = fs::read(&path).expect("bytes");
@@ -303,7 +303,7 @@ fn verif_the_input_stays_and_no_half_output_appears() {
     copy.add(0, 0, 0, &[1.0]).expect("a change");
     drop(copy);
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
-    // An input that is cut while we work: the output would be broken.
+    // The input is truncated during the work, so the output would be invalid.
     let mut copy = FrameCopy::begin(&source, &folder.path().join("out.fits")).expect("a copy");
     copy.add(0, 0, 0, &[1.0]).expect("a change");
     fs::write(&path, &bytes[..3000]).expect("cut");
@@ -312,7 +312,7 @@ fn verif_the_input_stays_and_no_half_output_appears() {
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }
 
-/// What is not touched in a compressed image is the same to the bit; what is, to half a step of its quantisation.
+/// Untouched pixels of a compressed image are identical; touched ones differ by up to half a quantisation step.
 #[track_caller]
 fn change_compressed(path: &Path, hdu: usize, step: f64) {
     let folder = folder();
@@ -325,7 +325,7 @@ fn change_compressed(path: &Path, hdu: usize, step: f64) {
     let touched = |row: usize, column: usize| row % 3 == 1 && (5..15).contains(&column);
     for row in (0..rows).filter(|row| row % 3 == 1) {
         copy.add(hdu, row, 5, &[60.0; 10]).expect("a change");
-        // One upon the other.
+        // Several changes of the same pixels.
         copy.add(hdu, row, 8, &[40.0; 7]).expect("a change");
         copy.add(hdu, row, 5, &[40.0; 3]).expect("a change");
     }
@@ -346,14 +346,14 @@ fn change_compressed(path: &Path, hdu: usize, step: f64) {
             }
         }
     }
-    // The other HDUs are there, byte for byte.
+    // The other HDUs are identical byte for byte.
     for other in (0..source.hdus().len()).filter(|other| *other != hdu) {
         assert_eq!(source.header(other).expect("a header"), after.header(other).expect("a header"), "{name}[{other}]");
     }
 }
 
 #[test]
-fn verif_compressed_images_change_where_they_are_touched() {
+fn verif_compressed_images_change_only_where_touched() {
     let folder = folder();
     for kind in ["i16", "u16", "i32", "f32", "f64"] {
         let path = simple(folder.path(), kind, Some(Rice { steps_per_sigma: 4.0, dither_seed: 33 }), "");
@@ -372,7 +372,8 @@ fn verif_noisy_floats_keep_their_steps() {
     let values = ImageValues::new(200, Pixels::F32(values)).expect("rows");
     let rice = Rice { steps_per_sigma: 4.0, dither_seed: 9_999 };
     write_frame(&path, &[NewImage { name: "", values: &values, cards: &[], rice: Some(rice) }]).expect("written");
-    // A quarter of the noise of 10 is a step, the most that light between two steps is off; CFITSIO's measure of the noise varies from row to row.
+    // A step is a quarter of the noise of 10, which is the largest error of added light; CFITSIO's noise estimate
+    // varies from row to row.
     change_compressed(&path, 1, 4.0);
 }
 
@@ -385,26 +386,26 @@ fn verif_real_compressed_frames() {
     change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 2, 0.0);
 }
 
-/// A folder that nobody may write to, and a disk that is full: no output, and the words of the system.
+/// A folder without write permission, and a full disk: no output, and the system's error message.
 #[cfg(target_os = "linux")]
 #[test]
-fn verif_disks_that_do_not_take_the_frame() {
+fn verif_unwritable_disks() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder();
     let source = FrameFile::open(&simple(folder.path(), "f32", None, "")).expect("a file");
     let closed = folder.path().join("closed");
     fs::create_dir(&closed).expect("a folder");
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).expect("closed");
-    // Root may write anywhere: the test is of use for others alone.
+    // Root may write anywhere, so this part runs for other users only.
     if fs::write(closed.join("probe"), b"x").is_err() {
         let error = FrameCopy::begin(&source, &closed.join("out.fits")).expect_err("closed").to_string();
         assert!(error.contains("Permission denied") && error.contains("out.fits"), "{error}");
     }
-    // A limit on the size of files stands in for the full disk; the process that has it is a shell, which starts this test once more.
+    // The full disk is simulated by a limit on file sizes in a shell, which starts this test again.
     if std::env::var_os("STREAKCAST_FULL_DISK").is_none() {
         let test = std::env::current_exe().expect("this test");
         let command = format!(
-            "ulimit -f 64; trap '' XFSZ; exec {test:?} --exact frame_files::verif_disks_that_do_not_take_the_frame --nocapture"
+            "ulimit -f 64; trap '' XFSZ; exec {test:?} --exact frame_files::verif_unwritable_disks --nocapture"
         );
         let output = std::process::Command::new("sh")
             .args(["-c", &command])
@@ -415,7 +416,7 @@ fn verif_disks_that_do_not_take_the_frame() {
         assert!(output.status.success() && text.contains("full: copy and new frame refused"), "{text}");
         return;
     }
-    // 64 blocks of 512 or 1024 bytes; the frame has 120 kB, its source was made small and is appended to.
+    // 64 blocks of 512 or 1024 bytes; the frame has 120 kB, its source is small and is appended to.
     let large = ImageValues::new(200, Pixels::F32(vec![1.0; 30_000])).expect("rows");
     let target = folder.path().join("out.fits");
     let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
@@ -460,7 +461,7 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
         fs::write(&path, [header.as_bytes(), data].concat()).expect("written");
         FrameFile::open(&path).expect(name)
     };
-    // A third axis of one pixel does not count, one of two does.
+    // A third axis of one pixel is ignored, one of two is not.
     let flat = with("flat.fits", &axes(1), &good[2880..]);
     assert_eq!(flat.read_plane(0).expect("a plane").values()[1], -299.0);
     let thick = with("thick.fits", &axes(2), &good[2880..]);

@@ -1,4 +1,4 @@
-//! A streak that was seen: Starlink-1102 in an exposure of the Dark Energy Camera, and where its elements put it.
+//! An observed streak: Starlink-1102 in an exposure of the Dark Energy Camera, compared with the track from element sets.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -16,14 +16,14 @@ const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";
 /// STARLINK-1102.
 const NORAD: u32 = 44920;
 
-/// The streak as it lies in the cutout of chip S28: the line on which the pixels, their columns' gradient taken out, are brightest on the average
-/// (counted from 0; found on a grid of half a pixel).
+/// The streak in the cutout of chip S28: the line with the brightest mean of the pixels after subtraction of the columns'
+/// gradient (counted from 0; found on a grid of half a pixel).
 const SEEN: [PixelPosition; 2] = [PixelPosition { x: 0.0, y: 67.5 }, PixelPosition { x: 70.0, y: -3.0 }];
 
 fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<SkyTrack> {
     let site = Site::from_mpc("W84").unwrap();
     let choice = ModelChoice::new(&ModelLibrary::embedded()).unwrap();
-    // As the command has it where no table is named: with the pole's motion, 12 m there, the streak lies 3" nearer.
+    // As on the command line without an EOP table: with polar motion, 12 m there, the streak is 3" nearer.
     let eop = EopTable::embedded().without_polar_motion();
     let sky = Sky::with_models(vec![elements.clone()], Observer::new(site), eop.clone(), &choice);
     let light = SatelliteLight {
@@ -37,7 +37,7 @@ fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<
 }
 
 #[test]
-fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
+fn valid_starlink_1102_crosses_the_decam_exposure_as_observed() {
     let Some(folder) = crate::common::data_dir() else { return };
     let frame = FrameFile::open(&folder.join(FRAME)).unwrap();
     let chip = frame.hdus().iter().find(|hdu| hdu.name == "S28").unwrap();
@@ -50,13 +50,14 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         pointing: seen[0],
         rotation_rad: 0.0,
     };
-    // The header says where that was, by its instrument: that of the observatory is 70 m away, 11" at this satellite.
-    let said = FrameOverrides { zero_point: Some((30.0, CountBasis::Frame)), ..FrameOverrides::default() };
-    let said = TargetFrame::open(&folder.join(FRAME), &said).unwrap();
-    let site = said.observatory.iter().find_map(|named| Site::by_name(named).ok()).unwrap();
+    // The header gives the instrument's position: that of the observatory is 70 m away, 11" at this satellite.
+    let overrides = FrameOverrides { zero_point: Some((30.0, CountBasis::Frame)), ..FrameOverrides::default() };
+    let frame = TargetFrame::open(&folder.join(FRAME), &overrides).unwrap();
+    let site = frame.observatory.iter().find_map(|named| Site::by_name(named).ok()).unwrap();
     assert_eq!(site.mpc_code.as_deref(), Some("W84"));
-    // Elements 11.5 days old, and 9.5 days old within a manoeuvre: how far beside the streak the track runs, arcmin, and a field that it just crosses: the
-    // track bends by 3" within a degree. The streak is known to half a pixel, 0.002'.
+    // Elements 11.5 days old, and 9.5 days old within a manoeuvre: distance of the track from the streak, arcmin, and a
+    // field that it just crosses (the track bends by 3" within a degree). The streak is measured to half a pixel,
+    // 0.002'.
     for (file, age_days, beside_arcmin, radius_deg) in [
         ("supgp/starlink_supgp_2020-02-23.tle", 11.48, 0.50, 0.03),
         ("supgp/starlink_supgp_2020-02-25.tle", 9.48, 27.09, 0.47),
@@ -77,7 +78,8 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         // The line was measured over 70 pixels to half a pixel at its ends: 0.4 degrees.
         let turned = (from.position_angle_rad(&to) - seen[1].position_angle_rad(&seen[0])).to_degrees();
         assert!(turned.abs() < 0.4, "{file}: {turned:.3} deg");
-        // Chip S28 is 9' by 18', and the streak crosses all of it: a track 0.5' beside it lies on the chip, at a time within the exposure.
+        // Chip S28 is 9' by 18', and the streak crosses all of it: a track 0.5' beside it is on the chip at a time
+        // within the exposure.
         assert!((0.0..120.0).contains(&near[0].time_s));
     }
 }

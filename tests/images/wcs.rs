@@ -1,4 +1,4 @@
-//! World coordinates against astropy and wcslib, and against themselves.
+//! World coordinates compared with astropy and wcslib, and round trips.
 
 use crate::common::agreement::Agreement;
 use std::collections::BTreeMap;
@@ -8,10 +8,10 @@ use std::path::Path;
 use streakcast::frames::{Direction, Gcrs};
 use streakcast::images::{Header, PixelPosition, Wcs, WcsError};
 
-/// Both directions against astropy: 1e-6 pixel, what the issue asks for; rounding is 1e-9 pixel for frames far from their CRPIX.
+/// Tolerance of both directions against astropy: 1e-6 pixel; rounding is 1e-9 pixel for frames far from their CRPIX.
 const TOLERANCE_PIX: f64 = 1e-6;
 
-/// There and back through our own: what Newton's method and f64 leave.
+/// Tolerance of round trips: errors of Newton's method and f64.
 const ROUND_TRIP_PIX: f64 = 1e-8;
 
 struct Golden {
@@ -19,7 +19,7 @@ struct Golden {
     direction: Direction<Gcrs>,
 }
 
-/// All goldens by header and HDU.
+/// All golden values by header and HDU.
 fn goldens() -> BTreeMap<(String, usize), Vec<Golden>> {
     let path = crate::common::golden_dir().join("wcs_golden.csv");
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).expect("goldens");
@@ -41,7 +41,7 @@ fn compare(agreement: &mut Agreement, name: &str, header: &Header, goldens: &[Go
     let wcs = Wcs::from_header(header).unwrap_or_else(|error| panic!("{name}: {error}"));
     for golden in goldens {
         let place = golden.place;
-        let found = wcs.to_pixel(golden.direction).unwrap_or_else(|| panic!("{name}: {place:?} has no place"));
+        let found = wcs.to_pixel(golden.direction).unwrap_or_else(|| panic!("{name}: no pixel position of {place:?}"));
         assert!(
             found.distance(place) < TOLERANCE_PIX,
             "{name}: {place:?} is {found:?}, {} pix off",
@@ -115,7 +115,7 @@ CRVAL2  =                 20.0\nCRPIX1  =                500.0\nCRPIX2  =       
 CD2_1   =                  0.0\nCD2_2   =              0.00007\n";
 
 #[test]
-fn verif_what_cannot_be_read_says_why() {
+fn verif_unreadable_headers_give_a_reason() {
     for (changes, words) in [
         (vec![("'RA---TAN'", "'        '")], "no world coordinates: CTYPE1 is \"\""),
         (vec![("RA---TAN", "GLON-TAN"), ("DEC--TAN", "GLAT-TAN")], "one RA---xxx and one DEC--xxx"),
@@ -139,7 +139,7 @@ fn verif_what_cannot_be_read_says_why() {
 }
 
 #[test]
-fn verif_fk5_and_icrs_are_one() {
+fn verif_fk5_and_icrs_agree() {
     let plain = Wcs::from_header(&lines(PLAIN, &[])).expect("plain");
     for system in ["RADESYS = 'FK5'\nEQUINOX = 2000.0\n", "RADECSYS= 'ICRS'\n", "EQUINOX = 2000.0\n"] {
         let other = Wcs::from_header(&Header::from_text(&format!("{PLAIN}{system}"))).expect(system);
@@ -147,9 +147,9 @@ fn verif_fk5_and_icrs_are_one() {
     }
 }
 
-/// A straight line on the sky through the frame and far beyond: along it places move on, or there are none.
+/// A straight line on the sky through the frame and far beyond: along it pixel positions advance or do not exist.
 #[test]
-fn verif_a_track_far_outside_never_comes_back() {
+fn verif_a_track_far_outside_does_not_return() {
     for name in ["sip-no-suffix-no-inverse.hdr", "tpv-radial-dec-first.hdr", "tnx-chebyshev.hdr"] {
         let header = invented(name);
         let wcs = Wcs::from_header(&header).expect(name);
@@ -186,23 +186,23 @@ fn verif_tangent_frames() {
     assert!(wcs.to_pixel(centre).expect("inside").distance(middle) < 1e-9);
     assert!((wcs.pixel_scale_arcsec(middle) - 0.2).abs() < 1e-9);
     assert!((wcs.pixel_area_arcsec2(middle) - 0.04).abs() < 1e-9);
-    // Rows grow towards position angle 0.5; columns towards 90 degrees less.
+    // Rows increase towards position angle 0.5; columns towards 90 degrees less.
     for (x, y, angle) in [(0.0, 10.0, 0.5), (-10.0, 0.0, 0.5 + std::f64::consts::FRAC_PI_2)] {
         let there = wcs.to_sky(PixelPosition { x: middle.x + x, y: middle.y + y }).expect("inside");
         assert!((centre.position_angle_rad(&there) - angle).abs() < 1e-9, "{x} {y}");
     }
-    // The cards say the same.
+    // The cards give the same.
     let mut cards = Header::from_text("NAXIS1  = 4000\nNAXIS2  = 2000");
     cards.extend(wcs.cards());
     assert_eq!(Wcs::from_header(&cards).expect("its own cards"), wcs);
-    // The other side of the sky is nowhere.
+    // The opposite side of the sky has no pixel position.
     assert_eq!(wcs.to_pixel(-centre), None);
     assert!(Wcs::tangent(centre, 0.0, 0.0, 10, 10).is_err());
     assert_eq!(wcs.to_sky(PixelPosition { x: f64::NAN, y: 0.0 }), None);
 }
 
 #[test]
-fn verif_goldens_name_files_that_are_there() {
+fn verif_golden_files_exist() {
     for (name, _) in goldens().keys().filter(|(name, _)| !name.contains('/')) {
         assert!(Path::new(&crate::common::golden_dir().join("wcs").join(name)).is_file(), "{name}");
     }

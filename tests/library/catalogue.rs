@@ -1,4 +1,4 @@
-//! The catalogue: every syntax gives the same satellite, in files short and long, one or several.
+//! The catalogue: every syntax gives the same satellite, in short and long files, one or several.
 
 use crate::common::elements::{gzip, read, reasons, sample};
 use hifitime::Epoch;
@@ -41,7 +41,7 @@ fn ephemeris(set: &ElementSet) -> Vec<([f64; 3], [f64; 3])> {
 }
 
 #[test]
-fn verif_dressing_of_a_text_file_does_not_matter() {
+fn verif_line_ends_and_blank_lines_do_not_matter() {
     let plain = read(&sample("sample.3le")).unwrap().element_sets;
     let text = format!("SAMPLE & SON\n{LINE1}\n{LINE2}\n");
     let utf16: Vec<u8> = [0xff, 0xfe].into_iter().chain(text.encode_utf16().flat_map(u16::to_le_bytes)).collect();
@@ -64,15 +64,15 @@ fn verif_dressing_of_a_text_file_does_not_matter() {
     }
 }
 
-/// Long texts are read in pieces on several cores; the answer is the one of a single piece.
+/// Long texts are read in pieces on several cores; the result equals that of a single piece.
 #[test]
-fn verif_long_files_read_as_short_ones_do() {
+fn verif_long_files_are_read_like_short_ones() {
     const COUNT: usize = 6000;
     let text = |name: &str| String::from_utf8(sample(name)).unwrap();
     let number = |text: &str, index: usize| text.replace("90001", &format!("{}", 10_000 + index));
     let tle = |index: usize| {
         let lines = number(&text("sample.3le"), index);
-        // Without checksums, and now and then something is amiss.
+        // Without checksums, and with some invalid records.
         let lines: String = lines.lines().map(|line| format!("{}\n", &line[..line.len().min(68)])).collect();
         match index % 100 {
             0 => lines.replace("53.0541", "53.O541"),
@@ -84,14 +84,14 @@ fn verif_long_files_read_as_short_ones_do() {
     let (titles, row) = csv.trim_end().split_once('\n').unwrap();
     let xml = text("sample.xml");
     let message = &xml[xml.find("<omm").unwrap()..xml.find("</ndm>").unwrap()];
-    let spoil =
+    let damage =
         |text: String, index: usize| if index.is_multiple_of(100) { text.replace("15.06394766", "-1") } else { text };
     let all = |make: &dyn Fn(usize) -> String| (0..COUNT).map(make).collect::<String>();
     let files = [
         (all(&tle), 2),
-        (format!("{titles}\n{}", all(&|index| spoil(number(row, index), index) + "\n")), 1),
-        (format!("<ndm>\n{}</ndm>", all(&|index| spoil(number(message, index), index))), 1),
-        (all(&|index| spoil(number(&text("sample.kvn"), index), index)), 1),
+        (format!("{titles}\n{}", all(&|index| damage(number(row, index), index) + "\n")), 1),
+        (format!("<ndm>\n{}</ndm>", all(&|index| damage(number(message, index), index))), 1),
+        (all(&|index| damage(number(&text("sample.kvn"), index), index)), 1),
     ];
     for (text, bad_in_a_hundred) in files {
         assert!(text.len() > 700_000);
@@ -100,7 +100,7 @@ fn verif_long_files_read_as_short_ones_do() {
         let format = catalogue.sources[0].format;
         assert_eq!((catalogue.rejected.len(), catalogue.element_sets.len()), (bad, COUNT - bad), "{format}");
         assert!(catalogue.element_sets.windows(2).all(|pair| pair[0].norad_id < pair[1].norad_id), "{format}");
-        // Every line number leads to a record that was spoilt.
+        // Every line number refers to an invalid record.
         let lines: Vec<_> = text.lines().collect();
         let mut last = 0;
         for rejected in &catalogue.rejected {
@@ -135,7 +135,7 @@ fn verif_mixed_files_in_one_run() {
     let catalogue = Satellites::read(&paths, &ReadOptions::default()).unwrap();
     let ids: Vec<_> = catalogue.element_sets.iter().map(|set| set.norad_id.0).collect();
     assert_eq!((ids, catalogue.duplicates), (vec![90001, 900_010], 1));
-    // The two-line file had no name; the duplicate lends it.
+    // The two-line file has no name; the name of the duplicate is used.
     assert_eq!(&*catalogue.element_sets[0].name, "SAMPLE & SON");
     let formats: Vec<_> = catalogue.sources.iter().map(|source| (source.format.to_string(), source.gzipped)).collect();
     assert_eq!(formats, [("TLE".into(), false), ("OMM JSON".into(), true), ("OMM XML".into(), false)]);
@@ -146,7 +146,7 @@ fn verif_mixed_files_in_one_run() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// What is written as a TLE is read back to the last digit that a TLE holds.
+    /// A written TLE is read back to its last digit.
     #[test]
     fn verif_tle_round_trip(
         id in 1_u32..340_000,
@@ -161,7 +161,7 @@ proptest! {
         dot in -99_999_999_i64..100_000_000,
         revolution in 0_u32..100_000,
     ) {
-        // The mantissa needs its five digits.
+        // The mantissa needs all five digits.
         let bstar = f64::from(if negative { -bstar } else { bstar }) / 1e5;
         let mut set = read(&sample("sample.2le")).unwrap().element_sets.remove(0);
         set.norad_id = NoradId(id);
@@ -180,7 +180,7 @@ proptest! {
         let [line1, line2] = format_tle(&set).unwrap();
         prop_assert_eq!((line1.len(), line2.len()), (69, 69));
         let mut back = read(format!("{line1}\n{line2}").as_bytes()).unwrap().element_sets.remove(0);
-        // Minus zero is zero.
+        // Minus zero becomes zero.
         back.bstar_per_earth_radius += 0.0;
         prop_assert_eq!(back, set);
     }

@@ -1,4 +1,4 @@
-//! Several element sets of one satellite: the nearest, the newest, and what its orbit does.
+//! Several element sets of one satellite: the nearest, the newest, and the state of its orbit.
 
 use crate::common::elements::{pair, read, read_all, sample};
 use hifitime::{Epoch, Unit};
@@ -26,9 +26,9 @@ fn verif_history_and_selection() {
     assert_eq!(at, history.at(epoch(80.4)));
     let epochs: Vec<_> = history.of(NoradId(90001)).iter().map(|set| set.epoch).collect();
     assert_eq!(epochs, [epoch(79.5), epoch(80.5), epoch(81.5)]);
-    for (asked, nearest) in [(10.0, 79.5), (79.9, 79.5), (80.0, 80.5), (80.9, 80.5), (81.1, 81.5), (300.0, 81.5)] {
-        let found = history.nearest(NoradId(90001), epoch(asked)).unwrap();
-        assert_eq!(found.epoch, epoch(nearest), "asked for day {asked}");
+    for (day, nearest) in [(10.0, 79.5), (79.9, 79.5), (80.0, 80.5), (80.9, 80.5), (81.1, 81.5), (300.0, 81.5)] {
+        let found = history.nearest(NoradId(90001), epoch(day)).unwrap();
+        assert_eq!(found.epoch, epoch(nearest), "requested day {day}");
     }
     assert!(history.nearest(NoradId(1), epoch(80.0)).is_none());
     assert_eq!(history.of(NoradId(1)), []);
@@ -77,7 +77,7 @@ fn verif_the_station_rule() {
     assert_eq!(names(&[0.0, 0.0], &rule), ["unknown"; 2]);
     assert_eq!(names(&[], &rule), [""; 0]);
     assert_eq!(names(&[0.0, 0.0, 0.0], &StationRule { min_height_km: 560.0, ..rule }), ["parked"; 3]);
-    // It arrives: the sets after the burn are steady.
+    // On station: the sets after the manoeuvre are steady.
     let phases = names(&[0.0, -1e-2, -1e-2, 0.0, 0.0, 0.0], &rule);
     assert_eq!(phases, ["raising", "raising", "on_station", "on_station", "on_station", "on_station"]);
 }
@@ -85,11 +85,11 @@ fn verif_the_station_rule() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// The nearest of a history is what a search through all of it finds.
+    /// The nearest set of a history equals that of a search through all sets.
     #[test]
     fn verif_nearest_equals_brute_force(
         minutes in proptest::collection::vec(0_i32..5000, 1..40),
-        asked in -500_i32..5500,
+        minute in -500_i32..5500,
     ) {
         let base = read(&sample("sample.2le")).unwrap().element_sets.remove(0);
         let at = |minute: i32| base.epoch + f64::from(minute) * Unit::Minute;
@@ -105,9 +105,9 @@ proptest! {
                 .element_sets()
                 .iter()
                 .filter(|set| set.norad_id.0 == id)
-                .map(|set| (set.epoch - at(asked)).abs())
+                .map(|set| (set.epoch - at(minute)).abs())
                 .min();
-            let found = history.nearest(NoradId(id), at(asked)).map(|set| (set.epoch - at(asked)).abs());
+            let found = history.nearest(NoradId(id), at(minute)).map(|set| (set.epoch - at(minute)).abs());
             prop_assert_eq!(found, best);
         }
     }

@@ -1,4 +1,4 @@
-//! Bad input: what is wrong is named and counted, the rest goes on, nothing panics.
+//! Invalid input: errors are named and counted, valid records are read, nothing panics.
 
 use std::path::Path;
 
@@ -10,7 +10,7 @@ const LINE1: &str = "1 90001U 26001A   26079.52426840 -.00001234  12345-7  10370
 const LINE2: &str = "2 90001  53.0541 193.4497 0006669 272.1743  87.8481 15.06394766123458";
 
 #[test]
-fn verif_a_bad_record_is_named_and_the_rest_goes_on() {
+fn verif_an_invalid_record_is_named_and_the_others_are_read() {
     let bad_checksum = LINE1.replace("9991", "9992");
     let bad_number = LINE2.replace("53.0541", "53.O541");
     let text = format!(
@@ -53,7 +53,7 @@ fn verif_a_bad_record_is_named_and_the_rest_goes_on() {
 }
 
 #[test]
-fn verif_broken_messages_stay_alone() {
+fn verif_broken_messages_do_not_affect_others() {
     let json = String::from_utf8(sample("sample.json")).unwrap();
     let good = json.trim().trim_start_matches('[').trim_end_matches(']');
     let text = format!(
@@ -78,7 +78,7 @@ fn verif_broken_messages_stay_alone() {
     );
     assert_eq!(catalogue.rejected[2].line, 1 + text[..text.find("{\"NORAD").unwrap()].matches('\n').count());
 
-    // Lists in objects, an object a line, and records that carry nothing but the two lines.
+    // Lists in objects, one object per line, and records with only the two lines.
     let lines = format!("{{\"name\": \"X\", \"line1\": \"{LINE1}\", \"line2\": \"{LINE2}\"}}");
     let wrapped = [
         format!("{{\"name\": \"list\", \"total\": 1, \"data\": [{good}]}}"),
@@ -208,14 +208,14 @@ fn verif_a_whole_file_fails_with_one_clear_error() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Whatever stands in a file, reading ends with an answer.
+    /// Reading returns a result for any bytes.
     #[test]
     fn verif_reading_never_panics(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
         let _ = read(&bytes);
         let _ = read(&gzip(&bytes));
     }
 
-    /// The same for texts that look right at first.
+    /// The same for texts that look valid at first.
     #[test]
     fn verif_damaged_files_never_panic(
         which in 0_usize..7,

@@ -1,4 +1,4 @@
-//! The catalogue against real files: every one reads as it should, whatever its state. Left out where the data are missing.
+//! The catalogue with real files in any state: expected numbers of records. Skipped without the data.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ fn read(path: PathBuf, keep: Keep) -> Satellites {
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// File, format, good records, rejected ones, objects, exact duplicates.
+/// File, format, valid records, rejected ones, objects, exact duplicates.
 type Expected = (&'static str, ElementFormat, usize, usize, usize, usize);
 
 const EXPECTED: [Expected; 26] = {
@@ -72,7 +72,7 @@ fn valid_every_real_file_reads() {
 }
 
 #[test]
-fn valid_what_is_no_element_file_is_refused_by_name() {
+fn valid_other_files_are_rejected_by_name() {
     let Some(data) = crate::common::data_dir() else { return };
     for name in ["omm/sample_starlink_ephemeris.txt", "history/manoeuvres_Sentinel-6A.yaml", "omm/ccsds_ndm/LICENSE"] {
         let error = Satellites::read(&[data.join("tle").join(name)], &ReadOptions::default()).unwrap_err().to_string();
@@ -85,7 +85,7 @@ fn valid_the_same_object_in_two_syntaxes() {
     let Some(data) = crate::common::data_dir() else { return };
     let one = |name: &str| read(data.join("tle/omm").join(name), Keep::All).element_sets.remove(0);
     let (tle, omm) = (one("iss_tle.txt"), one("iss_omm.json"));
-    // The TLE holds fewer digits: eccentricity 7 instead of 8 decimals, B* five digits instead of eight.
+    // The TLE has fewer digits: eccentricity 7 instead of 8 decimals, B* five digits instead of eight.
     assert_eq!((tle.eccentricity, omm.eccentricity), (0.0006669, 0.00066697));
     assert_eq!((tle.bstar_per_earth_radius, omm.bstar_per_earth_radius), (0.10370e-3, 0.00010370434));
     let mut rounded = omm.clone();
@@ -106,7 +106,7 @@ fn valid_the_same_object_in_two_syntaxes() {
 }
 
 #[test]
-fn valid_a_real_catalogue_survives_being_written() {
+fn valid_a_real_catalogue_survives_a_round_trip() {
     let Some(data) = crate::common::data_dir() else { return };
     for name in ["active/active_2026-04-25.txt", "messy/20001_tim_tle.txt"] {
         for set in read(data.join("tle").join(name), Keep::All).element_sets {
@@ -115,7 +115,7 @@ fn valid_a_real_catalogue_survives_being_written() {
             let mut back =
                 Satellites::from_bytes("written", text.as_bytes(), &ReadOptions::default()).unwrap().element_sets;
             let mut back = back.remove(0);
-            // Designators of other forms are not written; a zero's sign and an exponent's spelling are free.
+            // Designators of other forms are not written; the sign of zero and the form of an exponent may differ.
             back.international_designator = set.international_designator.clone();
             assert_eq!(back, set, "{line1}");
         }
@@ -130,7 +130,7 @@ fn valid_the_station_rule_on_real_histories() {
     let index = std::fs::read_to_string(data.join("derived/starlink_tle_history_sel_index.csv")).unwrap();
     let mut tally: HashMap<&str, HashMap<&str, usize>> = HashMap::new();
     let (mut raising, mut decaying) = (0, 0);
-    // Since 2025 shells stand at 460 to 485 km, Direct to Cell at 360 km.
+    // Since 2025 there are shells at 460 to 485 km, and Direct to Cell at 360 km.
     let rule = StationRule { min_height_km: 355.0, ..Default::default() };
     for row in index.lines().skip(1) {
         let cells: Vec<_> = row.split(',').collect();
@@ -140,7 +140,7 @@ fn valid_the_station_rule_on_real_histories() {
         for phase in &phases {
             *tally.entry(cells[0]).or_default().entry(phase.name()).or_default() += 1;
         }
-        // Two kilometres on either side, the same way: no doubt which.
+        // Two kilometres on either side with the same result: unambiguous.
         for (at, three) in sets.windows(3).enumerate() {
             let [before, now, after] = [0, 1, 2].map(|index| semi_major_axis_km(&three[index]));
             if now - before > 2.0 && after - now > 2.0 {
@@ -164,7 +164,7 @@ fn valid_the_station_rule_on_real_histories() {
     assert!(raising > 100 && decaying > 100);
 }
 
-/// Every Starlink element set of the data folder that has a name or a launch, one per object.
+/// Every Starlink element set of the data folder with a name or a launch, one per object.
 fn starlinks(data: &std::path::Path) -> Vec<ElementSet> {
     let files = [
         "active/active_2024-08-14.txt",
@@ -203,12 +203,12 @@ fn valid_generations_against_the_list_of_launches() {
             Generation::StarlinkV09 => "v0.9",
             Generation::StarlinkV10 | Generation::StarlinkVisorSat => "v1",
             Generation::StarlinkV15 => "v1.5",
-            // The list has no kind of its own for Direct to Cell.
+            // The list has no separate kind for Direct to Cell.
             Generation::StarlinkV2Mini | Generation::StarlinkDirectToCell => "v2 mini",
             _ => "other",
         };
         with_launch += usize::from(kinds(table.of(&set)) == expected);
-        // As if the launch came after the table's date.
+        // Treated as if launched after the table's date.
         let mut late = set.clone();
         late.international_designator = "".into();
         by_name += usize::from(kinds(table.of(&late)) == expected);
@@ -278,7 +278,7 @@ fn valid_shells_against_a_published_list() {
                 let altitude = shell["alt"].as_f64().unwrap().round() as i64;
                 (altitude, shell["inc"].as_f64().unwrap(), shell["totSat"].as_u64().unwrap())
             })
-            // Gen1 of the list goes on with the very low shells of 2018.
+            // Gen1 of the list includes the very low shells of 2018.
             .filter(|(altitude, _, _)| *altitude > 400)
             .collect();
         shells.sort_by(|a, b| a.partial_cmp(b).unwrap());

@@ -1,4 +1,4 @@
-//! Clear windows hold what they promise: exposures that start within are clear, and those between two of them are not.
+//! Clear windows: exposures that start inside are clear, and those between two windows are not.
 
 use hifitime::Epoch;
 use streakcast::elements::Constellation;
@@ -14,7 +14,7 @@ use streakcast::schedule::{
 const EXPOSURE_S: f64 = 30.0;
 const MARGIN_S: f64 = 2.0;
 const SPAN_S: f64 = 3600.0;
-/// Ends are root-found to a millisecond and guarded by two; this far beyond them the answer must turn, seconds.
+/// Ends are root-found to a millisecond and guarded by two; this far beyond them the verdict must change, seconds.
 const TURN_S: f64 = 0.01;
 
 fn dusk() -> Epoch {
@@ -34,7 +34,7 @@ fn exposure(start: Epoch, duration_s: f64, number: usize) -> Exposure {
     Exposure { id: number.to_string(), start, duration_s, pointing, rotation_rad: 0.0 }
 }
 
-/// Verdicts of one target's exposures that start so long after dusk.
+/// Verdicts of one target's exposures with starts relative to dusk.
 fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<VerdictKind> {
     let rows: Vec<ScheduledExposure> = starts_s
         .iter()
@@ -50,7 +50,7 @@ fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<V
     report.flags.iter().map(|flag| flag.kind).collect()
 }
 
-/// Windows of four targets within an hour of dusk, exposures included.
+/// Windows of four targets within an hour of dusk, including the exposures.
 fn windows(min_altitude_rad: f64, blocking: Blocking, against: &FlagRequest<'_>) -> Vec<Vec<ClearWindow>> {
     let target = |number| WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, number), band: None };
     let targets: Vec<WindowTarget> = (0..4).map(target).collect();
@@ -75,8 +75,8 @@ fn verif_starts_within_are_clear_and_between_are_not() {
     let photometry = PhotometryOptions::default();
     let bright = Policy { limit_mag: Some(MagnitudeLimit::All(6.9)), ..Policy::default() };
     let patient = Policy { margin_s: Some(MARGIN_S), max_delay_s: Some(0.0), ..Policy::default() };
-    let asked = [(&patient, Blocking::Any), (&bright, Blocking::Avoided), (&bright, Blocking::Limits)];
-    for (policy, blocking) in asked {
+    let cases = [(&patient, Blocking::Any), (&bright, Blocking::Avoided), (&bright, Blocking::Limits)];
+    for (policy, blocking) in cases {
         let request = FlagRequest { sky: &sky, field: &field, policy, telescope: None, photometry: &photometry };
         let is_good = |verdict: &VerdictKind| match blocking {
             Blocking::Any => *verdict == VerdictKind::Clear,
@@ -107,26 +107,26 @@ fn verif_starts_within_are_clear_and_between_are_not() {
 }
 
 #[test]
-fn windows_end_at_the_altitude_asked_for() {
+fn windows_end_at_the_minimum_altitude() {
     let (sky, field) = (sky(), Field::circle(3.5f64.to_radians()).expect("a field"));
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
     let request = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let eop = EopTable::embedded();
     let altitude_rad = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], sky.viewpoint(), &eop)[0];
-    // As high as the second target stands half way: it sinks or rises through it.
+    // The altitude of the second target half way through: it rises or sets through it.
     let limit_rad = altitude_rad(&exposure(seconds_after(dusk(), 0.5 * SPAN_S), 0.0, 1));
     let answer = windows(limit_rad, Blocking::Any, &request);
     let starts: Vec<f64> = answer[1].iter().map(ends_s).flat_map(|(first_s, last_s)| [first_s, last_s]).collect();
     assert!(!starts.is_empty());
     for start_s in &starts {
         let stands_rad = altitude_rad(&exposure(seconds_after(dusk(), *start_s), EXPOSURE_S, 1));
-        // A hundredth of a second of the sky's turning.
+        // A hundredth of a second of the sky's rotation.
         assert!(stands_rad > limit_rad - 1e-6, "{start_s} s: {} below", limit_rad - stands_rad);
     }
     let all = windows(0.0, Blocking::Any, &request);
     let length_s = |windows: &[ClearWindow]| windows.iter().map(ends_s).map(|(first, last)| last - first).sum::<f64>();
     assert!(length_s(&answer[1]) < 0.7 * length_s(&all[1]));
-    // Higher than anything stands: nothing.
+    // Above the altitude of all targets there are no windows.
     let none = windows(1.57, Blocking::Any, &request);
     assert!(none.iter().all(Vec::is_empty));
 }
@@ -140,23 +140,23 @@ fn windows_from_an_orbit_end_at_the_limb() {
     let field = Field::circle(0.5f64.to_radians()).expect("a field");
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
-    // Two thirds of an orbit: every target that the limb covers at all rises or sets.
+    // Two thirds of an orbit: every target that is ever covered by the limb rises or sets.
     let target = WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, 1), band: None };
-    let ask = |max_sun_altitude_rad| {
+    let windows_with = |max_sun_altitude_rad| {
         let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad };
         clear_windows(std::slice::from_ref(&target), dusk(), seconds_after(dusk(), SPAN_S), &request)
     };
     let lowest_rad = |start: Epoch| lowest_altitudes_rad(&[&exposure(start, EXPOSURE_S, 1)], sky.viewpoint(), &eop)[0];
-    let found = ask(None).expect("windows").by_target.remove(0);
+    let found = windows_with(None).expect("windows").by_target.remove(0);
     let (first, last) = (dusk(), seconds_after(dusk(), SPAN_S));
     let ends: Vec<Epoch> = found.observable.iter().flat_map(|window| [window.first, window.last]).collect();
     assert!(!ends.is_empty() && ends.iter().any(|end| *end != first && *end != last), "{ends:?}");
     for window in &found.observable {
         assert!(lowest_rad(window.first) >= -1e-5 && lowest_rad(window.last) >= -1e-5, "{window:?}");
-        // A second beyond, the limb stands in the way.
+        // One second later the Earth blocks the target.
         for beyond in [seconds_after(window.first, -1.0), seconds_after(window.last, 1.0)] {
             assert!(beyond < first || beyond > last || lowest_rad(beyond) < 0.0, "{window:?}");
         }
     }
-    assert!(matches!(ask(Some(-0.2)), Err(SkyError::NoHorizon { .. })));
+    assert!(matches!(windows_with(Some(-0.2)), Err(SkyError::NoHorizon { .. })));
 }

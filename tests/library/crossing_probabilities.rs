@@ -8,8 +8,8 @@ use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::orbit::{OrbitClass, uncertainty};
-use streakcast::passes::{CrossingProbability, Exposure, Field, ModelChoice, PassOptions, Sky, TrackPoint};
+use streakcast::orbit::{OrbitClass, OrbitUncertainty, uncertainty};
+use streakcast::passes::{CrossingProbability, Exposure, Field, ModelChoice, Pass, PassOptions, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
@@ -33,24 +33,26 @@ fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
     elements
 }
 
-/// The same satellites as they may be: each early or late, and off its track, by errors drawn once.
+/// A satellite off its prediction by so many sigmas: late, and with its plane tilted in inclination and node.
+fn moved(set: &ElementSet, sigma: OrbitUncertainty, [late, inclination, node]: [f64; 3]) -> ElementSet {
+    let mut set = set.clone();
+    // SGP4 computes from the time since epoch alone: a later epoch is a later satellite on the same path.
+    set.epoch = seconds_after(set.epoch, sigma.along_track_s * late);
+    // Off the plane by σ at every argument of latitude: r Δi and r sin i ΔΩ, each with σ.
+    let tilt_deg = (sigma.cross_track_km / 6928.0).to_degrees();
+    set.inclination_deg += tilt_deg * inclination;
+    set.right_ascension_of_node_deg =
+        (set.right_ascension_of_node_deg + tilt_deg * node / set.inclination_deg.to_radians().sin()).rem_euclid(360.0);
+    set
+}
+
+/// The same satellites with errors drawn once.
 fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<ElementSet> {
-    elements
-        .iter()
-        .map(|set| {
-            let sigma = uncertainty(OrbitClass::of(set), age_days);
-            let mut set = set.clone();
-            // SGP4 knows of time only since epoch: a later epoch is a later satellite on the same path.
-            set.epoch = seconds_after(set.epoch, sigma.along_track_s * draws.normal());
-            // Off the plane by σ at every argument of latitude: r Δi and r sin i ΔΩ, each with σ.
-            let tilt_deg = (sigma.cross_track_km / 6928.0).to_degrees();
-            set.inclination_deg += tilt_deg * draws.normal();
-            set.right_ascension_of_node_deg = (set.right_ascension_of_node_deg
-                + tilt_deg * draws.normal() / set.inclination_deg.to_radians().sin())
-            .rem_euclid(360.0);
-            set
-        })
-        .collect()
+    let of = |set: &ElementSet| {
+        let sigma = uncertainty(OrbitClass::of(set), age_days);
+        moved(set, sigma, [draws.normal(), draws.normal(), draws.normal()])
+    };
+    elements.iter().map(of).collect()
 }
 
 /// Exposures of a twilight all over the sky.
@@ -78,12 +80,12 @@ fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
 /// Expected numbers of streaks, of streaked exposures, and streak length, against as many draws of all errors.
 ///
 /// Tolerance: three sigma of the draws, and 4 % for what is left out (planes that turn during the delay, the site
-/// standing still, one error across for two directions).
+/// standing still within a piece, one error across for two directions).
 #[test]
 fn verif_probabilities_against_draws_of_the_errors() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
-    for (age_days, rounds) in [(1.0, 40), (30.0, 60)] {
+    for (age_days, rounds) in [(1.0, 40), (20.0, 60), (30.0, 60)] {
         let mut draws = Random(20_261_121);
         let exposures = exposures(start, 360, &mut draws);
         let elements = published(age_days, exposures[180].start, 1584);
@@ -191,6 +193,68 @@ fn verif_long_exposures_against_draws_of_the_errors() {
         let found = here.crossing_probabilities(&exposures, &field).expect("probabilities");
         compare(&format!("{right_ascension_deg} deg, {duration_s} s"), &exposures, &field, sums(&found), skies.iter());
     }
+}
+
+/// Probability and streak length of single satellites in exposures of minutes against the sum over all their errors.
+/// The site moves across each orbit plane in two minutes; with a delay of minutes it is in another place than predicted.
+#[test]
+fn verif_single_satellites_against_the_sum_over_their_errors() {
+    const AGE_DAYS: f64 = 20.0;
+    /// Pieces of 10 s in passes of the field of about 120 s.
+    const TOLERANCE: f64 = 0.05;
+    const DELAYS: usize = 400;
+    const REACH_SIGMAS: f64 = 4.0;
+    // Gauss-Hermite rule of three points for a unit normal distribution: 0 and ±√3.
+    let shifts = [(0.0, 2.0 / 3.0), (3f64.sqrt(), 1.0 / 6.0), (-3f64.sqrt(), 1.0 / 6.0)];
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let exposures = [(240.0, 600.0), (225.0, 300.0), (225.0, 900.0), (275.0, 600.0)].map(
+        |(right_ascension_deg, duration_s): (f64, f64)| Exposure {
+            id: "long".into(),
+            start,
+            duration_s,
+            pointing: Direction::from_lon_lat_rad(right_ascension_deg.to_radians(), (-30f64).to_radians()),
+            rotation_rad: 0.0,
+        },
+    );
+    let mut elements = published(AGE_DAYS, start, 1584);
+    for set in &mut elements {
+        set.mean_motion_dot_rev_day2 = 2e-5;
+    }
+    let here = sky(elements.clone());
+    let found = here.crossing_probabilities(&exposures, &field).expect("probabilities");
+    let mut checked = 0;
+    for (exposure, found) in exposures.iter().zip(&found) {
+        for one in found.iter().filter(|one| one.probability > 0.2) {
+            let set = &elements[one.element_index];
+            let sigma = uncertainty(OrbitClass::of(set), AGE_DAYS);
+            let (mut copies, mut weights) = (Vec::new(), Vec::new());
+            for number in 0..DELAYS {
+                let step = 2.0 * REACH_SIGMAS / DELAYS as f64;
+                let late = step * (number as f64 + 0.5) - REACH_SIGMAS;
+                let share = step * (-0.5 * late * late).exp() / std::f64::consts::TAU.sqrt();
+                for ((inclination, of_one), (node, of_other)) in shifts.iter().flat_map(|a| shifts.map(|b| (*a, b))) {
+                    copies.push(moved(set, sigma, [late, inclination, node]));
+                    weights.push(share * of_one * of_other);
+                }
+            }
+            let passes = sky(copies)
+                .field_passes(std::slice::from_ref(exposure), &field, &PassOptions::default())
+                .expect("passes")
+                .by_exposure
+                .concat();
+            let sum = |of: &dyn Fn(&Pass) -> f64| passes.iter().map(|one| weights[one.element_index] * of(one)).sum();
+            let (probability, length_rad): (f64, f64) = (sum(&|_| 1.0), sum(&|one| one.streak_length_rad));
+            println!(
+                "{} s: {:.4} of {probability:.4}, {:.5} of {length_rad:.5} rad",
+                exposure.duration_s, one.probability, one.streak_length_rad
+            );
+            assert!((one.probability / probability - 1.0).abs() < TOLERANCE);
+            assert!((one.streak_length_rad / length_rad - 1.0).abs() < TOLERANCE);
+            checked += 1;
+        }
+    }
+    assert!(checked >= 5, "only {checked}");
 }
 
 /// A shutter that stays open longer never has fewer satellites to expect, and a second more changes little: on station

@@ -1,4 +1,5 @@
-//! Which satellites cross: against an independent brute force (python-sgp4, ERFA), and the cull against our own.
+//! Crossings: compared with an independent brute force (python-sgp4, ERFA), and the candidate search compared with our
+//! own.
 
 use crate::common::agreement::Agreement;
 use std::collections::BTreeMap;
@@ -14,7 +15,7 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::LeftOut;
 use streakcast::passes::{Exposure, Field, ModelChoice, Pass, PassOptions, Sky};
 
-/// Cerro Pachón as the golden numbers have it.
+/// Cerro Pachón as in the golden data.
 fn cerro_pachon() -> Observer {
     Observer::new(Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site"))
 }
@@ -34,7 +35,7 @@ fn utc(text: &str) -> Epoch {
 
 struct Golden {
     exposure: Exposure,
-    /// norad id to (enter, exit) pairs and the least separation
+    /// norad id to (enter, exit) pairs and the smallest separation
     crossings: BTreeMap<u32, (Vec<(f64, f64)>, f64)>,
 }
 
@@ -63,9 +64,9 @@ fn golden() -> Vec<Golden> {
     all
 }
 
-/// Entry and exit of fast satellites agree to this, seconds: golden times are root-found to 1e-6 s on the same model.
+/// Tolerance of entry and exit of fast satellites, seconds: golden times are root-found to 1e-6 s with the same model.
 const TIME_TOLERANCE_S: f64 = 2e-3;
-/// And every border is met to this angle, degrees: 0.2 arcsec. Slow satellites cross in seconds what others cross in milliseconds.
+/// Tolerance of every border, degrees: 0.2 arcsec. Slow satellites cross in seconds what others cross in milliseconds.
 const ANGLE_TOLERANCE_DEG: f64 = 0.2 / 3600.0;
 
 #[test]
@@ -118,7 +119,7 @@ fn valid_crossings_against_python_sgp4_and_erfa() {
     assert_eq!(compared, 129);
 }
 
-/// Orbits of every kind that constellations are not: eccentric, resonant, equatorial, retrograde, dragged, stale.
+/// Orbits that constellations do not have: eccentric, resonant, equatorial, retrograde, with strong drag, old.
 fn odd_orbits(epoch: Epoch) -> Vec<ElementSet> {
     let mut sets = Vec::new();
     for (mean_motion_rev_day, eccentricity) in [
@@ -163,7 +164,8 @@ fn odd_orbits(epoch: Epoch) -> Vec<ElementSet> {
     sets
 }
 
-/// The middle of the times asked about, and a sky: the real catalogue where it is there, shells otherwise; odd orbits always.
+/// Middle of the requested times, and a sky: the real catalogue if available, otherwise shells; always with unusual
+/// orbits.
 static SKY: LazyLock<(Epoch, Sky)> = LazyLock::new(|| {
     let epoch = utc("2026-04-26T04:00:00");
     let mut sets = odd_orbits(epoch);
@@ -181,9 +183,9 @@ static SKY: LazyLock<(Epoch, Sky)> = LazyLock::new(|| {
     (epoch, sky(sets))
 });
 
-/// One random question.
+/// One random request.
 #[derive(Clone, Debug)]
-struct Question {
+struct Request {
     days_later: f64,
     duration_s: f64,
     azimuth_rad: f64,
@@ -193,7 +195,7 @@ struct Question {
     shape: u8,
 }
 
-fn questions(longest_s: f64) -> impl Strategy<Value = Question> {
+fn requests(longest_s: f64) -> impl Strategy<Value = Request> {
     (
         -0.6..28.0_f64,
         prop_oneof![Just(0.0), Just(15.0), Just(30.0), 0.0..longest_s],
@@ -204,13 +206,13 @@ fn questions(longest_s: f64) -> impl Strategy<Value = Question> {
         0..4_u8,
     )
         .prop_map(|(days_later, duration_s, azimuth_rad, sine_of_altitude, size_deg, rotation_rad, shape)| {
-            Question { days_later, duration_s, azimuth_rad, sine_of_altitude, size_deg, rotation_rad, shape }
+            Request { days_later, duration_s, azimuth_rad, sine_of_altitude, size_deg, rotation_rad, shape }
         })
 }
 
-fn field_of(question: &Question) -> Field {
-    let size = question.size_deg;
-    match question.shape {
+fn field_of(request: &Request) -> Field {
+    let size = request.size_deg;
+    match request.shape {
         0 | 1 => Field::circle(size.to_radians()),
         2 => Field::rectangle_deg(size, 0.4 * size),
         _ => Field::from_json(&format!(
@@ -225,40 +227,42 @@ fn field_of(question: &Question) -> Field {
     .expect("a field")
 }
 
-/// Both ways close in on the same roots, on arcs with different nodes: 4 mm of orbit are 1 µs, a hundred times as much where a
-/// track meets a border at half a degree.
+/// Both methods converge to the same roots on arcs with different nodes: 4 mm of orbit are 1 µs, and a hundred times as
+/// much if a track meets a border at half a degree.
 const SAME_ROOT_S: f64 = 2e-4;
-/// In exposures beyond a minute the Earth's velocity, too, is that of different moments: 3 mas after a quarter of an hour, which
-/// is more along a border that is met at a grazing angle.
+/// In exposures longer than a minute the Earth's velocity is also evaluated at different times: 3 mas after a quarter
+/// of an hour, which is more along a border met at a grazing angle.
 const SAME_ROOT_OF_LONG_EXPOSURES_S: f64 = 5e-3;
-/// The same crossing on an arc that is interpolated over the time that matters alone: millimetres, and more time where a border is grazed, seconds.
+/// The same crossing on an arc interpolated over the relevant time only: millimetres, and more time at grazed borders,
+/// seconds.
 const SAME_ROOT_OF_SHORT_ARCS_S: f64 = 1e-5;
 /// A geostationary satellite takes a millisecond for 15 mas.
 const SAME_BORDER_ARCSEC: f64 = 0.01;
 
-/// Asks the same question with and without the cull; returns how many (field, satellite) pairs that decided.
-fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usize, TestCaseError> {
+/// Computes the same request with and without the candidate search; returns the number of tested (field, satellite)
+/// pairs.
+fn same_result(request: &Request, min_probability: Option<f64>) -> Result<usize, TestCaseError> {
     let (epoch, sky) = &*SKY;
-    let start = *epoch + question.days_later * Unit::Day;
+    let start = *epoch + request.days_later * Unit::Day;
     let here = sky
         .viewpoint()
         .site()
         .expect("a site")
         .state(&OrientationTable::new(start, start, &EopTable::embedded()).at_s(0.0));
-    let direction = Direction::<Horizontal>::from_lon_lat_rad(question.azimuth_rad, question.sine_of_altitude.asin());
+    let direction = Direction::<Horizontal>::from_lon_lat_rad(request.azimuth_rad, request.sine_of_altitude.asin());
     let exposure = Exposure {
         id: "random".to_owned(),
         start,
-        duration_s: question.duration_s,
+        duration_s: request.duration_s,
         pointing: here.horizon.inverse() * direction,
-        rotation_rad: question.rotation_rad,
+        rotation_rad: request.rotation_rad,
     };
     let exposures = [exposure];
-    let field = field_of(question);
+    let field = field_of(request);
     let options = PassOptions { include_dark: true, min_probability, ..PassOptions::default() };
     let culled = sky.field_passes(&exposures, &field, &options).expect("an answer");
     let brute = sky.field_passes_by_brute_force(&exposures, &field, &options).expect("an answer");
-    // Whoever is dark all along is left out before SGP4 is asked, and nobody else.
+    // Only satellites in the shadow throughout are skipped before SGP4.
     let lit = PassOptions { include_dark: false, ..options };
     let lit = sky.field_passes(&exposures, &field, &lit).expect("an answer");
     let of_all: Vec<&Pass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
@@ -266,7 +270,8 @@ fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usiz
     let (culled, brute) = (by_id(&culled.by_exposure[0]), by_id(&brute[0]));
     for (one, other, what) in [(&culled, &brute, "added"), (&brute, &culled, "lost")] {
         for (id, pass) in one {
-            // A near miss just above the least probability may fall just below it: the tails beyond the reach differ.
+            // A near miss just above the minimum probability may fall just below it, because the tails beyond the
+            // search reach differ.
             if pass.is_crossing() || pass.probability > 1.5 * min_probability.unwrap_or(0.0) {
                 prop_assert!(other.contains_key(id), "{what}: {pass:?}");
             }
@@ -277,7 +282,7 @@ fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usiz
         prop_assert_eq!(pass.chords.len(), brute.chords.len(), "{:?} {:?}", pass, brute);
         for (chord, brute) in pass.chords.iter().zip(&brute.chords) {
             let worst_s = (chord.enter_s - brute.enter_s).abs().max((chord.exit_s - brute.exit_s).abs());
-            let root_s = if question.duration_s > 60.0 { SAME_ROOT_OF_LONG_EXPOSURES_S } else { SAME_ROOT_S };
+            let root_s = if request.duration_s > 60.0 { SAME_ROOT_OF_LONG_EXPOSURES_S } else { SAME_ROOT_S };
             let same_s = root_s + SAME_BORDER_ARCSEC / (pass.angular_rate_rad_s.to_degrees() * 3600.0);
             prop_assert!(worst_s < same_s, "{id} {chord:?} {brute:?}");
         }
@@ -289,15 +294,21 @@ fn by_id(passes: &[Pass]) -> BTreeMap<NoradId, &Pass> {
     passes.iter().map(|pass| (pass.norad_id, pass)).collect()
 }
 
-fn hold_cull_against_brute_force(cases: u32, seed: u8, longest_s: f64, min_probability: Option<f64>, at_least: usize) {
+fn compare_search_with_brute_force(
+    cases: u32,
+    seed: u8,
+    longest_s: f64,
+    min_probability: Option<f64>,
+    at_least: usize,
+) {
     let mut runner = TestRunner::new_with_rng(
         Config { cases, failure_persistence: None, max_shrink_iters: 0, ..Config::default() },
         TestRng::from_seed(RngAlgorithm::ChaCha, &[seed; 32]),
     );
     let pairs = std::sync::atomic::AtomicUsize::new(0);
     runner
-        .run(&questions(longest_s), |question| {
-            let decided = same_answer(&question, min_probability)?;
+        .run(&requests(longest_s), |request| {
+            let decided = same_result(&request, min_probability)?;
             pairs.fetch_add(decided, std::sync::atomic::Ordering::Relaxed);
             Ok(())
         })
@@ -306,20 +317,20 @@ fn hold_cull_against_brute_force(cases: u32, seed: u8, longest_s: f64, min_proba
     assert!(pairs >= at_least, "only {pairs} pairs were decided");
 }
 
-/// With the real catalogue 200,000 pairs of a field and a satellite, without it 170,000.
+/// 200,000 pairs of a field and a satellite with the real catalogue, 170,000 without.
 #[test]
-fn verif_the_cull_loses_nothing_and_adds_nothing() {
-    hold_cull_against_brute_force(12, 1, 300.0, None, 100_000);
+fn verif_the_candidate_search_loses_and_adds_nothing() {
+    compare_search_with_brute_force(12, 1, 300.0, None, 100_000);
 }
 
 #[test]
-fn verif_near_misses_survive_the_cull_too() {
-    hold_cull_against_brute_force(2, 2, 60.0, Some(0.02), 8_000);
+fn verif_near_misses_survive_the_candidate_search() {
+    compare_search_with_brute_force(2, 2, 60.0, Some(0.02), 8_000);
 }
 
-/// A field half below the horizon: every crossing begins and ends above the ground, and some of them at it.
+/// A field half below the horizon: every crossing begins and ends above the ground, some of them at the horizon.
 #[test]
-fn verif_nothing_is_seen_through_the_ground() {
+fn verif_no_crossing_is_below_the_horizon() {
     let (epoch, sky) = &*SKY;
     let here = sky
         .viewpoint()
@@ -342,16 +353,16 @@ fn verif_nothing_is_seen_through_the_ground() {
         .filter_map(|point| point.altitude_rad)
         .collect();
     assert!(ends.len() > 100, "{}", ends.len());
-    // 2 degrees below the horizon: refraction and the dip of a mountain's horizon.
+    // 2 degrees below the horizon: refraction and the dip of the horizon on a mountain.
     let ground_rad = -0.035;
     assert!(ends.iter().all(|altitude_rad| *altitude_rad > ground_rad - 1e-6), "{ends:?}");
     assert!(ends.iter().filter(|altitude_rad| **altitude_rad < ground_rad + 1e-6).count() > 10);
 }
 
-/// Windows are kept between questions, and every answer is as if they were not: 48 exposures over four days, all at once
-/// and backwards one by one, among questions about near misses that keep windows of their own.
+/// Cached windows do not change results: 48 exposures over four days, all at once, and backwards one by one among
+/// requests for near misses, which cache other windows.
 #[test]
-fn verif_what_was_asked_before_changes_nothing() {
+fn verif_earlier_requests_change_nothing() {
     let (epoch, sky) = &*SKY;
     let orientation = OrientationTable::new(*epoch, *epoch, &EopTable::embedded());
     let here = sky.viewpoint().site().expect("a site").state(&orientation.at_s(0.0));
@@ -374,19 +385,19 @@ fn verif_what_was_asked_before_changes_nothing() {
     };
     let fresh = self::sky(sky.elements().to_vec());
     let fresh: Vec<Vec<Pass>> = exposures.iter().map(|exposure| alone(&fresh, exposure, &nominal)).collect();
-    let who = |passes: &[Pass]| passes.iter().map(|pass| pass.norad_id).collect::<Vec<_>>();
+    let ids = |passes: &[Pass]| passes.iter().map(|pass| pass.norad_id).collect::<Vec<_>>();
     for ((exposure, at_once), fresh) in exposures.iter().zip(&at_once).zip(&fresh).rev() {
         alone(sky, exposure, &near);
         let kept = alone(sky, exposure, &nominal);
-        assert_eq!(who(&kept), who(at_once), "{}", exposure.id);
+        assert_eq!(ids(&kept), ids(at_once), "{}", exposure.id);
         assert_eq!(&kept, fresh, "{}", exposure.id);
     }
 }
 
-/// Slices of long exposures are culled in groups: two hours and a half on one field hold what 150 exposures of a minute hold, from the beginning of one
-/// kept window far into the next. Crossings alone are those of the lit passes.
+/// Slices of long exposures are searched in groups: an exposure of two hours and a half gives the crossings of 150
+/// exposures of a minute, across several cached windows. Crossings without light equal those of the lit passes.
 #[test]
-fn verif_hours_on_one_field_are_their_minutes() {
+fn verif_a_long_exposure_equals_its_minutes() {
     const MINUTES: u32 = 150;
     let (epoch, sky) = &*SKY;
     let start = *epoch + 1.3 * Unit::Day;
@@ -432,14 +443,14 @@ fn verif_hours_on_one_field_are_their_minutes() {
                 }
             }
         }
-        // A graze shorter than the tolerance may be found by one way alone.
+        // A graze shorter than the tolerance may be found by only one method.
         let same_s = SAME_ROOT_OF_LONG_EXPOSURES_S;
         for chords in long.values_mut().chain(short.values_mut()) {
             chords.retain(|(enter_s, exit_s)| exit_s - enter_s > 20.0 * same_s);
         }
         long.retain(|_, chords| !chords.is_empty());
         short.retain(|_, chords| !chords.is_empty());
-        // An orbit that breaks down on the way has minutes, and no hours.
+        // An orbit for which SGP4 fails on the way is reported for minutes, and not for hours.
         for left_out in &answer.left_out {
             short.remove(&left_out.norad_id);
         }
@@ -450,7 +461,7 @@ fn verif_hours_on_one_field_are_their_minutes() {
             assert_eq!(chords.len(), short[id].len(), "{id}: {chords:?} {:?}", short[id]);
             for (one, other) in chords.iter().zip(&short[id]) {
                 let apart_s = (one.0 - other.0).abs().max((one.1 - other.1).abs());
-                // Slow satellites and grazing ones meet a border at a small angle.
+                // Slow and grazing satellites meet a border at a small angle.
                 assert!(apart_s < same_s.max(2e-3 * (one.1 - one.0)), "{id}: {one:?} {other:?}");
                 compared += 1;
             }
@@ -469,17 +480,17 @@ fn verif_hours_on_one_field_are_their_minutes() {
                 assert!(apart_s < SAME_ROOT_OF_SHORT_ARCS_S, "{size_deg} deg: {one:?} {other:?}");
             }
         }
-        // An orbit that breaks down does so at the moments that are looked at, which are others.
-        let who = |left_out: &[LeftOut]| left_out.iter().map(|one| one.norad_id).collect::<Vec<_>>();
-        assert_eq!(who(&alone.left_out), who(&lit.left_out));
+        // SGP4 fails at the evaluated times, which differ.
+        let ids = |left_out: &[LeftOut]| left_out.iter().map(|one| one.norad_id).collect::<Vec<_>>();
+        assert_eq!(ids(&alone.left_out), ids(&lit.left_out));
     }
     assert!(compared > 200, "{compared}");
 }
 
-/// `cargo test --release --test crossings -- --ignored`
+/// Run by `cargo test --release --test library -- --ignored candidate_search`.
 #[test]
 #[ignore = "a minute or more: the long form of the two above"]
-fn verif_the_cull_over_millions_of_pairs() {
-    hold_cull_against_brute_force(400, 3, 2000.0, None, 2_000_000);
-    hold_cull_against_brute_force(20, 4, 60.0, Some(0.02), 100_000);
+fn verif_the_candidate_search_over_millions_of_pairs() {
+    compare_search_with_brute_force(400, 3, 2000.0, None, 2_000_000);
+    compare_search_with_brute_force(20, 4, 60.0, Some(0.02), 100_000);
 }

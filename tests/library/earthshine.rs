@@ -1,4 +1,4 @@
-//! Earthshine: the product rule against finer rules, against HEALPix, and against closed forms.
+//! Earthshine: the product rule compared with finer rules, HEALPix, and closed forms.
 
 use crate::common::agreement::Agreement;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -11,9 +11,9 @@ use streakcast::photometry::brdf::{Brdf, Incidence, Lambert, Phong};
 use streakcast::photometry::earthshine::{EARTH_ALBEDO, LitEarth, Shine};
 use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, PhotometryOptions};
 
-/// What the contract of the production forms is, on a chassis that only the Earth lights, mag.
+/// Specified accuracy of the production rule on a chassis lit only by the Earth, mag.
 const EARTHSHINE_MAG: f64 = 1e-3;
-/// Exponent of which the rule has 2.5 times the nodes of that for `exponent`, or more, in either direction.
+/// Exponent for which the rule has at least 2.5 times the nodes in each direction.
 fn finer(exponent: f64) -> f64 {
     if exponent > 60.0 { 1000.0 } else { 400.0 }
 }
@@ -22,19 +22,19 @@ fn down() -> Vector3<f64> {
     -Vector3::z()
 }
 
-/// Unit vector at an angle from the nadir and a longitude from the Sun's, degrees.
+/// Unit vector at an angle from the nadir and a longitude from that of the Sun, degrees.
 fn below(nadir_deg: f64, longitude_deg: f64) -> Vector3<f64> {
     let (sin, cos) = nadir_deg.to_radians().sin_cos();
     let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
     Vector3::new(sin * cos_lon, sin * sin_lon, -cos)
 }
 
-/// Light on the chassis; none where no ground in view is lit.
+/// Light on the chassis; none if no visible ground is lit.
 fn shine(sun_rad: f64, height_km: f64, to_observer: &Vector3<f64>, exponent: f64) -> Shine {
     LitEarth::new(sun_rad, height_km).map(|earth| earth.shine(&down(), to_observer, exponent)).unwrap_or_default()
 }
 
-/// The same from sources one by one.
+/// The same, computed source by source.
 fn shine_of(sources: &[(Vector3<f64>, f64)], to_observer: &Vector3<f64>, exponent: f64) -> Shine {
     let mirror = Vector3::new(-to_observer.x, -to_observer.y, to_observer.z);
     let mut sum = Shine::default();
@@ -46,10 +46,9 @@ fn shine_of(sources: &[(Vector3<f64>, f64)], to_observer: &Vector3<f64>, exponen
     sum
 }
 
-/// The Earth in equal-area pixels, the paper's own form: directions and irradiances of all that are lit and in view.
-///
-/// Pixels are flat, taken at their centres (so that one cut by the terminator or the limb counts whole or not at all),
-/// and the pole of the grid stands at the nadir.
+/// The Earth in equal-area pixels, as in the paper: directions and irradiances of all lit and visible pixels. Pixels
+/// are flat and evaluated at their centres (so one cut by the terminator or the limb counts completely or not at all);
+/// the pole of the grid is at the nadir.
 fn healpix_earth(sun_rad: f64, height_km: f64, nside: u32) -> Vec<(Vector3<f64>, f64)> {
     let radius_km = EARTH_EQUATORIAL_RADIUS_KM;
     let satellite_km = Vector3::new(0.0, 0.0, radius_km + height_km);
@@ -58,7 +57,7 @@ fn healpix_earth(sun_rad: f64, height_km: f64, nside: u32) -> Vec<(Vector3<f64>,
     let limb_rad = FRAC_PI_2 - dip_deg(height_km).to_radians();
     (0..cell_count(nside))
         .map_while(|cell| ring_centre_rad(nside, cell))
-        // Rings run from the pole down.
+        // Rings run from the pole downwards.
         .take_while(|&(_, latitude)| latitude > limb_rad)
         .filter_map(|(longitude, latitude)| {
             let (up, along) = latitude.sin_cos();
@@ -74,7 +73,7 @@ fn healpix_earth(sun_rad: f64, height_km: f64, nside: u32) -> Vec<(Vector3<f64>,
         .collect()
 }
 
-/// c5 and c4 of the shipped Starlink V1.5: both terms in one number, without area and cos φ_r.
+/// c5 and c4 of the bundled Starlink V1.5: both terms in one number, without area and cos φ_r.
 fn chassis(shine: &Shine, exponent: f64) -> f64 {
     0.0915 / PI * shine.irradiance + 0.1889 * (exponent + 2.0) / (2.0 * PI) * shine.lobe
 }
@@ -87,7 +86,7 @@ fn dip_deg(height_km: f64) -> f64 {
     (EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + height_km)).acos().to_degrees()
 }
 
-/// Sun latitudes from nearly the last light to the whole cap lit, degrees.
+/// Sun latitudes from almost the last light to a fully lit cap, degrees.
 fn suns(height_km: f64) -> Vec<f64> {
     let dip = dip_deg(height_km);
     let mut suns = vec![-0.97 * dip, -0.8 * dip, 0.95 * dip, 60.0];
@@ -111,7 +110,7 @@ fn verif_rule_against_a_far_finer_one() {
                     let exact = shine_of(&fine, &to_observer, exponent);
                     let apart = magnitudes_apart(chassis(&ours, exponent), chassis(&exact, exponent));
                     worst = worst.max(apart);
-                    // A Lambertian part only: far below.
+                    // For a Lambertian part only the error is far smaller.
                     assert!((ours.irradiance / exact.irradiance - 1.0).abs() < 1e-4);
                 }
             }
@@ -123,7 +122,7 @@ fn verif_rule_against_a_far_finer_one() {
     }
 }
 
-/// Prints the table of convergence that stands in the docs of the module.
+/// Prints the table of convergence in the docs of the module.
 #[test]
 fn valid_rule_against_healpix() {
     let (exponent, height_km) = (22.0, 550.0);
@@ -148,7 +147,7 @@ fn valid_rule_against_healpix() {
     for (i, error) in errors.iter().enumerate() {
         println!("nside {:3}, {:6} cells: diffuse {:.1e}, total {:.1e} mag", 32 << i, cells[i], error[0], error[1]);
     }
-    // Pixels cut by terminator and limb count whole or not at all: at nside 512 that leaves this much.
+    // Pixels cut by terminator and limb count completely or not at all, which leaves this error at nside 512.
     assert!(errors[4][0] < 5e-4, "{errors:?}");
     Agreement::new("Earthshine of a chassis", "the Earth in cells of nside 512", EARTHSHINE_MAG, "mag")
         .see(errors[4][1]);
@@ -159,7 +158,7 @@ fn valid_rule_against_healpix() {
 fn verif_a_uniformly_lit_earth_gives_its_solid_angle() {
     for height_km in [200.0, 550.0, 2000.0, 35_786.0] {
         let ratio = EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + height_km);
-        // The Sun in the zenith lights all that is in view; divided by its cosine, every part is lit alike.
+        // With the Sun in the zenith all visible ground is lit; divided by its cosine, the illumination is uniform.
         let plate: f64 = LitEarth::new(FRAC_PI_2, height_km)
             .unwrap()
             .sources(60.0)
@@ -176,7 +175,7 @@ fn verif_a_uniformly_lit_earth_gives_its_solid_angle() {
 
 #[test]
 fn valid_diffuse_light_against_the_worked_ratios() {
-    // Over direct light on the chassis, at 550 km; worked out apart from this code, on a mesh, and printed rounded.
+    // Relative to direct light on the chassis, at 550 km; computed independently on a mesh, and printed rounded.
     const MESH_AND_ROUNDING: f64 = 0.03;
     for (sun_deg, expected) in [(-2.0_f64, 0.118), (-8.0, 0.0044), (-14.0, 2.8e-4), (-20.0, 3e-6)] {
         let sun = sun_deg.to_radians();
@@ -219,11 +218,11 @@ fn verif_panels_of_any_orientation_against_laws_source_by_source() {
         let by_diffuse = sum(&|incidence| diffuse.value_per_sr(incidence));
         let by_glossy = sum(&|incidence| glossy.value_per_sr(incidence));
         for (fast, plain) in [(fast.irradiance / PI, by_diffuse), (fast.lobe * 24.0 / (2.0 * PI), by_glossy)] {
-            // The power's own series.
+            // The series of the power law.
             assert!((fast / plain - 1.0).abs() < 1e-9, "{fast} {plain}");
         }
     }
-    // A panel that faces up sees no ground.
+    // A panel that faces up receives no light from the ground.
     assert_eq!(earth.shine(&Vector3::z(), &Vector3::x(), 22.0).irradiance, 0.0);
 }
 
@@ -253,7 +252,7 @@ fn verif_the_switch() {
         let plain = -2.5 * (terms.sunlight_m2_sr() / 1e12).log10() - 26.76 + 5.0 * 0.9_f64.log10();
         let without = model.brightness(&geometry, 1.0, &off).unwrap().magnitude.0;
         assert!((without - plain).abs() < 1e-9);
-        // On: brighter by the share of the two terms.
+        // On: brighter by the fraction of the two terms.
         let with = model.brightness(&geometry, 1.0, &on).unwrap().magnitude.0;
         let gain = 2.5 * (terms.b_total_m2_sr() / terms.sunlight_m2_sr()).log10();
         assert!((without - with - gain).abs() < 1e-9 && gain > 0.0);
@@ -267,9 +266,10 @@ fn verif_the_switch() {
     }
 }
 
-/// The paper's chassis as a list of panels receives what the two-panel form receives, and an array that asks for it adds more.
+/// The paper's chassis as a list of panels receives the same earthshine as the two-panel form, and an array with that
+/// option adds more.
 #[test]
-fn verif_panels_receive_earthshine_where_they_ask_for_it() {
+fn verif_panels_receive_earthshine_if_enabled() {
     let two = ModelLibrary::embedded().get("starlink-v1.5").unwrap();
     let c = two.file().unwrap().coefficients.unwrap();
     let model = |sail: bool| {
@@ -298,7 +298,7 @@ fn verif_panels_receive_earthshine_where_they_ask_for_it() {
         let magnitude =
             |model: &BrightnessModel| model.standard_magnitude_with(&geometry, Earthshine::Computed).unwrap().0;
         let (closed, panels, wide) = (magnitude(&two), magnitude(&model(false)), magnitude(&model(true)));
-        // Two samplings of the same Earth, each good to 4e-4 mag of a chassis that nothing else lights.
+        // Two samplings of the same Earth, each with an error of 4e-4 mag of a chassis with no other light.
         assert!((closed - panels).abs() < 1e-3, "{closed} {panels} at {sun_deg}");
         assert!(wide <= panels);
         more += usize::from(wide < panels - 1e-3);

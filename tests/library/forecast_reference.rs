@@ -1,4 +1,4 @@
-//! Forecasts against Heavens-Above's tables, STK's, and Skyfield on a real catalogue.
+//! Forecasts compared with tables of Heavens-Above and STK, and with Skyfield on a real catalogue.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,19 +15,19 @@ use streakcast::photometry::ModelLibrary;
 const HEAVENS_ABOVE_S: f64 = 3.0;
 const HEAVENS_ABOVE_DEG: f64 = 0.6;
 const HEAVENS_ABOVE_ROUNDING_S: f64 = 0.75;
-/// One of sixteen points of the compass is half of 22.5° to either side; they print the point, and a degree is rounding.
+/// Half of 22.5° (they print one of sixteen compass points), plus a degree for rounding.
 const COMPASS_DEG: f64 = 12.25;
 
-/// What the issue asks of STK's table; `tests/passes_reference.rs` holds the search to a tenth of it.
+/// Required agreement with STK; `passes_reference.rs` tests a tenth of it.
 const STK_S: f64 = 1.0;
 const STK_DEG: f64 = 0.05;
 
-/// Skyfield interpolates UT1: a few centimetres. What is left is the bisection of both (2 ms at most were found).
+/// Skyfield interpolates UT1: a few centimetres. The rest is the bisection of both (at most 2 ms was found).
 const SKYFIELD_S: f64 = 0.01;
-/// The top is flat, and flattest for slow satellites.
+/// The altitude is flat around culmination, especially for slow satellites.
 const SKYFIELD_TOP_S: f64 = 0.05;
 const SKYFIELD_DEG: f64 = 0.001;
-/// The half shadow's edge by 720 rays to the Sun's limb (4 ms at most were found).
+/// The edge of the penumbra with 720 rays to the Sun's limb (at most 4 ms was found).
 const SKYFIELD_SHADOW_S: f64 = 0.02;
 
 fn elements(path: &Path, id: u32) -> ElementSet {
@@ -81,7 +81,7 @@ fn valid_forecast_against_heavens_above() {
         for (cell, point) in [(10, &visible.begin), (13, &visible.highest), (16, &visible.end)] {
             let off_s = seconds_between(at(cell), point.epoch);
             assert!(off_s.abs() < HEAVENS_ABOVE_S, "{line}: column {cell} is {off_s} s off");
-            // The moment is printed to a second, in which the station climbs by 1.2 deg near the zenith.
+            // Times are printed to a second, in which the station climbs by 1.2 deg near the zenith.
             let theirs_deg = cells[cell + 1].parse::<f64>().expect("degrees");
             let within = pass
                 .samples
@@ -92,7 +92,7 @@ fn valid_forecast_against_heavens_above() {
                 .map(|point| (degrees(point.altitude_rad) - theirs_deg).abs())
                 .fold(f64::INFINITY, f64::min);
             assert!(off_deg < HEAVENS_ABOVE_DEG, "{line}: column {cell} is {off_deg} deg off");
-            // In the zenith a second turns the azimuth by many degrees.
+            // Near the zenith the azimuth changes by many degrees per second.
             if degrees(point.altitude_rad) < 80.0 {
                 let theirs = (0..360).filter(|azimuth| compass(f64::from(*azimuth).to_radians()) == cells[cell + 2]);
                 let near = theirs.clone().any(|azimuth| {
@@ -107,7 +107,7 @@ fn valid_forecast_against_heavens_above() {
     }
     println!("{compared} passes, {} of ours: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
     assert_eq!(compared, 15);
-    // They list what is seen in the evening; whatever else is ours must not stand in the middle of their list.
+    // They list visible passes of the evening; additional passes of ours must be outside of their list.
     for (pass, visible) in seen {
         let row = PassRow { pass, elements: &sky.elements()[0] };
         assert!(degrees(visible.highest.altitude_rad) >= 9.99 && row.ends_by().is_some(), "{:?}", visible.begin.epoch);
@@ -172,12 +172,12 @@ fn valid_passes_and_shadow_against_skyfield() {
     let path = data.join("tle").join("active").join("active_2026-04-25.txt");
     let catalogue = Satellites::read(&[path], &ReadOptions::default()).expect("the catalogue");
     let golden = golden();
-    let wanted: Vec<ElementSet> =
+    let selected: Vec<ElementSet> =
         catalogue.element_sets.into_iter().filter(|set| golden.contains_key(&set.norad_id.0)).collect();
-    assert_eq!(wanted.len(), golden.len());
+    assert_eq!(selected.len(), golden.len());
     let site =
         Site::new_deg("golden", -(30.0 + 14.0 / 60.0 + 40.7 / 3600.0), -(70.0 + 44.0 / 60.0 + 57.9 / 3600.0), 2662.75);
-    let sky = sky(wanted, site.expect("a site"));
+    let sky = sky(selected, site.expect("a site"));
     let start = moment("2026-04-25", "22:00:00");
     let request = ForecastRequest {
         include_dark: true,

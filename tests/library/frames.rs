@@ -1,4 +1,4 @@
-//! Frames, observers, Sun and horizon against astropy (ERFA), Skyfield, Vallado's example and JPL Horizons.
+//! Frames, observers, Sun and horizon compared with astropy (ERFA), Skyfield, Vallado's example and JPL Horizons.
 
 use crate::common::agreement::Agreement;
 use std::collections::HashMap;
@@ -17,19 +17,19 @@ use streakcast::orbit::Propagator;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
 
-/// The same theory in another language: what is left is rounding, at 42,164 km some 10⁻¹¹ km a product.
+/// The same theory in another language: rounding errors, at 42,164 km some 10⁻¹¹ km per product.
 const SAME_THEORY_KM: f64 = 1e-8;
 const SAME_THEORY_RAD: f64 = 1e-12;
 const SAME_THEORY_KM_S: f64 = 1e-12;
-/// astropy asks epv00 for TDB, we for TT: 1.7 ms of the Earth's 30 km/s, and of its acceleration of 6 mm/s².
+/// astropy evaluates epv00 at TDB, we at TT: 1.7 ms of the Earth's 30 km/s, and of its acceleration of 6 mm/s².
 const SUN_TDB_KM: f64 = 0.055;
 const EARTH_VELOCITY_TDB_KM_S: f64 = 1.5e-8;
-/// Skyfield's own precession, nutation and sidereal time: 0.1 mas is what the theories leave between them.
+/// Skyfield's precession, nutation and sidereal time: the theories differ by 0.1 mas.
 const SKYFIELD_ANGLE_RAD: f64 = 1e-4 * ARCSEC_RAD;
-/// Skyfield interpolates delta T, a day at a time, and adds the leap seconds after that: 0.1 ms of turning, as place and as altitude.
+/// Skyfield interpolates delta T daily and adds leap seconds afterwards: 0.1 ms of rotation, in position and altitude.
 const SKYFIELD_SITE_KM: f64 = 5e-5;
 const SKYFIELD_HORIZON_RAD: f64 = 7.3e-5 * 1e-4;
-/// epv00 against JPL's DE405: SOFA documents 11.2 km and 5 mm/s at most, 1900 to 2100.
+/// epv00 compared with JPL's DE405: SOFA documents 11.2 km and 5 mm/s at most, 1900 to 2100.
 const DE421_SUN_KM: f64 = 11.2;
 const DE421_EARTH_VELOCITY_KM_S: f64 = 5e-6;
 
@@ -110,11 +110,11 @@ fn valid_observers_and_sun_against_astropy() {
     }
 }
 
-/// The Sun bends the light of ERFA's stars, 30 degrees from it and more, by up to 0.015".
+/// The Sun deflects the light of ERFA's stars, 30 degrees and more away, by up to 0.015".
 const DEFLECTION_RAD: f64 = 0.016 * ARCSEC_RAD;
 
 #[test]
-fn valid_apparent_places_of_stars_against_erfa() {
+fn valid_apparent_positions_of_stars_against_erfa() {
     let mut place = Agreement::new("Apparent places of stars, of date", "ERFA", DEFLECTION_RAD, "rad");
     for row in golden_rows() {
         let star = Direction::<Gcrs>::from_lon_lat_rad(row.number("star_ra_rad"), row.number("star_dec_rad"));
@@ -156,7 +156,7 @@ fn observer(row: &Row) -> Observer {
     Observer::new(site.expect("a site"))
 }
 
-/// The embedded table: rows every three days, which its docs promise to leave the series by 0.5 ms at most, 0.2 m at the equator.
+/// The embedded table: rows every three days, with a documented difference of at most 0.5 ms, 0.2 m at the equator.
 const EMBEDDED_UT1_S: f64 = 0.5e-3;
 const EMBEDDED_SITE_KM: f64 = 0.25e-3;
 
@@ -193,7 +193,7 @@ fn valid_finals2000a_against_astropy() {
     assert_eq!(table.last().map(mjd_utc), Some(61_707.0));
     println!("{}", table.describe());
     let rows = golden_rows();
-    // astropy prefers the final values of Bulletin B where they are there; Bulletin A leaves them by its own errors.
+    // astropy prefers the final values of Bulletin B if available; Bulletin A differs from them by its errors.
     let mut ut1 = Agreement::new("UT1 - UTC of finals2000A", "astropy 8.0.2", 1e-4, "s");
     let mut pole = Agreement::new("Pole of finals2000A", "astropy 8.0.2", 5e-4, "arcsec");
     for row in &rows {
@@ -202,7 +202,7 @@ fn valid_finals2000a_against_astropy() {
         pole.see((ours.xp_rad - row.parameters.xp_rad).abs() / ARCSEC_RAD);
         pole.see((ours.yp_rad - row.parameters.yp_rad).abs() / ARCSEC_RAD);
     }
-    // The embedded table against every day it covers.
+    // The embedded table on every day it covers.
     let embedded = EopTable::embedded();
     let mut daily =
         Agreement::new("Built-in UT1 - UTC, every day from 2000 on", "IERS finals2000A", EMBEDDED_UT1_S, "s");
@@ -220,7 +220,7 @@ fn valid_finals2000a_against_astropy() {
     }
 }
 
-/// Printed to 10⁻⁸ km a component, at a moment known to 10⁻¹⁰ days (4·10⁻⁸ km).
+/// Printed to 10⁻⁸ km per component, at a time known to 10⁻¹⁰ days (4·10⁻⁸ km).
 const VALLADO_KM: f64 = 1e-7;
 
 #[test]
@@ -233,7 +233,8 @@ fn valid_teme_to_itrf_against_vallado() {
         line.split(',').skip(1).map(|field| field.parse().expect("a number")).collect()
     };
     let (teme, itrf) = (numbers("TEME"), numbers("ITRF"));
-    // 07:51:28.386009 UTC less 0.439961 s. The example holds UT1 as one f64, the Julian date 2453101.8274067831, to 40 µs (3 cm of turning).
+    // 07:51:28.386009 UTC minus 0.439961 s. The example has UT1 as one f64, the Julian date 2453101.8274067831, to 40
+    // µs (3 cm of rotation).
     let seconds_ut1 = (2_453_101.827_406_783 - 2_453_101.5) * DAY_S;
     let midnight: Epoch = "2004-04-06T00:00:00 UTC".parse().expect("an epoch");
     let epoch = seconds_after(midnight, seconds_ut1 + 0.439_961);
@@ -249,8 +250,8 @@ fn valid_teme_to_itrf_against_vallado() {
     example.see((place.vector() - expected).norm());
 }
 
-/// Horizons runs another SGP4, and its element set's epoch is rounded to 10⁻⁸ days (1 ms, 8 m along the track); Skyfield's own test of these rows
-/// allows 2 m.
+/// Horizons uses another SGP4, and its element set's epoch is rounded to 10⁻⁸ days (1 ms, 8 m along the track);
+/// Skyfield's test of these rows allows 2 m.
 const HORIZONS_ISS_KM: f64 = 2e-3;
 const HORIZONS_ISS_KM_S: f64 = 2e-6;
 

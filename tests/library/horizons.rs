@@ -1,4 +1,4 @@
-//! The direction that stands on a calibrated image, against JPL Horizons' astrometric rows for Starlink element sets.
+//! Astrometric directions, as in a calibrated image, compared with JPL Horizons' rows for Starlink element sets.
 
 use crate::common::agreement::Agreement;
 use std::collections::HashMap;
@@ -21,13 +21,15 @@ const MEDIAN_ARCSEC: f64 = 0.3;
 const WORST_ARCSEC: f64 = 1.0;
 /// Printed to 10⁻¹⁴ au (1.5 m); the site is known to a metre.
 const RANGE_KM: f64 = 5e-3;
-/// Rates in "/h to seven digits, ours from differences over a second on a path of 10 minutes.
+/// Rates in "/h to seven digits; ours are differences over a second on an arc of 10 minutes.
 const RATE_RELATIVE: f64 = 2e-4;
 const RANGE_RATE_KM_S: f64 = 2e-4;
-/// Printed to 0.0001 degrees; which of the poles the horizon is built on is worth as much (0.47" = 0.00013 degrees in July 2021).
+/// Printed to 0.0001 degrees; the choice of the pole for the horizon has the same effect (0.47" = 0.00013 degrees in
+/// July 2021).
 const HORIZON_DEG: f64 = 3e-4;
 
-/// A row of the file `dat`: `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r S-T-O`.
+/// A row of the file `dat`:
+/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r S-T-O`.
 struct Row {
     name: String,
     epoch: Epoch,
@@ -47,7 +49,7 @@ fn read_row(line: &str) -> Option<Row> {
     let parts: Vec<&str> = date.split('-').collect();
     let month = month.iter().position(|known| *known == parts[1])? + 1;
     let epoch = format!("{}-{month:02}-{}T{clock} UTC", parts[0], parts[2]).parse().ok()?;
-    // Sun and Moon flags stand between time and place where there are any.
+    // Flags for Sun and Moon are between time and position, if any.
     let words: Vec<&str> = words.skip_while(|word| word.parse::<f64>().is_err()).collect();
     let number = |index: usize| words.get(index).and_then(|word| word.parse::<f64>().ok());
     let right_ascension_deg = parse_right_ascension_deg(&words[0..3].join(":")).ok()?;
@@ -72,11 +74,11 @@ struct Setting {
     sun: SunTable,
 }
 
-/// How a satellite is seen, and the way of its light.
+/// Direction of a satellite and its light path.
 struct Sight {
     direction: Direction<Gcrs>,
     geometric: Position<Gcrs>,
-    /// From the observer at reception to the satellite at emission, seen from the barycentre: what Horizons calls delta.
+    /// From the observer at reception to the satellite at emission, in barycentric coordinates: Horizons' delta.
     light_path_km: f64,
     earth_velocity: Velocity<Gcrs>,
     observer: ObserverState,
@@ -88,7 +90,7 @@ fn setting(site: Site, eop: &EopTable) -> Option<Setting> {
     let catalogue = Satellites::read(&[folder.join("starlink.15JUL2021")], &ReadOptions::default()).expect("elements");
     let elements: HashMap<String, ElementSet> =
         catalogue.element_sets.into_iter().map(|set| (set.name.to_string(), set)).collect();
-    // A few rows are OneWeb's, whose elements are not in the file.
+    // A few rows are of OneWeb, with no elements in the file.
     let rows = text.lines().filter(|line| !line.trim().is_empty()).map(|line| read_row(line).expect(line));
     let rows: Vec<Row> = rows.filter(|row| elements.contains_key(&row.name)).collect();
     assert!(rows.len() >= 400, "{}", rows.len());
@@ -112,7 +114,7 @@ impl Setting {
         Sight { direction: aspect.direction, geometric: aspect.geometric, light_path_km, earth_velocity, observer }
     }
 
-    /// Median and worst separation from the rows, arcseconds.
+    /// Returns median and largest separation from the rows, arcseconds.
     fn separations_arcsec(&self, direction: impl Fn(&Sight) -> Direction<Gcrs>) -> (f64, f64) {
         summary(
             self.rows
@@ -122,21 +124,21 @@ impl Setting {
     }
 }
 
-/// Median and largest.
+/// Returns median and largest value.
 fn summary(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     (values[values.len() / 2], values[values.len() - 1])
 }
 
-/// The bundled place of MPC 658, and the Earth's orientation whole.
-fn whole() -> Option<Setting> {
+/// The bundled position of MPC 658, and full Earth orientation.
+fn full_setting() -> Option<Setting> {
     setting(Site::from_mpc("658").expect("the Dominion Astrophysical Observatory"), &EopTable::embedded())
 }
 
 #[test]
 fn valid_directions_against_horizons() {
-    let Some(setting) = whole() else { return };
+    let Some(setting) = full_setting() else { return };
     let mut directions = Agreement::new("Astrometric directions of Starlinks", "JPL Horizons", WORST_ARCSEC, "arcsec");
     let mut middle =
         Agreement::new("Astrometric directions of Starlinks, median", "JPL Horizons", MEDIAN_ARCSEC, "arcsec");
@@ -144,14 +146,15 @@ fn valid_directions_against_horizons() {
         directions.see(setting.seen(&row.name, row.epoch).direction.separation_rad(&row.direction) / ARCSEC_RAD);
     }
     middle.see(setting.separations_arcsec(|sight| sight.direction).0);
-    // The Earth's way during the light time is really in question: without it all is 20" off.
+    // The light-time effect of the Earth's motion is really tested: without it all directions are 20" off.
     let (plain, _) = setting.separations_arcsec(|sight| sight.geometric.direction().expect("not at the site"));
     assert!((15.0..30.0).contains(&plain), "{plain}");
 }
 
-/// 48.520031 N, 123.417137 W, 244.14 m is the place that these rows give where the pole is left at its origin. With the pole of July 2021 (0.235",
-/// 0.403") the same rows give 48.519974 N, 123.417006 W, 244.16 m: the longitude of the Minor Planet Center's list, 236.5830, to half a metre. So Horizons
-/// applies polar motion, and a site found without it is displaced by the pole, here 11.6 m or 3.6".
+/// 48.520031 N, 123.417137 W, 244.14 m is the position that these rows give with the pole at its origin. With the pole
+/// of July 2021 (0.235", 0.403") the same rows give 48.519974 N, 123.417006 W, 244.16 m: the longitude of the Minor
+/// Planet Center's list, 236.5830, to half a metre. So Horizons applies polar motion, and a site determined without it
+/// is displaced by the pole, here 11.6 m or 3.6".
 #[test]
 fn valid_directions_without_polar_motion_from_the_displaced_site() {
     let site = Site::new_deg("658 displaced by the pole", 48.520_031, -123.417_137, 244.14).expect("a site");
@@ -164,7 +167,7 @@ fn valid_directions_without_polar_motion_from_the_displaced_site() {
 
 #[test]
 fn valid_ranges_and_rates_against_horizons() {
-    let Some(setting) = whole() else { return };
+    let Some(setting) = full_setting() else { return };
     let ranges =
         summary(setting.rows.iter().map(|row| (setting.seen(&row.name, row.epoch).light_path_km - row.range_km).abs()));
     let steps: Vec<(&Row, Sight, Sight)> = setting
@@ -190,11 +193,11 @@ fn valid_ranges_and_rates_against_horizons() {
     Agreement::new("Range rates, the worst", "JPL Horizons", RANGE_RATE_KM_S, "km/s").see(range_rates.1);
 }
 
-/// Horizons' azimuth and elevation are apparent ones without refraction: the astrometric direction with the aberration of an observer who moves with
-/// the Earth and turns with it.
+/// Horizons' azimuth and elevation are apparent, without refraction: the astrometric direction with the aberration of
+/// an observer who moves with the Earth and rotates with it.
 #[test]
 fn valid_apparent_horizon_against_horizons() {
-    let Some(setting) = whole() else { return };
+    let Some(setting) = full_setting() else { return };
     let (median, worst) = summary(setting.rows.iter().map(|row| {
         let sight = setting.seen(&row.name, row.epoch);
         let velocity = sight.earth_velocity + sight.observer.velocity;
@@ -204,7 +207,7 @@ fn valid_apparent_horizon_against_horizons() {
     }));
     println!("apparent azimuth and elevation: median {median:.1e} deg, worst {worst:.1e} deg");
     assert!(worst <= HORIZON_DEG, "{worst}");
-    // The geometric ones, which this library prints, stand within the satellite's own way during the light time.
+    // The geometric values, which this library prints, differ by the satellite's motion during the light time.
     let (_, worst) = summary(setting.rows.iter().map(|row| {
         let sight = setting.seen(&row.name, row.epoch);
         let (altitude, azimuth) = sight.observer.altitude_azimuth_rad(&sight.geometric).expect("not at the site");

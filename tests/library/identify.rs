@@ -1,4 +1,4 @@
-//! Streaks and their satellites: those of telescopes, whose satellites are known, and those that the program itself predicts.
+//! Identification of streaks: of real telescopes with known satellites, and of predicted passes.
 
 use std::path::Path;
 
@@ -33,10 +33,11 @@ fn name_of(sky: &Sky, found: &Identified, rank: usize) -> String {
     found.candidates.get(rank).map_or("none".into(), |one| sky.elements()[one.element_index].name.to_string())
 }
 
-/// The frames of Boley et al. (2021): box N is of the satellite in row N (from 0) of their list of targets `plan.ran`, the same names in the same order as
-/// in their table of photometry. Row N has the moment at which the satellite passes the middle of the frame, in the middle of 30 s.
+/// The frames of Boley et al. (2021): box N belongs to the satellite in row N (from 0) of their target list `plan.ran`,
+/// the same names in the same order as in their table of photometry. Row N has the time at which the satellite passes
+/// the centre of the frame, in the middle of 30 s.
 #[test]
-fn valid_the_boxes_of_plaskett_are_of_the_satellites_that_were_aimed_at() {
+fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
     let Some(data) = crate::common::data_dir() else { return };
     let folder = data.join("photometry/boley2021_plaskett");
     let plan = std::fs::read_to_string(folder.join("plan.ran")).unwrap();
@@ -68,7 +69,7 @@ fn valid_the_boxes_of_plaskett_are_of_the_satellites_that_were_aimed_at() {
         let found = identify(&sky, &streak);
         let first = &found.candidates[0];
         assert_eq!(name_of(&sky, &found, 0), name, "{file}");
-        // The runner-up is no rival, the offsets are those of elements of half a day.
+        // The second candidate is improbable; the offsets are typical of elements half a day old.
         assert!(first.probability > 0.99, "{file}: {}", first.probability);
         assert!(first.chi_square < 12.0 && first.along_track_s.value.abs() < 1.0, "{file}: {first:?}");
         assert!(first.angle_rad.value.to_degrees().abs() < 0.6, "{file}: {}", first.angle_rad.value.to_degrees());
@@ -76,10 +77,11 @@ fn valid_the_boxes_of_plaskett_are_of_the_satellites_that_were_aimed_at() {
     assert_eq!((frames.len(), numbers.len()), (13, 11));
 }
 
-/// Starlink-1102 in exposure 941420 of the Dark Energy Camera (see streak_real.rs), with elements 11.5 and 9.5 days old, the latter within a manoeuvre.
+/// Starlink-1102 in exposure 941420 of the Dark Energy Camera (see streak_real.rs), with elements 11.5 and 9.5 days
+/// old, the latter within a manoeuvre.
 #[cfg(feature = "fits")]
 #[test]
-fn valid_decam_saw_starlink_1102() {
+fn valid_starlink_1102_is_identified_in_decam() {
     use streakcast::images::{FrameFile, PixelPosition, Wcs};
     let Some(data) = crate::common::data_dir() else { return };
     let frame = FrameFile::open(&data.join("frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz")).unwrap();
@@ -98,7 +100,7 @@ fn valid_decam_saw_starlink_1102() {
     }
 }
 
-/// Tracks that the program itself predicts, in every form in which a streak can be given: the satellite that made one comes first.
+/// Predicted tracks in every form of a streak: the satellite that made one is ranked first.
 #[test]
 fn verif_passes_identify_themselves() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -125,7 +127,8 @@ fn verif_passes_identify_themselves() {
         for pass in &passes.by_exposure[0] {
             let [enter, mid, exit] = [&pass.enter, &pass.mid, &pass.exit];
             let length_rad = enter.direction.separation_rad(&exit.direction);
-            // A corner cut: no line to speak of. The geostationary ring moves as one. And objects that never part (docked, or a pair) cannot be told apart.
+            // Excluded: a short line at a corner; the geostationary ring, which moves as one; objects that stay
+            // together (docked, or a pair).
             if length_rad < 0.1_f64.to_radians() || mid.range_km > 5_000.0 || has_companion(&sky, pass.element_index) {
                 continue;
             }
@@ -154,12 +157,14 @@ fn verif_passes_identify_themselves() {
                 let first = &found.candidates[0];
                 assert_eq!(first.norad_id, pass.norad_id, "form {form}: {pass:?} {first:?}");
                 if form != 3 {
-                    // Where the track was predicted: the time within the exposure is free but for what the length takes.
+                    // At the predicted position; the time within the exposure is free except for the length of the
+                    // streak.
                     let beside_arcsec = first.cross_track_rad.value.to_degrees() * 3600.0;
                     assert!(beside_arcsec.abs() < 30.0, "form {form}: {beside_arcsec} arcsec of {pass:?}");
                 }
                 if form == 0 {
-                    // Both ends and their times are those of the prediction; the correction for uneven rates leaves hundredths of a second.
+                    // Both ends and times are those of the prediction; the correction for uneven rates has errors of
+                    // hundredths of a second.
                     assert!(first.along_track_s.value.abs() < 0.05, "{first:?}");
                     assert!(first.chi_square < 1e-3, "{first:?}");
                 }
@@ -169,7 +174,7 @@ fn verif_passes_identify_themselves() {
     }
 }
 
-/// Another object on the same orbit, within ten seconds.
+/// Whether another object is on the same orbit, within ten seconds.
 fn has_companion(sky: &Sky, element_index: usize) -> bool {
     let own = &sky.elements()[element_index];
     let turn = |degrees: f64| (degrees + 180.0).rem_euclid(360.0) - 180.0;
@@ -185,9 +190,10 @@ fn has_companion(sky: &Sky, element_index: usize) -> bool {
     })
 }
 
-/// What `near` passes over is nothing that `compare` would take: against a search that starts at every delay of every satellite.
+/// The fast search `near` misses no candidate that `compare` would accept: compared with a search over every delay of
+/// every satellite.
 #[test]
-fn verif_a_late_satellite_is_found_where_it_is() {
+fn verif_a_late_satellite_is_found_at_its_position() {
     let Some(data) = crate::common::data_dir() else { return };
     let night: Epoch = "2024-08-14T00:30:00 UTC".parse().unwrap();
     let sky = sky(&[&data.join("tle/active/active_2024-08-14.txt")], "X05", night);
@@ -209,18 +215,18 @@ fn verif_a_late_satellite_is_found_where_it_is() {
             continue;
         }
         let ends: [Direction<Gcrs>; 2] = [track.direction(0.0).0, track.direction(20.0).0];
-        // Away from low orbits 20 s of motion may be no line at all.
+        // Outside low orbits 20 s of motion may be too short for a line.
         if ends[0].separation_rad(&ends[1]) < arcsec(60.0) {
             continue;
         }
-        // A clock that may be as wrong as the satellite is late: else nobody would look there for fresh elements.
+        // The clock error may be as large as the delay; otherwise recent elements exclude it.
         let streak = MeasuredStreak::from_ends(ends, (night, 20.0), Timing::FirstToSecond, arcsec(2.0), 20.0).unwrap();
         let options = IdentifyOptions { include_dark: true, ..IdentifyOptions::default() };
         let found = identify_streak(&sky, &streak, &options).unwrap();
         let own = found.candidates.iter().find(|one| one.element_index == element_index);
         let set = &sky.elements()[element_index];
         let own = own.unwrap_or_else(|| panic!("{} e {} late {late_s} s", set.name, set.eccentricity));
-        // The delay comes back, to what the correction for uneven rates leaves (sigma is 0.14 s at best).
+        // The delay is recovered to the accuracy of the correction for uneven rates (sigma is 0.14 s at best).
         assert!((own.along_track_s.value - late_s).abs() < 0.05, "{}: {own:?} {late_s}", set.name);
         assert!(own.cross_track_rad.value.abs() < arcsec(1.0), "{}: {own:?}", set.name);
         tried += 1;

@@ -1,4 +1,4 @@
-//! What the age of elements does to the sigma of a magnitude.
+//! Effect of the age of element sets on the sigma of a magnitude.
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
@@ -25,8 +25,9 @@ fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<VisiblePass> {
     sky.visible_passes(&request, &|_| true).expect("an answer").passes
 }
 
-/// The same satellites with elements of the same moment called three months older: SGP4 gives other places, but the spread of
-/// the sigmas is what counts. Fresh elements leave the model's own sigma; old ones widen it, by no more than 3 mag.
+/// The same satellites with elements of the same epoch marked as three months older: SGP4 gives other positions, but
+/// only the sigmas are compared. Recent elements leave the model's sigma unchanged; old ones increase it, to at most 3
+/// mag.
 #[test]
 fn verif_old_elements_widen_the_sigma_of_a_magnitude() {
     let start = Epoch::from_gregorian_utc(2026, 4, 25, 23, 30, 0, 0);

@@ -1,4 +1,4 @@
-//! Magnitude maps: against an independent computation, and against what Lu (2024), section 5, says of them.
+//! Magnitude maps: compared with an independent computation, and with the statements of Lu (2024), section 5.
 
 use crate::common::agreement::Agreement;
 use crate::common::maps::{options, v15};
@@ -6,7 +6,7 @@ use streakcast::geometry::Site;
 use streakcast::maps::{BodyView, Earth, Grid, SkyView};
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelLibrary, PhotometryOptions};
 
-/// One km of range would be 10⁻³ mag; what is left here is the rounding of a quadratic's roots.
+/// One km of range would be 10⁻³ mag; here only the rounding of a quadratic's roots remains.
 const RANGE_KM: f64 = 1e-6;
 
 /// The paper's arccos formulas lose half the digits near the nadir.
@@ -41,7 +41,7 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
         let lit = point.lit_fraction;
         shadows.see(lit - n(9));
         match (point.magnitude, cells[10]) {
-            // In the penumbra the magnitude is as good as the lit fraction.
+            // In the penumbra the magnitude is as accurate as the lit fraction.
             (Some(ours), Some(golden)) if lit == 1.0 => {
                 light.see(ours.0 - golden);
                 magnitudes += 1;
@@ -59,11 +59,11 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
     assert!(magnitudes > 150 && dark > 100, "{magnitudes} {dark}");
 }
 
-/// Rows at once and directions one by one: by sunlight alone, which goes through columns, and with the Earth's; on a sphere and an ellipsoid;
-/// with air and without.
+/// Rows at once and single directions agree: sunlight only (computed in columns) and with earthshine, on a sphere and
+/// an ellipsoid, with and without extinction.
 #[test]
 fn verif_cells_steps_and_single_directions_agree() {
-    // Columns turn each azimuth from the one before, and take their own road to the angles.
+    // Columns compute each azimuth from the previous one, and the angles by other formulas.
     const MAGNITUDE: f64 = 1e-9;
     const RANGE_KM: f64 = 1e-9;
     let model = v15();
@@ -96,13 +96,13 @@ fn verif_cells_steps_and_single_directions_agree() {
     }
 }
 
-/// A map takes a short way to its magnitudes; this is the long one, for models of every kind.
+/// Maps use a shortcut for magnitudes; here single predictions are used, for models of every kind.
 #[test]
 fn verif_maps_agree_with_single_predictions() {
     use streakcast::constants::AU_KM;
     use streakcast::frames::{Direction, Gcrs, Horizontal, Position};
     use streakcast::geometry::{ViewingGeometry, illumination};
-    /// The map's place of a satellite and this one are some nanometres apart.
+    /// The satellite positions of the map and of this test differ by some nanometres.
     const LIT_FRACTION: f64 = 1e-9;
     let library = ModelLibrary::embedded();
     let site = Site::from_mpc("X05").unwrap();
@@ -130,9 +130,9 @@ fn verif_maps_agree_with_single_predictions() {
             assert!((point.lit_fraction - fraction).abs() < LIT_FRACTION, "{name}: {point:?} {fraction}");
             let long = model.brightness(&geometry, fraction, &options);
             match (point.magnitude, long) {
-                // Two panels along their own plane send the rounding of a cosine: 20 mag and fainter.
+                // Two panels along their own plane amplify the rounding of a cosine: 20 mag and fainter.
                 (Some(short), Some(long)) if long.magnitude.0 < 20.0 => {
-                    // In the penumbra what the fractions differ by comes in, as d(2.5 log f) = 1.0857 df / f.
+                    // In the penumbra the difference of the fractions contributes d(2.5 log f) = 1.0857 df / f.
                     let tolerance = 1e-9 + if fraction < 1.0 { 1.1 * LIT_FRACTION / fraction } else { 0.0 };
                     assert!((short.0 - long.magnitude.0).abs() < tolerance, "{name}: {short} {}", long.magnitude);
                     lit += 1;
@@ -151,7 +151,7 @@ fn verif_maps_agree_with_single_predictions() {
     }
 }
 
-/// The Earth lights the chassis: most where the Sun stands high, nothing where no lit ground is in view.
+/// Earthshine on the chassis: largest with a high Sun, zero without visible lit ground.
 #[test]
 fn verif_earthshine_brightens_a_map() {
     let model = v15();
@@ -177,16 +177,16 @@ fn verif_straight_up_and_at_the_horizon() {
     // √(r² - R²)
     let horizon = (6928.137_f64.powi(2) - 6378.137_f64.powi(2)).sqrt();
     assert!((view.at(2.0, 0.0).range_km - horizon).abs() < 1e-9);
-    // From a mountain at a pole satellites of 550 km stand higher: the ellipsoid lies 21.4 km below the sphere there.
+    // From a mountain at a pole satellites at 550 km appear higher: the ellipsoid is 21.4 km below the sphere there.
     let pole = Earth::Ellipsoid(Site::new_deg("pole", 90.0, 0.0, 0.0).unwrap());
     let view = SkyView::new(&model, pole, 550.0, 0.0, -0.2, options()).unwrap();
     let up = view.at(0.0, std::f64::consts::FRAC_PI_2).range_km;
     assert!((up - (550.0 + 6_378.137 - 6_356.752_314_2)).abs() < 1e-6, "{up}");
 }
 
-/// The quick answers far from the shadow's border are those of the full one.
+/// Shortcuts far from the shadow's border agree with the full computation.
 #[test]
-fn verif_quick_shadow_is_the_shadow() {
+fn verif_the_shadow_shortcut_is_exact() {
     use streakcast::constants::AU_KM;
     use streakcast::frames::{Gcrs, Position};
     use streakcast::geometry::ShadowModel;
@@ -202,7 +202,7 @@ fn verif_quick_shadow_is_the_shadow() {
                 .unwrap()
                 .with_shadow(shadow);
             for step in 0..=1800 {
-                // Along the meridian of the Sun, from the horizon below it over the zenith to the other one.
+                // Along the meridian of the Sun, from the horizon below it through the zenith to the opposite one.
                 let turn = f64::from(step) * 0.1_f64.to_radians();
                 let ours = view.at(0.0, turn).lit_fraction;
                 let radius_km = 6378.137 + height_km;
@@ -226,7 +226,7 @@ fn verif_quick_shadow_is_the_shadow() {
     assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
 }
 
-/// Rows at once and directions one by one, by sunlight alone and with the Earth's.
+/// Rows at once and single directions, by sunlight only and with earthshine.
 #[test]
 fn verif_body_maps_agree_with_single_directions() {
     const MAGNITUDE: f64 = 1e-9;
@@ -242,7 +242,7 @@ fn verif_body_maps_agree_with_single_directions() {
         for point in view.map(Grid::regular(5.0).unwrap()).points {
             let alone = view.at(point.observer_longitude_rad, point.observer_latitude_rad);
             match (point.standard_magnitude, alone) {
-                // Along a panel's own plane rounding decides.
+                // Along a panel's own plane the result is determined by rounding.
                 (Some(row), Some(alone)) if alone.0 < 20.0 => {
                     assert!((row.0 - alone.0).abs() < MAGNITUDE, "{name}: {row:?} {alone:?}");
                     seen += 1;
@@ -267,14 +267,14 @@ fn verif_extinction_and_band_change_a_map_as_they_should() {
     let air = PhotometryOptions { extinction_mag_per_airmass: Some(0.2), ..options() };
     let dimmed = |altitude: f64| at(air, altitude).unwrap() - at(options(), altitude).unwrap();
     assert!((dimmed(90.0) - 0.2).abs() < 1e-4, "{}", dimmed(90.0));
-    // Two airmasses at 30° within half a hundredth.
+    // The airmass at 30° is two to within 0.005.
     assert!((dimmed(30.0) - 0.4).abs() < 2e-3, "{}", dimmed(30.0));
     let red = PhotometryOptions::in_band("R".parse().unwrap(), "Vega".parse().unwrap());
     assert!(at(red, 50.0).unwrap() < at(options(), 50.0).unwrap());
 }
 
 #[test]
-fn verif_questions_that_are_none() {
+fn verif_invalid_requests() {
     let model = v15();
     let sky = |height_km, sun_azimuth: f64, sun_altitude: f64| {
         SkyView::new(&model, Earth::Sphere, height_km, sun_azimuth, sun_altitude, options()).map(drop)
@@ -298,7 +298,7 @@ fn verif_questions_that_are_none() {
     assert!(BodyView::new(&model, -0.2, f64::INFINITY, options()).is_err());
 }
 
-/// A model of a mean receives no earthshine, and its map states none.
+/// A mean model receives no earthshine, and its map does not mention it.
 #[test]
 fn verif_only_maps_of_panels_state_earthshine() {
     let library = ModelLibrary::embedded();

@@ -1,11 +1,11 @@
-//! Maps as files: HEALPix in FITS holds the table, pictures show what they should.
+//! Map files: HEALPix in FITS contains the table, and charts show the expected content.
 
 use crate::common::maps::{options, v15};
 use streakcast::maps::{BodyView, Earth, Grid, PAPER_FIGURES, SkyView};
 
 #[cfg(feature = "fits")]
 #[test]
-fn verif_fits_holds_the_table() {
+fn verif_fits_contains_the_table() {
     use fitsio::FitsFile;
     let model = v15();
     let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options()).unwrap();
@@ -13,7 +13,7 @@ fn verif_fits_holds_the_table() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.fits");
     std::fs::write(&path, map.to_fits(folder.path()).unwrap()).unwrap();
-    // The scratch folder is gone.
+    // The temporary folder is deleted.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let mut file = FitsFile::open(&path).unwrap();
     let hdu = file.hdu(1).unwrap();
@@ -40,10 +40,10 @@ fn verif_fits_holds_the_table() {
     assert_eq!(map.to_fits(&bracket).unwrap(), std::fs::read(&path).unwrap());
 }
 
-/// Names in headers stay readable in ASCII, and what is too long for a card says that it was cut.
+/// Names in headers are transliterated to ASCII, and truncated text is marked.
 #[cfg(feature = "fits")]
 #[test]
-fn verif_fits_headers_hold_names_of_any_language() {
+fn verif_fits_headers_accept_names_of_any_language() {
     use fitsio::FitsFile;
     let model = v15();
     let folder = tempfile::tempdir().unwrap();
@@ -73,14 +73,14 @@ mod pictures {
     }
 
     #[test]
-    fn verif_a_sky_picture_shows_shadow_bright_and_words() {
+    fn verif_a_sky_chart_shows_shadow_bright_cells_and_texts() {
         let model = v15();
         let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -16_f64.to_radians(), options()).unwrap();
         let picture = sky_picture(&view);
         let image = pixels(&picture.to_png().unwrap());
         let (width, height) = picture.size();
         assert_eq!((image.width() as usize, image.height() as usize), (width, height));
-        // The disc's middle from the layout: a margin of 66 and a radius of 270 on each side, 78 above.
+        // The centre of the disc from the layout: a margin of 66 and a radius of 270 on each side, 78 above.
         let at = |azimuth: f64, altitude: f64| {
             let distance = 270.0 * (90.0 - altitude) / 90.0;
             let (sin, cos) = azimuth.to_radians().sin_cos();
@@ -94,42 +94,42 @@ mod pictures {
             assert!(apart <= 6, "{azimuth} {altitude}: {shown:?} for {expected:?}");
         }
         assert_eq!(at(180.0, 15.0), [150, 150, 150]);
-        // Words: dark pixels in the title's line and by the bar.
+        // Texts: dark pixels in the line of the title and at the bar.
         let dark = |left: u32, top: u32, right: u32, bottom: u32| {
             (left..right).flat_map(|x| (top..bottom).map(move |y| (x, y))).any(|(x, y)| image.get_pixel(x, y).0[0] < 90)
         };
         assert!(dark(100, 10, 700, 40) && dark(720, 200, 790, 700));
     }
 
-    /// The words of a picture, its lines joined.
+    /// Returns the texts of a chart, joined.
     fn words(picture: &Picture) -> String {
         let text = String::from_utf8(picture.to_bytes(PictureFormat::Svg).unwrap()).unwrap();
         let lines = text.split('<').filter_map(|tag| Some(tag.split_once('>')?.1.trim()));
         lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Air and light that are not the usual ones are said below the map, and others are not.
+    /// Unusual options of atmosphere and light are written below the map, default ones are not.
     #[test]
-    fn verif_a_picture_says_what_it_was_made_with() {
+    fn verif_a_chart_lists_unusual_options() {
         let model = v15();
-        let said = [" 0.2 mag per airmass.", "Sunlight alone.", "Shadow of the Earth and its air."];
+        let notes = [" 0.2 mag per airmass.", "Sunlight alone.", "Shadow of the Earth and its air."];
         let sky = |options: PhotometryOptions, shadow| {
             let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options).unwrap().with_shadow(shadow);
             words(&sky_picture(&view))
         };
         let plain = sky(options(), ShadowModel::Geometric);
-        assert!(said.iter().all(|part| !plain.contains(part)));
+        assert!(notes.iter().all(|part| !plain.contains(part)));
         let other =
             PhotometryOptions { extinction_mag_per_airmass: Some(0.2), earthshine: Earthshine::Off, ..options() };
         let all = sky(other, ShadowModel::Atmosphere);
-        assert!(said.iter().all(|part| all.contains(part)), "{all}");
+        assert!(notes.iter().all(|part| all.contains(part)), "{all}");
         let body = words(&body_picture(&BodyView::new(&model, -0.2, 550.0, other).unwrap()));
-        assert!(body.contains(said[1]) && !body.contains(said[0]));
+        assert!(body.contains(notes[1]) && !body.contains(notes[0]));
     }
 
-    /// The air near the horizon takes magnitudes; the colours are for the rest of the sky.
+    /// Extinction near the horizon makes faint magnitudes; the colour scale covers the rest of the sky.
     #[test]
-    fn verif_extinction_leaves_colours_and_legend_as_they_were() {
+    fn verif_extinction_does_not_change_the_colour_scale() {
         let model = ModelLibrary::embedded().get("oneweb").unwrap();
         let sky = |k: Option<f64>| {
             let options = PhotometryOptions { extinction_mag_per_airmass: k, ..options() };
@@ -140,19 +140,19 @@ mod pictures {
         let at_10_deg = air.at(0.0, 10_f64.to_radians()).magnitude.unwrap().0;
         assert!(scale.greatest >= at_10_deg - 0.1 && scale.greatest < at_10_deg + 1.0, "{scale:?} {at_10_deg}");
         assert!(scale.has_higher && !scale.has_lower, "{scale:?}");
-        // Without air the whole sky counts: the mean's range spans its distances alone.
+        // Without extinction the whole sky counts: the range of the mean is given by the distances only.
         let horizon = clear.at(0.0, 0.0).magnitude.unwrap().0;
         assert!(sky_picture(&clear).scales()[0].greatest >= horizon - 0.1);
-        // All the sky is lit and seen, to the rim.
+        // The whole sky is lit and visible, up to the edge.
         let text = words(&sky_picture(&air));
         assert!(text.contains("≥ ") && !text.contains("nothing lit seen"));
         let image = pixels(&sky_picture(&air).to_png().unwrap());
-        // Middle and radius of the disc as above; the rim's own line is 1.6 wide.
+        // Centre and radius of the disc as above; the line of the edge is 1.6 wide.
         let shown = image.get_pixel(336 - 267, 414).0;
         assert_eq!(shown, scale.colour(30.0), "{shown:?}");
     }
 
-    /// Magnitudes at 1000 km are held against what an observer straight below sees.
+    /// Magnitudes at 1000 km are compared with those of an observer straight below.
     #[test]
     fn verif_the_line_of_a_body_map_is_the_limit_at_its_height() {
         let model = v15();
@@ -167,7 +167,7 @@ mod pictures {
     }
 
     #[test]
-    fn verif_svg_is_whole_and_holds_the_words() {
+    fn verif_svg_is_complete_and_contains_the_texts() {
         let model = v15();
         let view = BodyView::new(&model, -14_f64.to_radians(), 550.0, options()).unwrap();
         let picture = body_picture(&view);
@@ -177,7 +177,7 @@ mod pictures {
         {
             assert!(text.contains(part), "{part}");
         }
-        // Well-formed: a reader of XML comes to its end.
+        // Well-formed: an XML reader reaches its end.
         let mut reader = quick_xml::Reader::from_str(&text);
         let mut elements = 0;
         loop {

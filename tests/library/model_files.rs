@@ -1,12 +1,11 @@
-//! Shipped model files against their schema, and what is said of files that are wrong.
+//! Bundled model files and their schema, and errors for invalid files.
 
 use serde_json::{Value, json};
 use streakcast::photometry::{BrightnessModel, ModelFile, ModelFileError, ModelLibrary};
 
 const SCHEMA: &str = include_str!("../../src/photometry/models/model.schema.json");
 
-/// Holds a value to the keywords of JSON Schema that our schema uses; any other keyword is a fault of the schema or
-/// of this.
+/// Checks a value against the keywords of JSON Schema used by our schema; other keywords are an error.
 fn check(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), String> {
     let fail = |what: String| Err(format!("{path}: {what}"));
     for (keyword, rule) in schema.as_object().ok_or("a schema is an object")? {
@@ -116,7 +115,7 @@ fn shipped(file: &str) -> &'static str {
 }
 
 #[test]
-fn verif_shipped_files_meet_their_schema_and_our_own_rules() {
+fn verif_bundled_files_are_valid() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/photometry/models");
     let mut on_disk: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
@@ -134,7 +133,7 @@ fn verif_shipped_files_meet_their_schema_and_our_own_rules() {
         let model = BrightnessModel::from_json(text, file).unwrap_or_else(|error| panic!("{error}"));
         let content = model.file().unwrap();
         assert_eq!(format!("{}.json", content.name), *file, "a file is named after its model");
-        // What is printed reads back as the same model, and meets the schema too.
+        // The printed file reads back as the same model and is valid too.
         let printed = content.to_json();
         assert_eq!(&ModelFile::from_json(&printed, file).unwrap(), content);
         schema_check(&serde_json::from_str(&printed).unwrap()).unwrap();
@@ -146,7 +145,7 @@ fn verif_shipped_files_meet_their_schema_and_our_own_rules() {
 }
 
 #[test]
-fn verif_the_model_of_v15_says_what_it_is() {
+fn verif_the_metadata_of_the_v15_model() {
     let value: Value = serde_json::from_str(shipped("starlink-v1.5.json")).unwrap();
     let c = &value["coefficients"];
     for (key, expected) in
@@ -154,11 +153,11 @@ fn verif_the_model_of_v15_says_what_it_is() {
     {
         assert_eq!(c[key].as_f64(), Some(expected), "{key}");
     }
-    // What was held has no error, the others have.
+    // Held parameters have no error, the others do.
     for (index, is_held) in [true, false, false, false, false, true, false].into_iter().enumerate() {
         assert_eq!(value["covariance"][index][index].as_f64() == Some(0.0), is_held, "{index}");
     }
-    // Sigma holds 68.3 %, the RMS has the wings.
+    // Sigma contains 68.3 %; the RMS includes the wings.
     assert_eq!([&value["rms_mag"], &value["sigma_mag"]].map(Value::as_f64), [Some(0.513), Some(0.417)]);
     assert_eq!(value["provenance"]["provisional"], json!(false));
 }
@@ -175,15 +174,15 @@ fn verif_names_that_catalogues_use_are_known() {
     assert_eq!(library.get("oneweb").unwrap().source().to_string(), "prior:oneweb");
 }
 
-/// The shipped BRDF with one thing changed.
-fn spoiled(change: impl Fn(&mut Value)) -> String {
+/// The bundled BRDF file with one change.
+fn changed_file(change: impl Fn(&mut Value)) -> String {
     let mut value: Value = serde_json::from_str(shipped("starlink-v1.5.json")).unwrap();
     change(&mut value);
     value.to_string()
 }
 
 #[test]
-fn verif_wrong_files_get_one_clear_error() {
+fn verif_invalid_files_give_one_clear_error() {
     type Change = fn(&mut Value);
     let cases: &[(Change, &[&str])] = &[
         (|v| v["coefficients"]["n_base"] = json!(1e9), &["coefficients.n_base", "1000000000", "0 to 10000"]),
@@ -207,24 +206,29 @@ fn verif_wrong_files_get_one_clear_error() {
         (|v| v["provenance"]["source"] = json!("  "), &["provenance.source"]),
     ];
     for (change, words) in cases {
-        let error = BrightnessModel::from_json(&spoiled(change), "mine.json").unwrap_err().to_string();
+        let error = BrightnessModel::from_json(&changed_file(change), "mine.json").unwrap_err().to_string();
         assert!(error.starts_with("model file mine.json: ") && !error.contains('\n'), "{error}");
         for word in *words {
-            assert!(error.contains(word), "{error:?} should speak of {word:?}");
+            assert!(error.contains(word), "{error:?} should contain {word:?}");
         }
     }
-    // NaN is no JSON; a value too large to hold reads as an error too.
-    for text in
-        ["", "{", "[1]", &spoiled(|_| {}).replace("0.0329233", "NaN"), &spoiled(|_| {}).replace("0.0329233", "1e999")]
-    {
+    // NaN is not valid JSON; a number that is too large is an error too.
+    for text in [
+        "",
+        "{",
+        "[1]",
+        &changed_file(|_| {}).replace("0.0329233", "NaN"),
+        &changed_file(|_| {}).replace("0.0329233", "1e999"),
+    ] {
         assert!(matches!(BrightnessModel::from_json(text, "x"), Err(ModelFileError::Json { .. })), "{text}");
     }
 }
 
 #[test]
-fn verif_covariances_are_held_to_symmetry() {
+fn verif_covariances_must_be_symmetric() {
     let good: Vec<Vec<f64>> = (0..7).map(|i| (0..7).map(|j| if i == j { 1e-4 } else { 1e-6 }).collect()).collect();
-    let with = |matrix: &[Vec<f64>]| ModelFile::from_json(&spoiled(|v| v["covariance"] = json!(matrix)), "mine.json");
+    let with =
+        |matrix: &[Vec<f64>]| ModelFile::from_json(&changed_file(|v| v["covariance"] = json!(matrix)), "mine.json");
     assert_eq!(with(&good).unwrap().covariance.unwrap()[3][2], 1e-6);
     let mut lopsided = good.clone();
     lopsided[1][4] = 2e-6;
@@ -235,16 +239,16 @@ fn verif_covariances_are_held_to_symmetry() {
 }
 
 #[test]
-fn verif_a_users_model_takes_its_place() {
+fn verif_a_user_model_replaces_a_bundled_one() {
     let mut library = ModelLibrary::embedded();
     let before = library.names().count();
-    let own = spoiled(|v| {
+    let own = changed_file(|v| {
         v["name"] = json!("my-sat");
         v["aliases"] = json!(["mine"]);
     });
     assert_eq!(library.add_json(&own, "my.json").unwrap(), "my-sat");
     assert_eq!(library.get("mine").unwrap().source().to_string(), "brdf:my-sat");
-    let replaced = spoiled(|v| v["coefficients"]["c5"] = json!(0.2));
+    let replaced = changed_file(|v| v["coefficients"]["c5"] = json!(0.2));
     library.add_json(&replaced, "v15.json").unwrap();
     assert_eq!(library.names().count(), before + 1);
     assert_eq!(library.get("v1.5").unwrap().file().unwrap().coefficients.unwrap().c5, 0.2);
@@ -253,7 +257,7 @@ fn verif_a_users_model_takes_its_place() {
     assert_eq!(library, same, "a bad file changes nothing");
 }
 
-/// A satellite with two arrays, one of each law, attitude and sphere: the schema takes it, and so do we.
+/// A satellite with two arrays and all kinds of laws, attitudes and spheres is valid for schema and reader.
 #[test]
 fn verif_a_file_of_panels_meets_the_schema() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/two-arrays.json");

@@ -1,4 +1,4 @@
-//! Next clear starts hold when asked again, also where only the loss expected of all satellites together forbids an exposure.
+//! Next clear starts are clear when computed again, also if only the total expected loss excludes an exposure.
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
@@ -57,7 +57,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
     let rows: Vec<ScheduledExposure> =
         (0..80).map(|number| row(number, seconds_after(start, 34.0 * number as f64))).collect();
     let flags = flags_of(&rows);
-    // Some are avoided though nothing is predicted to cross: those once had their own start as their next clear one.
+    // Some are avoided without a predicted crossing: these once had their own start as their next clear one.
     let by_loss_alone = || flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid && flag.n_streaks == 0);
     assert!(by_loss_alone().count() > 4, "{} avoided by their loss alone", by_loss_alone().count());
     assert!(by_loss_alone().any(|flag| flag.delay_s.is_some()));
@@ -77,7 +77,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
         assert_eq!(flag.kind, VerdictKind::Clear, "{flag:?}");
     }
 
-    // Without patience nothing is found, and nothing is said to be clear.
+    // Without waiting time no start is found, and no exposure is reported as clear.
     let hurried = Policy { max_delay_s: Some(0.0), ..policy.clone() };
     let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &FlagRequest { policy: &hurried, ..request });
     for flag in report.expect("flags").flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid) {

@@ -1,9 +1,9 @@
-//! One sigma of an element set holds 68 % of what element sets were in fact wrong by.
+//! One sigma of an element set contains 68 % of the actual errors of element sets.
 
 use streakcast::orbit::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
 
-/// Share of residuals that one sigma should hold, and how far from it a kind may be: half of the objects (those of
-/// the golden file) were not seen by the fit, and kinds mix quiet and busy satellites.
+/// Fraction of residuals within one sigma, and its tolerance for a class: half of the objects (those of the golden
+/// file) were not used by the fit, and classes mix quiet and active satellites.
 const SHARE: f64 = 0.6827;
 const SHARE_TOLERANCE: f64 = 0.10;
 
@@ -64,9 +64,10 @@ const KINDS: [OrbitKind; 6] = [
     OrbitKind::Eccentric,
 ];
 
-/// Where the floor (an error at epoch that successive element sets share, and so hide) is less than half of sigma.
+/// Residuals for which the floor (the error at epoch, hidden because successive element sets share it) is less than
+/// half of sigma.
 #[test]
-fn valid_one_sigma_along_the_track_holds_68_percent_of_held_out_residuals() {
+fn valid_one_sigma_along_the_track_contains_68_percent_of_held_out_residuals() {
     let residuals = residuals();
     for kind in KINDS {
         let grown = residuals.iter().filter(|r| r.kind == kind && r.sigma.along_track_s > 2.0 * r.floor.along_track_s);
@@ -78,7 +79,7 @@ fn valid_one_sigma_along_the_track_holds_68_percent_of_held_out_residuals() {
 }
 
 #[test]
-fn valid_one_sigma_across_the_track_holds_68_percent_of_held_out_residuals() {
+fn valid_one_sigma_across_the_track_contains_68_percent_of_held_out_residuals() {
     let residuals = residuals();
     for kind in KINDS {
         let both = residuals

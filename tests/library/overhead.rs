@@ -26,7 +26,7 @@ fn options(min_altitude_rad: f64, include_dark: bool) -> SnapshotOptions {
 #[test]
 fn verif_satellites_that_are_up_have_risen_and_not_set() {
     let (sky, at, lowest_rad) = (sky(), dusk(), 10f64.to_radians());
-    // Satellites at 1200 km stay up for some twenty minutes.
+    // Satellites at 1200 km stay above the horizon for some twenty minutes.
     let request = VisibleRequest {
         start: seconds_after(at, -2400.0),
         end: seconds_after(at, 2400.0),
@@ -49,7 +49,7 @@ fn verif_satellites_that_are_up_have_risen_and_not_set() {
     assert!(up.len() > 50 && left_out.is_empty(), "{} up", up.len());
     let altitude_rad = |one: &SatelliteTrack| one.snapshots[0].point.altitude_rad.unwrap();
     assert!(found.iter().all(|one| one.snapshots.len() == 1 && altitude_rad(one) >= lowest_rad));
-    // Without the dark ones those are left that any sunlight reaches.
+    // Without satellites in the shadow, those with any sunlight remain.
     let (lit, _) = sky.snapshots(at, &[0.0], &options(lowest_rad, false)).unwrap();
     let expected = found.iter().filter(|one| one.snapshots[0].is_lit()).count();
     assert_eq!(lit.len(), expected);
@@ -57,7 +57,7 @@ fn verif_satellites_that_are_up_have_risen_and_not_set() {
 }
 
 #[test]
-fn verif_whole_tracks_hold_all_times_of_the_same_satellites() {
+fn verif_whole_tracks_contain_all_times_of_the_same_satellites() {
     let (sky, at) = (sky(), dusk());
     let times_s: Vec<f64> = (0..7).map(|step| 100.0 * f64::from(step)).collect();
     let photometry = Some(PhotometryOptions::default());
@@ -72,7 +72,7 @@ fn verif_whole_tracks_hold_all_times_of_the_same_satellites() {
         for one in &part.snapshots {
             let other = &whole.snapshots[one.time_index];
             assert_eq!((other.time_index, other.point.epoch), (one.time_index, one.point.epoch));
-            // Interpolated orbits are good to millimetres, the site's turn to a millimetre over ten minutes.
+            // Interpolated orbits have errors of millimetres, the site's rotation of a millimetre over ten minutes.
             let apart_rad = one.point.direction.separation_rad(&other.point.direction);
             assert!(apart_rad < 1e-7, "{apart_rad}");
             let sigmas = [one, other].map(|one| one.point.brightness.as_ref().map(|light| light.sigma_mag));
@@ -95,8 +95,8 @@ fn the_same_satellites_from_elsewhere() {
 }
 
 #[test]
-fn verif_sun_and_pointing_stand_in_one_sky() {
-    /// The Sun's parallax (8.8 arcsec), with room for light time that a direction knows nothing of.
+fn verif_sun_and_pointing_share_one_frame() {
+    /// The Sun's parallax (8.8 arcsec), with a margin for light time, which directions do not include.
     const TOLERANCE_RAD: f64 = 1e-4;
     let sky = sky();
     let hours: Vec<Epoch> = (0..24).map(|hour| seconds_after(dusk(), 3600.0 * f64::from(hour))).collect();
@@ -144,7 +144,7 @@ fn mixed_sky() -> Sky {
     config.prepare(dusk(), dusk()).unwrap().sky
 }
 
-/// Every satellite by SGP4 itself, without the search: those above the altitude, and lit where dark ones are left out.
+/// Every satellite by SGP4 without the search: those above the altitude, and lit if dark ones are omitted.
 fn reference(sky: &Sky, at: Epoch, min_altitude_rad: f64, include_dark: bool) -> Vec<(usize, f64, f64)> {
     let orientation = sky.orientation_over(at, at).at_s(0.0);
     let here = sky.viewpoint().site().unwrap().state(&orientation);
@@ -159,7 +159,7 @@ fn reference(sky: &Sky, at: Epoch, min_altitude_rad: f64, include_dark: bool) ->
     sky.elements().iter().enumerate().filter_map(one).collect()
 }
 
-/// Snapshots hold the satellites that SGP4 places above the altitude, time by time, and no others.
+/// Snapshots contain exactly the satellites that SGP4 places above the altitude at each time.
 #[test]
 fn verif_snapshots_against_sgp4_of_every_satellite() {
     /// Interpolation, millimetres at 500 km.
@@ -175,8 +175,8 @@ fn verif_snapshots_against_sgp4_of_every_satellite() {
         for (later_s, times_s, lowest_deg) in &queries {
             let (at, lowest_rad) = (seconds_after(dusk(), *later_s), lowest_deg.to_radians());
             let photometry = Some(PhotometryOptions::default());
-            let asked = SnapshotOptions { photometry, ..options(lowest_rad, include_dark) };
-            let (tracks, left_out) = sky.snapshots(at, times_s, &asked).unwrap();
+            let options_of_case = SnapshotOptions { photometry, ..options(lowest_rad, include_dark) };
+            let (tracks, left_out) = sky.snapshots(at, times_s, &options_of_case).unwrap();
             assert!(left_out.is_empty());
             assert!(tracks.is_sorted_by_key(|track| track.element_index));
             let mut seen = 0;
@@ -216,7 +216,7 @@ fn tracks_move_as_fast_as_their_points() {
         let direction = |index: usize| track.snapshots[index].point.direction;
         let moved_rad = direction(0).separation_rad(&direction(2));
         let rate_rad_s = track.middle().unwrap().angular_rate_rad_s;
-        // Over a second a track bends by some hundredths of its length at most.
+        // The curvature of a track over a second is at most some hundredths of its length.
         assert!((moved_rad / rate_rad_s - 1.0).abs() < 1e-3, "{moved_rad} {rate_rad_s}");
         assert!(track.snapshots.iter().all(|one| one.point.brightness.is_none()));
     }

@@ -1,4 +1,4 @@
-//! Passes above the horizon and entries into the shadow, against STK and Heavens-Above.
+//! Passes above the horizon and shadow entries, compared with STK and Heavens-Above.
 
 use crate::common::agreement::Agreement;
 use std::path::Path;
@@ -11,16 +11,17 @@ use streakcast::orbit::Propagator;
 use streakcast::passes::{ModelChoice, Sky, VisiblePass, VisibleRequest};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 
-/// STK prints 1 ms and knows UT1 of its own (a few ms of it move a low site by a metre, 1 ms of the satellite's way).
+/// STK prints 1 ms and has its own UT1 (a few ms of it move a low site by a metre, 1 ms of the satellite's motion).
 const STK_S: f64 = 0.1;
 const STK_ALTITUDE_DEG: f64 = 0.006;
 
 /// Heavens-Above prints seconds and whole degrees.
 const HEAVENS_ABOVE_BORDER_S: f64 = 2.0;
-/// The top of a pass is flat, in the zenith less so.
+/// The altitude is flat around culmination, less so near the zenith.
 const HEAVENS_ABOVE_TOP_S: f64 = 3.0;
 const HEAVENS_ABOVE_ALTITUDE_DEG: f64 = 0.6;
-/// Its "enters shadow" is our first dimming (half of the disk is gone 4.4 s later, all of it 8.7 s later): rounding, and a model of its own.
+/// Its "enters shadow" is our first dimming (half of the disk is hidden 4.4 s later, all of it 8.7 s later): rounding,
+/// and a different model.
 const HEAVENS_ABOVE_SHADOW_S: f64 = 1.0;
 
 fn elements(path: &Path, id: u32) -> ElementSet {
@@ -129,13 +130,13 @@ fn valid_passes_and_shadow_against_heavens_above() {
             pass.culmination.altitude_rad.expect("an altitude").to_degrees(),
         );
         let ends_in_shadow = degrees(17) > 10.0;
-        // Where the shadow comes before the top, that is their highest point.
+        // If the shadow precedes culmination, it is their highest point.
         if at(13) < at(16) {
             summit.see(top_s);
             height.see(top_deg - degrees(14));
         }
         assert!(ends_in_shadow, "{line}");
-        // Hundredths of a second from a minute before their moment on.
+        // Hundredths of a second, starting a minute before their time.
         let before = seconds_after(at(16), -60.0);
         assert_eq!(lit(before), Illumination::Sunlit, "{line}");
         let step = (0..12_000).find(|step| lit(seconds_after(before, f64::from(*step) * 0.01)) != Illumination::Sunlit);

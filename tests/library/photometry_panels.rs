@@ -1,4 +1,4 @@
-//! Satellites of panels: the closed form of chassis and sail, rays cast one by one, covariance, and wrong files.
+//! Satellites of panels: the closed form of chassis and sail, single rays, covariance, and invalid files.
 
 use crate::common::agreement::Agreement;
 use std::f64::consts::PI;
@@ -57,9 +57,9 @@ fn directions(random: &mut Random) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(sun.cos(), 0.0, sun.sin()), random.direction())
 }
 
-/// Sun and observer below the chassis or not, any offset: the light of each term, and the blocked share, to 1e-9 of the closed
-/// form. The chassis' own edge hides nothing of it: only where the Sun or the observer stand above the chassis plane does the
-/// list of panels know more (the sail's back is then hidden by nothing either, and the chassis is dark).
+/// Sun and observer below the chassis or not, any offset: the light of each term and the blocked fraction agree with
+/// the closed form to 1e-9. The chassis' edge hides none of it; only with the Sun or the observer above the chassis
+/// plane is the list of panels more accurate (the sail's back is then not hidden, and the chassis is dark).
 #[test]
 fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
     let mut random = Random(3);
@@ -99,7 +99,7 @@ fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
     assert!(compared > 4000, "{compared} geometries were partly blocked");
 }
 
-/// True where a ray from a point of one rectangle in a direction meets another.
+/// Whether a ray from a point of one rectangle in a direction hits another.
 fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle) -> bool {
     let along = other.axes.normal.dot(direction);
     let t = other.axes.normal.dot(&(other.anchor_m - from)) / along;
@@ -111,8 +111,9 @@ fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle)
         && (other.v_m[0]..=other.v_m[1]).contains(&v)
 }
 
-/// Random satellites of four panels at random angles, every one in the way of the first: the exact share against a grid of
-/// 100 x 100 rays to Sun and observer. A grid of N x N errs by the border's length in cells: 0.02 holds for six borders.
+/// Random satellites of four panels at random angles, all in front of the first: the exact fraction compared with a
+/// grid of 100 x 100 rays to Sun and observer. A grid of N x N has an error of the border's length in cells: 0.02 for
+/// six borders.
 #[test]
 fn valid_obstruction_of_random_panels_against_rays_cast_one_by_one() {
     const GRID: usize = 100;
@@ -188,7 +189,7 @@ fn verif_gradient_of_the_two_panels_against_differences() {
     }
 }
 
-/// The same covariance through derivatives and through moved parameters, and what it adds to the scatter.
+/// The same covariance through derivatives and through changed parameters, and its contribution to the scatter.
 #[test]
 fn verif_covariance_widens_the_sigma() {
     let shape = json!({"sail_length_m": 8.1, "sail_width_m": 2.8, "base_length_m": 1.3, "base_width_m": 2.8, "panel_offset_deg": 0.0});
@@ -231,7 +232,7 @@ fn verif_covariance_widens_the_sigma() {
 }
 
 #[test]
-fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
+fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
     let shape = SatelliteShape {
         sail_length_m: 8.1,
         sail_width_m: 2.8,
@@ -294,7 +295,7 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
             &["reflected share", "sail"],
         ),
         (
-            // What goes straight on counts too.
+            // Directly transmitted light counts too.
             &|s| {
                 s["conserves_energy"] = json!(true);
                 s["panels"][0]["through"][0] = json!({"law": "straight", "weight": 0.95, "exponent": 30});
@@ -308,7 +309,7 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
         assert!(words.iter().all(|word| error.contains(word)), "{error} lacks one of {words:?}");
         assert!(error.starts_with("model file own.json"), "{error}");
     }
-    // What one face reflects may be claimed where it holds.
+    // Reflectance of one face may be given where it is valid.
     let mut held = good.clone();
     held["conserves_energy"] = json!(true);
     assert!(BrightnessModel::from_json(&file(held, Value::Null), "own").is_ok());
@@ -316,7 +317,7 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
     assert!(short.contains("7 x 7"), "{short}");
 }
 
-/// The paper's satellite taken apart: geometry that knows no coefficient, laws that know no geometry, and the same light.
+/// The paper's satellite split into geometry without coefficients and laws without geometry: the same light.
 #[test]
 fn verif_lit_faces_and_laws_add_up_to_the_whole() {
     let shape = SatelliteShape {
@@ -337,7 +338,7 @@ fn verif_lit_faces_and_laws_add_up_to_the_whole() {
         let (to_sun, to_observer) = directions(&mut random);
         let lit = start.lit_faces(&to_sun, &to_observer);
         assert_eq!(lit, moved.lit_faces(&to_sun, &to_observer));
-        // Geometry of the one, laws of the other.
+        // Geometry of one satellite with the laws of the other.
         let sum: f64 = lit
             .iter()
             .flat_map(|lit| {
@@ -376,7 +377,8 @@ fn verif_ranges_and_proportions_of_parameters() {
         }]
     }))
     .unwrap();
-    // One that is a weight and an exponent keeps what both allow, and light is proportional to neither.
+    // A parameter used as both weight and exponent has the range allowed for both, and light is proportional to
+    // neither.
     let expected = [
         ([0.5, 1.0], false),
         ([0.0, 1.0], true),
@@ -397,10 +399,10 @@ fn verif_ranges_and_proportions_of_parameters() {
     assert!(!spec.is_linear(expected.len()));
 }
 
-/// Rough mirrors as a renderer has them.
+/// Rough mirrors as rendered by Mitsuba.
 #[test]
 fn valid_facets_against_mitsuba() {
-    /// Two factors of masking, each from a rational fit good to 0.35 %.
+    /// Two masking factors, each from a rational fit with an error of 0.35 %.
     const MASKING_FIT: f64 = 0.0071;
     let unit = |zenith_deg: f64, azimuth_deg: f64| {
         let (zenith, azimuth) = (zenith_deg.to_radians(), azimuth_deg.to_radians());
@@ -420,8 +422,8 @@ fn valid_facets_against_mitsuba() {
     assert!(compared > 250, "{compared}");
 }
 
-/// The Earth is sampled finely enough for the lobes of facets and of light sent back: the rule that the law's exponent asks
-/// for against one of several times the nodes either way.
+/// The Earth is sampled finely enough for the lobes of facets and retroreflection: the rule for the law's exponent is
+/// compared with one of several times the nodes in either direction.
 #[test]
 fn verif_earthshine_by_new_lobes() {
     let laws = [
@@ -431,7 +433,7 @@ fn verif_earthshine_by_new_lobes() {
         Law::Retro(Retro { weight: 1.0, exponent: 3.0 }),
         Law::Retro(Retro { weight: 1.0, exponent: 80.0 }),
     ];
-    /// At least 2.5 times the nodes that the laws ask for.
+    /// At least 2.5 times the nodes required by the laws.
     const FINE_EXPONENT: f64 = 1000.0;
     let normal = -Vector3::z();
     let mut worst = [0.0_f64; 2];
@@ -451,9 +453,9 @@ fn verif_earthshine_by_new_lobes() {
                         };
                         sources.iter().map(of_source).sum()
                     };
-                    // Of what the same panel would send at the fullest: lobes that miss the lit ground are dark.
+                    // Relative to the maximum light of the same panel: lobes that miss the lit ground are dark.
                     let off = (light(&coarse) - light(&fine)).abs() / light(&fine).max(0.01);
-                    // The first is narrower than the Earth's rule allows for, and thinnest where the panel is seen at a slant.
+                    // The first lobe is narrower than the rule allows for, and narrowest for grazing views.
                     let slant = usize::from(nadir_deg > 60.0 && place == 0);
                     worst[slant] = worst[slant].max(off);
                 }
@@ -463,9 +465,10 @@ fn verif_earthshine_by_new_lobes() {
     assert!(worst[0] < 2e-3 && worst[1] < 0.05, "{worst:?}");
 }
 
-/// Spheres beside panels: their light is added, whatever the panels do, and taken apart again; the file comes back as it went.
+/// Spheres in addition to panels: their light is added independently and can be separated again; the file survives a
+/// round trip.
 #[test]
-fn verif_spheres_shine_beside_the_panels() {
+fn verif_spheres_add_to_the_panels() {
     let shape = SatelliteShape {
         sail_length_m: 8.1,
         sail_width_m: 2.8,

@@ -1,4 +1,4 @@
-//! Moments of shadow entry and exit against Skyfield's Sun with a cone, and with rays against the ellipsoid.
+//! Times of shadow entry and exit, compared with Skyfield's Sun and a cone, and with rays against the ellipsoid.
 
 use crate::common::agreement::Agreement;
 use std::collections::BTreeSet;
@@ -9,10 +9,12 @@ use streakcast::frames::{EopTable, Gcrs, OrientationTable, Position, seconds_aft
 use streakcast::geometry::{Illumination, SunTable, illumination};
 use streakcast::orbit::Propagator;
 
-/// Sun and Earth are of other makes (epv00 against DE421: 11 km), moments are bisected to 0.1 ms; high orbits that graze the shadow are the worst.
+/// Sun and Earth differ (epv00 and DE421: 11 km), times are bisected to 0.1 ms; high orbits that graze the shadow are
+/// the worst case.
 const MOMENT_S: f64 = 0.02;
 
-/// The angle by which the Sun's edge clears the spherical Earth of the golden cone: the same closed form, with our satellite and our Sun.
+/// Angle between the Sun's edge and the spherical Earth of the golden cone: the same closed form, with our satellite
+/// and our Sun.
 fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
     let to_sun = *sun - *satellite;
     let (r, d) = (satellite.norm_km(), to_sun.norm_km());
@@ -58,7 +60,7 @@ fn valid_shadow_moments_against_skyfield() {
             let (place, sun) = state(seconds);
             cone(&place, &sun)[usize::from(umbra)] < 0.0
         };
-        // Bisected within half a minute of theirs.
+        // Bisected within half a minute of the golden time.
         let moment = |near_s: f64, is_in: &dyn Fn(f64) -> bool| {
             let (mut low, mut high) = (near_s - 30.0, near_s + 30.0);
             assert!(is_in(low) != entering && is_in(high) == entering, "{line}");

@@ -1,4 +1,4 @@
-//! Synthetic constellations: labelled, numbered, at their altitude, and the same satellites at every epoch.
+//! Synthetic constellations: labels, numbers, altitude, and identical satellites at every epoch.
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, FIRST_SYNTHETIC_ID, NoradId, Origin};
@@ -28,10 +28,10 @@ fn verif_shells_are_labelled_and_numbered() {
 }
 
 #[test]
-fn verif_shells_fly_at_their_altitude_and_are_the_same_satellites_at_every_epoch() {
-    /// The closed form leaves out J₂² terms: below 10 m; sampling one revolution in 200 steps adds little.
+fn verif_shells_have_their_altitude_and_the_same_satellites_at_every_epoch() {
+    /// The closed form omits J₂² terms: below 10 m; sampling one revolution in 200 steps adds little.
     const MEAN_RADIUS_TOLERANCE_KM: f64 = 0.02;
-    /// Thirty days of secular rates; SGP4 itself is a kilometre.
+    /// Thirty days of secular rates; SGP4 itself contributes a kilometre.
     const SAME_SATELLITE_TOLERANCE_KM: f64 = 1.0;
     let epoch = Epoch::from_gregorian_utc_at_midnight(2026, 3, 20);
     for constellation in Constellation::embedded() {

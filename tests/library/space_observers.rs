@@ -1,4 +1,5 @@
-//! Telescopes in orbit: directions against Skyfield, the cull against following every pair, the Earth in the way.
+//! Telescopes in orbit: directions compared with Skyfield, the candidate search compared with every pair, blocking by
+//! the Earth.
 
 use crate::common::agreement::Agreement;
 use crate::common::random::Random;
@@ -29,7 +30,8 @@ fn sky(elements: Vec<ElementSet>, observer: &ElementSet) -> Sky {
     Sky::with_models(elements, observer, EopTable::embedded(), &choice)
 }
 
-/// Skyfield's UT1 is a table of its own; of it only TEME's turn by 10⁻⁴ s remains here. Its Sun and Earth are DE421: 0.01". All else is SGP4 alike.
+/// Skyfield has its own UT1 table, of which only TEME's rotation by 10⁻⁴ s remains here. Its Sun and Earth are DE421:
+/// 0.01". All else is the same SGP4.
 const DIRECTION_ARCSEC: f64 = 0.02;
 
 #[test]
@@ -58,7 +60,7 @@ fn valid_directions_from_orbit_against_skyfield() {
         let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
         directions.see(arcsec(seen.direction.separation_rad(&theirs)));
         ranges.see(seen.range_km - range_km);
-        // What is in question is really there: geometric directions are up to 25" off, here as there.
+        // The effect is really tested: geometric directions are up to 25" off in both.
         let plain = seen.geometric.direction().expect("apart").separation_rad(&theirs);
         assert!((arcsec(plain) - off_arcsec).abs() < DIRECTION_ARCSEC, "{line}: {}", arcsec(plain));
         rows += 1;
@@ -86,7 +88,7 @@ fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f
     }
 }
 
-/// Orbits close to the observers' own and far from them: the same shells, above, below, eccentric, geosynchronous.
+/// Orbits close to those of the observers and far from them: the same shells, above, below, eccentric, geosynchronous.
 fn swarm(random: &mut Random, count: usize) -> Vec<ElementSet> {
     (0..count)
         .map(|number| {
@@ -102,12 +104,13 @@ fn swarm(random: &mut Random, count: usize) -> Vec<ElementSet> {
         .collect()
 }
 
-/// No two places bound to the Earth part faster, km/s.
+/// Largest relative speed of two objects bound to the Earth, km/s.
 const FASTEST_KM_S: f64 = 22.0;
-/// Inside a field for less than this a satellite may be stepped over, seconds.
+/// Satellites inside a field for less than this time may be missed, seconds.
 const FINEST_S: f64 = 5e-4;
 
-/// One pair followed without cull, arcs or roots: from each moment on by the time in which nothing could reach the field. True where it was inside.
+/// Follows one pair without candidate search, arcs or roots: steps over the time in which the field cannot be reached.
+/// Returns whether it was inside.
 fn is_inside(
     observer: &Propagator,
     satellite: &Propagator,
@@ -135,14 +138,14 @@ fn is_inside(
         if angle_rad <= radius_rad {
             return EarthLimb::default().clearance_km(&here.position, &there.position) > 0.0;
         }
-        // Square distance from the cone's edge.
+        // Squared distance from the cone's edge.
         let gap_km = seen.range_km * (angle_rad - radius_rad).min(1.5).sin();
         time_s += (gap_km / FASTEST_KM_S).max(FINEST_S);
     }
     false
 }
 
-/// 120 exposures of 1,000 satellites: none that is inside a field is lost, none is invented.
+/// 120 exposures of 1,000 satellites: no crossing is missed and none is false.
 #[test]
 fn verif_no_crossing_is_lost_from_orbit() {
     let mut random = Random(7);
@@ -177,12 +180,12 @@ fn verif_no_crossing_is_lost_from_orbit() {
             for (element_index, propagator) in propagators.iter().enumerate() {
                 let radius_rad = 0.5 * f64::to_radians(diameter_deg);
                 let inside = is_inside(&observer, propagator, &exposure, radius_rad, &orientation, &sun);
-                let told = found.contains(&element_index);
-                assert!(!inside || told, "{revolutions_day} {exposure:?}: {element_index} was lost");
-                if told && !inside {
-                    // It may have been there for less than a step, or behind the Earth as it came in.
+                let is_reported = found.contains(&element_index);
+                assert!(!inside || is_reported, "{revolutions_day} {exposure:?}: {element_index} was lost");
+                if is_reported && !inside {
+                    // It may have been inside for less than a step, or behind the Earth at entry.
                     let pass = passes.by_exposure[0].iter().find(|pass| pass.element_index == element_index);
-                    let pass = pass.expect("told");
+                    let pass = pass.expect("a reported pass");
                     let stay_s: f64 = pass.chords.iter().map(|chord| chord.exit_s - chord.enter_s).sum();
                     let cut = pass.chords.iter().any(|chord| chord.enter_s > 0.0);
                     assert!(stay_s < 2.0 * FINEST_S || cut, "{exposure:?}: {pass:?}");
@@ -191,7 +194,7 @@ fn verif_no_crossing_is_lost_from_orbit() {
                 pairs += 1;
                 crossings += usize::from(inside);
             }
-            // Each that is told of is clear of the Earth and has no horizon.
+            // Every reported crossing is clear of the Earth and has no horizon.
             for pass in &passes.by_exposure[0] {
                 assert!(pass.mid.altitude_rad.is_none() && pass.mid.azimuth_rad.is_none());
                 assert!(pass.mid.range_km > 0.0 && pass.angular_rate_rad_s.is_finite());
@@ -204,10 +207,10 @@ fn verif_no_crossing_is_lost_from_orbit() {
 }
 
 #[test]
-fn verif_close_encounters_are_seen_and_oneself_is_not() {
+fn verif_close_encounters_are_found_and_the_observer_is_excluded() {
     let mut random = Random(3);
     let own = synthetic(600_000_000, &mut random, 15.3, 0.0002);
-    // The same orbit the other way round the same plane: it comes straight on at 15 km/s and passes within kilometres.
+    // The same orbit in the opposite direction: it approaches at 15 km/s and passes within kilometres.
     let mut other = own.clone();
     other.norad_id = NoradId(600_000_001);
     other.inclination_deg = 180.0 - own.inclination_deg + 0.1;
@@ -231,7 +234,7 @@ fn verif_close_encounters_are_seen_and_oneself_is_not() {
     let nearest = nearest_of(nearest_of(0.0, 1.0, 7000) - 1.0, 1e-3, 2000);
     let miss_km = apart(nearest).norm_km();
     assert!((0.5..60.0).contains(&miss_km), "{miss_km}");
-    // A field in the direction in which it stands as it passes, exposed for two minutes around.
+    // A field in the direction of closest approach, exposed for two minutes around it.
     let pointing = apart(nearest).direction().expect("apart");
     let exposure = Exposure {
         id: "1".into(),
@@ -256,7 +259,7 @@ fn verif_close_encounters_are_seen_and_oneself_is_not() {
 }
 
 #[test]
-fn the_earth_hides_and_questions_of_a_horizon_are_refused() {
+fn the_earth_blocks_and_requests_with_a_horizon_are_rejected() {
     let mut random = Random(5);
     let own = synthetic(600_000_000, &mut random, 12.5, 0.0002);
     let sky = sky(swarm(&mut random, 3000), &own);
@@ -273,13 +276,14 @@ fn the_earth_hides_and_questions_of_a_horizon_are_refused() {
         let options = PassOptions { include_dark: true, ..PassOptions::default() };
         sky.field_passes(&[exposure], &field, &options).expect("an answer").by_exposure.swap_remove(0)
     };
-    // Downwards only what flies between the telescope and the ground is seen, upwards everything to the geosynchronous ring.
+    // Downwards only satellites between the telescope and the ground are visible, upwards all up to the geosynchronous
+    // ring.
     let below = seen(down);
     assert!(!below.is_empty() && below.iter().all(|pass| pass.mid.range_km < 4800.0), "{}", below.len());
     assert!(seen(up).iter().any(|pass| pass.mid.range_km > 20_000.0));
     let refused = sky.snapshots(start, &[0.0], &SnapshotOptions::all_above(0.0));
     assert!(matches!(refused, Err(SkyError::NoHorizon { .. })));
-    // An observer that has decayed is an error of the question, not an empty sky.
+    // A decayed observer is an error, not an empty sky.
     let mut fallen = own.clone();
     fallen.mean_motion_rev_day = 16.6;
     fallen.bstar_per_earth_radius = 0.1;

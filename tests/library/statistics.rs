@@ -1,4 +1,5 @@
-//! What a site can expect: expected trails against real crossings, counts against the density of shells, and the verbs that print them.
+//! Statistics of a site: expected trails compared with real crossings, counts compared with the density of shells, and
+//! the verbs that print them.
 
 use std::f64::consts::TAU;
 
@@ -13,9 +14,10 @@ use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::night_of;
 
-/// Three sigmas of counting some 800 trails, and 5 % for pointings at the border of the part of the sky looked at.
+/// Three sigmas of counting some 800 trails, and 5 % for pointings at the border of the sampled sky.
 const TRAILS: f64 = 0.16;
-/// The density of a shell holds on average over time and for a spherical Earth: 144 moments see some 3,000 satellites above 30°.
+/// The density of a shell is a mean over time and for a spherical Earth: 144 times include some 3,000 satellites above
+/// 30°.
 const DENSITY: f64 = 0.05;
 
 fn sky(constellation: &Constellation, site: Site, epoch: Epoch) -> Sky {
@@ -38,15 +40,15 @@ fn request(site: &Site, date: &str) -> StatisticsRequest {
     }
 }
 
-/// The expectation of Bassa et al. against what crosses fields pointed anywhere above 30°.
+/// The expectation of Bassa et al. compared with crossings of fields at random pointings above 30°.
 #[test]
-fn verif_expected_trails_are_those_that_cross() {
+fn verif_expected_trails_agree_with_crossings() {
     let site = Site::from_mpc("X05").unwrap();
     let request = request(&site, "2024-12-21");
     let sky = sky(&Constellation::by_name("starlink-gen1").unwrap(), site, request.start);
     let (counts, missed, left_out) = sky_counts(&sky, &request).unwrap();
     assert!(missed.is_empty() && left_out.is_empty());
-    // Evening and morning, two altitudes of the Sun, two lowest altitudes.
+    // Evening and morning, two altitudes of the Sun, two minimum altitudes.
     assert_eq!(counts.len(), 8);
     let count = counts.iter().find(|count| count.evening && count.min_altitude_rad > 0.5).unwrap();
     assert!(count.lit > 8.0 && count.lit <= count.above, "{count:?}");
@@ -88,7 +90,7 @@ fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
             counts.iter().find(|other| other.epoch == count.epoch && other.min_altitude_rad > count.min_altitude_rad);
         assert!(higher.is_none_or(|higher| higher.lit <= count.lit && higher.above < count.above));
     }
-    // In a night of winter most satellites at 550 km are gone when the Sun is 24° down.
+    // On a winter night most satellites at 550 km are in the shadow when the Sun is at -24°.
     let lit = |sun_deg: f64| -> f64 {
         counts
             .iter()
@@ -138,7 +140,7 @@ mod verbs {
         ];
         let answer = json(&[STATISTICS, more]);
         let rows = answer["statistics"].as_array().unwrap();
-        // At 60° south the Sun of December does not go through -12°, nor any there through -30° in summer.
+        // At 60° south the Sun of December does not cross -12°, and no summer Sun there crosses -30°.
         assert!(rows.len() > 16 && rows.len() < 32, "{}", rows.len());
         let row = |latitude: f64, month: &str, sun: f64| {
             rows.iter().find(|row| {
@@ -189,7 +191,8 @@ mod verbs {
         assert_eq!(rows.len(), 6);
         for row in rows {
             println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
-            // A year beside thirteen nights of its October: docs/explanation/counts.md. The same nights are within the 20 % of the paper's own visits there.
+            // A year compared with thirteen nights in its October: docs/explanation/counts.md. The same nights agree within 20
+            // % with the paper's visits.
             let is_year = row["quantity"].as_str().unwrap().contains("of a year");
             let allowed = if is_year { 25.0 } else { 20.0 };
             assert!(row["difference_percent"].as_f64().unwrap().abs() < allowed, "{row}");
@@ -197,9 +200,9 @@ mod verbs {
         }
     }
 
-    /// Any other schedule is asked about, and told that it is another.
+    /// Another schedule gives a result with a note that it differs.
     #[test]
-    fn a_schedule_of_other_nights_is_told_to_be_one() {
+    fn a_schedule_of_other_nights_gives_a_note() {
         let folder = tempfile::tempdir().unwrap();
         let schedule = folder.path().join("other.csv").display().to_string();
         std::fs::write(

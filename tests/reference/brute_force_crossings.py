@@ -1,8 +1,8 @@
-"""Which satellite crosses which field, by brute force: the golden answer for the crossing engine.
+"""Crossings of fields by brute force: golden data for the crossing search.
 
-Every object of `tle/active/active_2026-04-25.txt` is propagated through every exposure in steps of 1 s; whatever
-could have come within the field between two steps (it moves at most 6 km in half a step) is followed in steps of
-0.05 s, the least separation refined by golden section, entry and exit root-found to 1e-6 s on SGP4 itself.
+Every object of `tle/active/active_2026-04-25.txt` is propagated through every exposure in steps of 1 s; objects that
+could have entered the field between two steps (they move at most 6 km in half a step) are followed in steps of
+0.05 s, the smallest separation refined by golden section, entry and exit root-found to 1e-6 s on SGP4 itself.
 No index, no orbit planes, no interpolation.
 
     STREAKCAST_DATA=... python tests/reference/brute_force_crossings.py tests/data/crossings_golden.csv
@@ -26,12 +26,12 @@ from sky_frames import (
 CATALOGUE = DATA / "tle/active/active_2026-04-25.txt"
 DIAMETER_DEG = 3.5
 RADIUS = np.radians(DIAMETER_DEG / 2)
-# Nothing bound to the Earth moves faster than 11.2 km/s past a site that turns with 0.41 km/s.
+# Largest speed of bound objects (11.2 km/s) relative to a site that rotates with 0.41 km/s.
 FASTEST_KM_S = 12.0
 
 
 def read_catalogue(path):
-    """SGP4 in AFSPC mode with WGS72, as the crate has it. Returns satellites and their ids."""
+    """Reads satellites for SGP4 in AFSPC mode with WGS72, as in the crate. Returns satellites and their ids."""
     lines = [line.rstrip() for line in path.read_text().splitlines()]
     satellites, ids = [], []
     for first, second in zip(lines, lines[1:]):
@@ -44,7 +44,7 @@ def read_catalogue(path):
             WGS72, "a", improved.satnum, epoch, improved.bstar, improved.ndot, improved.nddot,
             improved.ecco, improved.argpo, improved.inclo, improved.mo, improved.no_kozai, improved.nodeo,
         )  # fmt: skip
-        # sgp4init takes one number for the epoch; keep all digits of the file.
+        # sgp4init takes one number for the epoch; the digits of the file are kept here.
         satellite.jdsatepoch, satellite.jdsatepochF = improved.jdsatepoch, improved.jdsatepochF
         satellites.append(satellite)
         ids.append(improved.satnum)
@@ -52,7 +52,7 @@ def read_catalogue(path):
 
 
 def plan(frames, satellites):
-    """Exposures: (id, start, duration_s, ra_deg, dec_deg), start to the millisecond and angles to 1e-6 deg."""
+    """Returns exposures (id, start, duration_s, ra_deg, dec_deg), start to the millisecond and angles to 1e-6 deg."""
     random = np.random.default_rng(20260425)
     rows = []
 
@@ -69,31 +69,31 @@ def plan(frames, satellites):
         local = np.cos(altitude) * (np.cos(azimuth) * north + np.sin(azimuth) * east) + np.sin(altitude) * frames.up_itrs
         add(kind, start, duration, *vector_to_radec(itrs_to_gcrs[0] @ local))
 
-    def moment():
+    def random_time():
         jd, fraction = utc_to_jd("2026-04-25T23:00:00Z")
         return jd_to_utc(jd, fraction + random.uniform(0.0, 11.5 / 24))
 
     for _ in range(20):  # uniform over the sky above 30 deg
-        horizontal("random", moment(), 30.0, np.degrees(np.arcsin(random.uniform(0.5, 1.0))), random.uniform(0, 360))
+        horizontal("random", random_time(), 30.0, np.degrees(np.arcsin(random.uniform(0.5, 1.0))), random.uniform(0, 360))
     for _ in range(8):  # low: far satellites, slow and many
-        horizontal("low", moment(), 30.0, 20.0, random.uniform(0, 360))
+        horizontal("low", random_time(), 30.0, 20.0, random.uniform(0, 360))
     for dec in (-89.9, -89.2, -88.3, -90.0):  # the pole inside the field, on it, and at its edge
-        add("pole", moment(), 60.0, random.uniform(0, 360), dec)
+        add("pole", random_time(), 60.0, random.uniform(0, 360), dec)
     for ra, dec in ((0.0, -30.0), (359.3, -45.0), (0.9, -28.0), (359.999999, -50.0), (0.4, -65.0), (358.9, -72.0), (0.0, -75.0)):
         add("wrap", f"2026-04-26T10:{random.integers(0, 59):02d}:{random.integers(0, 59):02d}.000Z", 240.0, ra, dec)
     # The geostationary belt: hour angle 0, and declination with the parallax of latitude -30 deg (about +5 deg).
     for azimuth, altitude in ((0.0, 55.0), (330.0, 50.3), (25.0, 51.9)):
-        horizontal("belt", moment(), 300.0, altitude, azimuth)
-    horizontal("zenith", moment(), 30.0, 89.9, 10.0)
-    horizontal("zenith", moment(), 120.0, 88.5, 190.0)
+        horizontal("belt", random_time(), 300.0, altitude, azimuth)
+    horizontal("zenith", random_time(), 30.0, 89.9, 10.0)
+    horizontal("zenith", random_time(), 120.0, 88.5, 190.0)
     for _ in range(4):  # minutes, in the direction of most satellites
-        horizontal("long", moment(), 300.0, random.uniform(30, 60), random.uniform(100, 260))
+        horizontal("long", random_time(), 300.0, random.uniform(30, 60), random.uniform(100, 260))
     for _ in range(3):
-        horizontal("short", moment(), 1.0, 25.0, random.uniform(130, 230))
+        horizontal("short", random_time(), 1.0, 25.0, random.uniform(130, 230))
     for altitude in (12.0, 8.0):  # the horizon's edge
-        horizontal("edge", moment(), 30.0, altitude, random.uniform(130, 230))
+        horizontal("edge", random_time(), 30.0, altitude, random.uniform(130, 230))
 
-    # Aimed at one satellite each, so that rare kinds of orbit and grazing tracks are there.
+    # Aimed at one satellite each, to include rare kinds of orbits and grazing tracks.
     age = lambda s: utc_to_jd("2026-04-26T04:00:00Z")[0] - s.jdsatepoch - s.jdsatepochF
     leo = lambda s: s.no_kozai > 2 * np.pi / 105 and s.ecco < 0.01
     kinds = {
@@ -110,7 +110,7 @@ def plan(frames, satellites):
     for kind, members in kinds.items():
         done = 0
         while done < number[kind]:
-            start, duration = moment(), 0.0 if kind == "instant" else 20.0
+            start, duration = random_time(), 0.0 if kind == "instant" else 20.0
             probe = Exposure(frames, start, duration, 0.0, 0.0)
             middle = duration / 2
             _, itrs_to_gcrs, _ = frames.at(probe.jd, probe.fraction + middle / DAY_S)
@@ -132,7 +132,7 @@ def plan(frames, satellites):
 
 
 class Exposure:
-    """One exposure with its frames; answers separations from the field centre."""
+    """One exposure with its frames; computes separations from the field centre."""
 
     def __init__(self, frames, start, duration, ra_deg, dec_deg):
         self.frames, self.duration = frames, duration
@@ -155,7 +155,7 @@ class Exposure:
         return separation(unit(vector[0]), self.centre)
 
     def candidates(self, satellites, step_s=1.0, chunk=61):
-        """Satellites that may have been in the field: bound by speed, not by any model of the orbit."""
+        """Satellites that may have been in the field: limited by their speed only, without an orbit model."""
         n = max(int(np.ceil(self.duration / step_s)), 1) + 1
         grid = np.linspace(0.0, self.duration, n)
         half_step = self.duration / (n - 1) / 2
@@ -170,7 +170,7 @@ class Exposure:
         return np.flatnonzero(keep | failed), int(failed.sum())
 
     def chords(self, satellite):
-        """Stretches inside the field, [(enter_s, exit_s)], and the least separation (rad)."""
+        """Intervals inside the field, [(enter_s, exit_s)], and the smallest separation (rad)."""
         n = max(int(np.ceil(self.duration / 0.05)), 1) + 1
         grid = np.linspace(0.0, self.duration, n)
         angle = self.separation(satellite, grid)
@@ -244,7 +244,8 @@ def main():
         print(f"{name:12s} {start} {duration:5.0f} s  {len(candidates):4d} followed, {here:3d} cross, {failed} fail in SGP4", file=sys.stderr)
     grazes.sort()
     print("closest to the edge:", [(f"{np.degrees(g) * 3600:.1f} arcsec", n, int(i)) for g, n, i in grazes[:5]], file=sys.stderr)
-    # Four objects stand twice in the file; which record counts is the catalogue's choice, so the golden keeps clear of them.
+    # Four objects are contained twice in the file; the choice of record is up to the catalogue, so they are excluded
+    # here.
     twice = {str(i) for i in ids if np.count_nonzero(ids == i) > 1}
     if any(line.split(",")[5] in twice for line in lines):
         sys.exit(f"one of {sorted(twice)}, which the catalogue holds twice, crosses: choose another seed")

@@ -1,13 +1,15 @@
-"""How wrong an element set is at some age: the coefficients of src/orbit/uncertainty.rs and their held-out check.
+"""Errors of element sets as a function of age: coefficients of src/orbit/uncertainty.rs and their held-out check.
 
-An element set is propagated by SGP4 to the epoch of another one of the same object, and held against it: the time by
-which it is early or late along the track (s), and what is left across it, out of the orbit's plane and in radius (km).
-Objects with an even catalogue number are fitted, odd ones are held out. "68 %" is the 68.27 % quantile of the absolute
-residual: the half width that a one-sigma should have, also where tails are heavy; 1.4826 MAD is printed beside it.
+An element set is propagated by SGP4 to the epoch of another one of the same object and compared with it: time
+difference along the track (s), and distance across it, out of the orbital plane and in radius (km). Objects with an
+even catalogue number are fitted, odd ones are held out. "68 %" is the 68.27 % quantile of the absolute residual, the
+appropriate one-sigma half width also for heavy tails; 1.4826 MAD is printed for comparison.
 
-    along² = floor² + (k1 age)² + (k2 age²)² + (c drag age²)² + (f drag^q age^p)²    s; age in days; drag = |ndot/2| P, s/day²
-    cross² = floor² + (kx age^px)² + (cx shift age)²                                 km; shift = 4/3 a |ndot/2| / n, km/day
-    along is capped at 0.3413 P (all places along the orbit equally likely), cross at 1,000 km
+    along² = floor² + (k1 age)² + (k2 age²)² + (c drag age²)² + (f drag^q age^p)²    s
+    cross² = floor² + (kx age^px)² + (cx shift age)²                                 km
+
+with the age in days, drag = |ndot/2| P in s/day², shift = 4/3 a |ndot/2| / n in km/day; along is capped at 0.3413 P (all
+positions along the orbit equally likely), cross at 1,000 km.
 
     STREAKCAST_DATA=... python tests/reference/calibrate_orbit_uncertainty.py tests/data/orbit_residuals.csv
 
@@ -48,13 +50,13 @@ SOURCES = {
 AGES_DAY = (0.3, 0.5, 0.75, 1, 1.5, 2, 3, 4, 5, 7, 10, 14, 20, 30, 45, 60, 90, 120, 180, 250, 365)
 CAP_OF_PERIOD = 0.3413
 CROSS_CAP_KM = 1000.0
-# About 1 km along the track at epoch (science 12): sets that share their observations cannot show it. Across: streaks of known
-# satellites stand off their element sets by 50 arcsec in the median on the Plaskett frames (photometry/boley2021_plaskett),
-# which is a sigma of 74 arcsec, 0.3 km at 800 km.
+# About 1 km along the track at epoch: not visible in differences of sets that share observations. Across: streaks of
+# known satellites differ from their element sets by 50 arcsec in the median on the Plaskett frames
+# (photometry/boley2021_plaskett), which corresponds to a sigma of 74 arcsec, 0.3 km at 800 km.
 ALONG_FLOOR_KM, CROSS_FLOOR_KM = 1.0, 0.3
 KINDS = ("OnStation", "Manoeuvring", "LowEarth", "MediumEarth", "Geosynchronous", "Eccentric")
 CONSTELLATIONS = ("STARLINK", "ONEWEB", "KUIPER", "QIANFAN", "HULIANWANG")
-# Inclinations (deg) and mean altitudes (km) in which they fly, for element sets without a name.
+# Inclinations (deg) and mean altitudes (km) of constellations, for element sets without a name.
 SHELLS = (
     ((43.0, 53.05, 53.16, 70.0, 97.3, 97.65), 200.0, 620.0),
     ((87.9,), 450.0, 1250.0),
@@ -66,7 +68,7 @@ MANOEUVRING_REV_DAY2 = 3e-4
 
 
 class Elements:
-    """One element set with what the classes ask of it."""
+    """One element set with the quantities that define the classes."""
 
     def __init__(self, name, satellite):
         self.name, self.satellite, self.norad = name.upper(), satellite, satellite.satnum
@@ -127,7 +129,7 @@ def read(path):
 
 
 def compare(old, true):
-    """What `old` says for the epoch of `true`: seconds ahead along the track, km out of plane, km in radius; None if it decayed."""
+    """Error of `old` at the epoch of `true`: seconds along the track, km out of plane and in radius; None if decayed."""
     error, predicted, _ = old.sgp4(true.jdsatepoch, true.jdsatepochF)
     if error:
         return None
@@ -201,24 +203,24 @@ def cross_sigma(c, k, power, drag=0.0):
 
 
 def cells(c, deep):
-    """Residuals in cells of age (six a decade) and, near the Earth, of published drag (half decades); saturated ones left out."""
+    """Unsaturated residuals in cells of age (six per decade) and, near the Earth, of drag (half decades)."""
     age = np.round(np.log10(np.abs(c["age"])) * 6)
     drag = np.zeros_like(age) if deep else np.clip(np.round(np.log10(np.abs(c["half_ndot"]) + 1e-12) * 2), -14, -4)
     _, index = np.unique(age * 1000 + drag, return_inverse=True)
     groups = [g for g in (np.flatnonzero(index == i) for i in range(index.max() + 1)) if len(g) >= 12]
-    # Where the place along the orbit is all but lost, the cell says nothing of growth (nor does what is left across).
+    # If the position along the orbit is unconstrained, the cell has no information on growth (nor across the track).
     lost = lambda g: not deep and np.quantile(np.abs(c["along"][g]), 0.6827) > 0.3 * np.median(c["period_s"][g])
     return [g for g in groups if not lost(g)]
 
 
-# The search stays between these, for every coefficient and exponent.
+# Bounds of the search for coefficients and exponents.
 LEAST, MOST = 1e-4, 1e3
 EXPONENTS = (0.3, 2.5)
 
 
 def fit(c, sigma, value, starts, exponents, groups):
-    """Coefficients that bring the 68 % quantile of |residual| / sigma to 1 in every cell (least squares of its logarithm)."""
-    # A question is mostly asked of elements days old, not months.
+    """Fits coefficients so that the 68 % quantile of |residual| / sigma is 1 in every cell (logarithmically)."""
+    # Cells with an age of days have a larger weight than those with months, as in typical use.
     weight = np.array([np.sqrt(min(len(g), 400)) * (1.0 if np.median(np.abs(c["age"][g])) < 30 else 0.5) for g in groups])
     bounds = np.log([EXPONENTS if i in exponents else (LEAST, MOST) for i in range(len(starts[0]))])
 
@@ -234,7 +236,7 @@ def fit(c, sigma, value, starts, exponents, groups):
 
 
 def both_axes(c):
-    """Every residual twice, once with each axis across the track: one sigma for both."""
+    """Returns every residual twice, once for each axis across the track: one sigma for both."""
     twice = {name: np.concatenate([values, values]) for name, values in c.items()}
     return twice, np.concatenate([c["plane"], c["radius"]])
 
@@ -262,23 +264,23 @@ def table(title, c, parameters_along, parameters_cross):
 
 
 def on_station_truth():
-    """Science 8: a - R_E > 530 km is not asked here (the fleet has moved down); |da/dt| < 100 m/day over three sets."""
+    """Rule for on-station satellites: |da/dt| < 100 m/day over three sets (a - R_E > 530 km no longer applies)."""
     objects = collections.defaultdict(list)
     for elements in read(SOURCES["72 Starlink, daily, 2026"][0]):
         objects[elements.norad].append(elements)
-    said, true = [], []
+    called, true = [], []
     for sets in objects.values():
         sets.sort(key=lambda e: e.epoch)
         for before, here, after in zip(sets, sets[1:], sets[2:]):
             rates = [(b.axis_km - a.axis_km) / (b.epoch - a.epoch) for a, b in ((before, here), (here, after)) if b.epoch > a.epoch]
             if rates:
                 true.append(max(map(abs, rates)) < 0.1)
-                said.append(here.kind() == "OnStation")
-    said, true = np.array(said), np.array(true)
-    print(f"\nOne set of the 72 satellites against three (|da/dt| < 100 m/day): n {len(true)}, on station {true.mean():.3f}; right {np.mean(said == true):.3f};"
-          f" of those on station called so {said[true].mean():.3f}; of those that manoeuvre called so {1 - said[~true].mean():.3f}")  # fmt: skip
-    worst = true != said
-    print(f"  disagreements: {np.sum(worst & said)} called on station and moving, {np.sum(worst & ~said)} the other way")
+                called.append(here.kind() == "OnStation")
+    called, true = np.array(called), np.array(true)
+    print(f"\nOne set of the 72 satellites against three (|da/dt| < 100 m/day): n {len(true)}, on station {true.mean():.3f}; right {np.mean(called == true):.3f};"
+          f" correct among those on station {called[true].mean():.3f}; correct among those that manoeuvre {1 - called[~true].mean():.3f}")  # fmt: skip
+    worst = true != called
+    print(f"  disagreements: {np.sum(worst & called)} classified as on station but moving, {np.sum(worst & ~called)} the other way")
 
 
 def main():
@@ -295,14 +297,15 @@ def main():
     lines = []
     for kind in KINDS:
         mine = [r for r in rows if r.kind == kind and abs(r.age) < 400]
-        # Sentinel-6A and the one geostationary history stand alone in theirs: part of each is fitted, part held out.
+        # Sentinel-6A and the geostationary history are the only ones of their classes: part of each is fitted, part
+        # held out.
         even = [r for i, r in enumerate(mine) if (r.norad % 2 == 0 if r.norad not in (46984, 50001) else i // 40 % 2 == 0)]
         held = [r for i, r in enumerate(mine) if (r.norad % 2 == 1 if r.norad not in (46984, 50001) else i // 40 % 2 == 1)]
         forward = columns([r for r in even if r.age > 0])
         deep = kind in ("MediumEarth", "Geosynchronous", "Eccentric")
-        if deep:  # what their published ndot holds is the Sun and the Moon
+        if deep:  # their published ndot is caused by the Sun and the Moon
             starts, exponents = [(1.0, 0.1), (0.1, 0.01)], ()
-        elif kind == "LowEarth":  # some part of the drag is wrong: p = 2, q = 1; too few objects to ask for more
+        elif kind == "LowEarth":  # a fraction of the drag is wrong: p = 2, q = 1; too few objects for more parameters
             starts, exponents = [(0.02, 0.002, 0.3), (0.1, 0.01, 0.3)], ()
         else:
             starts, exponents = [(0.4, 0.02, 1.5, 2.0, 1.2, 0.4), (0.4, 0.02, 0.5, 2.0, 1.7, 0.7), (0.4, 0.1, 1.0, 1.5, 2.2, 0.6)], (4, 5)
@@ -316,7 +319,7 @@ def main():
         table(f"{kind}, held out ({len({r.norad for r in held})} objects)", c, along, cross)
         ahead = [r for r in held if r.age > 0]
         chosen = random.permutation(len(ahead))
-        # As many from every octave of age, and no object too often.
+        # Equal numbers from every octave of age, and a limited number per object.
         octave, often = collections.defaultdict(list), collections.Counter()
         for i in chosen:
             r, key = ahead[i], int(np.floor(np.log2(ahead[i].age)))

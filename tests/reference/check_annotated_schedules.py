@@ -1,8 +1,8 @@
-"""Annotated schedules against their originals, read by astropy and pyarrow: every cell, type, unit, description and meta identical, order kept.
+"""Compares annotated schedules with their originals: cells, types, units, descriptions, meta and order.
 
-    python check_annotated_schedules.py ../data/schedules FOLDER      (FOLDER: the annotated files under the same names, and their .streaks files)
+    python check_annotated_schedules.py ../data/schedules FOLDER
 
-Run by hand; astropy 8, pyarrow.
+FOLDER has the annotated files under the same names, and their .streaks files. Run manually; requires astropy 8 and pyarrow.
 """
 import json
 import sys

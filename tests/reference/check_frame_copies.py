@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Holds copies of real frames against their originals, by astropy: what was to stay has stayed, sums are right.
+"""Compares copies of real frames with their originals by astropy: unchanged content and valid checksums.
 
     STREAKCAST_DATA=... STREAKCAST_KEEP=FOLDER cargo test --test images frame_copies
     python tests/reference/check_frame_copies.py DATA_FOLDER FOLDER
 
 The test writes each copy under its original's name with one image changed and one line of HISTORY added, one image and
-one table appended; this script reads both with astropy alone.
+one table appended; this script reads both with astropy only.
 """
 
 import pathlib
@@ -17,13 +17,13 @@ from astropy.io import fits
 
 warnings.simplefilter("ignore")
 data, folder = pathlib.Path(sys.argv[1]) / "frames", pathlib.Path(sys.argv[2])
-# What packing again may change in the header of the table that holds the tiles; EXTEND is T once there are extensions, and astropy
-# sets it by itself where it is missing.
+# Keywords that compression may change in the header of the table of tiles; EXTEND is T if there are extensions, and
+# astropy adds it if it is missing.
 packing = {"EXTEND", "PCOUNT", "TFORM1", "TFORM2", "TFORM3", "CHECKSUM", "DATASUM", "THEAP"}
 failures = 0
 
 
-def complain(*words):
+def report_failure(*words):
     global failures
     failures += 1
     print("FAIL", *words)
@@ -41,7 +41,7 @@ def ones_complement(data):
 
 
 def verified(path, number):
-    """Whether CHECKSUM and DATASUM of an HDU are right, from its bytes: astropy mends some headers before it looks at them."""
+    """Checks CHECKSUM and DATASUM of an HDU from its bytes (astropy changes some headers before its check)."""
     with fits.open(path, disable_image_compression=True) as hdus:
         place, header = hdus.fileinfo(number), hdus[number].header
     data = path.read_bytes()
@@ -54,21 +54,21 @@ for copy in sorted(folder.iterdir()):
     original = next(data.glob(f"*/{copy.name}"))
     with fits.open(original, disable_image_compression=True) as before, fits.open(copy, disable_image_compression=True) as after:
         if len(after) != len(before) + 2:
-            complain(copy.name, len(before), len(after))
+            report_failure(copy.name, len(before), len(after))
         changed = [n for n in range(len(before)) if cards(before[n].header, {"EXTEND"}) != cards(after[n].header, {"EXTEND"})]
         for number, (old, new) in enumerate(zip(before, after)):
             if number not in changed:
                 if before.fileinfo(number)["datSpan"] != after.fileinfo(number)["datSpan"]:
-                    complain(copy.name, number, "data")
+                    report_failure(copy.name, number, "data")
                 continue
             history = [card for card in cards(new.header) if card.startswith("HISTORY") and card not in cards(old.header)]
             stayed = [card for card in cards(new.header, packing) if card not in history]
             if stayed != cards(old.header, packing):
-                complain(copy.name, number, "cards", set(stayed) ^ set(cards(old.header, packing)))
+                report_failure(copy.name, number, "cards", set(stayed) ^ set(cards(old.header, packing)))
             if len(history) != 1:
-                complain(copy.name, number, "history", history)
+                report_failure(copy.name, number, "history", history)
             if any(result is False for result in verified(copy, number)):
-                complain(copy.name, number, "sums", verified(copy, number))
+                report_failure(copy.name, number, "sums", verified(copy, number))
         sums = [verified(copy, number) for number in changed]
     with fits.open(original) as before, fits.open(copy) as after:
         for number in range(len(before)):
@@ -77,16 +77,16 @@ for copy in sorted(folder.iterdir()):
                 continue
             if old.dtype.names:
                 if old.tobytes() != new.tobytes():
-                    complain(copy.name, number, "table")
+                    report_failure(copy.name, number, "table")
             elif number in changed:
                 other = np.argwhere(~((old == new) | (np.isnan(old.astype(float)) & np.isnan(new.astype(float)))))
                 rows = set(other[:, 0]) - set(range(10, 20))
                 if rows or len(other) == 0:
-                    complain(copy.name, number, "rows", rows, len(other))
+                    report_failure(copy.name, number, "rows", rows, len(other))
             elif not np.array_equal(old, new, equal_nan=old.dtype.kind == "f"):
-                complain(copy.name, number, "pixels")
+                report_failure(copy.name, number, "pixels")
         if after[-2].name != "MASK" or after[-1].name != "STREAKS":
-            complain(copy.name, after[-2].name, after[-1].name)
+            report_failure(copy.name, after[-2].name, after[-1].name)
     print(f"{copy.name}: {len(before)} HDUs kept, changed {changed}, CHECKSUM and DATASUM right: {sums}")
 print(f"{failures} failures")
 sys.exit(failures != 0)

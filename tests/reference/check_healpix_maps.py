@@ -1,4 +1,4 @@
-"""Opens HEALPix maps as healpy and astropy do, and holds them against the table of the same map.
+"""Reads HEALPix maps with healpy and astropy, and compares them with the table of the same map.
 
     python3 -m venv venv && venv/bin/pip install numpy astropy healpy
     venv/bin/python tests/reference/check_healpix_maps.py target/release/streakcast
@@ -13,20 +13,20 @@ import numpy as np
 from astropy.table import Table
 
 NSIDE = 64
-HALF_A_DIGIT = 0.5001e-4  # tables have four decimals of a magnitude
+HALF_A_DIGIT = 0.5001e-4  # magnitudes in tables have four decimals
 HALF_A_DEGREE_DIGIT = 0.5001e-6
 
 
 def main(streakcast):
     with tempfile.TemporaryDirectory() as folder:
-        for verb, ask, coordinates, frame in [
+        for verb, arguments, coordinates, frame in [
             ("sky", ["--sun-altitude-deg", "-16"], ("azimuth_deg", "altitude_deg"), "HORIZON"),
             ("body", ["--sun-latitude-deg", "-14"], ("observer_longitude_deg", "observer_latitude_deg"), "BODY"),
         ]:
-            ask = [streakcast, "map", verb, "--model", "starlink-v1.5", "--quiet", "--nside", str(NSIDE), *ask]
+            arguments = [streakcast, "map", verb, "--model", "starlink-v1.5", "--quiet", "--nside", str(NSIDE), *arguments]
             path = Path(folder) / f"{verb}.fits"
-            subprocess.run([*ask, "-o", path], check=True)
-            text = subprocess.run([*ask, "--format", "ecsv"], check=True, capture_output=True, text=True).stdout
+            subprocess.run([*arguments, "-o", path], check=True)
+            text = subprocess.run([*arguments, "--format", "ecsv"], check=True, capture_output=True, text=True).stdout
             rows = Table.read(text.splitlines(), format="ascii.ecsv")
             table = Table.read(path)
             assert table.meta["ORDERING"] == "RING" and table.meta["NSIDE"] == NSIDE and table.meta["COORDSYS"] == frame

@@ -1,12 +1,12 @@
-"""Tracking data messages of `forecast`, read by a program that is not ours (ccsds-ndm) and held against the table of the same passes.
+"""Reads tracking data messages of `forecast` with ccsds-ndm and compares them with the table of passes.
 
     tests/independent.sh, or
     venv/bin/python tests/reference/check_tdm.py target/debug/streakcast
 
-Every pass must be a segment with its satellite, its scale of time and its angles; begin, highest and end and the peak's magnitude must be those of the
-table; right ascensions and declinations, along the passes, those that astropy makes of the table's azimuths and altitudes when the light left (these are
-where the satellite is, those where it is seen). Prints the greatest differences; ends with an
-error where one is more than it may be.
+Every pass must be a segment with its satellite, time scale and angles; begin, highest point, end and peak magnitude
+must equal those of the table; right ascensions and declinations along the passes must agree with astropy's conversion
+of the table's azimuths and altitudes at the time of emission (these are geometric, those astrometric). Prints the
+largest differences, and fails if one exceeds its limit.
 """
 
 import json
@@ -24,12 +24,13 @@ from astropy.utils import iers
 from ccsds_ndm.models.ndmxml4 import AngleTypeType, Tdm
 from ccsds_ndm.ndm_io import NdmIo
 
-ASKED = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", "2024-08-14", "--quiet", "--max-mag"]
-#: Passes that are looked at in their ends and peaks, and brighter ones that are looked at all along.
+ARGUMENTS = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", "2024-08-14", "--quiet", "--max-mag"]
+#: Magnitude limits of the passes compared at their ends and peaks, and of those compared along the whole pass.
 MANY, FEW = "5.6", "4.5"
-#: Half of the last digit that the table has: angles in 0.001 deg, magnitudes in 0.001 mag; times to the microsecond.
+#: Half of the last digit of the table: angles in 0.001 deg, magnitudes in 0.001 mag; times to the microsecond.
 ANGLE_DEG, MAGNITUDE, TIME_S = 6e-4, 6e-4, 2e-6
-#: Points along a pass: azimuths and altitudes in 1e-4 deg, times to the millisecond at up to a degree a second. Without the light time it would be 1.5e-3.
+#: Points along a pass: azimuths and altitudes in 1e-4 deg, times to the millisecond at up to a degree a second. Without
+#: the light time it would be 1.5e-3.
 PLACE_DEG = 6e-4
 SAMPLES = 201
 LIGHT_KM_S = 299_792.458
@@ -46,26 +47,26 @@ def apart_deg(a, b):
 
 
 def by_time(segment):
-    """What is told of each moment: first angle, second angle, magnitude."""
-    told = {}
+    """Returns the data of each time: first angle, second angle, magnitude."""
+    observations = {}
     for one in segment.data.observation:
-        at = told.setdefault(moment(one.epoch), {})
+        at = observations.setdefault(moment(one.epoch), {})
         for name in ("angle_1", "angle_2", "mag"):
             value = getattr(one, name)
             if value is not None:
                 at[name] = float(getattr(value, "value", value))
-    return told
+    return observations
 
 
-def nearest(told, text):
+def nearest(observations, text):
     at = moment(text)
-    key = min(told, key=lambda other: abs((other - at).total_seconds()))
-    assert abs((key - at).total_seconds()) <= TIME_S, f"no observation at {text}: {sorted(told)}"
-    return told[key]
+    key = min(observations, key=lambda other: abs((other - at).total_seconds()))
+    assert abs((key - at).total_seconds()) <= TIME_S, f"no observation at {text}: {sorted(observations)}"
+    return observations[key]
 
 
-def apart_on_sky_deg(samples, told):
-    """Between points of a pass in astropy's ICRS, one light time earlier, and those of the message; and how many there are of these."""
+def apart_on_sky_deg(samples, observations):
+    """Largest separation between astropy's ICRS, one light time earlier, and the message; number of points."""
     column = lambda name: np.array([point[name] for point in samples])
     azimuths, altitudes = np.radians(column("azimuth_deg")), np.radians(column("altitude_deg"))
     towards = np.array([np.cos(altitudes) * np.cos(azimuths), np.cos(altitudes) * np.sin(azimuths), np.sin(altitudes)])
@@ -74,7 +75,7 @@ def apart_on_sky_deg(samples, told):
     azimuths, altitudes = np.arctan2(left[1], left[0]), np.arctan2(left[2], np.hypot(left[0], left[1]))
     seen = SkyCoord(azimuths * u.rad, altitudes * u.rad, frame=AltAz(obstime=times, location=SITE)).icrs
     moments = [moment(point["utc"]) for point in samples]
-    of_message = [(k, told[when]) for k, when in enumerate(moments) if when in told]
+    of_message = [(k, observations[when]) for k, when in enumerate(moments) if when in observations]
     places = SkyCoord([(at["angle_1"], at["angle_2"]) for _, at in of_message], unit="deg")
     return float(seen[[k for k, _ in of_message]].separation(places).deg.max()), len(of_message)
 
@@ -86,7 +87,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         def write(name, max_mag, *more):
             path = Path(folder) / name
-            subprocess.run([binary, *ASKED, max_mag, *more, "--output", str(path)], check=True)
+            subprocess.run([binary, *ARGUMENTS, max_mag, *more, "--output", str(path)], check=True)
             return path
 
         passes = json.loads(write("passes.json", MANY, "--format", "json").read_text())["passes"]
@@ -99,17 +100,18 @@ def main():
                 about = segment.metadata
                 assert (about.participant_1, about.participant_2) == ("X05", str(row["norad_id"])), about
                 assert about.time_system == "UTC" and about.angle_type == expected, about
-                told = by_time(segment)
-                assert all(0 <= at["angle_1"] < 360 and -90 <= at["angle_2"] <= 90 for at in told.values())
-                # A peak or a highest moment that is the pass's own border may lie some 10 ms beyond it, as they are closed in on apart; the message has the border.
+                observations = by_time(segment)
+                assert all(0 <= at["angle_1"] < 360 and -90 <= at["angle_2"] <= 90 for at in observations.values())
+                # A peak or highest point at the border of the pass may be some 10 ms beyond it (separate root finding);
+                # the message has the border.
                 inside = [when for when in ("begin", "highest", "peak", "end") if row["begin_utc"] <= row[f"{when}_utc"] <= row["end_utc"]]
                 compared += len(inside)
                 if "peak" in inside:
-                    worst["magnitude"] = max(worst["magnitude"], abs(nearest(told, row["peak_utc"])["mag"] - row["peak_magnitude"]))
+                    worst["magnitude"] = max(worst["magnitude"], abs(nearest(observations, row["peak_utc"])["mag"] - row["peak_magnitude"]))
                 for when in inside:
-                    at = nearest(told, row[f"{when}_utc"])
+                    at = nearest(observations, row[f"{when}_utc"])
                     if angles == "azel":
-                        # Near the zenith an azimuth is worth less than its digits.
+                        # Near the zenith the azimuth is less accurate than its digits.
                         pairs = ((at["angle_1"], row[f"{when}_azimuth_deg"]), (at["angle_2"], row[f"{when}_altitude_deg"]))
                         worst["angle"] = max(worst["angle"], *(apart_deg(a, b) for a, b in pairs))
         sampled = [FEW, "--samples", str(SAMPLES), "--format"]
@@ -121,7 +123,7 @@ def main():
             apart_deg_of_pass, count = apart_on_sky_deg(row["samples"], by_time(segment))
             worst["place"], places = max(worst["place"], apart_deg_of_pass), places + count
         assert places > 0.1 * SAMPLES * len(bright), f"{places} points of {SAMPLES * len(bright)}"
-    # Most: what is left out are peaks on the border of a shadow.
+    # Most points: excluded are peaks at the border of the shadow.
     assert compared > 0.9 * 8 * len(passes), f"{compared} of {8 * len(passes)}"
     print(f"{len(passes)} passes, {compared} moments and {places} places along them, read by ccsds-ndm: angles within {worst['angle']:.1e} deg, places within {worst['place']:.1e} deg of astropy's, magnitudes within {worst['magnitude']:.1e} mag")
     assert worst["angle"] <= ANGLE_DEG and worst["place"] <= PLACE_DEG and worst["magnitude"] <= MAGNITUDE

@@ -1,12 +1,13 @@
-"""Our `check_pointings` against rubin_sim's, on the same satellites and visits.
+"""Compares `check_pointings` of streakcast and rubin_sim, for the same satellites and visits.
 
-    pip install rubin-sim rubin-scheduler skyfield shapely astropy "streakcast[astropy]"
+    pip install rubin-sim rubin-scheduler skyfield shapely astropy "./plugins/python[astropy]"
     python tests/reference/compare_check_pointings.py DE421.BSP
 
-rubin_sim (GPL-3.0) is called as it is installed, nothing of it is kept here. It takes `mjds` as UT1 (0.9 s from UTC at most; 9 km along an orbit),
-draws the satellite as a polyline of places 2 s apart on the tangent plane, cuts it with a circle of 64 corners, and leaves out light time: lengths may
-differ by the 0.2 % of the circle's corners and of the tangent plane, and by what some 20 arcsec across do at the rim. So that its shadow, which is
-a step, does not matter, visits lie in twilight, where every satellite above 30° of altitude is lit.
+The installed rubin_sim (GPL-3.0) is called; none of its code is included here. It takes `mjds` as UT1 (at most 0.9 s
+from UTC; 9 km along an orbit), draws the satellite as a polyline of positions 2 s apart on the tangent plane, clips it
+with a circle of 64 corners, and neglects light time: lengths may differ by 0.2 % (circle's corners and tangent plane)
+and by the effect of some 20 arcsec at the edge. Its shadow is a step function, so visits are in twilight, where every
+satellite above 30° of altitude is lit.
 """
 
 import os
@@ -23,12 +24,12 @@ import streakcast
 
 VISITS = 200
 EVERY = 2
-#: Lengths: share, and degrees; streaks shorter than this may be one's own (the rim).
+#: Tolerances of lengths, relative and in degrees; shorter streaks (at the edge) may be found by only one of them.
 SHARE, LENGTH_DEG, GRAZING_DEG = 0.005, 0.01, 0.3
 
 
 def visits(location):
-    """Evenings after the elements' epoch, the Sun at 8° to 10° below the horizon, pointings above 35°."""
+    """Visits on evenings after the elements' epoch, with the Sun 8° to 10° below the horizon, pointings above 35°."""
     generator = np.random.default_rng(4)
     starts, pointings = [], []
     while len(starts) < VISITS:
@@ -43,7 +44,7 @@ def visits(location):
 
 
 def within_a_turn(tle):
-    """Mean anomalies there go beyond 360°, where our reader rejects them; the checksum is then another one."""
+    """Reduces mean anomalies above 360°, which our reader rejects, and adapts the checksum."""
     name, first, second = tle.split("\n")
     anomaly_deg = float(second[43:51]) % 360.0
     return "\n".join((name, first, f"{second[:43]}{anomaly_deg:8.4f}{second[51:]}"))

@@ -1,4 +1,4 @@
-"""Apparent places of date and their ICRS places, for src/geometry/apparent.rs. Run by hand: python make_apparent_places.py (astropy 8)."""
+"""Apparent positions of date and ICRS positions for src/geometry/apparent.rs: python make_apparent_places.py."""
 import astropy.units as u
 import numpy as np
 from astropy.coordinates import TETE, SkyCoord

@@ -1,7 +1,7 @@
-"""The night that speed is measured on: 1,000 exposures of 30 s every 34 s from 2026-04-25T23:40Z, Cerro Pachon.
+"""Schedule for benchmarks: 1,000 exposures of 30 s every 34 s from 2026-04-25T23:40Z, Cerro Pachon.
 
 Pointings are uniform over the sky above 30 deg of altitude (at mid exposure), from a fixed seed. The schedule is not
-committed: it is made again in a second.
+committed, because it is generated in a second.
 
     STREAKCAST_DATA=... python tests/reference/make_bench_exposures.py schedule.csv [--count 1000]
 """

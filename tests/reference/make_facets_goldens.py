@@ -3,8 +3,9 @@
     pip install mitsuba==3.9.1
     python tests/reference/make_facets_goldens.py > tests/data/facets_golden.csv
 
-Mitsuba's `roughconductor` of Beckmann's distribution with material `none` (all light is reflected); its alpha is sqrt(2) times the
-rms slope along one axis. It masks by Walter et al.'s rational fit (their eq. 27, good to 0.35 %) in place of the error function.
+Mitsuba's `roughconductor` of Beckmann's distribution with material `none` (all light is reflected); its alpha is
+sqrt(2) times the rms slope along one axis. Its masking uses Walter et al.'s rational fit (their eq. 27, error 0.35 %)
+instead of the error function.
 """
 
 import datetime
@@ -35,7 +36,7 @@ def main():
                     si.wi = direction(zenith_in, 0.0)
                     value = bsdf.eval(mi.BSDFContext(), si, direction(zenith_out, azimuth))[0]
                     per_sr = float(value) / math.cos(math.radians(zenith_out))
-                    # Single precision loses the far wings.
+                    # The far wings are below single precision.
                     if per_sr > 1e-6:
                         print(f"{slope},{zenith_in},{zenith_out},{azimuth},{per_sr:.6e}")
 

@@ -1,16 +1,19 @@
-"""Make tests/data/forecast_golden.csv: rise, culmination, set and the shadow's edge of real satellites over one night, by Skyfield.
+"""Makes tests/data/forecast_golden.csv: passes and shadow edges of real satellites over one night, by Skyfield.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_forecast_goldens.py tests/data/forecast_golden.csv
 
-Satellites of tle/active/active_2026-04-25.txt: one of each cell of mean motion and inclination (make_shadow_goldens.py chooses) and every 300th of the others. Site: 30 deg
-14 min 40.7 s south, 70 deg 44 min 57.9 s west, 2662.75 m; from 2026-04-25T22:00:00 to 2026-04-26T11:00:00 UTC.
+Satellites of tle/active/active_2026-04-25.txt: one of each cell of mean motion and inclination (make_shadow_goldens.py
+chooses) and every 300th of the others. Site: 30 deg 14 min 40.7 s south, 70 deg 44 min 57.9 s west, 2662.75 m; from
+2026-04-25T22:00:00 to 2026-04-26T11:00:00 UTC.
 
-rise, set     Skyfield's find_events at 10 deg (geometric, no refraction), closed here to 1e-4 s by bisection of its own altitude
+rise, set     Skyfield's find_events at 10 deg (geometric, no refraction), refined here to 1e-4 s by bisection of its
+              altitude
 culmination   the highest point in between, by golden section of the same altitude
-fades, back   the first edge of the half shadow of the WGS84 ellipsoid between rise and set, either way, by rays (make_shadow_goldens.py)
+fades, back   the first edge of the penumbra of the WGS84 ellipsoid between rise and set, in both directions, by rays
+              (make_shadow_goldens.py)
 
-Columns: satellite, what happens, seconds after the reference, altitude and azimuth in degrees.
+Columns: satellite, event, seconds after the reference, altitude and azimuth in degrees.
 """
 
 import sys
@@ -25,7 +28,7 @@ LIMIT_DEG = 10.0
 
 
 def afspc(satellite):
-    """The same satellite in the AFSPC mode with WGS72."""
+    """Returns the same satellite in the AFSPC mode with WGS72."""
     improved, model = satellite.model, Satrec()
     model.sgp4init(WGS72, "a", improved.satnum, improved.jdsatepoch - 2433281.5 + improved.jdsatepochF, improved.bstar, improved.ndot,
                    improved.nddot, improved.ecco, improved.argpo, improved.inclo, improved.mo, improved.no_kozai, improved.nodeo)
@@ -87,9 +90,9 @@ def main(target):
                     low = high - width
             found = [("rise", rise), ("culmination", 0.5 * (low + high)), ("set", fall)]
             lit = clearance(grid) > 0
-            for wanted, name in ((False, "fades"), (True, "back")):
+            for is_lit, name in ((False, "fades"), (True, "back")):
                 for step in range(1, 200):
-                    if lit[step] == wanted and lit[step - 1] != wanted:
+                    if lit[step] == is_lit and lit[step - 1] != is_lit:
                         inside, outside = (grid[step - 1], grid[step]) if name == "fades" else (grid[step], grid[step - 1])
                         found.append((name, bisect(lambda s: clearance(s)[0] > 0, inside, outside)))
                         break

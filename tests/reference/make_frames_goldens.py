@@ -1,10 +1,10 @@
-"""Make tests/data/frames_golden.csv: frames, observers, Sun and horizon by astropy, ERFA and Skyfield.
+"""Makes tests/data/frames_golden.csv: frames, observers, Sun and horizon by astropy, ERFA and Skyfield.
 
     pip install astropy==8.0.2 pyerfa==2.0.1.5 skyfield==1.55
     python tests/reference/make_frames_goldens.py FINALS2000A.all DE421.bsp tests/data/frames_golden.csv
 
-60 random moments from 2018 to 2027, a random satellite (TEME) and a random site each. Both authorities read the same finals2000A file; nothing is
-downloaded.
+60 random times from 2018 to 2027, each with a random satellite (TEME) and a random site. Both references read the same
+finals2000A file; nothing is downloaded.
 """
 
 import sys
@@ -81,7 +81,7 @@ def main(finals, ephemeris, target):
         row |= dict(zip(["sun_x_km", "sun_y_km", "sun_z_km"], (sun - earth).xyz.to_value(u.km)))
         row |= dict(zip(["earth_vx_km_s", "earth_vy_km_s", "earth_vz_km_s"], earth_v.xyz.to_value(u.km / u.s)))
 
-        # Skyfield: its own precession-nutation, its own reading of the same file, the Sun of DE421.
+        # Skyfield: its precession-nutation, its reader of the same file, the Sun of DE421.
         when = ts.utc(t.datetime.year, t.datetime.month, t.datetime.day, t.datetime.hour, t.datetime.minute, t.datetime.second + t.datetime.microsecond * 1e-6)
         their_gcrs = SKYFIELD_TEME.rotation_at(when).T @ satellite
         row |= dict(zip(["skyfield_gcrs_x_km", "skyfield_gcrs_y_km", "skyfield_gcrs_z_km"], their_gcrs))
@@ -97,7 +97,8 @@ def main(finals, ephemeris, target):
         row |= dict(zip(["de421_sun_x_km", "de421_sun_y_km", "de421_sun_z_km"], their_sun))
         row |= dict(zip(["de421_earth_vx_km_s", "de421_earth_vy_km_s", "de421_earth_vz_km_s"], planets["earth"].at(when).velocity.km_per_s))
 
-        # A star 30 degrees from the Sun or more (deflection of light below 0.02"): its geocentric apparent place of date.
+        # A star at least 30 degrees from the Sun (deflection of light below 0.02"): its geocentric apparent position of
+        # date.
         towards_sun = (sun - earth).xyz.to_value(u.km)
         while True:
             star_ra, star_dec = rng.uniform(0, 2 * np.pi), np.arcsin(rng.uniform(-1, 1))

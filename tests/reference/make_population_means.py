@@ -1,5 +1,7 @@
-"""Means of shipped models over the population of `streakcast model check`, by another way: satellites at evenly spread nodes and
-arguments of latitude on circular orbits, each asked whether it stands above 30 deg and in full sunlight. Spherical Earth and shadow.
+"""Means of bundled models over the population of `streakcast model check`.
+
+Another method than that of the program: satellites at uniform nodes and
+arguments of latitude on circular orbits, if they are above 30 deg and in full sunlight. Spherical Earth and shadow.
 
     venv/bin/python tests/reference/make_population_means.py > tests/data/population_means.csv
 """
@@ -9,7 +11,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from model_magnitudes import shipped_magnitude  # noqa: E402
+from model_magnitudes import bundled_magnitude  # noqa: E402
 
 EARTH_KM, AU_KM, SUN_KM = 6378.137, 149597870.7, 695700.0
 SHELLS = {"visorsat": (550, 53), "visorsat-panels": (550, 53), "starlink-v1.5": (540, 53.2), "starlink-v1.5-facets": (540, 53.2),
@@ -19,7 +21,7 @@ MOMENTS = 48
 
 
 def angles(height_km, inclination_deg):
-    """Sun's latitude, observer's longitude and latitude of all satellites that count, over all moments."""
+    """Sun's latitude, observer's longitude and latitude of all selected satellites, over all times."""
     r, i, site = EARTH_KM + height_km, np.radians(inclination_deg), np.radians(40)
     node, u = np.meshgrid(np.arange(1200) * 2 * np.pi / 1200, (np.arange(1201) + 0.5) * 2 * np.pi / 1201, indexing="ij")
     z = np.stack([np.cos(node) * np.cos(u) - np.sin(node) * np.sin(u) * np.cos(i),
@@ -34,7 +36,7 @@ def angles(height_km, inclination_deg):
     for k in range(MOMENTS):
         h = ends[0] + (ends[1] - ends[0]) * (k + 0.5) / MOMENTS
         sun = np.array([np.cos(h), -np.sin(h), 0])
-        # Full sunlight: the Earth's limb, seen from the satellite, below all of the Sun's disk.
+        # Full sunlight: the whole disk of the Sun is above the Earth's limb as seen from the satellite.
         s = sun[:, None] * AU_KM - r * z
         s /= np.linalg.norm(s, axis=0)
         to_sun_from_nadir = np.arccos(-(s * z).sum(0))
@@ -51,5 +53,5 @@ print(f"# numpy {np.__version__}; python tests/reference/make_population_means.p
 print("model,mean_mag,sd_mag")
 for name, shell in SHELLS.items():
     ds, a, do = angles(*shell)
-    value = shipped_magnitude(name, ds, a, do)
+    value = bundled_magnitude(name, ds, a, do)
     print(f"{name},{np.nanmean(value):.4f},{np.nanstd(value):.4f}")

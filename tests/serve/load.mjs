@@ -1,5 +1,6 @@
-// A steady load: `node load.mjs URL PID SECONDS [PER_SECOND]` sends requests at this rate over connections that stay open.
-// Answers other than 200 are errors, and so is memory that grows. A busy server (503) gets the request again: that depends on the machine.
+// Constant load: `node load.mjs URL PID SECONDS [PER_SECOND]` sends requests at this rate over persistent connections.
+// Responses other than 200 and growing memory are errors. Requests to a busy server (503) are repeated: that depends on
+// the machine.
 
 import { readFileSync } from "node:fs";
 import http from "node:http";
@@ -9,7 +10,7 @@ const agent = new http.Agent({ keepAlive: true, maxSockets: 64 });
 const rate = Number(perSecond);
 const total = Math.round(rate * Number(seconds));
 
-/** Resident memory of the server, MB; 0 where the system does not tell. */
+/** Resident memory of the server, MB; 0 if the system does not provide it. */
 function memory() {
   try {
     return Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${pid}/status`, "utf8"))[1]) / 1024;
@@ -18,7 +19,7 @@ function memory() {
   }
 }
 
-/** Requests as of a page in use: mostly exposures that are dragged, and files, night, dome, health. One in fifty is new to the server. */
+/** Typical requests of a page: mostly dragged exposures, and files, night, dome, health. One in fifty is not cached. */
 function target(number) {
   if (number % 50 === 0) return `api/v1/exposure?start_utc=2026-08-14T23:${String(10 + (number % 40)).padStart(2, "0")}:00.${String(number % 1000).padStart(3, "0")}Z&duration_s=30&ra_deg=198.9&dec_deg=7.7&samples=41&around_s=300`;
   if (number % 100 === 1) return "api/v1/night";
@@ -35,7 +36,7 @@ const times = [];
 let open = 0;
 let busy = 0;
 
-function ask(number, began = performance.now()) {
+function send(number, began = performance.now()) {
   open += 1;
   const done = (status) => {
     open -= 1;
@@ -49,7 +50,7 @@ function ask(number, began = performance.now()) {
       busy += 1;
       setTimeout(() => {
         open -= 1;
-        ask(number, began);
+        send(number, began);
       }, 1e3 * Number(response.headers["retry-after"]));
     });
     response.on("error", () => done("cut"));
@@ -57,11 +58,11 @@ function ask(number, began = performance.now()) {
   request.on("error", (error) => done(error.code ?? "error"));
 }
 
-const until = (moment) => new Promise((resolve) => setTimeout(resolve, Math.max(0, moment - performance.now())));
+const until = (time) => new Promise((resolve) => setTimeout(resolve, Math.max(0, time - performance.now())));
 
-// One second fills the caches; growth counts from then on.
+// One second fills the caches; growth is measured afterwards.
 for (let number = 0; number < rate; number += 1) {
-  ask(number);
+  send(number);
   if (number % 20 === 0) await until(0);
 }
 while (open) await until(performance.now() + 20);
@@ -72,7 +73,7 @@ const began = performance.now();
 let half = 0;
 for (let number = 0; number < total; ) {
   const due = Math.min(total, Math.floor(((performance.now() - began) / 1e3) * rate));
-  for (; number < due; number += 1) ask(rate + number);
+  for (; number < due; number += 1) send(rate + number);
   if (!half && number > total / 2) half = memory();
   await until(performance.now() + 2);
 }
@@ -81,9 +82,9 @@ const took = (performance.now() - began) / 1e3;
 const after = memory();
 times.sort((a, b) => a - b);
 const quantile = (share) => times[Math.min(times.length - 1, Math.floor(share * times.length))].toFixed(1);
-console.log(`load: ${times.length} answers in ${took.toFixed(1)} s (${(times.length / took).toFixed(0)} a second), statuses ${JSON.stringify(Object.fromEntries(statuses))}`);
+console.log(`load: ${times.length} responses in ${took.toFixed(1)} s (${(times.length / took).toFixed(0)} per second), statuses ${JSON.stringify(Object.fromEntries(statuses))}`);
 console.log(`load: median ${quantile(0.5)} ms, 99 % ${quantile(0.99)} ms, longest ${quantile(1)} ms; ${busy} times busy; memory ${before.toFixed(1)} MB, half way ${half.toFixed(1)} MB, at the end ${after.toFixed(1)} MB`);
-if (statuses.size !== 1 || !statuses.has(200)) throw new Error("answers that are not 200");
-// The cache of answers holds 16 MB at most.
+if (statuses.size !== 1 || !statuses.has(200)) throw new Error("responses other than 200");
+// The response cache has at most 16 MB.
 if (after - before > 24) throw new Error("memory grows");
 agent.destroy();

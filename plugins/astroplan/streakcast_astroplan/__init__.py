@@ -1,7 +1,7 @@
-"""Schedules of astroplan without satellite streaks.
+"""Satellite streaks as a constraint for astroplan.
 
-`SatelliteStreakConstraint` is a constraint like any other of astroplan; `clear_windows` and `streak_table` are tables. The modules
-``pocs`` and ``m4opt`` hand the same answers to POCS and M4OPT, and need these installed only to stand among their own classes.
+`SatelliteStreakConstraint` is an astroplan constraint; `clear_windows` and `streak_table` return tables. The modules
+``pocs`` and ``m4opt`` provide the constraint to POCS and M4OPT.
 """
 
 from .constraint import SatelliteStreakConstraint

@@ -1,4 +1,4 @@
-"""Which exposures a block holds."""
+"""Exposures within a block."""
 
 from __future__ import annotations
 
@@ -11,26 +11,26 @@ from astropy import units as u
 
 FloatArray = npt.NDArray[np.float64]
 
-#: The longest exposure that a model is asked about, seconds.
+#: Longest exposure accepted by a model, seconds.
 LONGEST_S = 86_400.0
-#: Exposures of one block; more are a slip of units.
+#: Maximum number of exposures in one block; more indicate an error of units.
 MOST_EXPOSURES = 100_000
-#: Blocks are laid to the second; what is shorter than this is rounding.
+#: Tolerance for rounding errors in block lengths, seconds.
 ROUNDING_S = 1e-3
 
 
 @dataclass(frozen=True)
 class Exposures:
-    """What a block consists of: exposures of one length, each followed by a readout.
+    """Exposures of a block: equal length, each followed by a readout.
 
     Parameters
     ----------
     exposure_s : float or None
-        Length of one exposure, seconds; `None` where a block is exposed throughout.
+        Length of one exposure, seconds; `None` if the block is one continuous exposure.
     readout_s : float
-        From the closing of the shutter to its next opening, seconds.
+        Time from the closing of the shutter to its next opening, seconds.
     n_exposures : int or None
-        How many a block holds; `None` for as many as fit.
+        Number of exposures in a block; `None` for as many as fit.
     """
 
     exposure_s: Union[float, None] = None
@@ -40,7 +40,7 @@ class Exposures:
     def __post_init__(self) -> None:
         if self.exposure_s is None:
             if self.readout_s != 0.0 or self.n_exposures is not None:
-                raise ValueError("readout and n_exposures are given without exposure; allowed: all, or exposure alone")
+                raise ValueError("readout and n_exposures are given without exposure; allowed: only together with exposure")
         elif not 0.0 < self.exposure_s <= LONGEST_S:
             raise ValueError(f"exposure is {self.exposure_s} s; allowed: above 0, at most {LONGEST_S:.0f} s")
         if not 0.0 <= self.readout_s <= LONGEST_S:
@@ -51,21 +51,21 @@ class Exposures:
 
     @property
     def step_s(self) -> float:
-        """From one opening of the shutter to the next, seconds; 0 where a block is exposed throughout."""
+        """Time from one shutter opening to the next, seconds; 0 if the block is one continuous exposure."""
         return 0.0 if self.exposure_s is None else self.exposure_s + self.readout_s
 
     def in_block(self, block_s: float) -> tuple[FloatArray, float]:
-        """Openings of the shutter after the block's beginning, and how long it stays open: ``(n_exposures,)``, seconds."""
+        """Returns shutter openings after the start of the block, ``(n_exposures,)``, and the exposure length; seconds."""
         if self.exposure_s is None:
             return np.zeros(1), block_s
         count = self.n_exposures
         if count is None:
-            # n E + (n - 1) R <= B: the last readout may fall into what comes after.
+            # n E + (n - 1) R <= B: the last readout may end after the block.
             count = max(1, int((block_s + self.readout_s + ROUNDING_S) / self.step_s))
         return np.arange(count, dtype=np.float64) * self.step_s, self.exposure_s
 
-    def begun_in(self, cell_s: float) -> tuple[FloatArray, float]:
-        """Openings of the shutter from the beginning of a cell of time until before its end: ``(n,)``, seconds."""
+    def starts_in_cell(self, cell_s: float) -> tuple[FloatArray, float]:
+        """Returns shutter openings within a cell of time, ``(n,)``, and the exposure length; seconds."""
         if self.exposure_s is None:
             return np.zeros(1), cell_s
         count = max(1, int(np.ceil((cell_s - ROUNDING_S) / self.step_s)))
@@ -73,7 +73,7 @@ class Exposures:
 
 
 def seconds(value: Any, what: str) -> float:
-    """One length of time: a `~astropy.units.Quantity`, or a number of seconds."""
+    """Returns a duration in seconds, from a `~astropy.units.Quantity` or a number of seconds."""
     try:
         number = float(u.Quantity(value, u.s).value)
     except (TypeError, ValueError, u.UnitConversionError) as error:

@@ -1,4 +1,4 @@
-"""What the instants that a host hands over stand for."""
+"""Interpretation of the times passed by a scheduler: blocks, cells or exposures."""
 
 from __future__ import annotations
 
@@ -6,46 +6,46 @@ import enum
 
 import numpy as np
 
-from ._answers import FloatArray
+from ._clear import FloatArray
 from ._exposures import Exposures
 
 MEANINGS = ("auto", "cell", "exposure", "block")
-#: SequentialScheduler's middle is the middle to rounding, seconds.
-EVEN_S = 1e-3
-#: A step of this many ordinary ones is a gap (a day between two nights), not a cell.
+#: Rounding tolerance of the middle time of SequentialScheduler, seconds.
+MIDDLE_TOLERANCE_S = 1e-3
+#: A step longer than this many median steps is a gap (for example a day between two nights), not a cell.
 GAP_STEPS = 2.0
 
 
 class Meaning(enum.Enum):
-    """What one time of a host is."""
+    """Meaning of one time passed by a scheduler."""
 
-    #: One of several times of one block: all of them have its answer.
+    #: One of several times of one block; all of them have the same result.
     BLOCK = "block"
-    #: The time up to the next one.
+    #: The interval up to the next time.
     CELL = "cell"
-    #: An exposure that begins then, one of a rising grid.
+    #: Start of an exposure on an ascending grid of times.
     EXPOSURE = "exposure"
-    #: An exposure that begins then; it has nothing to do with the others.
+    #: Start of an independent exposure.
     ALONE = "alone"
-    #: Nothing is known but the instant.
+    #: A single time without a known exposure.
     INSTANT = "instant"
 
 
 def meaning_of(starts_s: FloatArray, targets: tuple[int, ...], exposures: Exposures, each: str) -> Meaning:
-    """What times mean to whom asks so.
+    """Returns the meaning of the times.
 
     Parameters
     ----------
     starts_s : array
-        UTC seconds of 1970, in the shape of the host's times.
+        UTC seconds since 1970, in the shape of the scheduler's times.
     targets : tuple of int
         Shape of the targets.
     exposures : Exposures
-        What is known of the exposures.
+        The exposures, as far as known.
     each : {"auto", "cell", "exposure", "block"}
-        What the user says.
+        The setting of the user.
     """
-    # A grid is one axis of times; targets stand beside it, not along it.
+    # A grid has one axis of times; targets are on another axis.
     grid = starts_s.ndim == 1 and len(starts_s) >= 2 and (targets == () or targets[-1] == 1) and bool(np.all(np.diff(starts_s) > 0.0))
     if not grid:
         return Meaning.INSTANT if exposures.exposure_s is None else Meaning.ALONE
@@ -57,13 +57,13 @@ def meaning_of(starts_s: FloatArray, targets: tuple[int, ...], exposures: Exposu
 
 
 def _is_block(starts_s: FloatArray) -> bool:
-    """Start and end, or start, middle and end."""
+    """Whether the times are start and end, or start, middle and end of a block."""
     steps_s = np.diff(starts_s)
-    return len(steps_s) == 1 or (len(steps_s) == 2 and bool(abs(steps_s[1] - steps_s[0]) < EVEN_S))
+    return len(steps_s) == 1 or (len(steps_s) == 2 and bool(abs(steps_s[1] - steps_s[0]) < MIDDLE_TOLERANCE_S))
 
 
 def cells_s(starts_s: FloatArray) -> FloatArray:
-    """Length of the cell that each time of a rising grid begins, seconds; the last is an ordinary one."""
+    """Returns the lengths of the cells between ascending times, seconds; the last one is the median."""
     steps_s = np.diff(starts_s)
-    ordinary_s = float(np.median(steps_s))
-    return np.append(np.minimum(steps_s, GAP_STEPS * ordinary_s), ordinary_s)
+    median_s = float(np.median(steps_s))
+    return np.append(np.minimum(steps_s, GAP_STEPS * median_s), median_s)

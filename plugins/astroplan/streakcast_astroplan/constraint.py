@@ -1,4 +1,4 @@
-"""`SatelliteStreakConstraint`: exposures that no satellite crosses, for astroplan's schedulers and tables."""
+"""`SatelliteStreakConstraint`: satellite-free exposures for astroplan's schedulers and tables."""
 
 from __future__ import annotations
 
@@ -19,65 +19,67 @@ from .memory import ClearStarts
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Tables ask the same thing again and again: as many answers are kept.
-KEPT_ANSWERS = 8
+#: Number of cached results; tables evaluate the same times repeatedly.
+CACHED_RESULTS = 8
 
 
 class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
-    """Only exposures that no lit satellite crosses, or the better the fewer do.
+    """Constraint for exposures that no lit satellite crosses, or a score that decreases with crossed exposures.
 
-    astroplan hands over instants; each stands for an interval here, never for an instant:
+    astroplan passes single times; each represents an interval:
 
     ================================================  ==============================================================
-    what astroplan asks                               what one time stands for
+    times passed by astroplan                         interval represented by one time
     ================================================  ==============================================================
     two or three even times for one target            the block from the first to the last, with the exposures in it
-    (``SequentialScheduler``: start, middle, end)     (all times have the same answer)
-    rising times, without ``exposure`` or with        the cell up to the next time: a block is clear where all its
+    (``SequentialScheduler``: start, middle, end)     (all times have the same result)
+    ascending times, without ``exposure`` or with     the cell up to the next time: a block is clear if all its
     ``n_exposures`` (``PriorityScheduler``)           cells are
-    rising times, with ``exposure`` alone             ``[t, t + exposure]``, and the whole cell where that is longer
-    one time, times that do not rise, a time for      ``[t, t + exposure]``
-    each target
+    ascending times, with ``exposure`` only           ``[t, t + exposure]``, or the whole cell if that is longer
+    one time, unordered times, one time for each      ``[t, t + exposure]``
+    target
     ================================================  ==============================================================
 
     Parameters
     ----------
     model : StreakModel or Hook
-        Satellites, site, field of view and limits. A `~streakcast.hosts.Hook` is shared with others: its model, its counters.
+        Satellites, site, field of view and limits. A `~streakcast.hosts.Hook` can be shared by several constraints.
     exposure : `~astropy.units.Quantity` or float, optional
-        Length of one exposure; seconds where it has no unit. Without it, cells and blocks are exposed throughout.
+        Length of one exposure; seconds if it has no unit. Without it, cells and blocks are continuous exposures.
     readout : `~astropy.units.Quantity` or float
-        From the closing of the shutter to its next opening.
+        Time from the closing of the shutter to its next opening.
     n_exposures : int, optional
-        Exposures in a block; as many as fit where not said.
+        Number of exposures in a block; default: as many as fit.
     boolean_constraint : bool
         True: whether all exposures are clear. False: a score, ``worst_score`` to 1.
     score : {"clear", "pixels"}, optional
-        What the score measures: the share of the exposures that are clear (default), or of the pixels that are left (the model
-        needs a ``telescope``). Only with ``boolean_constraint=False``.
+        Meaning of the score: fraction of clear exposures (default), or fraction of unaffected pixels (the model needs a
+        ``telescope``). Only with ``boolean_constraint=False``.
     blocking : {"any", "avoid"}
-        Every lit satellite counts, or only those that break a limit of magnitude of the model's policy (``limit_mag``). Pixels are
-        lost to all.
+        Every lit satellite counts, or only those that exceed a magnitude limit of the model's policy (``limit_mag``).
+        The score ``pixels`` includes all lit satellites.
     margin : `~astropy.units.Quantity` or float
-        Kept clear before the shutter opens and after it closes: astroplan moves blocks by up to a second to close gaps.
+        Time that must be clear before the shutter opens and after it closes: astroplan moves blocks by up to a second
+        to close gaps.
     worst_score : float
-        What a wholly spoilt exposure scores, above 0, below 1. astroplan never places a block where a score is 0.
+        Score of an exposure with rating 0, above 0, below 1. astroplan never schedules a block with a score of 0.
     each : {"auto", "cell", "exposure", "block"}
-        What a time stands for, where the table above guesses wrong: ``"exposure"`` for tables of single exposures on a coarse grid,
-        ``"cell"`` or ``"block"`` for schedulers of one's own.
+        Meaning of a time, to override the table above: ``"exposure"`` for tables of single exposures on a coarse grid,
+        ``"cell"`` or ``"block"`` for custom schedulers.
 
     Raises
     ------
     ValueError
-        What cannot work: a length that is none, a model without a field of view, a score without its telescope.
+        An invalid length, a model without a field of view, a score of pixels without a telescope.
 
     Notes
     -----
-    Whatever fails later (elements deleted, a time that cannot be converted) is counted, logged once (``streakcast.astroplan``) and
-    answered with "observable": a scheduler is never stopped. See ``constraint.hook.counts``. A target below the horizon is not
-    observable.
+    Later errors (deleted element files, a time that cannot be converted) are counted in ``constraint.hook.counts`` and
+    logged once (``streakcast.astroplan``); the target then counts as observable, so that the scheduler continues. A
+    target below the horizon is not observable.
 
-    The score of a block is the product of its times' scores for ``SequentialScheduler``, their mean for ``PriorityScheduler``.
+    The score of a block is the product of the scores of its times in ``SequentialScheduler``, and their mean in
+    ``PriorityScheduler``.
 
     Examples
     --------
@@ -102,7 +104,7 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         self.hook = model if isinstance(model, Hook) else Hook(model, "astroplan")
         self.boolean_constraint = bool(boolean_constraint)
         if self.boolean_constraint and score is not None:
-            raise ValueError(f"score {score!r} with boolean_constraint=True; allowed: a score with boolean_constraint=False")
+            raise ValueError(f"score {score!r} with boolean_constraint=True; allowed: score with boolean_constraint=False only")
         exposures = Exposures(
             None if exposure is None else seconds(exposure, "exposure"), seconds(readout, "readout"), n_exposures
         )
@@ -112,36 +114,36 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         self.worst_score = float(worst_score)
         one_of("each", each, MEANINGS)
         if each == "exposure" and exposures.exposure_s is None:
-            raise ValueError("each='exposure' without exposure; allowed: with the length of one exposure")
+            raise ValueError("each='exposure' without exposure; specify exposure, the length of one exposure")
         self.each = each
         self.rules.check(self.hook.model)
-        self._begin()
+        self._reset()
 
-    def _begin(self) -> None:
-        self._kept: OrderedDict[Any, Any] = OrderedDict()
-        self._kept_of: Union[StreakModel, None] = None
+    def _reset(self) -> None:
+        self._cache: OrderedDict[Any, Any] = OrderedDict()
+        self._cached_model: Union[StreakModel, None] = None
         self._clear_starts = ClearStarts()
         self._observer: Any = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in self.__dict__.items() if key not in ("_kept", "_kept_of", "_clear_starts", "_observer")}
+        return {key: value for key, value in self.__dict__.items() if key not in ("_cache", "_cached_model", "_clear_starts", "_observer")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
-        self._begin()
+        self._reset()
 
     @classmethod
     def for_block(cls, model: Union[StreakModel, Hook], block: Any, **options: Any) -> "SatelliteStreakConstraint":
-        """A constraint with the exposures that one block holds, for its ``constraints``.
+        """Returns a constraint with the exposures of one block, for the block's ``constraints``.
 
         Parameters
         ----------
         model : StreakModel or Hook
-            As above; give all blocks one `Hook` and they count together.
+            As above; blocks with the same `Hook` share its counters.
         block : `~astroplan.ObservingBlock`
-            One of ``ObservingBlock.from_exposures``; any other is exposed throughout.
+            A block made by ``ObservingBlock.from_exposures``; any other block is one continuous exposure.
         **options
-            All other parameters of the class.
+            Other parameters of the class.
 
         Returns
         -------
@@ -154,14 +156,14 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         )
 
     def compute_constraint(self, times: Time, observer: Observer, targets: Union[SkyCoord, None]) -> npt.NDArray[Any]:
-        """The answers for times and targets, broadcast against each other.
+        """Evaluates the constraint for times and targets, broadcast against each other.
 
         Parameters
         ----------
         times : `~astropy.time.Time`
             Any shape; for the grids of ``PriorityScheduler`` ``(n_times,)``.
         observer : `~astroplan.Observer`
-            Its location is held against the model's site.
+            Its location is compared with the model's site.
         targets : `~astropy.coordinates.SkyCoord`
             Any frame and shape; for grids ``()`` or ``(n_targets, 1)``.
 
@@ -171,93 +173,94 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
             In the broadcast shape.
         """
         shape = np.broadcast_shapes(times.shape, () if targets is None else targets.shape)
-        open_gate = np.ones(shape, dtype=bool if self.boolean_constraint else float)
+        fallback = np.ones(shape, dtype=bool if self.boolean_constraint else float)
         if observer is not None and observer is not self._observer:
             self._observer = observer
             self.hook.see_site(lambda: observer.location)
         if targets is None:
-            self.hook.note("target", "no target was handed over; it is taken as observable")
-            return open_gate
-        return self.hook.ask(lambda model: self._answer(model, times, targets, open_gate), open_gate)
+            self.hook.note("target", "no target was passed; it is taken as observable")
+            return fallback
+        return self.hook.ask(lambda model: self._evaluate(model, times, targets, fallback), fallback)
 
-    def _answer(self, model: StreakModel, times: Time, targets: SkyCoord, open_gate: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    def _evaluate(self, model: StreakModel, times: Time, targets: SkyCoord, fallback: npt.NDArray[Any]) -> npt.NDArray[Any]:
         ra_deg, dec_deg = icrs_deg(targets)
-        known = np.isfinite(ra_deg) & np.isfinite(dec_deg)
-        if not known.all():
-            missing = int((~known).sum())
+        valid = np.isfinite(ra_deg) & np.isfinite(dec_deg)
+        if not valid.all():
+            missing = int((~valid).sum())
             self.hook.note("target", f"targets without coordinates: {missing}; they are taken as observable", kind="target")
         starts_s = unix_s(times)
         meaning = meaning_of(starts_s, ra_deg.shape, self.rules.exposures, self.each)
         if meaning is Meaning.INSTANT:
-            self.hook.note("instant", "a single time without an exposure is no interval; give SatelliteStreakConstraint(exposure=...)")
-            return open_gate
+            self.hook.note("instant", "a single time without exposure defines no interval; specify SatelliteStreakConstraint(exposure=...)")
+            return fallback
         if meaning is Meaning.ALONE:
-            return self._alone(model, ra_deg, dec_deg, starts_s, known, open_gate)
-        # One row a target: (n_targets, 1) and () alike.
-        rows = (np.where(known, ra_deg, 0.0).ravel(), np.where(known, dec_deg, 0.0).ravel())
+            return self._alone(model, ra_deg, dec_deg, starts_s, valid, fallback)
+        # One row per target, for the shapes (n_targets, 1) and ().
+        rows = (np.where(valid, ra_deg, 0.0).ravel(), np.where(valid, dec_deg, 0.0).ravel())
         key = (rows[0].tobytes(), rows[1].tobytes(), starts_s.tobytes(), meaning)
-        if self._kept_of is not model:
-            self._kept, self._kept_of = OrderedDict(), model
-        answer = self._kept.get(key)
-        if answer is None:
-            answer = self._block(model, *rows, starts_s) if meaning is Meaning.BLOCK else self._grid(model, *rows, starts_s, meaning)
-            self._kept[key] = answer
-            while len(self._kept) > KEPT_ANSWERS:
-                self._kept.popitem(last=False)
-        answer = answer.reshape(ra_deg.shape[:-1] + answer.shape[1:] if ra_deg.ndim else answer.shape[1:])
-        return np.where(np.broadcast_to(known, open_gate.shape), answer, open_gate)
+        if self._cached_model is not model:
+            self._cache, self._cached_model = OrderedDict(), model
+        result = self._cache.get(key)
+        if result is None:
+            result = self._block(model, *rows, starts_s) if meaning is Meaning.BLOCK else self._grid(model, *rows, starts_s, meaning)
+            self._cache[key] = result
+            while len(self._cache) > CACHED_RESULTS:
+                self._cache.popitem(last=False)
+        result = result.reshape(ra_deg.shape[:-1] + result.shape[1:] if ra_deg.ndim else result.shape[1:])
+        return np.where(np.broadcast_to(valid, fallback.shape), result, fallback)
 
     def _block(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray) -> npt.NDArray[Any]:
-        """The block's answer for each of its times: ``(n_targets, n_times)``."""
+        """Returns the result of the block for each of its times: ``(n_targets, n_times)``."""
         block_s = float(starts_s[-1] - starts_s[0])
         overlong_s = self.rules.overlong_s(block_s)
         if overlong_s:
-            message = f"a block of {block_s:.0f} s is asked about, its exposures last {overlong_s:.0f} s; all of them are looked at"
+            message = f"the block has {block_s:.0f} s, its exposures last {overlong_s:.0f} s; all of them are evaluated"
             self.hook.note("block", message, kind="block")
         if len(ra_deg) == 1:
-            # SequentialScheduler weighs each target anew at every step of the night.
-            place = (float(ra_deg[0]), float(dec_deg[0]))
-            share = np.array([self._clear_starts.worth_of_block(model, self.rules, *place, float(starts_s[0]), block_s)])
+            # SequentialScheduler evaluates each target at every step of the night.
+            position = (float(ra_deg[0]), float(dec_deg[0]))
+            share = np.array([self._clear_starts.worth_of_block(model, self.rules, *position, float(starts_s[0]), block_s)])
         else:
             share = self.rules.worth_of_block(model, ra_deg, dec_deg, float(starts_s[0]), block_s)
         # SequentialScheduler multiplies over the times: (s^(1/n))^n = s
-        whole = share == 1.0 if self.boolean_constraint else self._scored(share) ** (1.0 / len(starts_s))
-        return np.repeat(whole[:, np.newaxis], len(starts_s), axis=1)
+        per_time = share == 1.0 if self.boolean_constraint else self._scored(share) ** (1.0 / len(starts_s))
+        return np.repeat(per_time[:, np.newaxis], len(starts_s), axis=1)
 
     def _grid(
         self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, meaning: Meaning
     ) -> npt.NDArray[Any]:
-        """An answer for each time of a rising grid: ``(n_targets, n_times)``."""
+        """Returns a result for each time of an ascending grid: ``(n_targets, n_times)``."""
         worth = np.empty((len(ra_deg), len(starts_s)))
-        # To the millisecond: Julian dates make an even grid uneven by microseconds.
+        # Rounded to milliseconds, because Julian dates make a regular grid irregular by microseconds.
         lengths_s = np.round(cells_s(starts_s), 3)
         exposures, alone = self.rules.exposures, self.each == "exposure"
         for cell_s in np.unique(lengths_s):
-            places = np.flatnonzero(lengths_s == cell_s)
-            some = starts_s[places]
+            indices = np.flatnonzero(lengths_s == cell_s)
+            cell_starts_s = starts_s[indices]
             if not self.boolean_constraint:
-                # The exposures that begin within the cell, so that the mean over a block's cells is that over its exposures.
-                offsets_s, length_s = exposures.begun_in(0.0 if alone else float(cell_s))
+                # Exposures that start within the cell, so that the mean over the cells of a block is the mean over its
+                # exposures.
+                offsets_s, length_s = exposures.starts_in_cell(0.0 if alone else float(cell_s))
             else:
                 offsets_s, length_s = np.zeros(1), float(cell_s)
                 if meaning is Meaning.EXPOSURE and exposures.exposure_s is not None:
                     length_s = exposures.exposure_s if alone else max(exposures.exposure_s, length_s)
-            each = [self.rules.worth(model, ra_deg, dec_deg, some + offset_s, length_s) for offset_s in offsets_s]
-            worth[:, places] = np.mean(each, axis=0)
+            each = [self.rules.worth(model, ra_deg, dec_deg, cell_starts_s + offset_s, length_s) for offset_s in offsets_s]
+            worth[:, indices] = np.mean(each, axis=0)
         return worth == 1.0 if self.boolean_constraint else self._scored(worth)
 
     def _alone(
-        self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, known: Any, open_gate: npt.NDArray[Any]
+        self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, valid: Any, fallback: npt.NDArray[Any]
     ) -> npt.NDArray[Any]:
-        """Exposures that have nothing in common: the broadcast shape."""
-        ra, dec, starts, fine = (np.broadcast_to(part, open_gate.shape).ravel() for part in (ra_deg, dec_deg, starts_s, known))
-        where = np.flatnonzero(fine)
+        """Returns results of independent exposures in the broadcast shape."""
+        ra, dec, starts, is_valid = (np.broadcast_to(part, fallback.shape).ravel() for part in (ra_deg, dec_deg, starts_s, valid))
+        where = np.flatnonzero(is_valid)
         length_s = float(self.rules.exposures.exposure_s or 0.0)
         worth = self.rules.worth_of_each(model, ra[where], dec[where], starts[where], length_s)
-        answer = open_gate.ravel().copy()
-        answer[where] = worth == 1.0 if self.boolean_constraint else self._scored(worth)
-        return answer.reshape(open_gate.shape)
+        result = fallback.ravel().copy()
+        result[where] = worth == 1.0 if self.boolean_constraint else self._scored(worth)
+        return result.reshape(fallback.shape)
 
     def _scored(self, share: FloatArray) -> FloatArray:
-        """A share of [0, 1] as a score of [worst, 1]."""
+        """Converts a fraction in [0, 1] to a score in [worst, 1]."""
         return self.worst_score + (1.0 - self.worst_score) * share

@@ -1,4 +1,4 @@
-"""Satellite streaks as a constraint of M4OPT, whose planner asks for observer, targets and times."""
+"""Satellite streaks as a constraint for M4OPT."""
 
 from __future__ import annotations
 
@@ -18,14 +18,14 @@ except ImportError:
 
 
 class SatelliteStreaks(Constraint):  # type: ignore[misc]
-    """Whether an exposure that begins then is clear. M4OPT combines constraints by ``&``, ``|`` and ``~``.
+    """Whether an exposure that starts at the given time is clear. M4OPT combines constraints by ``&``, ``|`` and ``~``.
 
     Parameters
     ----------
     model : StreakModel or Hook
         Satellites, site, field of view and limits.
     exposure : `~astropy.units.Quantity` or float
-        Length of one exposure; seconds where it has no unit.
+        Length of one exposure; seconds if it has no unit.
     **options
         ``blocking``, ``margin``, as for `SatelliteStreakConstraint`.
     """
@@ -34,6 +34,6 @@ class SatelliteStreaks(Constraint):  # type: ignore[misc]
         self.constraint = SatelliteStreakConstraint(model, exposure, each="exposure", **options)
 
     def __call__(self, observer_location: Any, target_coord: Any, obstime: Any) -> npt.NDArray[np.bool_]:
-        """Broadcasts targets against times."""
+        """Evaluates the constraint; targets and times are broadcast."""
         self.constraint.hook.see_site(lambda: observer_location[0] if observer_location.shape else observer_location)
         return np.asarray(self.constraint.compute_constraint(obstime, None, target_coord), dtype=bool)

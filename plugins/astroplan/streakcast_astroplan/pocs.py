@@ -1,4 +1,4 @@
-"""Satellite streaks as a constraint of POCS (the PANOPTES observatory control system), named by its dotted name in the configuration."""
+"""Satellite streaks as a constraint for POCS (PANOPTES Observatory Control System), configured by its dotted name."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ try:
 except ImportError:
 
     class BaseConstraint:  # type: ignore[no-redef]
-        """What POCS asks of a constraint, where POCS is not installed."""
+        """Replacement of the base class if POCS is not installed."""
 
         def __init__(self, weight: float = 1.0, default_score: float = 0.0) -> None:
             self.name, self.weight, self._score = type(self).__name__, float(weight), default_score
 
 
-#: POCS takes "now" before it weighs all fields; it may be as old as this when a field's turn comes, seconds.
+#: Maximum age of "now" when a field is scored, seconds: POCS reads the time once before it scores all fields.
 DECISION_S = 20.0
 
 
 class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
-    """Scores a field by the share of its next set of exposures that no satellite crosses.
+    """Scores a field by the fraction of clear exposures in its next set.
 
     In the configuration::
 
@@ -46,14 +46,14 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
     model : dict or StreakModel
         Arguments of `~streakcast.StreakModel`.
     readout : float
-        From the closing of the shutter to its next opening, seconds; POCS counts none.
+        Time from the closing of the shutter to its next opening, seconds; POCS does not include it.
     min_clear_share : float
-        Fields with a smaller share of clear exposures are vetoed. The default 0 vetoes none: where POCS finds every field vetoed it
-        stops observing.
+        Fields with a smaller fraction of clear exposures are vetoed. The default 0 vetoes no field, because POCS stops
+        observing if every field is vetoed.
     blocking : {"any", "avoid"}
-        Every lit satellite, whatever the model's ``limit_mag``, or only those brighter than it.
+        Every lit satellite blocks, or only those brighter than the model's ``limit_mag``.
     **kwargs
-        ``weight`` and what else POCS gives a constraint.
+        ``weight`` and other arguments of POCS constraints.
     """
 
     def __init__(
@@ -69,22 +69,23 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
             raise ValueError(f"min_clear_share is {min_clear_share}; allowed: 0 to 1")
         self.readout_s, self.min_clear_share, self.blocking = float(readout), float(min_clear_share), blocking
         self.hook = Hook(model if isinstance(model, StreakModel) else StreakModel(**model), "pocs")
-        # What cannot work is said now.
+        # Reports invalid settings at construction.
         self._rules(1.0, 1).check(self.hook.model)
 
     def get_score(self, time: Time, observer: Any, observation: Any, **kwargs: Any) -> tuple[bool, float]:
-        """The veto and the weighted score of one field's next set of exposures.
+        """Returns the veto and the weighted score of the next set of exposures of a field.
 
         Parameters
         ----------
         time : `~astropy.time.Time`
-            When the set would begin.
+            Start of the set.
         observer : `~astroplan.Observer`
-            Its location is held against the model's site.
+            Its location is compared with the model's site.
         observation : Observation
-            Its ``field.coord``, ``exptime`` and ``exp_set_size``; where it is ``dark`` the shutter stays closed.
+            Its ``field.coord``, ``exptime`` and ``exp_set_size`` are used; for ``dark`` observations the shutter stays
+            closed.
         **kwargs
-            What POCS hands over besides.
+            Other arguments of POCS, not used.
 
         Returns
         -------
@@ -94,7 +95,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         """
         if getattr(observation, "dark", False):
             return False, self.weight
-        self.hook.see_clock(lambda: _told_now(time))
+        self.hook.see_clock(lambda: _time_to_compare(time))
         self.hook.see_site(lambda: observer.location)
         share = self.hook.ask(lambda model: self._share(model, time, observation), 1.0)
         return share < self.min_clear_share, share * self.weight
@@ -114,7 +115,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         return "Satellite streaks"
 
 
-def _told_now(time: Time) -> Union[Time, None]:
-    """POCS asks about now, or a little earlier; what is further off is held against the clock."""
-    late_s = float((Time.now() - time).to_value(u.s))
-    return None if 0.0 <= late_s < DECISION_S else time
+def _time_to_compare(time: Time) -> Union[Time, None]:
+    """Returns the time for the comparison with the clock; `None` if it is the present time or slightly earlier."""
+    age_s = float((Time.now() - time).to_value(u.s))
+    return None if 0.0 <= age_s < DECISION_S else time

@@ -1,4 +1,4 @@
-"""Clear windows of targets, and the streaks of a finished schedule, as tables."""
+"""Tables of clear windows of targets and of the streaks in a schedule."""
 
 from __future__ import annotations
 
@@ -27,30 +27,30 @@ def clear_windows(
     min_altitude: Any = 0.0 * u.deg,
     blocking: str = "any",
 ) -> QTable:
-    """From when to when exposures of each target may begin so that no satellite crosses them.
+    """Returns the intervals in which an exposure of each target may start without being crossed.
 
     Parameters
     ----------
     model : StreakModel
         Satellites, site, field of view and limits.
     targets : `~astroplan.FixedTarget`, list of them, or `~astropy.coordinates.SkyCoord`
-        What is to be observed.
+        Targets.
     time_range : pair of `~astropy.time.Time`
-        No shutter opens before the first or closes after the second, at most a day later.
+        Earliest shutter opening and latest shutter closing, at most one day apart.
     exposure : `~astropy.units.Quantity` or float
-        Length of the exposure; seconds where it has no unit.
+        Length of the exposure; seconds if it has no unit.
     observer : `~astroplan.Observer`, optional
-        Held against the model's site; more than 1 km apart is logged.
+        Its location is compared with the model's site; a distance above 1 km is logged.
     min_altitude : `~astropy.units.Quantity` or float
-        The target stands as high while the shutter is open, degrees, without refraction.
+        Minimum altitude of the target while the shutter is open, degrees, without refraction.
     blocking : {"any", "avoid"}
-        Every lit satellite blocks, or only those that break a limit of magnitude of the model's policy.
+        Every lit satellite blocks, or only those that exceed a magnitude limit of the model's policy.
 
     Returns
     -------
     QTable, ``(n_windows,)``
-        ``target`` (name, or place in the list), ``first_start`` and ``last_start`` (`~astropy.time.Time`, UTC, both included),
-        ``length`` (s) between them; by target, then by time. A target without windows has no row.
+        ``target`` (name, or index), ``first_start`` and ``last_start`` (`~astropy.time.Time`, UTC, both included),
+        ``length`` (s) between them; ordered by target and time. A target without windows has no row.
     """
     if observer is not None:
         Hook(model, "astroplan").see_site(observer.location)
@@ -62,7 +62,7 @@ def clear_windows(
         (ra_deg, dec_deg), start, end, seconds(exposure, "exposure"), min_altitude=min_altitude, blocking=blocking
     )
     table = QTable()
-    table["target"] = Column([names[place] for place in found.target], dtype=str)
+    table["target"] = Column([names[index] for index in found.target], dtype=str)
     table["first_start"] = found.first_start
     table["last_start"] = found.last_start
     table["length"] = found.length_s * u.s
@@ -78,24 +78,24 @@ def streak_table(
     n_exposures: Union[int, None] = None,
     include_dark: bool = False,
 ) -> QTable:
-    """Every satellite that crosses an exposure of a schedule.
+    """Returns all satellites that cross the exposures of a schedule.
 
     Parameters
     ----------
     model : StreakModel
         Satellites, site, field of view and limits.
     blocks : `~astroplan.Schedule` or iterable of `~astroplan.ObservingBlock`
-        What was scheduled; blocks without a start are left out.
+        The scheduled blocks; blocks without a start are omitted.
     exposure, readout, n_exposures
-        The exposures in a block, as for `SatelliteStreakConstraint`; those of a block made by ``from_exposures`` are its own. Without
-        any a block is one exposure.
+        The exposures in a block, as for `SatelliteStreakConstraint`; blocks made by ``from_exposures`` use their own.
+        Without these arguments a block is one exposure.
     include_dark : bool
-        Crossings that are in the Earth's shadow all along too.
+        Whether to include crossings entirely inside the Earth's shadow.
 
     Returns
     -------
     QTable, ``(n_streaks,)``
-        ``block`` (place in the schedule, from 0), ``target``, ``exposure`` (place in the block, from 0), ``exposure_start``, then the
+        ``block`` (index in the schedule), ``target``, ``exposure`` (index in the block), ``exposure_start``, then the
         columns of `StreakModel.passes`: entry, exit, magnitude, length, width, probability.
     """
     default = Exposures(None if exposure is None else seconds(exposure, "exposure"), seconds(readout, "readout"), n_exposures)
@@ -103,18 +103,18 @@ def streak_table(
     scheduled = [block for block in listed if getattr(block, "target", None) is not None and block.start_time is not None]
     rows: list[tuple[int, str, int]] = []
     starts_s, lengths_s, ra_deg, dec_deg = [], [], [], []
-    for place, block in enumerate(scheduled):
+    for index, block in enumerate(scheduled):
         offsets_s, length_s = _exposures_of(block, default).in_block(float((block.end_time - block.start_time).to_value(u.s)))
         ra, dec = icrs_deg(get_skycoord(block.target))
         for number, offset_s in enumerate(offsets_s):
-            rows.append((place, str(block.target.name), number))
+            rows.append((index, str(block.target.name), number))
             starts_s.append(float(unix_s(block.start_time)) + offset_s)
             lengths_s.append(length_s)
             ra_deg.append(float(ra))
             dec_deg.append(float(dec))
     starts = times_of(np.array(starts_s))
-    asked = (np.array(ra_deg), np.array(dec_deg))
-    table = model.passes(asked, starts, np.array(lengths_s), include_dark=include_dark, output="qtable")
+    pointings = (np.array(ra_deg), np.array(dec_deg))
+    table = model.passes(pointings, starts, np.array(lengths_s), include_dark=include_dark, output="qtable")
     which = np.asarray(table["exposure_id"], dtype=int)
     del table["exposure_id"]
     table.add_column(Time(starts[which], format="isot", precision=3), name="exposure_start", index=0)
@@ -134,6 +134,6 @@ def _exposures_of(block: Any, default: Exposures) -> Exposures:
 
 def _names(targets: Any, coordinates: SkyCoord) -> list[str]:
     if isinstance(targets, SkyCoord):
-        return [str(place) for place in range(coordinates.size)]
+        return [str(index) for index in range(coordinates.size)]
     listed = [targets] if coordinates.isscalar else list(targets)
-    return [str(getattr(target, "name", None) or place) for place, target in enumerate(listed)]
+    return [str(getattr(target, "name", None) or index) for index, target in enumerate(listed)]

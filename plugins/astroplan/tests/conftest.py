@@ -1,4 +1,4 @@
-"""What the tests share: a synthetic constellation in a file, a site, 40 targets. No download."""
+"""Shared fixtures: a synthetic constellation in a file, a site, 40 targets (no download)."""
 
 import logging
 import warnings
@@ -20,14 +20,14 @@ iers.conf.auto_max_age = None
 #: Evening twilight at Rubin Observatory: the Sun is 12 deg down.
 START = Time("2026-04-25T22:50:00", scale="utc")
 LOCATION = EarthLocation.from_geodetic(lon=-70.7494, lat=-30.2444, height=2663.0)
-#: Height (km), inclination (deg), planes, satellites in each: lower ones are in shadow earlier.
+#: Height (km), inclination (deg), number of planes, satellites per plane; lower satellites enter the shadow earlier.
 SHELLS = [(550.0, 53.0, 36, 22), (1200.0, 87.9, 36, 40)]
 FOV_DEG = 8.0
 
 
 @pytest.fixture(scope="session")
 def elements(tmp_path_factory):
-    """A file of elements, and the same satellites for the brute force."""
+    """An element file, and the same satellites for the brute-force computation."""
     path = tmp_path_factory.mktemp("elements") / "walker.tle"
     return path, write_tle(path, walker(SHELLS, START))
 
@@ -39,7 +39,7 @@ def model(elements):
 
 @pytest.fixture(scope="session")
 def sky(elements):
-    """The independent judge."""
+    """Independent brute-force computation."""
     return Sky(elements[1], LOCATION)
 
 
@@ -50,10 +50,10 @@ def observer():
 
 @pytest.fixture(scope="session")
 def targets():
-    """40 fields that are up in the evening."""
+    """40 fields above the horizon in the evening."""
     random = np.random.default_rng(20260425)
-    places = zip(random.uniform(100.0, 190.0, 40), random.uniform(-65.0, 0.0, 40))
-    return [FixedTarget(SkyCoord(ra, dec, unit="deg"), name=f"field-{number:02d}") for number, (ra, dec) in enumerate(places)]
+    positions = zip(random.uniform(100.0, 190.0, 40), random.uniform(-65.0, 0.0, 40))
+    return [FixedTarget(SkyCoord(ra, dec, unit="deg"), name=f"field-{number:02d}") for number, (ra, dec) in enumerate(positions)]
 
 
 @pytest.fixture(autouse=True)

@@ -1,4 +1,4 @@
-"""What a time stands for, shapes, scores, and what cannot be made."""
+"""Meaning of times, array shapes, scores, and errors for invalid arguments."""
 
 import pickle
 from copy import deepcopy
@@ -18,8 +18,9 @@ from streakcast_astroplan.memory import ClearStarts
 
 RADIUS_DEG = FOV_DEG / 2
 STEP_S = 20.0
-#: The brute force leaves out what only grazes the field (0.02 deg); such a satellite is in the field for less than a second.
-GRAZES = 0.02
+#: Tolerated fraction of differences: the brute force ignores satellites within 0.02 deg of the edge (in the field for
+#: less than 1 s).
+GRAZING_FRACTION = 0.02
 
 
 @pytest.fixture(scope="module")
@@ -34,57 +35,57 @@ def few(targets):
 
 @pytest.fixture(scope="module")
 def contacts(sky, few):
-    """When satellites stand in each of the four fields in the hour from START, by the brute force."""
+    """Brute-force time spans of satellites in each of the four fields in the hour from START."""
     return [sky.contacts(one.coord, START, 3700.0, RADIUS_DEG) for one in few]
 
 
 def is_clear(contacts, starts_s, length_s):
-    """Whether exposures that begin so long after START meet none of them; ``(n_targets, n_starts)``."""
+    """Whether exposures with these starts (seconds after START) contain no contact; ``(n_targets, n_starts)``."""
     return np.array([[not any(a <= start + length_s and b >= start for _, a, b in one) for start in starts_s] for one in contacts])
 
 
-def test_valid_cells_and_exposures_are_intervals_never_instants(model, contacts, observer, grid, few):
-    whole, longer = (SatelliteStreakConstraint(model, exposure, margin=0) for exposure in (None, 45 * u.s))
-    seen = np.array([constraint(observer, few, grid, grid_times_targets=True) for constraint in (whole, longer)])
+def test_valid_cells_and_exposures_are_intervals(model, contacts, observer, grid, few):
+    cell, longer = (SatelliteStreakConstraint(model, exposure, margin=0) for exposure in (None, 45 * u.s))
+    found = np.array([constraint(observer, few, grid, grid_times_targets=True) for constraint in (cell, longer)])
     starts_s = np.arange(180) * STEP_S
     truth = np.array([is_clear(contacts, starts_s, length_s) for length_s in (STEP_S, 45.0)])
-    # What the brute force sees, we see.
-    assert not (seen & ~truth).any()
-    assert (seen != truth).mean() < GRAZES
-    # A test of instants would have seen next to nothing.
+    # Every contact of the brute force is found.
+    assert not (found & ~truth).any()
+    assert (found != truth).mean() < GRAZING_FRACTION
+    # A test of single times would miss most contacts.
     instants = is_clear(contacts, starts_s, 0.0)
     assert (~instants).sum() < 0.5 * (~truth[0]).sum()
     assert (~truth[0]).sum() >= 10
 
 
 def test_a_margin_is_kept_clear(model, observer, grid, few):
-    bare, kept = (SatelliteStreakConstraint(model, margin=margin)(observer, few, grid, grid_times_targets=True) for margin in (0.0, 30 * u.s))
-    assert (bare | ~kept).all() and kept.sum() < bare.sum()
-    # 30 s on both sides is more than the cell before and the cell after.
-    neighbours = bare[:, :-2] & bare[:, 1:-1] & bare[:, 2:]
-    assert not (kept[:, 1:-1] & ~neighbours).any()
+    without, with_margin = (SatelliteStreakConstraint(model, margin=margin)(observer, few, grid, grid_times_targets=True) for margin in (0.0, 30 * u.s))
+    assert (without | ~with_margin).all() and with_margin.sum() < without.sum()
+    # 30 s on both sides include the previous and the next cell.
+    neighbours = without[:, :-2] & without[:, 1:-1] & without[:, 2:]
+    assert not (with_margin[:, 1:-1] & ~neighbours).any()
 
 
 def test_valid_three_times_are_a_block_with_its_exposures(model, contacts, observer, few):
     block_s, exposure_s, readout_s = 300.0, 20.0, 40.0
     constraint = SatelliteStreakConstraint(model, exposure_s, readout=readout_s, margin=0)
-    throughout = SatelliteStreakConstraint(model, margin=0)
-    answers, truth, all_along = [], [], []
-    for target, seen in zip(few, contacts):
+    continuous = SatelliteStreakConstraint(model, margin=0)
+    results, truth, continuous_results = [], [], []
+    for target, target_contacts in zip(few, contacts):
         for minute in range(0, 56, 4):
             start = START + minute * u.min
-            answer = constraint(observer, target, start + [0.0, block_s / 2, block_s] * u.s)
-            assert answer.shape == (3,) and len(set(answer.tolist())) == 1
-            answers.append(bool(answer[0]))
-            all_along.append(bool(throughout(observer, target, start + [0.0, block_s / 2, block_s] * u.s)[0]))
-            truth.append(bool(is_clear([seen], 60.0 * (minute + np.arange(5)), exposure_s).all()))
-    assert not any(ours and not theirs for ours, theirs in zip(answers, truth))
-    assert sum(ours != theirs for ours, theirs in zip(answers, truth)) <= 2
-    # Satellites that pass while the chip is read out cost nothing.
-    assert sum(all_along) < sum(answers) < len(answers)
+            result = constraint(observer, target, start + [0.0, block_s / 2, block_s] * u.s)
+            assert result.shape == (3,) and len(set(result.tolist())) == 1
+            results.append(bool(result[0]))
+            continuous_results.append(bool(continuous(observer, target, start + [0.0, block_s / 2, block_s] * u.s)[0]))
+            truth.append(bool(is_clear([target_contacts], 60.0 * (minute + np.arange(5)), exposure_s).all()))
+    assert not any(ours and not theirs for ours, theirs in zip(results, truth))
+    assert sum(ours != theirs for ours, theirs in zip(results, truth)) <= 2
+    # Satellites that pass during readout do not count.
+    assert sum(continuous_results) < sum(results) < len(results)
 
 
-def test_the_score_of_a_block_is_the_share_of_its_clear_exposures(model, observer, few):
+def test_the_score_of_a_block_is_the_fraction_of_clear_exposures(model, observer, few):
     score = SatelliteStreakConstraint(model, 20.0, readout=40.0, margin=0, boolean_constraint=False, worst_score=0.1)
     one = SatelliteStreakConstraint(model, 20.0, margin=0, each="exposure")
     found = []
@@ -98,7 +99,7 @@ def test_the_score_of_a_block_is_the_share_of_its_clear_exposures(model, observe
     assert 0.1 <= min(found) < max(found) == pytest.approx(1.0)
 
 
-def test_the_score_of_pixels_is_that_of_the_model(elements, observer, few):
+def test_the_score_of_pixels_agrees_with_the_model(elements, observer, few):
     model = StreakModel(site=LOCATION, elements=elements[0], telescope="rubin", fov=FOV_DEG * u.deg)
     constraint = SatelliteStreakConstraint(model, 60.0, margin=0, boolean_constraint=False, score="pixels", worst_score=1e-9)
     times = START + np.arange(60) * 60 * u.s
@@ -106,29 +107,29 @@ def test_the_score_of_pixels_is_that_of_the_model(elements, observer, few):
     coordinates = SkyCoord([one.coord for one in few])[:, np.newaxis]
     lost = model.assess(coordinates, times, 60.0).lost_fraction
     assert scores.shape == (4, 60) and (lost > 0).sum() >= 20
-    # `assess` weighs near misses by their probability too; elements of the day leave little of that.
+    # `assess` includes near misses weighted by their probability, which is small for recent element sets.
     assert np.median(np.abs(1 - scores - lost)[lost > 1e-6] / lost[lost > 1e-6]) < 0.05
     assert (scores[lost == 0] == 1.0).all()
 
 
-def test_below_the_horizon_no_pixel_is_left(elements, observer):
-    """As the score of clear exposures, by the altitude that the model itself tells."""
+def test_below_the_horizon_all_pixels_are_lost(elements, observer):
+    """The score of pixels agrees with that of clear exposures below the horizon of the model."""
     model = StreakModel(site=LOCATION, elements=elements[0], telescope="rubin", fov=FOV_DEG * u.deg)
-    # Setting, always up, never up.
-    places = SkyCoord([55.0, 150.0, 150.0], [0.0, -60.0, 75.0], unit="deg")[:, np.newaxis]
+    # Setting, always above the horizon, never above the horizon.
+    positions = SkyCoord([55.0, 150.0, 150.0], [0.0, -60.0, 75.0], unit="deg")[:, np.newaxis]
     times = START + np.arange(40) * 180 * u.s
     pixels, clear = (
         SatelliteStreakConstraint(model, 60.0, margin=0, boolean_constraint=False, score=score, worst_score=1e-9)
         for score in ("pixels", "clear")
     )
-    scores = pixels.compute_constraint(times, observer, places)
-    below = np.isnan(model.assess(places, times, 60.0).lost_fraction)
+    scores = pixels.compute_constraint(times, observer, positions)
+    below = np.isnan(model.assess(positions, times, 60.0).lost_fraction)
     assert 5 < below[0].sum() < 35 and not below[1].any() and below[2].all()
     assert (scores[below] <= 1e-9).all() and (scores[~below] > 0.9).all()
-    assert (clear.compute_constraint(times, observer, places)[below] <= 1e-9).all()
+    assert (clear.compute_constraint(times, observer, positions)[below] <= 1e-9).all()
 
 
-def test_blocking_avoid_lets_faint_satellites_pass(elements, observer, grid, few):
+def test_blocking_avoid_ignores_faint_satellites(elements, observer, grid, few):
     counts = []
     for limit_mag in (3.0, 6.0, 20.0):
         model = StreakModel(site=LOCATION, elements=elements[0], fov=FOV_DEG * u.deg, limit_mag=limit_mag)
@@ -152,17 +153,17 @@ SHAPES = {
 @pytest.mark.parametrize("name", SHAPES)
 @pytest.mark.parametrize("options", [{"exposure": 30.0}, {"exposure": 30.0, "n_exposures": 2}, {"exposure": 30.0, "boolean_constraint": False}])
 def test_shapes_are_those_of_broadcasting(model, observer, targets, name, options):
-    times, places, expected = SHAPES[name]
-    moments = START + np.arange(int(np.prod(times))).reshape(times) * 400 * u.s
-    coordinates = SkyCoord([one.coord for one in targets[: int(np.prod(places))]]).reshape(places) if places else targets[0].coord
+    time_shape, target_shape, expected = SHAPES[name]
+    times = START + np.arange(int(np.prod(time_shape))).reshape(time_shape) * 400 * u.s
+    coordinates = SkyCoord([one.coord for one in targets[: int(np.prod(target_shape))]]).reshape(target_shape) if target_shape else targets[0].coord
     constraint = SatelliteStreakConstraint(model, **options)
-    answer = constraint.compute_constraint(moments, observer, coordinates)
-    assert np.shape(answer) == expected and constraint.hook.counts["failed"] == 0
-    assert np.asarray(answer).dtype == (float if "boolean_constraint" in options else bool)
-    assert np.shape(constraint(observer, coordinates, moments)) == expected
+    result = constraint.compute_constraint(times, observer, coordinates)
+    assert np.shape(result) == expected and constraint.hook.counts["failed"] == 0
+    assert np.asarray(result).dtype == (float if "boolean_constraint" in options else bool)
+    assert np.shape(constraint(observer, coordinates, times)) == expected
 
 
-def test_all_ways_to_ask_agree(model, observer, few):
+def test_all_forms_of_calls_agree(model, observer, few):
     one = SatelliteStreakConstraint(model, 30.0, each="exposure", margin=0)
     times = START + np.arange(100) * 45 * u.s
     grid = one(observer, few, times, grid_times_targets=True)
@@ -179,13 +180,13 @@ def test_times_in_tai_are_not_read_as_utc(model, observer, few):
     constraint = SatelliteStreakConstraint(model, 5.0, each="exposure", margin=0)
     times = START + np.arange(400) * 5 * u.s
     mistaken = Time(times.tai.mjd, format="mjd", scale="utc")
-    answer, wrong = (constraint(observer, few, moments, grid_times_targets=True) for moments in (times, mistaken))
-    assert (answer == constraint(observer, few, times.tai, grid_times_targets=True)).all()
-    # 37 s off: hardly one of the streaks is seen in its exposure.
-    assert (~answer & ~wrong).sum() < 0.3 * (~answer).sum()
+    right, wrong = (constraint(observer, few, grid, grid_times_targets=True) for grid in (times, mistaken))
+    assert (right == constraint(observer, few, times.tai, grid_times_targets=True)).all()
+    # With an error of 37 s most streaks are missed.
+    assert (~right & ~wrong).sum() < 0.3 * (~right).sum()
 
 
-def test_tables_of_astroplan_take_it(model, observer, few):
+def test_tables_of_astroplan_accept_the_constraint(model, observer, few):
     constraint = SatelliteStreakConstraint(model, 30 * u.s, each="exposure")
     table = observability_table([constraint], observer, few, time_range=(START, START + 2 * u.hour), time_grid_resolution=5 * u.min)
     assert table["ever observable"].all() and not table["always observable"].all()
@@ -200,14 +201,14 @@ def test_a_target_below_the_horizon_is_not_observable(model, observer):
     assert not SatelliteStreakConstraint(model, 30.0)(observer, north, START)
 
 
-def test_a_block_brings_its_own_exposures(model, observer, few):
+def test_a_block_defines_its_exposures(model, observer, few):
     block = ObservingBlock.from_exposures(few[0], 1, 30 * u.s, 6, readout_time=5 * u.s)
     rules = SatelliteStreakConstraint.for_block(model, block).rules
     assert (rules.exposures.exposure_s, rules.exposures.readout_s, rules.exposures.n_exposures) == (30.0, 5.0, 6)
     assert SatelliteStreakConstraint.for_block(model, ObservingBlock(few[0], 60 * u.s, 1)).rules.exposures.exposure_s is None
 
 
-def test_copies_and_pickles_are_small_and_answer_the_same(model, observer, grid, few):
+def test_copies_and_pickles_are_small_and_give_the_same_results(model, observer, grid, few):
     constraint = SatelliteStreakConstraint(model, 30.0, readout=2.0)
     expected = constraint(observer, few, grid, grid_times_targets=True)
     pickled = pickle.dumps(constraint)
@@ -216,7 +217,7 @@ def test_copies_and_pickles_are_small_and_answer_the_same(model, observer, grid,
         assert (copy(observer, few, grid, grid_times_targets=True) == expected).all()
 
 
-REFUSED = {
+INVALID = {
     "exposure is -1.0 s; allowed: above 0": {"exposure": -1.0},
     "exposure is .* allowed: a Quantity of time": {"exposure": 3 * u.m},
     "exposure is nan": {"exposure": float("nan")},
@@ -234,13 +235,13 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("message", REFUSED)
-def test_what_cannot_work_is_said_at_construction(model, message):
+@pytest.mark.parametrize("message", INVALID)
+def test_invalid_arguments_are_reported_at_construction(model, message):
     with pytest.raises(ValueError, match=message):
-        SatelliteStreakConstraint(model, **REFUSED[message])
+        SatelliteStreakConstraint(model, **INVALID[message])
 
 
-def test_models_that_cannot_work_are_said_at_construction(elements):
+def test_invalid_models_are_reported_at_construction(elements):
     with pytest.raises(ValueError, match="no field of view"):
         SatelliteStreakConstraint(StreakModel(site=LOCATION, elements=elements[0]), 30.0)
     with pytest.raises(TypeError, match="model is a str"):
@@ -249,7 +250,7 @@ def test_models_that_cannot_work_are_said_at_construction(elements):
         StreakModel(site=LOCATION, elements="no-such-file.tle", fov="1deg")
 
 
-def test_verif_what_is_remembered_is_what_is_asked(model, few):
+def test_verif_cached_ratings_equal_computed_ones(model, few):
     memory = ClearStarts()
     found = []
     for rules in (Rules(Exposures(20.0, 40.0)), Rules(Exposures(20.0, 40.0, 3), blocking="avoid"), Rules(Exposures())):
@@ -257,7 +258,7 @@ def test_verif_what_is_remembered_is_what_is_asked(model, few):
             ra_deg, dec_deg = target.coord.ra.deg, target.coord.dec.deg
             for minute in [*range(0, 130, 3), 5, 64]:
                 start_s, block_s = float(unix_s(START)) + 60.0 * minute, 240.0
-                asked = rules.worth_of_block(model, np.array([ra_deg]), np.array([dec_deg]), start_s, block_s)[0]
-                assert memory.worth_of_block(model, rules, ra_deg, dec_deg, start_s, block_s) == pytest.approx(asked, abs=1e-12)
-                found.append(asked)
+                expected = rules.worth_of_block(model, np.array([ra_deg]), np.array([dec_deg]), start_s, block_s)[0]
+                assert memory.worth_of_block(model, rules, ra_deg, dec_deg, start_s, block_s) == pytest.approx(expected, abs=1e-12)
+                found.append(expected)
     assert len(set(found)) >= 5

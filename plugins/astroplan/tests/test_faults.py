@@ -1,4 +1,4 @@
-"""What fails at night is counted, said once, and never stops astroplan."""
+"""Errors at night are counted, logged once, and never stop astroplan."""
 
 import os
 import time
@@ -21,7 +21,7 @@ TIMES = START + np.arange(120) * 20 * u.s
 
 @pytest.fixture
 def replaced(tmp_path):
-    """A file of elements of one's own, and a constraint that looks at it whenever it is asked."""
+    """An element file, and a constraint that checks the file at each call."""
     path = tmp_path / "gp.tle"
     write_tle(path, walker(SHELLS[:1], START))
     hook = Hook(StreakModel(site=LOCATION, elements=path, fov=FOV_DEG * u.deg), "astroplan", watch_s=1e-6)
@@ -33,11 +33,11 @@ def lines(log):
 
 
 def aged(path):
-    """Nobody writes it any more."""
+    """Sets an old modification time, as of a completely written file."""
     os.utime(path, (time.time() - 60, time.time() - 60))
 
 
-def test_elements_that_vanish_leave_the_old_ones(replaced, observer, targets, log):
+def test_deleted_element_files_keep_the_old_satellites(replaced, observer, targets, log):
     path, constraint = replaced
     before = constraint(observer, targets, TIMES, grid_times_targets=True)
     path.unlink()
@@ -45,10 +45,10 @@ def test_elements_that_vanish_leave_the_old_ones(replaced, observer, targets, lo
         after = constraint(observer, targets, TIMES + shift_s * u.s, grid_times_targets=True)
         assert (after != before).mean() < 0.01
     assert constraint.hook.counts["kept_old"] >= 1 and constraint.hook.counts["failed"] == 0
-    assert len(lines(log)) == 1 and "is missing; going on with the satellites read before" in lines(log)[0].message
+    assert len(lines(log)) == 1 and "is missing; the satellites read before stay in use" in lines(log)[0].message
 
 
-def test_half_written_elements_leave_the_old_ones_and_whole_ones_are_taken(replaced, observer, targets, log):
+def test_partial_element_files_keep_the_old_satellites_and_complete_ones_are_read(replaced, observer, targets, log):
     path, constraint = replaced
     before = constraint(observer, targets, TIMES, grid_times_targets=True)
     text = path.read_text()
@@ -57,7 +57,7 @@ def test_half_written_elements_leave_the_old_ones_and_whole_ones_are_taken(repla
     for shift_s in (1e-3, 2e-3):
         assert (constraint(observer, targets, TIMES + shift_s * u.s, grid_times_targets=True) != before).mean() < 0.01
         constraint.hook.settle()
-    # A broken file is tried again, and said once; beside it, that elements of this night are old by the clock of today.
+    # A broken file is read again and logged once; another message is that the element sets are old at the present time.
     assert constraint.hook.counts["kept_old"] >= 1 and len([one for one in lines(log) if "counted as 'kept_old'" in one.message]) == 1
     assert len(lines(log)) <= 2
     # The same satellites an hour later in their orbits.
@@ -69,7 +69,7 @@ def test_half_written_elements_leave_the_old_ones_and_whole_ones_are_taken(repla
     assert constraint.hook.counts["reloaded"] == 1 and (after != before).any()
 
 
-def test_stale_elements_are_said_and_used(tmp_path, observer, targets):
+def test_old_elements_are_used_with_a_warning(tmp_path, observer, targets):
     path = tmp_path / "old.tle"
     write_tle(path, walker(SHELLS[:1], START - 40 * u.day))
     constraint = SatelliteStreakConstraint(StreakModel(site=LOCATION, elements=path, fov=FOV_DEG * u.deg), 30.0)
@@ -79,19 +79,19 @@ def test_stale_elements_are_said_and_used(tmp_path, observer, targets):
     assert constraint.hook.counts["failed"] == 0
 
 
-def test_a_target_without_coordinates_is_observable_and_the_others_are_judged(model, observer, targets, log):
+def test_only_targets_without_coordinates_count_as_observable(model, observer, targets, log):
     constraint = SatelliteStreakConstraint(model)
     good = SkyCoord([one.coord for one in targets[:3]])[:, np.newaxis]
-    lost = SkyCoord([good.ra.deg[0, 0], np.nan, good.ra.deg[2, 0]], good.dec.deg[:, 0], unit="deg")[:, np.newaxis]
+    partly_invalid = SkyCoord([good.ra.deg[0, 0], np.nan, good.ra.deg[2, 0]], good.dec.deg[:, 0], unit="deg")[:, np.newaxis]
     expected = constraint.compute_constraint(TIMES, observer, good)
     for _ in range(3):
-        answer = constraint.compute_constraint(TIMES, observer, lost)
-        assert answer[1].all() and (answer[[0, 2]] == expected[[0, 2]]).all() and not expected.all()
+        result = constraint.compute_constraint(TIMES, observer, partly_invalid)
+        assert result[1].all() and (result[[0, 2]] == expected[[0, 2]]).all() and not expected.all()
     assert constraint.compute_constraint(TIMES, observer, None).all()
     assert constraint.hook.counts["target"] == 4 and len(lines(log)) == 2
 
 
-def test_a_site_elsewhere_is_said_once(model, targets, log):
+def test_a_different_site_is_logged_once(model, targets, log):
     constraint = SatelliteStreakConstraint(model, 30.0)
     near = EarthLocation.from_geodetic(LOCATION.lon, LOCATION.lat + 0.5 * u.km / (6371 * u.km) * u.rad, LOCATION.height)
     far = EarthLocation.from_geodetic(LOCATION.lon, LOCATION.lat + 2.0 * u.km / (6371 * u.km) * u.rad, LOCATION.height)
@@ -103,23 +103,23 @@ def test_a_site_elsewhere_is_said_once(model, targets, log):
     assert len(lines(log)) == 1 and "2.0 km apart" in lines(log)[0].message
 
 
-class Nowhere:
-    """An observer whose site cannot be had."""
+class WithoutSite:
+    """An observer with a site that raises an error."""
 
     @property
     def location(self):
         raise RuntimeError("no such site")
 
 
-def test_a_site_that_cannot_be_had_is_said_once(model, observer, targets, log):
+def test_an_unreadable_site_is_logged_once(model, observer, targets, log):
     constraint = SatelliteStreakConstraint(model, 30.0)
     expected = constraint.compute_constraint(TIMES, observer, targets[0].coord)
-    assert (constraint.compute_constraint(TIMES, Nowhere(), targets[0].coord) == expected).all() and not expected.all()
+    assert (constraint.compute_constraint(TIMES, WithoutSite(), targets[0].coord) == expected).all() and not expected.all()
     assert constraint.hook.counts["site"] == 1 and constraint.hook.counts["failed"] == 0
     assert len(lines(log)) == 1 and "no such site" in lines(log)[0].message
 
 
-def test_what_the_model_warns_of_is_counted_and_said_once(tmp_path, observer, targets, log):
+def test_warnings_of_the_model_are_counted_and_logged_once(tmp_path, observer, targets, log):
     path = tmp_path / "old.tle"
     write_tle(path, walker(SHELLS[:1], START - 40 * u.day))
     constraint = SatelliteStreakConstraint(StreakModel(site=LOCATION, elements=path, fov=FOV_DEG * u.deg), 30.0)
@@ -130,20 +130,20 @@ def test_what_the_model_warns_of_is_counted_and_said_once(tmp_path, observer, ta
     assert constraint.hook.counts["warned"] == 1 and len([one for one in lines(log) if "14 days" in one.message]) == 1
 
 
-def test_an_instant_is_no_interval(model, observer, targets, log):
+def test_a_single_time_without_exposure_counts_as_observable(model, observer, targets, log):
     constraint = SatelliteStreakConstraint(model)
     assert bool(constraint(observer, targets[0], START)) and bool(constraint(observer, targets[0], START + 1 * u.s))
     assert constraint.hook.counts["instant"] == 2 and len(lines(log)) == 1
 
 
-def test_exposures_that_do_not_fit_their_block_are_said_once(model, observer, targets, log):
+def test_exposures_longer_than_their_block_are_logged_once(model, observer, targets, log):
     constraint = SatelliteStreakConstraint(model, 60.0, n_exposures=10)
     for target in targets[:3]:
         constraint(observer, target, START + [0, 60, 120] * u.s)
     assert constraint.hook.counts["block"] == 3 and len(lines(log)) == 1 and "last 600 s" in lines(log)[0].message
 
 
-def test_a_time_that_no_model_answers_for_goes_through(model, observer, targets, log):
+def test_an_invalid_time_counts_as_observable(model, observer, targets, log):
     constraint = SatelliteStreakConstraint(model, 30.0)
     broken = START + [0, 20, 40] * u.s
     broken[1] = np.ma.masked
@@ -152,11 +152,11 @@ def test_a_time_that_no_model_answers_for_goes_through(model, observer, targets,
     assert constraint.hook.counts["failed"] == 3 and len(lines(log)) == 1
 
 
-@pytest.mark.parametrize("trouble", ["model breaks", "clock 37 s wrong"])
-def test_the_scheduler_goes_on(model, observer, targets, log, trouble):
+@pytest.mark.parametrize("failure", ["model breaks", "clock 37 s wrong"])
+def test_the_scheduler_continues(model, observer, targets, log, failure):
     start = START
     hook = Hook(model, "astroplan")
-    if trouble == "model breaks":
+    if failure == "model breaks":
         hook.ask = lambda question, otherwise: Hook.ask(hook, lambda _: 1 / 0, otherwise)
     else:
         start = START + 37 * u.s
@@ -166,5 +166,5 @@ def test_the_scheduler_goes_on(model, observer, targets, log, trouble):
         [AltitudeConstraint(min=25 * u.deg), constraint], observer, transitioner=Transitioner(slew_rate=2 * u.deg / u.s), time_resolution=1 * u.min
     )
     assert len(scheduler(blocks, Schedule(start, start + 1 * u.hour)).observing_blocks) == 5
-    assert hook.counts["failed"] == (1 if trouble == "model breaks" else 0)
+    assert hook.counts["failed"] == (1 if failure == "model breaks" else 0)
     assert len(lines(log)) == hook.counts["failed"]

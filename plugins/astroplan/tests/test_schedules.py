@@ -1,4 +1,4 @@
-"""The real schedulers of astroplan, their blocks judged by a brute force that knows nothing of streakcast."""
+"""Schedules of astroplan, checked by a brute-force computation without streakcast."""
 
 import time
 
@@ -23,8 +23,8 @@ EXPOSURE = 40 * u.s
 READOUT = 5 * u.s
 
 
-class Watched(SatelliteStreakConstraint):
-    """Counts what it costs: the processor's time, which other programs do not disturb."""
+class Timed(SatelliteStreakConstraint):
+    """Measures its processor time, which does not depend on other programs."""
 
     spent_s = 0.0
     calls = 0
@@ -39,8 +39,8 @@ class Watched(SatelliteStreakConstraint):
 
 
 def schedule_of(scheduler, observer, targets, constraint):
-    blocks = [ObservingBlock(target, BLOCK, place) for place, target in enumerate(targets)]
-    # What an observer asks for anyway.
+    blocks = [ObservingBlock(target, BLOCK, priority) for priority, target in enumerate(targets)]
+    # Typical constraints of an observer.
     constraints = [AltitudeConstraint(min=25 * u.deg), AtNightConstraint.twilight_nautical(), MoonSeparationConstraint(min=15 * u.deg)]
     if constraint is not None:
         constraints.append(constraint)
@@ -53,8 +53,8 @@ def schedule_of(scheduler, observer, targets, constraint):
 
 @pytest.fixture(scope="module", params=[PriorityScheduler, SequentialScheduler], ids=lambda one: one.__name__)
 def schedules(request, observer, targets, model):
-    """Without and with the constraint, and what was spent."""
-    constraint = Watched(model, exposure=EXPOSURE, readout=READOUT)
+    """Schedules without and with the constraint, and the time spent."""
+    constraint = Timed(model, exposure=EXPOSURE, readout=READOUT)
     without, _ = schedule_of(request.param, observer, targets, None)
     with_it, total_s = schedule_of(request.param, observer, targets, constraint)
     share = constraint.spent_s / (total_s - constraint.spent_s)
@@ -66,7 +66,7 @@ def schedules(request, observer, targets, model):
 
 
 def exposures_of(scheduler, block):
-    """What the shutter does in a block: PriorityScheduler's cells are clear throughout, SequentialScheduler's exposures are."""
+    """Exposures of a block: with PriorityScheduler the whole block is clear, with SequentialScheduler each exposure."""
     length_s = (block.end_time - block.start_time).to_value(u.s)
     if scheduler is PriorityScheduler:
         return [(block.start_time, length_s)]
@@ -75,7 +75,7 @@ def exposures_of(scheduler, block):
     return [(block.start_time + number * step_s * u.s, EXPOSURE.to_value(u.s)) for number in range(count)]
 
 
-def spoilt(sky, scheduler, schedule):
+def streaked_targets(sky, scheduler, schedule):
     return [
         block.target.name
         for block in schedule.observing_blocks
@@ -85,9 +85,9 @@ def spoilt(sky, scheduler, schedule):
 
 def test_valid_no_block_of_a_constrained_schedule_has_a_streak_by_sgp4_and_astropy(schedules, sky):
     scheduler, without, with_it, constraint = schedules
-    assert len(spoilt(sky, scheduler, without)) >= 3
-    assert spoilt(sky, scheduler, with_it) == []
-    # It is paid with time, not with blocks.
+    assert len(streaked_targets(sky, scheduler, without)) >= 3
+    assert streaked_targets(sky, scheduler, with_it) == []
+    # Blocks are delayed, not lost.
     assert len(with_it.observing_blocks) >= 38
     assert constraint.hook.counts["asked"] == constraint.calls > 0
     assert constraint.hook.counts["failed"] == 0
@@ -95,15 +95,15 @@ def test_valid_no_block_of_a_constrained_schedule_has_a_streak_by_sgp4_and_astro
 
 def test_verif_the_streak_table_agrees(schedules, model, sky):
     scheduler, without, with_it, _ = schedules
-    said = {} if scheduler is PriorityScheduler else {"exposure": EXPOSURE, "readout": READOUT}
-    table = streak_table(model, without, **said)
-    # The brute force leaves out what only grazes the field.
-    assert set(spoilt(sky, scheduler, without)) <= set(table["target"])
-    length = EXPOSURE if said else BLOCK
+    options = {} if scheduler is PriorityScheduler else {"exposure": EXPOSURE, "readout": READOUT}
+    table = streak_table(model, without, **options)
+    # The brute force ignores satellites at the edge of the field.
+    assert set(streaked_targets(sky, scheduler, without)) <= set(table["target"])
+    length = EXPOSURE if options else BLOCK
     whole = (table["mid_utc"] > table["exposure_start"]) & (table["mid_utc"] < table["exposure_start"] + length) & (table["lit_fraction"] == 1.0)
     inside = table[whole & (table["min_separation_deg"] < (FOV_DEG / 2 - 0.1) * u.deg)]
-    assert set(inside["target"]) <= set(spoilt(sky, scheduler, without))
-    assert len(streak_table(model, with_it, **said)) == 0
+    assert set(inside["target"]) <= set(streaked_targets(sky, scheduler, without))
+    assert len(streak_table(model, with_it, **options)) == 0
 
 
 def test_scores_prefer_clear_blocks_and_lose_none(observer, targets, model, sky):
@@ -112,7 +112,7 @@ def test_scores_prefer_clear_blocks_and_lose_none(observer, targets, model, sky)
     without, _ = schedule_of(PriorityScheduler, observer, few, None)
     with_it, _ = schedule_of(PriorityScheduler, observer, few, constraint)
     assert len(with_it.observing_blocks) == len(without.observing_blocks) == 12
-    said = {"exposure": EXPOSURE, "readout": READOUT}
-    before, after = (len(set(zip(*(streak_table(model, one, **said)[name] for name in ("block", "exposure"))))) for one in (without, with_it))
-    print(f"\nspoilt exposures: {before} without, {after} with the score")
+    options = {"exposure": EXPOSURE, "readout": READOUT}
+    before, after = (len(set(zip(*(streak_table(model, one, **options)[name] for name in ("block", "exposure"))))) for one in (without, with_it))
+    print(f"\nstreaked exposures: {before} without, {after} with the score")
     assert after < before

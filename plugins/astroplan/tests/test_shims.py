@@ -1,4 +1,4 @@
-"""The faces for POCS and M4OPT: their shapes always, POCS itself where it is installed."""
+"""Interfaces to POCS and M4OPT; tests with the real packages run only if they are installed."""
 
 import warnings
 from types import SimpleNamespace
@@ -17,37 +17,37 @@ from streakcast_astroplan.pocs import SatelliteStreaks as ForPocs
 
 @pytest.fixture
 def field(targets):
-    """What POCS calls an observation: ten exposures of half a minute."""
+    """A POCS observation: ten exposures of half a minute."""
     return SimpleNamespace(field=targets[0], exptime=30 * u.s, exp_set_size=10, dark=False)
 
 
 @pytest.fixture
 def options(elements):
-    """What POCS reads in YAML."""
+    """Options as read by POCS from YAML."""
     location = {"latitude_deg": LOCATION.lat.deg, "longitude_deg": LOCATION.lon.deg, "height_m": LOCATION.height.to_value("m")}
     return {"model": {"site": location, "elements": str(elements[0]), "fov": f"{FOV_DEG}deg"}, "readout": 5.0}
 
 
 def pocs(options, **more):
-    """POCS stores what it logs and asks its configuration server; neither is needed here."""
+    """Returns the constraint without POCS's logging and configuration server."""
     return ForPocs(**options, **more)
 
 
-def test_valid_a_pocs_score_is_the_share_of_clear_exposures(options, observer, field, sky):
+def test_valid_a_pocs_score_is_the_fraction_of_clear_exposures(options, observer, field, sky):
     constraint = pocs(options, weight=2.0)
     contacts = sky.contacts(field.field.coord, START, 3700.0, FOV_DEG / 2)
     scores = []
     for minute in range(0, 54, 3):
         veto, score = constraint.get_score(START + minute * u.min, observer, field, moon=None)
         hit = sum(any(a <= start + 30 and b >= start for _, a, b in contacts) for start in 60.0 * minute + 35.0 * np.arange(10))
-        # The margin, and what only grazes the field, may spoil one more.
+        # The margin and satellites at the edge of the field may affect one more exposure.
         assert not veto and 0.0 <= 2.0 * (10 - hit) / 10 - score <= 2.0 * 2 / 10 + 1e-9
         scores.append(score)
     assert min(scores) < max(scores) == 2.0
     assert constraint.hook.counts["failed"] == 0 and constraint.hook.counts["asked"] == 18
 
 
-def test_pocs_vetoes_only_when_told_to(options, observer, field):
+def test_pocs_vetoes_only_if_configured(options, observer, field):
     times = [START + minute * u.min for minute in range(0, 60, 3)]
     never, strict = pocs(options), pocs(options, min_clear_share=1.0)
     assert not any(never.get_score(time, observer, field)[0] for time in times)
@@ -58,7 +58,7 @@ def test_pocs_vetoes_only_when_told_to(options, observer, field):
     assert all(strict.get_score(time, observer, field) == (False, 1.0) for time in times)
 
 
-def test_pocs_goes_on(options, observer, field, log):
+def test_pocs_continues_after_errors(options, observer, field, log):
     log.set_level("WARNING", logger="streakcast.pocs")
     constraint = pocs(options)
     broken = SimpleNamespace(field=SimpleNamespace(), exptime=30 * u.s, exp_set_size=10)
@@ -66,17 +66,17 @@ def test_pocs_goes_on(options, observer, field, log):
     off = Time.now() + 37 * u.s
     for _ in range(3):
         constraint.get_score(off, observer, field)
-        # POCS takes its time before it weighs all fields.
+        # POCS reads the time some seconds before it scores all fields.
         constraint.get_score(Time.now() - 10 * u.s, observer, field)
     counts = constraint.hook.counts
     assert counts["failed"] == 3 and counts["clock"] == 3
-    # And the elements are old by the clock of today.
-    told = [one.message for one in log.records if one.name == "streakcast.pocs"]
-    assert len(told) == 3 and sum("counted as 'warned'" in one for one in told) == 1
+    # A third message: the element sets are old at the present time.
+    messages = [one.message for one in log.records if one.name == "streakcast.pocs"]
+    assert len(messages) == 3 and sum("counted as 'warned'" in one for one in messages) == 1
 
 
-class Nowhere:
-    """A host's observer or place that breaks when it is looked at."""
+class WithoutSite:
+    """An observer or a location that raises errors."""
 
     @property
     def location(self):
@@ -85,17 +85,17 @@ class Nowhere:
     shape = location
 
 
-def test_sites_and_clocks_that_break_stop_no_host(options, model, observer, field, targets):
+def test_unreadable_sites_and_clocks_do_not_stop_the_host(options, model, observer, field, targets):
     constraint = pocs(options)
     expected = constraint.get_score(START, observer, field)
-    assert constraint.get_score(START, Nowhere(), field) == expected
+    assert constraint.get_score(START, WithoutSite(), field) == expected
     assert constraint.hook.counts["site"] == 1 and constraint.hook.counts["failed"] == 0
-    # A time that is none: nothing can be asked either.
+    # An invalid time: the score cannot be computed either.
     assert constraint.get_score("soon", observer, field) == (False, 1.0)
     assert constraint.hook.counts["clock"] == constraint.hook.counts["failed"] == 1
     for_m4opt = ForM4opt(model, 30 * u.s)
-    asked = (targets[0].coord, START + np.arange(20) * 60 * u.s)
-    assert (for_m4opt(Nowhere(), *asked) == for_m4opt(observer.location, *asked)).all()
+    arguments = (targets[0].coord, START + np.arange(20) * 60 * u.s)
+    assert (for_m4opt(WithoutSite(), *arguments) == for_m4opt(observer.location, *arguments)).all()
     assert for_m4opt.constraint.hook.counts["site"] == 1
 
 
@@ -126,34 +126,34 @@ def test_the_real_pocs_loads_it_by_its_dotted_name(options, observer):
     assert any(chosen) and constraint.hook.counts["failed"] == 0
 
 
-def test_m4opt_asks_in_its_shape(model, observer, targets):
+def test_m4opt_shapes(model, observer, targets):
     constraint = ForM4opt(model, 30 * u.s)
     own = SatelliteStreakConstraint(model, 30 * u.s, each="exposure")
     coordinates = SkyCoord([one.coord for one in targets[:4]])
     times = START + np.arange(60) * 60 * u.s
-    # A field of regard: all targets at all times; or one at one.
-    answer = constraint(observer_location=observer.location, target_coord=coordinates[:, np.newaxis], obstime=times)
-    assert answer.shape == (4, 60) and answer.dtype == bool and 0 < (~answer).sum() < 120
-    assert (answer == own(observer, targets[:4], times, grid_times_targets=True)).all()
-    for place in (3, 17):
-        single = constraint(observer_location=observer.location, target_coord=coordinates[1], obstime=times[place])
-        assert single.shape == () and single == answer[1, place]
+    # All targets at all times, or one target at one time.
+    result = constraint(observer_location=observer.location, target_coord=coordinates[:, np.newaxis], obstime=times)
+    assert result.shape == (4, 60) and result.dtype == bool and 0 < (~result).sum() < 120
+    assert (result == own(observer, targets[:4], times, grid_times_targets=True)).all()
+    for index in (3, 17):
+        single = constraint(observer_location=observer.location, target_coord=coordinates[1], obstime=times[index])
+        assert single.shape == () and single == result[1, index]
     assert constraint.constraint.hook.counts["site"] == 0
 
 
 @pytest.mark.filterwarnings("ignore::Warning")
-def test_the_real_m4opt_combines_it_with_its_own(model, observer, targets):
+def test_the_real_m4opt_combines_the_constraint_with_others(model, observer, targets):
     try:
         from m4opt.constraints import AltitudeConstraint, Constraint
     except ImportError:
         warnings.warn("*** SKIPPED the test with M4OPT itself: m4opt 4.0 (needs CPLEX) is not installed", stacklevel=1)
-        pytest.skip("no m4opt; pip install --no-deps m4opt==4.0.0 aep8 synphot sympy dust-extinction frozendict dustmaps does for constraints")
+        pytest.skip("no m4opt; pip install --no-deps m4opt==4.0.0 aep8 synphot sympy dust-extinction frozendict dustmaps is sufficient for constraints")
     constraint = ForM4opt(model, 30 * u.s)
     assert isinstance(constraint, Constraint)
     coordinates = SkyCoord([one.coord for one in targets[:3]])[:, np.newaxis]
     times = START + np.arange(30) * 120 * u.s
-    asked = (observer.location, coordinates, times)
-    clear, high = constraint(*asked), AltitudeConstraint(60 * u.deg, 90 * u.deg)(*asked)
-    both = (constraint & AltitudeConstraint(60 * u.deg, 90 * u.deg))(*asked)
-    assert (both == (clear & high)).all() and ((~constraint)(*asked) == ~clear).all()
+    arguments = (observer.location, coordinates, times)
+    clear, high = constraint(*arguments), AltitudeConstraint(60 * u.deg, 90 * u.deg)(*arguments)
+    both = (constraint & AltitudeConstraint(60 * u.deg, 90 * u.deg))(*arguments)
+    assert (both == (clear & high)).all() and ((~constraint)(*arguments) == ~clear).all()
     assert 0 < both.sum() < clear.sum() < clear.size

@@ -1,4 +1,4 @@
-"""Clear windows and the table of streaks."""
+"""Tables of clear windows and of streaks."""
 
 import re
 from pathlib import Path
@@ -27,7 +27,7 @@ def test_valid_exposures_that_begin_in_windows_are_clear_by_brute_force(model, s
                 assert not sky.streaks(one.coord, start, 60.0, FOV_DEG / 2)
             assert row["length"].to_value("s") == pytest.approx((row["last_start"] - row["first_start"]).to_value("s"), abs=1e-3)
         for earlier, later in zip(mine[:-1], mine[1:]):
-            # Between two windows there is a satellite.
+            # A satellite crosses between two windows.
             middle = earlier["last_start"] + 0.5 * (later["first_start"] - earlier["last_start"])
             between += bool(sky.streaks(one.coord, middle, 60.0, FOV_DEG / 2))
     assert between >= 5
@@ -50,17 +50,17 @@ def test_the_streaks_of_blocks(model, targets):
         block.end_time = block.start_time + 10 * u.min
     table = streak_table(model, blocks)
     assert table.colnames[:4] == ["block", "target", "exposure", "exposure_start"] and len(table) >= 3
-    # The last one has no start.
+    # The last block has no start.
     assert set(table["block"]) <= set(range(5))
     for row in table:
         block = blocks[row["block"]]
         assert row["target"] == block.target.name
         assert abs((row["exposure_start"] - block.start_time).to_value("s") - 60 * row["exposure"]) < 1e-3
         assert row["enter_utc"] <= row["exposure_start"] + 50 * u.s and row["exit_utc"] >= row["exposure_start"]
-    # A block that says nothing of its exposures is one exposure.
-    whole = streak_table(model, [_plain(block) for block in blocks[:5]])
-    seen, seen_whole = ({(int(row["block"]), int(row["norad_id"])) for row in one} for one in (table, whole))
-    assert seen <= seen_whole and set(whole["exposure"]) == {0}
+    # A block without exposure information is one exposure.
+    single = streak_table(model, [_plain(block) for block in blocks[:5]])
+    crossings, single_crossings = ({(int(row["block"]), int(row["norad_id"])) for row in one} for one in (table, single))
+    assert crossings <= single_crossings and set(single["exposure"]) == {0}
 
 
 def _plain(block):

@@ -1,4 +1,4 @@
-"""Satellite streaks for pyobs: `SatelliteConstraint` and `SatelliteMerit`, named by ``class:`` in YAML."""
+"""Satellite streaks for pyobs: `SatelliteConstraint` and `SatelliteMerit`, used by ``class:`` in YAML."""
 
 from .constraint import SatelliteConstraint
 from .merit import SatelliteMerit

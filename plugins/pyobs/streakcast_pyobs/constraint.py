@@ -1,4 +1,4 @@
-"""`SatelliteConstraint`: tasks begin only when their exposures are clear."""
+"""`SatelliteConstraint`: tasks start only if their exposures are clear."""
 
 from __future__ import annotations
 
@@ -21,9 +21,9 @@ if TYPE_CHECKING:
 
 
 class SatelliteConstraint(Settings, Constraint):
-    """True where enough of a task's exposures are clear of satellites.
+    """Whether enough exposures of a task are clear of satellites.
 
-    Among the constraints of a scheduler or a task::
+    In the constraints of a scheduler or a task::
 
         - class: streakcast_pyobs.SatelliteConstraint
           model: {elements: /var/elements/gp.csv, fov: 0.5deg, limit_mag: 8}
@@ -31,44 +31,45 @@ class SatelliteConstraint(Settings, Constraint):
           readout_s: 5
           blocking: avoid
 
-    A long task is nearly always crossed by something faint: veto the bright ones (``blocking: avoid`` with ``limit_mag``), or use
-    `SatelliteMerit`. Whatever fails at night is answered with True, counted and logged once (``streakcast.pyobs``).
+    A long task is nearly always crossed by a faint satellite: veto only bright ones (``blocking: avoid`` with
+    ``limit_mag``), or use `SatelliteMerit`. After an error at night the result is True; errors are counted and logged
+    once (``streakcast.pyobs``).
     """
 
-    #: pyobs may ask cheap constraints first.
+    #: Relative cost; pyobs may evaluate cheap constraints first.
     cost: float = 50.0
     target_dependent: bool = True
-    #: Share of the exposures that must be clear.
+    #: Fraction of the exposures that must be clear.
     min_clear_share: float = Field(default=1.0, gt=0.0, le=1.0)
 
     async def __call__(self, time: Time, task: Task, data: DataProvider) -> bool:
-        """Whether a task may begin then.
+        """Whether a task may start at a time.
 
         Parameters
         ----------
         time : Time
-            Beginning of the task.
+            Start of the task.
         task : Task
-            Its target, and its duration.
+            Its target and duration are used.
         data : DataProvider
-            Its observer's location is held against the model's site.
+            Its observer's location is compared with the model's site.
 
         Returns
         -------
         bool
-            False also where the target is below the horizon.
+            False also if the target is below the horizon.
         """
         return await self.share_of_task(time, task, data) >= self.min_clear_share
 
     async def filter_skycoord(self, time: Time, coords: SkyCoord, data: DataProvider) -> npt.NDArray[np.bool_]:
-        """Which of many places would be clear: one exposure, or ``n_exposures`` of them, that begin then.
+        """Whether ``n_exposures`` exposures (default 1) that start at a time are clear, for many positions.
 
         Parameters
         ----------
         time : Time
-            Beginning of the exposures.
+            Start of the exposures.
         coords : SkyCoord, ``(n,)``
-            The places. pyobs names no duration here: without ``exposure_s`` only the margins are looked at.
+            The positions. pyobs passes no duration here: without ``exposure_s`` only the margins are checked.
         data : DataProvider
             As above.
 
@@ -79,14 +80,15 @@ class SatelliteConstraint(Settings, Constraint):
         return np.asarray(await self.shares_of(time, coords, data) >= self.min_clear_share, dtype=np.bool_)
 
     def to_astroplan(self) -> astroplan.Constraint:
-        """The same for pyobs's ``AstroplanScheduler``: all cells of time of a block are clear, or with ``min_clear_share`` below 1 a score.
+        """Returns the constraint for pyobs's ``AstroplanScheduler``; with ``min_clear_share`` below 1 it is a score.
 
-        That scheduler calls this in pyobs's own process before each schedule, and asks in a process of its own. New element files are
-        taken here first (then the event loop waits for them, 10 s at most); what is counted there is found in ``hook().counts`` here.
+        The scheduler calls this in pyobs's main process before each schedule, and evaluates the constraint in a
+        separate process. New element files are read here first (the event loop waits for them, at most 10 s); counts of
+        that process are added to ``hook().counts`` here.
         """
         host = self.host_or_none()
         if host is None:
-            return _Open()
+            return _AlwaysClear()
         return SatelliteStreakConstraint(
             host.hook.for_process(),
             self.exposure_s,
@@ -95,13 +97,13 @@ class SatelliteConstraint(Settings, Constraint):
             boolean_constraint=self.min_clear_share == 1.0,
             blocking=self.blocking,
             margin=self.margin_s,
-            # pyobs lays blocks over a grid of time.
+            # pyobs schedules blocks on a grid of times.
             each="cell",
         )
 
 
-class _Open(astroplan.Constraint):  # type: ignore[misc]
-    """Lets everything through."""
+class _AlwaysClear(astroplan.Constraint):  # type: ignore[misc]
+    """Constraint that is always fulfilled."""
 
     def compute_constraint(self, times: Any, observer: Any, targets: Any) -> npt.NDArray[np.bool_]:
         return np.ones(np.broadcast_shapes(times.shape, () if targets is None else targets.shape), dtype=bool)

@@ -1,4 +1,4 @@
-"""`SatelliteMerit`: the clearer its exposures, the sooner a task is taken."""
+"""`SatelliteMerit`: preference for tasks with clear exposures."""
 
 from __future__ import annotations
 
@@ -17,38 +17,40 @@ if TYPE_CHECKING:
 
 
 class SatelliteMerit(Settings, Merit):
-    """The share of a task's exposures that are clear, or of its pixels that are left: 0 to 1.
+    """Fraction of clear exposures of a task, or of its unaffected pixels: 0 to 1.
 
-    Among the merits of a task::
+    In the merits of a task::
 
         - class: streakcast_pyobs.SatelliteMerit
           model: {elements: /var/elements/gp.csv, fov: 0.5deg}
           exposure_s: 60
 
-    pyobs multiplies merits. Whatever fails at night is answered with 1, counted and logged once (``streakcast.pyobs``).
+    pyobs multiplies merits. After an error at night the merit is 1; errors are counted and logged once
+    (``streakcast.pyobs``).
     """
 
-    #: ``clear``: share of the exposures that are clear; ``pixels``: share of the pixels that are left (the model needs a ``telescope``).
+    #: ``clear``: fraction of clear exposures; ``pixels``: fraction of unaffected pixels (the model needs a
+    #: ``telescope``).
     score: str = "clear"
-    #: What a wholly spoilt task is worth; 0 would keep it from being taken at all.
+    #: Merit of a task without clear exposures; with 0 it would never be selected.
     worst_merit: float = Field(default=0.01, ge=0.0, lt=1.0)
 
     def rules(self) -> Rules:
-        """What is asked of exposures."""
+        """Requirements for exposures."""
         rules = super().rules()
         return Rules(rules.exposures, self.score, rules.blocking, rules.margin_s)
 
     async def __call__(self, time: Time, task: Task, data: DataProvider) -> float:
-        """The merit of a task that begins then.
+        """Returns the merit of a task at a time.
 
         Parameters
         ----------
         time : Time
-            Beginning of the task.
+            Start of the task.
         task : Task
-            Its target, and its duration.
+            Its target and duration are used.
         data : DataProvider
-            Its observer's location is held against the model's site.
+            Its observer's location is compared with the model's site.
 
         Returns
         -------

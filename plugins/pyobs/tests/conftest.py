@@ -1,4 +1,4 @@
-"""What the tests share: a synthetic constellation in a file, pyobs's observer, 20 tasks. No download."""
+"""Shared fixtures: a synthetic constellation in a file, pyobs's observer, 20 tasks (no download)."""
 
 import logging
 from collections import OrderedDict
@@ -27,20 +27,20 @@ TASK_S = 300.0
 
 @pytest.fixture(scope="session")
 def elements(tmp_path_factory):
-    """A file of elements, and the same satellites for the brute force."""
+    """An element file, and the same satellites for the brute-force computation."""
     path = tmp_path_factory.mktemp("elements") / "walker.tle"
     return path, write_tle(path, walker(SHELLS, START))
 
 
 @pytest.fixture(scope="session")
 def settings(elements):
-    """What YAML says of the model."""
+    """Settings of the model as in YAML."""
     return {"elements": str(elements[0]), "fov": f"{FOV_DEG}deg"}
 
 
 @pytest.fixture(scope="session")
 def sky(elements):
-    """The independent judge."""
+    """Independent brute-force computation."""
     return Sky(elements[1], LOCATION)
 
 
@@ -51,9 +51,9 @@ def observer():
 
 @pytest.fixture
 def tasks():
-    """20 tasks of five minutes that are up in the evening."""
+    """20 tasks of five minutes, above the horizon in the evening."""
     random = np.random.default_rng(20260425)
-    places = zip(random.uniform(110.0, 180.0, 20), random.uniform(-60.0, -5.0, 20))
+    positions = zip(random.uniform(110.0, 180.0, 20), random.uniform(-60.0, -5.0, 20))
     return [
         Task.model_validate(
             {
@@ -66,13 +66,13 @@ def tasks():
             },
             by_alias=True,
         )
-        for number, (ra, dec) in enumerate(places)
+        for number, (ra, dec) in enumerate(positions)
     ]
 
 
 @pytest.fixture
 def hours():
-    """The two hours that are scheduled."""
+    """Start and end of the scheduled two hours."""
     return START, START + 2 * u.hour
 
 
@@ -83,8 +83,8 @@ def log(caplog):
 
 
 @pytest.fixture(autouse=True)
-def counters_of_ones_own(monkeypatch):
-    """Hooks are shared by all settings of a model; tests count from zero."""
+def separate_counters(monkeypatch):
+    """Clears the hooks shared by all settings of a model, so that counts start at zero."""
     from streakcast_pyobs import _shared
 
     monkeypatch.setattr(_shared, "_hosts", OrderedDict())

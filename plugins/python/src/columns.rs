@@ -1,4 +1,4 @@
-//! Tables of the library as columns that NumPy and astropy understand.
+//! Conversion of the library's tables to columns for NumPy and astropy.
 
 use hifitime::{Epoch, TimeScale};
 use numpy::{IntoPyArray, PyArray1};
@@ -6,21 +6,21 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::output::{Column, Kind, Table, Value};
 
-use crate::questions::two_parts;
+use crate::exposures::two_parts;
 
 /// Nanoseconds from 1900-01-01 to 1970-01-01.
 const UNIX_ZERO_NS: i128 = 25_567 * 86_400 * 1_000_000_000;
 /// NumPy's `NaT`.
 const NOT_A_TIME: i64 = i64::MIN;
 
-/// One dictionary a column: `name`, `unit`, `description`, `kind` and what that kind needs.
+/// Returns one dictionary per column: `name`, `unit`, `description`, `kind` and the data of that kind.
 pub fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyList>> {
-    let answer = PyList::empty(py);
+    let result = PyList::empty(py);
     for (index, column) in table.columns.iter().enumerate() {
         let cells = table.rows.iter().filter_map(|row| row.get(index));
-        answer.append(column_of(py, column, cells)?)?;
+        result.append(column_of(py, column, cells)?)?;
     }
-    Ok(answer)
+    Ok(result)
 }
 
 fn column_of<'py, 'a>(
@@ -28,19 +28,19 @@ fn column_of<'py, 'a>(
     column: &Column,
     cells: impl Iterator<Item = &'a Value>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let answer = PyDict::new(py);
-    answer.set_item("name", column.name)?;
-    answer.set_item("unit", column.unit)?;
-    answer.set_item("description", column.description)?;
+    let result = PyDict::new(py);
+    result.set_item("name", column.name)?;
+    result.set_item("unit", column.unit)?;
+    result.set_item("description", column.description)?;
     let kind = match column.kind {
         Kind::Real { .. } => {
-            answer.set_item("values", cells.map(real).collect::<Vec<f64>>().into_pyarray(py))?;
+            result.set_item("values", cells.map(real).collect::<Vec<f64>>().into_pyarray(py))?;
             "real"
         }
         Kind::Integer => {
             let (values, missing): (Vec<i64>, Vec<bool>) = cells.map(integer).unzip();
-            answer.set_item("values", values.into_pyarray(py))?;
-            answer.set_item("missing", missing.into_pyarray(py))?;
+            result.set_item("values", values.into_pyarray(py))?;
+            result.set_item("missing", missing.into_pyarray(py))?;
             "integer"
         }
         Kind::Boolean => {
@@ -49,8 +49,8 @@ fn column_of<'py, 'a>(
                 _ => (false, true),
             });
             let (values, missing): (Vec<bool>, Vec<bool>) = cells.unzip();
-            answer.set_item("values", values.into_pyarray(py))?;
-            answer.set_item("missing", missing.into_pyarray(py))?;
+            result.set_item("values", values.into_pyarray(py))?;
+            result.set_item("missing", missing.into_pyarray(py))?;
             "boolean"
         }
         Kind::Time { .. } => {
@@ -61,14 +61,14 @@ fn column_of<'py, 'a>(
                 })
                 .collect();
             let (jd1, jd2, utc_ns) = times(py, &epochs);
-            answer.set_item("jd1", jd1)?;
-            answer.set_item("jd2", jd2)?;
-            answer.set_item("utc_ns", utc_ns)?;
+            result.set_item("jd1", jd1)?;
+            result.set_item("jd2", jd2)?;
+            result.set_item("utc_ns", utc_ns)?;
             "time"
         }
         Kind::Text => {
             let texts: Vec<String> = cells.map(|cell| column.text(cell)).collect();
-            answer.set_item("values", texts)?;
+            result.set_item("values", texts)?;
             "text"
         }
         Kind::List { .. } | Kind::Rows(_) => {
@@ -76,18 +76,18 @@ fn column_of<'py, 'a>(
             for cell in cells {
                 values.append(nested(py, column, cell)?)?;
             }
-            answer.set_item("values", values)?;
+            result.set_item("values", values)?;
             "list"
         }
     };
-    answer.set_item("kind", kind)?;
-    Ok(answer)
+    result.set_item("kind", kind)?;
+    Ok(result)
 }
 
 /// Two-part Julian dates (TAI), and nanoseconds of UTC since 1970.
 type Times<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
 
-/// Moments for astropy and for NumPy; what is missing is not a number, and not a time.
+/// Converts times for astropy and NumPy; missing values become NaN and NaT.
 pub fn times<'py>(py: Python<'py>, epochs: &[Option<Epoch>]) -> Times<'py> {
     let (jd1, jd2): (Vec<f64>, Vec<f64>) =
         epochs.iter().map(|epoch| epoch.map_or((f64::NAN, f64::NAN), two_parts)).unzip();
@@ -114,13 +114,13 @@ fn integer(cell: &Value) -> (i64, bool) {
     }
 }
 
-/// A list of texts or numbers, or a list of dictionaries.
+/// Converts a cell to a list of strings or numbers, or to a list of dictionaries.
 fn nested<'py>(py: Python<'py>, column: &Column, cell: &Value) -> PyResult<Bound<'py, PyList>> {
     match (cell, column.kind) {
         (Value::List(items), _) => PyList::new(py, items),
         (Value::Integers(items), _) => PyList::new(py, items),
         (Value::Rows(rows), Kind::Rows(columns)) => {
-            let answer = PyList::empty(py);
+            let result = PyList::empty(py);
             for row in rows {
                 let entry = PyDict::new(py);
                 for (column, cell) in columns.iter().zip(row) {
@@ -131,9 +131,9 @@ fn nested<'py>(py: Python<'py>, column: &Column, cell: &Value) -> PyResult<Bound
                         other => entry.set_item(column.name, column.text(other))?,
                     }
                 }
-                answer.append(entry)?;
+                result.append(entry)?;
             }
-            Ok(answer)
+            Ok(result)
         }
         _ => Ok(PyList::empty(py)),
     }

@@ -1,4 +1,4 @@
-//! A field of view and a policy over skies: what is asked, question by question.
+//! Computation engine of a model: a sky cache with field of view, telescope, policy and photometry options.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -14,23 +14,23 @@ use streakcast::output::{Column, Table};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    Blocking, ClearWindow, Verdict, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, VerdictKind,
+    Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict, VerdictKind,
     WindowRequest, WindowTarget, clear_windows_alone, flag_exposures, flag_table, judge_exposures, streak_table,
 };
 
 use crate::columns::{columns, times};
+use crate::exposures::{Columns, rows, scale_name, start_of, within};
 use crate::failure;
-use crate::questions::{Columns, rows, scale_name, start_of, within};
-use crate::skies::{Skies, setup_of};
+use crate::sky_cache::{SkyCache, setup_of};
 
-/// An answer and what the user should know of it.
+/// A result and its warnings.
 type WithWarnings<T> = (T, Vec<String>);
 
-/// Skies with a field, a telescope, a policy and a band.
+/// Sky cache with a field, a telescope, a policy and a band.
 #[pyclass(frozen, module = "streakcast._core")]
 pub struct Engine {
-    skies: Py<Skies>,
-    /// The field, or why there is none.
+    sky_cache: Py<SkyCache>,
+    /// The field, or the message for a missing field.
     field: Result<Field, String>,
     telescope: Option<Telescope>,
     policy: Policy,
@@ -38,17 +38,17 @@ pub struct Engine {
     time_scale: Option<String>,
 }
 
-/// What makes windows besides satellites, and which of these.
+/// Conditions for clear windows: blocking satellites, altitude limits of pointing and Sun.
 struct Limits {
     blocking: Blocking,
     min_altitude_rad: f64,
     max_sun_altitude_rad: Option<f64>,
 }
 
-/// Rows of one night with their sky.
+/// Row indices of one night with the prepared sky.
 struct Night {
     prepared: Arc<PreparedSky>,
-    places: Vec<usize>,
+    indices: Vec<usize>,
 }
 
 impl Engine {
@@ -67,33 +67,33 @@ impl Engine {
     }
 
     fn nights(&self, starts: impl Iterator<Item = Epoch>) -> PyResult<Vec<Night>> {
-        let skies = self.skies.get();
+        let sky_cache = self.sky_cache.get();
         let mut nights: BTreeMap<i64, (Epoch, Vec<usize>)> = BTreeMap::new();
-        for (place, start) in starts.enumerate() {
-            nights.entry(skies.night_of(start)).or_insert((start, Vec::new())).1.push(place);
+        for (index, start) in starts.enumerate() {
+            nights.entry(sky_cache.night_of(start)).or_insert((start, Vec::new())).1.push(index);
         }
-        let night = |(start, places)| Ok(Night { prepared: skies.of(start)?, places });
+        let night = |(start, indices)| Ok(Night { prepared: sky_cache.of(start)?, indices });
         nights.into_values().map(night).collect()
     }
 
-    /// Asks night by night, and puts flags and passes back into their places.
+    /// Computes verdicts night by night and returns them in the order of the rows.
     fn report(
         &self,
         rows: &[ScheduledExposure],
-        ask: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
+        judge: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
     ) -> PyResult<WithWarnings<Vec<Verdict>>> {
         let field = self.field()?;
         let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
         let mut warnings = Vec::new();
         let starts: Vec<Epoch> =
             rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
-        for Night { prepared, places } in self.nights(starts.iter().copied())? {
-            let asked: Vec<&ScheduledExposure> = places.iter().map(|place| &rows[*place]).collect();
-            let report = ask(&asked, &self.request(field, &prepared)).map_err(failure::asked)?;
-            warnings.extend(left_out(&prepared, &report.left_out, starts[places[0]])?);
+        for Night { prepared, indices } in self.nights(starts.iter().copied())? {
+            let night_rows: Vec<&ScheduledExposure> = indices.iter().map(|index| &rows[*index]).collect();
+            let report = judge(&night_rows, &self.request(field, &prepared)).map_err(failure::request)?;
+            warnings.extend(left_out(&prepared, &report.left_out, starts[indices[0]])?);
             warnings.extend(report.lower_limit_warning());
-            for (place, flag) in places.into_iter().zip(report.flags) {
-                flags[place] = Some(flag);
+            for (index, flag) in indices.into_iter().zip(report.flags) {
+                flags[index] = Some(flag);
             }
         }
         Ok((flags.into_iter().flatten().collect(), warnings))
@@ -110,20 +110,20 @@ fn left_out(
 
 #[pymethods]
 impl Engine {
-    /// A setup (JSON) over skies that were made of the same setup.
+    /// Creates an engine from a setup (JSON) and the sky cache of the same setup.
     #[new]
-    #[pyo3(signature = (skies, setup, config=None))]
-    fn new(py: Python<'_>, skies: Py<Skies>, setup: &str, config: Option<&str>) -> PyResult<Self> {
+    #[pyo3(signature = (sky_cache, setup, config=None))]
+    fn new(py: Python<'_>, sky_cache: Py<SkyCache>, setup: &str, config: Option<&str>) -> PyResult<Self> {
         failure::without_lock(py, || {
             let setup = setup_of(setup, config)?;
             let field = match setup.field_of_view() {
                 Ok(field) => Ok(field),
-                // Passes above the horizon need none; whoever needs one is told then.
+                // Forecasts need no field; other methods report the missing field when they are called.
                 Err(error @ ConfigError::Missing { .. }) => Err(failure::as_arguments(&error.to_string())),
                 Err(error) => return Err(failure::setup(error)),
             };
             Ok(Self {
-                skies,
+                sky_cache,
                 field,
                 telescope: setup.telescope().map_err(failure::setup)?,
                 policy: setup.policy().map_err(failure::setup)?,
@@ -133,7 +133,7 @@ impl Engine {
         })
     }
 
-    /// The scale of bare numbers; `None` where none was said.
+    /// Time scale of bare numbers; `None` if not set.
     #[getter]
     fn time_scale(&self) -> Option<&str> {
         self.time_scale.as_deref()
@@ -151,68 +151,68 @@ impl Engine {
         self.field.as_ref().ok().map(Field::area_deg2)
     }
 
-    /// Verdicts as plain arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`, `brightest_mag`, `lost_fraction`,
-    /// `p_any`, `streak_length_deg`, `p_any_is_lower_limit`.
-    #[pyo3(signature = (asked, bands))]
+    /// Returns verdicts as plain arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`,
+    /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`.
+    #[pyo3(signature = (exposures, bands))]
     fn judge<'py>(
         &self,
         py: Python<'py>,
-        asked: Columns<'py>,
+        exposures: Columns<'py>,
         bands: Vec<String>,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
-        let rows = rows(asked.exposures()?, &bands)?;
+        let rows = rows(exposures.to_exposures()?, &bands)?;
         let (flags, warnings) = failure::without_lock(py, || self.report(&rows, judge_exposures))?;
-        let answer = PyDict::new(py);
+        let result = PyDict::new(py);
         let reals = |value: fn(&Verdict) -> f64| flags.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
         let verdicts: Vec<u8> = flags.iter().map(|flag| code(flag.kind)).collect();
         let streaks: Vec<i64> = flags.iter().map(|flag| flag.n_streaks as i64).collect();
-        answer.set_item("verdict", verdicts.into_pyarray(py))?;
-        answer.set_item("n_streaks", streaks.into_pyarray(py))?;
-        answer.set_item("brightest_mag", reals(|flag| flag.brightest_mag.unwrap_or(f64::NAN)))?;
-        answer.set_item("lost_fraction", reals(|flag| flag.expected_lost_pixel_fraction.unwrap_or(f64::NAN)))?;
-        answer.set_item("p_any", reals(|flag| flag.p_any))?;
-        answer.set_item("streak_length_deg", reals(|flag| flag.streak_length_deg))?;
+        result.set_item("verdict", verdicts.into_pyarray(py))?;
+        result.set_item("n_streaks", streaks.into_pyarray(py))?;
+        result.set_item("brightest_mag", reals(|flag| flag.brightest_mag.unwrap_or(f64::NAN)))?;
+        result.set_item("lost_fraction", reals(|flag| flag.expected_lost_pixel_fraction.unwrap_or(f64::NAN)))?;
+        result.set_item("p_any", reals(|flag| flag.p_any))?;
+        result.set_item("streak_length_deg", reals(|flag| flag.streak_length_deg))?;
         let lower_limits: Vec<bool> = flags.iter().map(|flag| flag.p_any_is_lower_limit).collect();
-        answer.set_item("p_any_is_lower_limit", lower_limits.into_pyarray(py))?;
-        Ok((answer, warnings))
+        result.set_item("p_any_is_lower_limit", lower_limits.into_pyarray(py))?;
+        Ok((result, warnings))
     }
 
-    /// Verdicts with reasons and the next clear start, as the columns of `streakcast flag`.
+    /// Returns verdicts with reasons and the next clear start, as the columns of `streakcast flag`.
     fn flags<'py>(
         &self,
         py: Python<'py>,
-        asked: Columns<'py>,
+        exposures: Columns<'py>,
         bands: Vec<String>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let rows = rows(asked.exposures()?, &bands)?;
+        let rows = rows(exposures.to_exposures()?, &bands)?;
         let (flags, warnings) = failure::without_lock(py, || self.report(&rows, flag_exposures))?;
         Ok((columns(py, &flag_table(&flags))?, warnings))
     }
 
-    /// One row a crossing, as the columns of `streakcast passes`.
+    /// Returns one row per crossing, as the columns of `streakcast passes`.
     fn passes<'py>(
         &self,
         py: Python<'py>,
-        asked: Columns<'py>,
+        exposures: Columns<'py>,
         include_dark: bool,
         samples: usize,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        let exposures = asked.exposures()?;
+        let exposures = exposures.to_exposures()?;
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
-            return Err(failure::asked(format!("samples {samples}; allowed: 0 to {most}")));
+            return Err(failure::request(format!("samples {samples}; allowed: 0 to {most}")));
         }
         let (table, warnings) = failure::without_lock(py, || self.pass_table(&exposures, include_dark, samples))?;
         Ok((columns(py, &table)?, warnings))
     }
 
-    /// Stretches of clear starts: for each the target's place, the first and the last start.
-    #[pyo3(signature = (asked, bands, exposure_s, min_altitude_deg, blocking, max_sun_altitude_deg=None))]
+    /// Returns intervals of clear starts: index of the target, first and last start.
+    #[pyo3(signature = (exposures, bands, exposure_s, min_altitude_deg, blocking, max_sun_altitude_deg=None))]
     #[expect(clippy::too_many_arguments)]
     fn clear_windows<'py>(
         &self,
         py: Python<'py>,
-        asked: Columns<'py>,
+        exposures: Columns<'py>,
         bands: Vec<String>,
         exposure_s: f64,
         min_altitude_deg: f64,
@@ -221,7 +221,7 @@ impl Engine {
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         within("exposure", 0, exposure_s, 0.0, 86_400.0, "s")?;
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
-        let rows = rows(asked.exposures()?, &bands)?;
+        let rows = rows(exposures.to_exposures()?, &bands)?;
         if let Some(sun_deg) = max_sun_altitude_deg {
             within("max_sun_altitude", 0, sun_deg, -90.0, 90.0, "deg")?;
         }
@@ -229,7 +229,7 @@ impl Engine {
             "any" => Blocking::Any,
             "avoid" => Blocking::Avoided,
             "limits" => Blocking::Limits,
-            other => return Err(failure::asked(format!("blocking '{other}'; allowed: any, avoid, limits"))),
+            other => return Err(failure::request(format!("blocking '{other}'; allowed: any, avoid, limits"))),
         };
         let limits = Limits {
             blocking,
@@ -237,18 +237,18 @@ impl Engine {
             max_sun_altitude_rad: max_sun_altitude_deg.map(f64::to_radians),
         };
         let (found, warnings) = failure::without_lock(py, || self.windows(rows, exposure_s, &limits))?;
-        let places: Vec<i64> = found.iter().map(|(place, _)| *place as i64).collect();
-        let answer = PyDict::new(py);
-        answer.set_item("target", places.into_pyarray(py))?;
-        let moments = |moment: fn(&ClearWindow) -> Epoch| {
-            times(py, &found.iter().map(|(_, window)| Some(moment(window))).collect::<Vec<_>>())
+        let targets: Vec<i64> = found.iter().map(|(index, _)| *index as i64).collect();
+        let result = PyDict::new(py);
+        result.set_item("target", targets.into_pyarray(py))?;
+        let starts = |start: fn(&ClearWindow) -> Epoch| {
+            times(py, &found.iter().map(|(_, window)| Some(start(window))).collect::<Vec<_>>())
         };
-        answer.set_item("first_start", moments(|window| window.first))?;
-        answer.set_item("last_start", moments(|window| window.last))?;
-        Ok((answer, warnings))
+        result.set_item("first_start", starts(|window| window.first))?;
+        result.set_item("last_start", starts(|window| window.last))?;
+        Ok((result, warnings))
     }
 
-    /// Satellites above the site at moments, `seconds` after a first: one row a satellite and moment.
+    /// Returns the satellites above the site at times `seconds` after a start: one row per satellite and time.
     #[expect(clippy::too_many_arguments)]
     fn overhead<'py>(
         &self,
@@ -262,7 +262,7 @@ impl Engine {
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         let start = start_of(0, jd1, jd2)?;
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
-        // Brightness is computed for the middle of each track alone.
+        // Brightness is computed at the middle of each track only.
         let options = SnapshotOptions {
             min_altitude_rad: min_altitude_deg.to_radians(),
             include_dark,
@@ -270,25 +270,25 @@ impl Engine {
             photometry: None,
         };
         let (rows, warnings) = failure::without_lock(py, || self.sky_rows(start, &seconds, &options, light))?;
-        let answer = PyDict::new(py);
+        let result = PyDict::new(py);
         let reals = |column: Vec<f64>| -> Bound<'py, PyArray1<f64>> { column.into_pyarray(py) };
-        answer.set_item("moment", rows.moment.into_pyarray(py))?;
-        answer.set_item("norad_id", rows.norad_id.into_pyarray(py))?;
-        answer.set_item("direction", reals(rows.direction).reshape([rows.range_km.len(), 3])?)?;
-        answer.set_item("range_km", reals(rows.range_km))?;
-        answer.set_item("angular_rate_deg_s", reals(rows.rate_deg_s))?;
-        answer.set_item("lost_width_arcsec", reals(rows.lost_width_arcsec))?;
-        answer.set_item("magnitude", reals(rows.magnitude))?;
-        Ok((answer, warnings))
+        result.set_item("moment", rows.moment.into_pyarray(py))?;
+        result.set_item("norad_id", rows.norad_id.into_pyarray(py))?;
+        result.set_item("direction", reals(rows.direction).reshape([rows.range_km.len(), 3])?)?;
+        result.set_item("range_km", reals(rows.range_km))?;
+        result.set_item("angular_rate_deg_s", reals(rows.rate_deg_s))?;
+        result.set_item("lost_width_arcsec", reals(rows.lost_width_arcsec))?;
+        result.set_item("magnitude", reals(rows.magnitude))?;
+        Ok((result, warnings))
     }
 }
 
-/// Satellites over a site, a row a satellite and moment.
+/// Satellites over a site, one row per satellite and time.
 #[derive(Default)]
 struct SkyRows {
     moment: Vec<i64>,
     norad_id: Vec<i64>,
-    /// Three numbers a row.
+    /// Three components per row.
     direction: Vec<f64>,
     range_km: Vec<f64>,
     rate_deg_s: Vec<f64>,
@@ -304,9 +304,9 @@ impl Engine {
         options: &SnapshotOptions,
         light: bool,
     ) -> PyResult<WithWarnings<SkyRows>> {
-        let prepared = self.skies.get().of(start)?;
+        let prepared = self.sky_cache.get().of(start)?;
         let sky = &prepared.sky;
-        let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::asked)?;
+        let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::request)?;
         let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
         let lost_width = |track: &SatelliteTrack, range_km: f64| {
             let width = |telescope: &Telescope| {
@@ -319,7 +319,8 @@ impl Engine {
             let Some(middle) = track.middle() else { continue };
             let range_km = middle.point.range_km;
             let lost_width_arcsec = lost_width(track, range_km);
-            let brightness = if light { sky.brightness(track.element_index, &middle.point, &self.photometry) } else { None };
+            let brightness =
+                if light { sky.brightness(track.element_index, &middle.point, &self.photometry) } else { None };
             let magnitude = brightness.map_or(f64::NAN, |light| light.magnitude.0);
             for snapshot in &track.snapshots {
                 rows.moment.push(snapshot.time_index as i64);
@@ -345,20 +346,20 @@ impl Engine {
         };
         let mut found: Vec<(usize, Arc<PreparedSky>, Vec<Pass>)> = Vec::new();
         let mut warnings = Vec::new();
-        for Night { prepared, places } in self.nights(exposures.iter().map(|exposure| exposure.start))? {
-            let asked: Vec<Exposure> = places.iter().map(|place| exposures[*place].clone()).collect();
-            let answer = prepared.sky.field_passes(&asked, field, &options).map_err(failure::asked)?;
-            warnings.extend(left_out(&prepared, &answer.left_out, asked[0].start)?);
+        for Night { prepared, indices } in self.nights(exposures.iter().map(|exposure| exposure.start))? {
+            let of_night: Vec<Exposure> = indices.iter().map(|index| exposures[*index].clone()).collect();
+            let passes = prepared.sky.field_passes(&of_night, field, &options).map_err(failure::request)?;
+            warnings.extend(left_out(&prepared, &passes.left_out, of_night[0].start)?);
             found.extend(
-                places.into_iter().zip(answer.by_exposure).map(|(place, passes)| (place, prepared.clone(), passes)),
+                indices.into_iter().zip(passes.by_exposure).map(|(index, passes)| (index, prepared.clone(), passes)),
             );
         }
-        found.sort_by_key(|(place, ..)| *place);
+        found.sort_by_key(|(index, ..)| *index);
         let rows: Vec<StreakRow<'_>> = found
             .iter()
-            .flat_map(|(place, prepared, passes)| {
+            .flat_map(|(index, prepared, passes)| {
                 passes.iter().map(|pass| StreakRow {
-                    exposure: &exposures[*place],
+                    exposure: &exposures[*index],
                     pass,
                     elements: &prepared.sky.elements()[pass.element_index],
                     satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
@@ -380,7 +381,8 @@ impl Engine {
         Ok((table, warnings))
     }
 
-    /// Windows with the places of their targets. Each row is the time in which a target could be exposed; rows of one time are asked together.
+    /// Returns windows with the indices of their targets. Each row is the time span for the exposures of a target; rows
+    /// with the same span are computed together.
     fn windows(
         &self,
         rows: Vec<ScheduledExposure>,
@@ -391,44 +393,44 @@ impl Engine {
         let times: Vec<(Exposure, Option<String>)> =
             rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
         let (mut found, mut warnings) = (Vec::new(), Vec::new());
-        for Night { prepared, places } in self.nights(times.iter().map(|(time, _)| time.start))? {
+        for Night { prepared, indices } in self.nights(times.iter().map(|(time, _)| time.start))? {
             let against = self.request(field, &prepared);
             let Limits { blocking, min_altitude_rad, max_sun_altitude_rad } = *limits;
             let request = WindowRequest { against, blocking, min_altitude_rad, max_sun_altitude_rad };
-            let mut together: BTreeMap<(Epoch, Epoch), Vec<usize>> = BTreeMap::new();
-            for place in places {
-                let (time, _) = &times[place];
-                // The shutter closes within the time.
+            let mut by_span: BTreeMap<(Epoch, Epoch), Vec<usize>> = BTreeMap::new();
+            for index in indices {
+                let (time, _) = &times[index];
+                // The shutter must close within the time span.
                 let last = seconds_after(time.start, time.duration_s - exposure_s);
-                together.entry((time.start, last)).or_default().push(place);
+                by_span.entry((time.start, last)).or_default().push(index);
             }
-            for ((first, last), places) in together {
-                let target = |place: &usize| {
-                    let (time, band) = times[*place].clone();
+            for ((first, last), indices) in by_span {
+                let target = |index: &usize| {
+                    let (time, band) = times[*index].clone();
                     WindowTarget { exposure: Exposure { duration_s: exposure_s, ..time }, band }
                 };
-                let targets: Vec<WindowTarget> = places.iter().map(target).collect();
-                let report = clear_windows_alone(&targets, first, last, &request).map_err(failure::asked)?;
+                let targets: Vec<WindowTarget> = indices.iter().map(target).collect();
+                let report = clear_windows_alone(&targets, first, last, &request).map_err(failure::request)?;
                 warnings.extend(left_out(&prepared, &report.left_out, first)?);
-                for (place, target) in places.into_iter().zip(report.by_target) {
-                    found.extend(target.windows.into_iter().map(|window| (place, window)));
+                for (index, target) in indices.into_iter().zip(report.by_target) {
+                    found.extend(target.windows.into_iter().map(|window| (index, window)));
                 }
             }
         }
-        found.sort_by_key(|(place, _)| *place);
+        found.sort_by_key(|(index, _)| *index);
         Ok((found, warnings))
     }
 }
 
-/// What a scheduler weighs a single streak by.
+/// Column with the pixel loss of each streak.
 const LOST: Column = Column::real(
     "lost_pixel_fraction",
     "",
     6,
-    "Share of the field's pixels that the nominal streak costs; missing without a telescope.",
+    "Fraction of the field's pixels lost to the nominal streak; missing without a telescope.",
 );
 
-/// The order of the words in Python's `VERDICTS`.
+/// Returns the index of a verdict in Python's `VERDICTS`.
 fn code(verdict: VerdictKind) -> u8 {
     match verdict {
         VerdictKind::Clear => 0,

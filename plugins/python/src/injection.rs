@@ -1,4 +1,4 @@
-//! Streaks into files and arrays.
+//! Injection of streaks into files and arrays.
 
 use std::path::{Path, PathBuf};
 
@@ -13,37 +13,38 @@ use streakcast::output::format_utc;
 use streakcast::streaks::{ArrayInjected, Injections};
 
 use crate::columns::columns;
+use crate::exposures::start_of;
 use crate::failure;
-use crate::questions::start_of;
-use crate::skies::{Skies, setup_of};
+use crate::sky_cache::{SkyCache, setup_of};
 
-/// A moment as the text that the library reads, to the nanosecond.
+/// Returns a time as ISO 8601 text (UTC), to the nanosecond.
 #[pyfunction]
 pub fn utc_text(jd1: f64, jd2: f64) -> PyResult<String> {
     Ok(format_utc(start_of(0, jd1, jd2)?, 9))
 }
 
-/// Puts streaks into the file that is said, or into an image: `summary`, `truth`, `points`, `trails`, `bits`, `warnings`, and for
-/// an image `image` and `mask`. `output` is the file to write; for an image a folder for what is in between.
+/// Adds streaks to the file of the request, or to an image. Returns `summary`, `truth`, `points`, `trails`, `bits`,
+/// `warnings`, and for an image `image` and `mask`. `output` is the file to write, or for an image a folder for
+/// temporary files.
 #[pyfunction]
 #[expect(clippy::too_many_arguments)]
-#[pyo3(signature = (said, setup, config, skies, output, image=None, header=None))]
+#[pyo3(signature = (request, setup, config, sky_cache, output, image=None, header=None))]
 pub fn inject<'py>(
     py: Python<'py>,
-    said: &str,
+    request: &str,
     setup: &str,
     config: Option<&str>,
-    skies: Option<Py<Skies>>,
+    sky_cache: Option<Py<SkyCache>>,
     output: PathBuf,
     image: Option<Bound<'py, PyAny>>,
     header: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let injection: InjectionConfig = serde_json::from_str(said).map_err(failure::asked)?;
+    let injection: InjectionConfig = serde_json::from_str(request).map_err(failure::request)?;
     let setup: Config = setup_of(setup, config)?;
     let image = image.map(|image| values_of(&image)).transpose()?;
     let cards = Header::from_text(header.unwrap_or_default());
-    let (told, changed) = failure::without_lock(py, || {
-        let sky = skies.as_ref().map(|skies| move |moment: Epoch| skies.get().prepared(moment));
+    let (injections, image_and_mask) = failure::without_lock(py, || {
+        let sky = sky_cache.as_ref().map(|sky_cache| move |moment: Epoch| sky_cache.get().prepared(moment));
         let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
         match &image {
             None => Ok((inject_frames(&injection, &setup, sky, &[output]).map_err(exception)?, None)),
@@ -54,43 +55,43 @@ pub fn inject<'py>(
             }
         }
     })?;
-    let answer = answer_of(py, &told)?;
-    if let Some((image, mask)) = changed {
+    let result = result_of(py, &injections)?;
+    if let Some((image, mask)) = image_and_mask {
         let [rows, columns] = image.size();
-        answer.set_item("image", array_of(py, image)?)?;
+        result.set_item("image", array_of(py, image)?)?;
         let mask = mask.map(|mask| mask.into_pyarray(py).reshape([rows, columns])).transpose()?;
-        answer.set_item("mask", mask)?;
+        result.set_item("mask", mask)?;
     }
-    Ok(answer)
+    Ok(result)
 }
 
-/// A setup's error is one of the setup here too.
+/// Converts an error of the library; setup errors become `SetupError`.
 fn exception(error: RequestError) -> PyErr {
     match error {
         RequestError::Config(error) => failure::setup(error),
-        other => failure::asked(failure::as_arguments(&other.to_string())),
+        other => failure::request(failure::as_arguments(&other.to_string())),
     }
 }
 
-fn answer_of<'py>(py: Python<'py>, told: &Injections) -> PyResult<Bound<'py, PyDict>> {
-    let answer = PyDict::new(py);
-    let mut warnings: Vec<String> = told.warnings.iter().map(|warning| failure::as_arguments(warning)).collect();
-    for frame in &told.frames {
-        answer.set_item("summary", &frame.summary)?;
-        answer.set_item("truth", columns(py, &frame.truth)?)?;
-        answer.set_item("points", columns(py, &frame.points)?)?;
-        answer.set_item("trails", columns(py, &frame.trails)?)?;
-        answer.set_item("bits", (frame.planes.streak_bit, frame.planes.injected_bit))?;
+fn result_of<'py>(py: Python<'py>, injections: &Injections) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let mut warnings: Vec<String> = injections.warnings.iter().map(|warning| failure::as_arguments(warning)).collect();
+    for frame in &injections.frames {
+        result.set_item("summary", &frame.summary)?;
+        result.set_item("truth", columns(py, &frame.truth)?)?;
+        result.set_item("points", columns(py, &frame.points)?)?;
+        result.set_item("trails", columns(py, &frame.trails)?)?;
+        result.set_item("bits", (frame.planes.streak_bit, frame.planes.injected_bit))?;
         warnings.extend(frame.warnings.iter().map(|warning| failure::as_arguments(warning)));
     }
-    answer.set_item("warnings", warnings)?;
-    Ok(answer)
+    result.set_item("warnings", warnings)?;
+    Ok(result)
 }
 
 fn values_of(image: &Bound<'_, PyAny>) -> PyResult<ImageValues> {
     let read = |columns: usize, pixels: Pixels| {
         ImageValues::new(columns, pixels)
-            .ok_or_else(|| failure::asked("frame has no pixels; allowed: rows and columns"))
+            .ok_or_else(|| failure::request("frame is empty; allowed: at least one row and one column"))
     };
     if let Some((columns, pixels)) = pixels_of::<f32>(image) {
         return read(columns, Pixels::F32(pixels));
@@ -111,11 +112,11 @@ fn values_of(image: &Bound<'_, PyAny>) -> PyResult<ImageValues> {
         return read(columns, Pixels::U8(pixels));
     }
     Err(PyTypeError::new_err(
-        "frame is no such array; allowed: two axes of float32, float64, uint8, int16, uint16 or int32",
+        "invalid frame array; allowed: two axes of float32, float64, uint8, int16, uint16 or int32",
     ))
 }
 
-/// Columns and pixels of an array of one type.
+/// Returns the number of columns and the pixels of an array of type `T`; `None` for another type.
 fn pixels_of<T: Element + Copy>(image: &Bound<'_, PyAny>) -> Option<(usize, Vec<T>)> {
     let array: PyReadonlyArray2<'_, T> = image.extract().ok()?;
     let view = array.as_array();

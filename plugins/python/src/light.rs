@@ -1,4 +1,4 @@
-//! Magnitudes and maps: the photometry alone, no satellites.
+//! Magnitudes and maps of brightness models, without satellites.
 
 use std::sync::Arc;
 
@@ -13,21 +13,21 @@ use streakcast::output::Provenance;
 use streakcast::photometry::{BrightnessModel, PhotometryOptions};
 
 use crate::columns::columns;
+use crate::exposures::{Column, within};
 use crate::failure;
-use crate::questions::{Column, within};
-use crate::skies::setup_of;
+use crate::sky_cache::setup_of;
 
-/// A map's columns, and what it rests on as JSON.
+/// Columns of a map and its metadata as JSON.
 type Map<'py> = (Bound<'py, PyList>, String);
 
-/// What every question about light begins with.
-struct Asked {
+/// Inputs common to all photometry functions.
+struct Inputs {
     setup: Config,
     model: Arc<BrightnessModel>,
     options: PhotometryOptions,
 }
 
-fn asked(setup: &str, model: &str) -> PyResult<Asked> {
+fn inputs(setup: &str, model: &str) -> PyResult<Inputs> {
     let setup = setup_of(setup, None)?;
     let mut library = setup.model_library().map_err(failure::setup)?;
     let name = if model.ends_with(".json") {
@@ -38,36 +38,36 @@ fn asked(setup: &str, model: &str) -> PyResult<Asked> {
         model.to_owned()
     };
     let found = library.get(&name).ok_or_else(|| {
-        let known = library.names().collect::<Vec<_>>().join(", ");
-        failure::SetupError::new_err(format!("unknown model '{name}'; known are {known}"))
+        let names = library.names().collect::<Vec<_>>().join(", ");
+        failure::SetupError::new_err(format!("unknown model '{name}'; allowed: {names}"))
     })?;
     let options = setup.photometry().map_err(failure::setup)?;
-    Ok(Asked { setup, model: found, options })
+    Ok(Inputs { setup, model: found, options })
 }
 
 fn grid(step_deg: Option<f64>, nside: Option<u32>) -> PyResult<Grid> {
     match (step_deg, nside) {
-        (Some(_), Some(_)) => Err(PyValueError::new_err("step and nside exclude each other; say one of them")),
-        (Some(step), None) => Grid::regular(step).map_err(failure::asked),
-        (None, Some(nside)) => Grid::healpix(nside).map_err(failure::asked),
-        (None, None) => Grid::regular(streakcast::maps::DEFAULT_STEP_DEG).map_err(failure::asked),
+        (Some(_), Some(_)) => Err(PyValueError::new_err("step and nside exclude each other; specify one of them")),
+        (Some(step), None) => Grid::regular(step).map_err(failure::request),
+        (None, Some(nside)) => Grid::healpix(nside).map_err(failure::request),
+        (None, None) => Grid::regular(streakcast::maps::DEFAULT_STEP_DEG).map_err(failure::request),
     }
 }
 
 fn facts_json(facts: &[Fact]) -> PyResult<String> {
     let mut provenance = Provenance::new();
     facts.iter().for_each(|fact| fact.state(&mut provenance));
-    serde_json::to_string(&provenance).map_err(failure::asked)
+    serde_json::to_string(&provenance).map_err(failure::request)
 }
 
-/// The names of the shipped models and of those of a setup's files.
+/// Returns the names of the bundled models and of those in the setup's files.
 #[pyfunction]
 pub fn model_names(setup: &str) -> PyResult<Vec<String>> {
     let library = setup_of(setup, None)?.model_library().map_err(failure::setup)?;
     Ok(library.names().map(str::to_owned).collect())
 }
 
-/// Standard magnitudes over a satellite's own sky.
+/// Returns standard magnitudes over all directions of a satellite's body frame.
 #[pyfunction]
 #[pyo3(signature = (setup, model, sun_latitude_deg, height_km, step_deg=None, nside=None))]
 pub fn body_map<'py>(
@@ -80,18 +80,19 @@ pub fn body_map<'py>(
     nside: Option<u32>,
 ) -> PyResult<Map<'py>> {
     let (table, facts) = failure::without_lock(py, || {
-        let Asked { model, options, .. } = asked(setup, model)?;
-        let view = BodyView::new(&model, sun_latitude_deg.to_radians(), height_km, options).map_err(failure::asked)?;
+        let Inputs { model, options, .. } = inputs(setup, model)?;
+        let view =
+            BodyView::new(&model, sun_latitude_deg.to_radians(), height_km, options).map_err(failure::request)?;
         let map = view.map(grid(step_deg, nside)?);
         Ok((map.table(), facts_json(&map.facts)?))
     })?;
     Ok((columns(py, &table)?, facts))
 }
 
-/// Apparent magnitudes over the sky of a site.
+/// Returns apparent magnitudes over the sky of a site.
 #[pyfunction]
 #[pyo3(signature = (setup, model, sun_altitude_deg, sun_azimuth_deg, height_km, step_deg=None, nside=None))]
-#[expect(clippy::too_many_arguments, reason = "one for each word of the question")]
+#[expect(clippy::too_many_arguments, reason = "one for each Python argument")]
 pub fn sky_map<'py>(
     py: Python<'py>,
     setup: &str,
@@ -103,24 +104,24 @@ pub fn sky_map<'py>(
     nside: Option<u32>,
 ) -> PyResult<Map<'py>> {
     let (table, facts) = failure::without_lock(py, || {
-        let asked = asked(setup, model)?;
-        let map = sky_view(&asked, sun_altitude_deg, sun_azimuth_deg, height_km)?.map(grid(step_deg, nside)?);
+        let inputs = inputs(setup, model)?;
+        let map = sky_view(&inputs, sun_altitude_deg, sun_azimuth_deg, height_km)?.map(grid(step_deg, nside)?);
         Ok((map.table(), facts_json(&map.facts)?))
     })?;
     Ok((columns(py, &table)?, facts))
 }
 
-fn sky_view(asked: &Asked, sun_altitude_deg: f64, sun_azimuth_deg: f64, height_km: f64) -> PyResult<SkyView<'_>> {
-    let setup = &asked.setup;
+fn sky_view(inputs: &Inputs, sun_altitude_deg: f64, sun_azimuth_deg: f64, height_km: f64) -> PyResult<SkyView<'_>> {
+    let setup = &inputs.setup;
     let is_given = setup.site.is_given();
     let earth = if is_given { Earth::Ellipsoid(setup.site().map_err(failure::setup)?) } else { Earth::Sphere };
     let (azimuth, altitude) = (sun_azimuth_deg.to_radians(), sun_altitude_deg.to_radians());
     let view =
-        SkyView::new(&asked.model, earth, height_km, azimuth, altitude, asked.options).map_err(failure::asked)?;
+        SkyView::new(&inputs.model, earth, height_km, azimuth, altitude, inputs.options).map_err(failure::request)?;
     Ok(view.with_shadow(setup.shadow().map_err(failure::setup)?))
 }
 
-/// Standard magnitudes of directions in the satellite's frame; not a number where nothing lit is seen.
+/// Returns standard magnitudes for directions in the satellite's body frame; NaN where no lit surface is visible.
 #[pyfunction]
 pub fn standard_magnitudes<'py>(
     py: Python<'py>,
@@ -139,24 +140,24 @@ pub fn standard_magnitudes<'py>(
         within("observer_latitude", index, latitude[index], -90.0, 90.0, "deg")?;
         within("height", index, height[index], 1e-3, 100_000.0, "km")?;
     }
-    let answer = failure::without_lock(py, || {
-        let Asked { model, options, .. } = asked(setup, model)?;
+    let magnitudes = failure::without_lock(py, || {
+        let Inputs { model, options, .. } = inputs(setup, model)?;
         (0..sun.len())
             .into_par_iter()
             .map(|index| {
                 let view = BodyView::new(&model, sun[index].to_radians(), height[index], options);
                 let magnitude =
-                    view.map_err(failure::asked)?.at(longitude[index].to_radians(), latitude[index].to_radians());
+                    view.map_err(failure::request)?.at(longitude[index].to_radians(), latitude[index].to_radians());
                 Ok(magnitude.map_or(f64::NAN, |magnitude| magnitude.0))
             })
             .collect::<PyResult<Vec<f64>>>()
     })?;
-    Ok(answer.into_pyarray(py))
+    Ok(magnitudes.into_pyarray(py))
 }
 
-/// Apparent magnitudes of directions over a site, not a number in the shadow, and the distances, km.
+/// Returns apparent magnitudes for directions above a site (NaN in the shadow) and distances, km.
 #[pyfunction]
-#[expect(clippy::too_many_arguments, reason = "one for each word of the question")]
+#[expect(clippy::too_many_arguments, reason = "one for each Python argument")]
 pub fn sky_magnitudes<'py>(
     py: Python<'py>,
     setup: &str,
@@ -173,8 +174,8 @@ pub fn sky_magnitudes<'py>(
         within("altitude", index, altitude[index], 0.0, 90.0, "deg")?;
     }
     let (magnitudes, ranges): (Vec<f64>, Vec<f64>) = failure::without_lock(py, || {
-        let asked = asked(setup, model)?;
-        let view = sky_view(&asked, sun_altitude_deg, sun_azimuth_deg, height_km)?;
+        let inputs = inputs(setup, model)?;
+        let view = sky_view(&inputs, sun_altitude_deg, sun_azimuth_deg, height_km)?;
         Ok((0..azimuth.len())
             .into_par_iter()
             .map(|index| {

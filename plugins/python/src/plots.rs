@@ -1,4 +1,4 @@
-//! Charts for notebooks and files: plain columns to pictures.
+//! Charts for notebooks and files, drawn from plain columns.
 
 use std::path::Path;
 
@@ -13,34 +13,34 @@ use streakcast::plot::{
     SunAltitude, field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
 };
 
+use crate::exposures::{Column, epoch_of};
 use crate::failure;
-use crate::questions::{Column, epoch_of};
 
-/// Points of a circle.
-const ROUND: usize = 180;
+/// Number of points of a circle.
+const CIRCLE_POINTS: usize = 180;
 
-/// A picture that can be shown and written.
+/// Rendered chart.
 #[pyclass(frozen)]
 pub struct Picture(streakcast::plot::Picture);
 
 #[pymethods]
 impl Picture {
-    /// A PNG.
+    /// Returns a PNG.
     fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = failure::without_lock(py, || self.0.to_png().map_err(failure::asked))?;
+        let bytes = failure::without_lock(py, || self.0.to_png().map_err(failure::request))?;
         Ok(PyBytes::new(py, &bytes))
     }
 
-    /// An SVG with its font.
+    /// Returns an SVG with embedded font.
     fn svg(&self, py: Python<'_>) -> PyResult<String> {
-        failure::without_lock(py, || self.0.to_svg().map_err(failure::asked))
+        failure::without_lock(py, || self.0.to_svg().map_err(failure::request))
     }
 
-    /// Writes a file, whole or not at all; PNG or SVG by the end of its name.
+    /// Writes a file atomically; PNG or SVG by file name extension.
     fn save(&self, py: Python<'_>, path: &str) -> PyResult<()> {
         let path = Path::new(path);
         let format = PictureFormat::of(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
-        let bytes = failure::without_lock(py, || self.0.to_bytes(format).map_err(failure::asked))?;
+        let bytes = failure::without_lock(py, || self.0.to_bytes(format).map_err(failure::request))?;
         write_atomically(path, |out| out.write_all(&bytes))
             .map_err(|error| PyOSError::new_err(format!("cannot write {}: {error}", path.display())))
     }
@@ -52,23 +52,23 @@ impl Picture {
     }
 }
 
-/// Two-part Julian dates, TAI, as MJD (UTC).
+/// Converts two-part Julian dates, TAI, to MJD (UTC).
 #[pyfunction]
 pub fn utc_mjd<'py>(jd1: Column<'py>, jd2: Column<'py>) -> Vec<f64> {
     jd1.as_array().iter().zip(jd2.as_array()).map(|(one, two)| mjd_utc(epoch_of(*one, *two))).collect()
 }
 
-/// What every chart may have beside its columns.
+/// Labels and lines common to all charts.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
-pub struct Words {
+pub struct Labels {
     title: String,
     limit_mag: Option<f64>,
-    /// Local clock of the upper side: hours ahead of UTC, and its name.
+    /// Local clock of the upper axis: hours ahead of UTC, and its name.
     local: Option<(f64, String)>,
 }
 
-impl Words {
+impl Labels {
     fn clock(&self) -> Option<LocalClock<'_>> {
         self.local.as_ref().map(|(ahead_of_utc_h, name)| LocalClock { ahead_of_utc_h: *ahead_of_utc_h, name })
     }
@@ -95,13 +95,13 @@ struct FieldOf {
 }
 
 impl FieldOf {
-    /// The border.
+    /// Returns the outlines of the field, degrees.
     fn outlines(&self) -> PyResult<Vec<Vec<[f64; 2]>>> {
         let Some(fov_deg) = self.fov_deg else { return Ok(Vec::new()) };
-        let field = Field::circle(fov_deg.to_radians()).map_err(failure::asked)?;
+        let field = Field::circle(fov_deg.to_radians()).map_err(failure::request)?;
         let centre = Direction::from_lon_lat_rad(self.ra_deg.to_radians(), self.dec_deg.to_radians());
-        let degrees = |place: Direction<Gcrs>| [place.longitude_rad().to_degrees(), place.latitude_rad().to_degrees()];
-        let outlines = field.on_sky(&centre, 0.0).outlines(ROUND);
+        let degrees = |point: Direction<Gcrs>| [point.longitude_rad().to_degrees(), point.latitude_rad().to_degrees()];
+        let outlines = field.on_sky(&centre, 0.0).outlines(CIRCLE_POINTS);
         Ok(outlines.into_iter().map(|outline| outline.into_iter().map(degrees).collect()).collect())
     }
 }
@@ -123,7 +123,7 @@ struct Sky {
     tracks: Vec<Track>,
 }
 
-/// One of them.
+/// Columns of one pass.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Track {
@@ -135,7 +135,7 @@ struct Track {
     sigma_mag: Vec<f64>,
 }
 
-/// Cells of a sky.
+/// Columns of a HEALPix map of streak rates.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Rates {
@@ -146,7 +146,7 @@ struct Rates {
     subtitle: String,
 }
 
-/// Columns of trails.
+/// Columns of trail counts against the Sun's altitude.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Trails {
@@ -156,10 +156,10 @@ struct Trails {
     n_bright: Option<Vec<f64>>,
 }
 
-/// A chart by its name, of words and columns (dictionaries).
+/// Draws a chart by name from labels and columns (dictionaries).
 #[pyfunction]
-pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Picture> {
-    let (title, caption, limit_mag) = (words.title.as_str(), "", words.limit_mag);
+pub fn draw(chart: &str, labels: Labels, columns: Bound<'_, PyAny>) -> PyResult<Picture> {
+    let (title, caption, limit_mag) = (labels.title.as_str(), "", labels.limit_mag);
     let picture = match chart {
         "night" => {
             let Night { start_mjd, duration_s, n_streaks, brightest_mag } = columns.extract()?;
@@ -172,7 +172,7 @@ pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Pi
                 brightest_mag: &brightest_mag,
                 limit_mag,
                 sun: &[],
-                local: words.clock(),
+                local: labels.clock(),
             })
         }
         "field" => {
@@ -201,7 +201,7 @@ pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Pi
                 in_field: &in_field,
                 shutter: None,
                 limit_mag,
-                local: words.clock(),
+                local: labels.clock(),
             })
         }
         "sky_chart" => {
@@ -240,7 +240,7 @@ pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Pi
                 bin_deg,
             })
         }
-        other => return Err(PyValueError::new_err(format!("there is no chart '{other}'"))),
+        other => return Err(PyValueError::new_err(format!("unknown chart '{other}'"))),
     };
-    picture.map(Picture).map_err(failure::asked)
+    picture.map(Picture).map_err(failure::request)
 }

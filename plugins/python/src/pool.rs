@@ -1,5 +1,5 @@
-//! The threads of this process. After a fork the child has none of its parent's threads, and a pool that waits for them waits for ever: it
-//! gets a pool of its own.
+//! Thread pool of this process. A forked child has none of its parent's threads and needs a new pool, because the
+//! parent's would wait for ever.
 
 use std::mem;
 use std::process;
@@ -9,10 +9,10 @@ use pyo3::PyResult;
 use pyo3::exceptions::PyRuntimeError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// The process that made the pool, and the pool.
+/// Process id of the creator, and the pool.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
-/// The pool of this process: as many threads as it has cores, or as RAYON_NUM_THREADS says.
+/// Returns the pool of this process: one thread per core, or RAYON_NUM_THREADS threads.
 pub fn pool() -> PyResult<Arc<ThreadPool>> {
     let mut kept = POOL.lock().unwrap_or_else(PoisonError::into_inner);
     let own = process::id();
@@ -23,7 +23,7 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
     }
     let pool = ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let pool = Arc::new(pool);
-    // The parent's pool is not ours to end: its threads are not here.
+    // The parent's pool is leaked: dropping it would wait for threads that do not exist here.
     mem::forget(kept.replace((own, pool.clone())));
     Ok(pool)
 }

@@ -1,4 +1,6 @@
-"""What ten years cost: processor time of some nights of the baseline against several constellations. Run by hand; needs STREAKCAST_DATA.
+"""Processor time of some nights of the baseline survey against several constellations, extrapolated to ten years.
+
+Run manually; requires STREAKCAST_DATA.
 
     RAYON_NUM_THREADS=1 python tests/scaling.py
 """

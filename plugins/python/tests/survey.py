@@ -1,15 +1,15 @@
-"""A year of visits from the thirteen nights of a simulated survey that are at hand."""
+"""A year of visits, extended from thirteen nights of a simulated survey."""
 
 import sqlite3
 
 import numpy as np
 
-#: How much earlier a star culminates each night, degrees: the sidereal day.
+#: Nightly advance of local sidereal time, degrees.
 NIGHTLY_DEG = 360.0 / 365.2422
 
 
 def baseline(data):
-    """Start (MJD, UTC as opsim writes it), place, length, rotation and band of the visits of `baseline_10klines_2.0.db`."""
+    """Reads the visits of `baseline_10klines_2.0.db`; start is MJD (UTC)."""
     with sqlite3.connect(data / "schedules" / "baseline_10klines_2.0.db") as database:
         rows = database.execute(
             "SELECT observationStartMJD, fieldRA, fieldDec, visitExposureTime, rotSkyPos, filter FROM observations ORDER BY 1"
@@ -20,16 +20,17 @@ def baseline(data):
 
 
 def year(data, nights=365, seed=1):
-    """The nights one after the other, again and again: fields keep their hour angles, and lie up to half a degree from where they lay."""
+    """Repeats the nights for a year: fields keep their hour angles and are shifted by up to half a degree."""
     source = baseline(data)
     # Noon at Cerro Pachón: 16:43 UTC.
     night = np.floor(source["start"] - 0.697).astype(int)
-    known = np.unique(night)
+    source_nights = np.unique(night)
     generator = np.random.default_rng(seed)
     parts = []
     for number in range(nights):
-        rows = night == known[number % len(known)]
-        days = known[0] + number - known[number % len(known)]
+        source_night = source_nights[number % len(source_nights)]
+        rows = night == source_night
+        days = source_nights[0] + number - source_night
         part = {name: column[rows] for name, column in source.items()}
         count = rows.sum()
         part["start"] = part["start"] + days

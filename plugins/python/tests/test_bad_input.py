@@ -1,4 +1,4 @@
-"""What is wrong is said with its name, its place and what is allowed; nothing panics."""
+"""Errors name the argument, the index and the accepted values; no input causes a panic."""
 
 import gzip
 
@@ -15,7 +15,7 @@ GOOD = {"mpc": "X05", "shells": "starlink-gen1", "fov": "3.5deg"}
 
 
 @pytest.mark.parametrize(
-    "ra, dec, exposure, rotation, words",
+    "ra, dec, exposure, rotation, message",
     [
         ([10.0, np.nan], 0.0, 30.0, 0.0, r"ra\[1\] is NaN deg; allowed: -180 to 360 deg"),
         ([10.0, 361.0], 0.0, 30.0, 0.0, r"ra\[1\] is 361 deg"),
@@ -24,25 +24,25 @@ GOOD = {"mpc": "X05", "shells": "starlink-gen1", "fov": "3.5deg"}
         (10.0, 0.0, [30.0, -1.0], 0.0, r"exposure\[1\] is -1 s; allowed: 0 to 86400 s"),
         (10.0, 0.0, 1e300, 0.0, r"exposure\[0\]"),
         (10.0, 0.0, 30.0, np.nan, r"rotation\[0\] is NaN deg"),
-        ([1.0, 2.0], [1.0, 2.0, 3.0], 30.0, 0.0, r"shapes that do not fit together: ra \(2,\), dec \(3,\)"),
+        ([1.0, 2.0], [1.0, 2.0, 3.0], 30.0, 0.0, r"shapes cannot be broadcast together: ra \(2,\), dec \(3,\)"),
         (np.ma.MaskedArray([1.0, 2.0], mask=[False, True]), 0.0, 30.0, 0.0, r"ra\[1\] is masked"),
         (10.0, 0.0, 30.0 * u.deg, 0.0, "exposure: .*allowed: a number of s"),
     ],
 )
-def test_bad_numbers(model, ra, dec, exposure, rotation, words):
-    for question in (model.assess, model.flags, model.passes):
-        with pytest.raises(ValueError, match=words):
-            question((ra, dec), START, exposure, rotation=rotation)
+def test_bad_numbers(model, ra, dec, exposure, rotation, message):
+    for method in (model.assess, model.flags, model.passes):
+        with pytest.raises(ValueError, match=message):
+            method((ra, dec), START, exposure, rotation=rotation)
 
 
 @pytest.mark.parametrize("target", [None, 10.0, "10 20", (1.0,), (1.0, 2.0, 3.0), ("a", "b"), (None, 1.0), {"ra": 1}])
-def test_what_is_no_target(model, target):
+def test_invalid_targets(model, target):
     with pytest.raises(TypeError, match="allowed"):
         model.assess(target, START, 30.0)
 
 
 @pytest.mark.parametrize(
-    "start, words",
+    "start, message",
     [
         ("2026-13-14T23:29:05Z", "month 13 is out of range"),
         ("yesterday Z", "is not a time"),
@@ -52,13 +52,13 @@ def test_what_is_no_target(model, target):
         (["2026-08-14T23:29:05Z", "2026-08-14T23:29:61Z"], r"\[1\].*second 61 is out of range"),
     ],
 )
-def test_bad_times(model, start, words):
-    with pytest.raises(ValueError, match=words):
+def test_bad_times(model, start, message):
+    with pytest.raises(ValueError, match=message):
         model.assess(TARGET, start, 30.0)
 
 
 @pytest.mark.parametrize("mjd", [np.nan, np.inf, -1e300, 1e300, 2461266.5, 0.0])
-def test_bad_numbers_of_time(model, mjd):
+def test_bad_mjd(model, mjd):
     with pytest.raises(ValueError, match=r"mjd\[0\]|time\[0\]"):
         model.assess(TARGET, mjd, 30.0, scale="utc")
 
@@ -71,7 +71,7 @@ def test_masked_times(model):
 
 
 @pytest.mark.parametrize(
-    "more, words",
+    "more, message",
     [
         ({"mpc": "ZZZ"}, "ZZZ"),
         ({"mpc": None}, "no site"),
@@ -99,15 +99,15 @@ def test_masked_times(model):
         ({"min_probability": 0}, "above 0"),
     ],
 )
-def test_bad_setups(more, words):
-    with pytest.raises(streakcast.SetupError, match=words) as caught:
+def test_bad_setups(more, message):
+    with pytest.raises(streakcast.SetupError, match=message) as caught:
         built = streakcast.StreakModel(**{**GOOD, **more})
         built.assess(TARGET, START, 30.0)
-    # Flags of the command line are arguments here.
+    # Flags of the command line are converted to names of arguments.
     assert "--" not in str(caught.value)
 
 
-def test_arguments_that_do_not_exist():
+def test_unknown_arguments():
     with pytest.raises(TypeError, match="no argument 'fov_deg'; allowed: .*fov"):
         streakcast.StreakModel(**GOOD, fov_deg=3.5)
     with pytest.raises(ValueError, match="allowed: error, warn"):
@@ -116,7 +116,7 @@ def test_arguments_that_do_not_exist():
         streakcast.StreakModel(**GOOD, epoch=61266.0)
 
 
-def test_no_field_is_said_when_one_is_needed():
+def test_a_missing_field_is_reported_only_when_needed():
     model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1")
     with pytest.raises(streakcast.SetupError, match="no field of view; say fov"):
         model.assess(TARGET, START, 30.0)
@@ -148,12 +148,12 @@ def test_broken_element_files(tmp_path, content):
 def test_hostile_numbers_never_panic(model):
     generator = np.random.default_rng(7)
     extremes = np.array([0.0, -0.0, 1e-300, 1e300, -1e300, np.inf, -np.inf, np.nan, 90.0, -90.0, 360.0, 5e-324, 86_400.0])
-    answered = 0
+    accepted = 0
     for _ in range(400):
         ra, dec, mjd, exposure, rotation = generator.choice(np.append(extremes, [61266.97, 30.0]), 5)
         try:
             model.assess((ra, dec), mjd, exposure, rotation=rotation, scale="tai")
-            answered += 1
+            accepted += 1
         except ValueError:
             pass
     for pole in (90.0, -90.0):
@@ -162,7 +162,7 @@ def test_hostile_numbers_never_panic(model):
 
 
 def test_bad_maps():
-    with pytest.raises(streakcast.SetupError, match="unknown model 'v3'; known are"):
+    with pytest.raises(streakcast.SetupError, match="unknown model 'v3'; allowed: "):
         streakcast.body_map("v3", sun_latitude=-10)
     with pytest.raises(ValueError, match="allowed"):
         streakcast.sky_map("v2mini", sun_altitude=-100)
@@ -185,11 +185,11 @@ def test_bad_windows(model):
         model.assess(TARGET, START, 30.0, band=["g", "r"])
     empty = model.clear_windows(SkyCoord([], [], unit="deg"), START, "2026-08-15T00:00:00Z", 30.0)
     assert len(empty.target) == 0
-    # An exposure longer than the time has no window.
+    # An exposure longer than the time span has no window.
     assert len(model.clear_windows(TARGET, START, "2026-08-14T23:30:00Z", 300.0).target) == 0
 
 
-def test_a_configuration_file_says_the_same():
+def test_a_configuration_file_is_equivalent_to_arguments():
     path = ROOT / "examples" / "streakcast.toml"
     model = streakcast.StreakModel(config=path)
     assert model.site is not None and model.assess(TARGET, START, 30.0).verdict in ("clear", "streaked", "avoid")

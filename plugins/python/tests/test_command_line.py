@@ -1,4 +1,4 @@
-"""The same question, the same answer: verif_ against the command line's JSON."""
+"""Comparison of results with the JSON output of the command line."""
 
 import csv
 import math
@@ -10,13 +10,13 @@ import pytest
 from conftest import ROOT, START, TARGET
 import streakcast
 
-SAID = ["--shells", "starlink-gen1", "--mpc", "X05", "--telescope", "rubin", "--fov", "3.5deg"]
-#: Numbers of the command line are rounded to their column's decimals; ours are not.
+ARGUMENTS = ["--shells", "starlink-gen1", "--mpc", "X05", "--telescope", "rubin", "--fov", "3.5deg"]
+#: Columns compared as text; numbers of the command line are rounded to the decimals of their column.
 TEXT_COLUMNS = {"name", "international_designator", "illumination", "band", "mag_system", "mag_source", "verdict"}
 
 
 def same(ours, theirs):
-    """Equal to half a unit of the last digit that the command line wrote."""
+    """Whether two values agree to half a unit of the last digit printed by the command line."""
     if theirs is None:
         return ours is None or (isinstance(ours, float) and math.isnan(ours)) or ours is np.ma.masked
     if isinstance(theirs, Decimal):
@@ -26,7 +26,7 @@ def same(ours, theirs):
 
 def test_verif_passes(model, command_line):
     answer = command_line(
-        "passes", *SAID, "--start", START, "--exposure", "30s", "--ra", str(TARGET[0]), f"--dec={TARGET[1]}", "--limit-mag", "7"
+        "passes", *ARGUMENTS, "--start", START, "--exposure", "30s", "--ra", str(TARGET[0]), f"--dec={TARGET[1]}", "--limit-mag", "7"
     )
     ours = model.passes(TARGET, START, 30.0)
     theirs = answer["passes"]
@@ -51,7 +51,7 @@ def test_verif_passes(model, command_line):
 
 def test_verif_flags(model, command_line):
     schedule = ROOT / "examples" / "night.csv"
-    answer = command_line("flag", *SAID, "--schedule", str(schedule), "--limit-mag", "7")
+    answer = command_line("flag", *ARGUMENTS, "--schedule", str(schedule), "--limit-mag", "7")
     lines = [line for line in schedule.read_text().splitlines() if not line.startswith("#")]
     cells = list(csv.DictReader(lines))
     starts, bands = [row["start_utc"] for row in cells], [row["band"] for row in cells]
@@ -62,9 +62,9 @@ def test_verif_flags(model, command_line):
     assert len(ours) == len(theirs) == len(cells)
     fast = day.assess((ra, dec), starts, exposure, band=bands)
     assert {row["verdict"] for row in theirs} >= {"clear", "avoid"}
-    for place, (row, expected) in enumerate(zip(ours, theirs)):
-        assert row["verdict"] == expected["verdict"] == fast.verdict[place]
-        assert row["n_streaks"] == expected["n_streaks"] == fast.n_streaks[place]
+    for index, (row, expected) in enumerate(zip(ours, theirs)):
+        assert row["verdict"] == expected["verdict"] == fast.verdict[index]
+        assert row["n_streaks"] == expected["n_streaks"] == fast.n_streaks[index]
         assert list(row["reasons"]) == list(expected["reasons"])
         assert list(row["norad_ids"]) == list(expected["norad_ids"])
         for ours_name, name in [
@@ -75,7 +75,7 @@ def test_verif_flags(model, command_line):
         ]:
             cell = row[name].value if hasattr(row[name], "unit") else row[name]
             assert same(cell, expected[name]), (name, cell)
-            assert same(float(getattr(fast, ours_name)[place]), expected[name]), name
+            assert same(float(getattr(fast, ours_name)[index]), expected[name]), name
         assert same(row["delay_s"].value, expected["delay_s"])
         if expected["next_clear_start_utc"] is not None:
             start = row["next_clear_start_utc"].copy()
@@ -98,17 +98,17 @@ def test_verif_maps(command_line):
     for row, expected in zip(ours, rows):
         for name, value in expected.items():
             assert same(row[name].value, value), name
-    # Point by point the same as on the grid.
+    # Single directions give the same values as the grid.
     magnitude = streakcast.standard_magnitudes("v2mini", -15, ours["observer_longitude_deg"], ours["observer_latitude_deg"])
     np.testing.assert_allclose(magnitude, ours["standard_magnitude"].value, atol=1e-9)
 
 
 def test_verif_real_catalogue(data, command_line):
     elements = data / "tle" / "active" / "active_2026-04-25.txt"
-    said = ["--elements", str(elements), "--mpc", "X05", "--telescope", "rubin"]
-    # Half an hour after sunset, 20 deg up in the west, Starlink all over.
+    arguments = ["--elements", str(elements), "--mpc", "X05", "--telescope", "rubin"]
+    # Half an hour after sunset, at altitude 20 deg in the west, with many Starlink crossings.
     start, ra, dec = "2026-04-25T23:10:00Z", 90.0, -20.0
-    answer = command_line("passes", *said, "--start", start, "--exposure", "300s", "--ra", str(ra), f"--dec={dec}")
+    answer = command_line("passes", *arguments, "--start", start, "--exposure", "300s", "--ra", str(ra), f"--dec={dec}")
     model = streakcast.StreakModel(mpc="X05", elements=elements, telescope="rubin")
     ours = model.passes((ra, dec), start, 300.0)
     assert len(ours) == len(answer["passes"]) > 0

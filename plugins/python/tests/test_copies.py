@@ -1,4 +1,4 @@
-"""Pickles are small, copies share, and a file that changed is noticed."""
+"""Pickles are small, copies share satellites, and changed files are detected."""
 
 import copy
 import pickle
@@ -10,12 +10,12 @@ import pytest
 import streakcast
 from conftest import ROOT, START, TARGET
 
-#: The invented satellite; a shell gives the crossings.
+#: Folder with an invented satellite; the crossings come from a synthetic shell.
 ELEMENTS = ROOT / "tests" / "data" / "elements"
 
 
 def element_file(folder):
-    """An element file of its own in a folder."""
+    """Copies an element file into a folder."""
     source = ELEMENTS / "sample.3le"
     target = folder / "elements.tle"
     shutil.copy(source, target)
@@ -26,21 +26,21 @@ def model_of(path, **more):
     return streakcast.StreakModel(mpc="X05", elements=path, shells="starlink-gen1", fov="3.5deg", epoch=START, **more)
 
 
-def test_pickles_are_small_and_answer_the_same(model):
+def test_pickles_are_small_and_give_the_same_results(model):
     data = pickle.dumps(model)
     assert len(data) < 10_000
     again = pickle.loads(data)
     assert again.assess(TARGET, START, 30.0) == model.assess(TARGET, START, 30.0)
     assert pickle.dumps(again) == data
-    # Asking leaves nothing behind that a pickle would carry.
+    # Calls do not enlarge the pickle.
     model.passes(TARGET, START, 300.0)
     assert len(pickle.dumps(model)) == len(data)
 
 
 def test_deep_copies_share_the_satellites(model):
-    # As a scheduler's own snapshot copies it: inside of something else, with locks around.
-    held = {"queue": [model, model], "other": {"model": model}}
-    copied = copy.deepcopy(held)
+    # Nested in other objects, as in the snapshot of a scheduler.
+    snapshot = {"queue": [model, model], "other": {"model": model}}
+    copied = copy.deepcopy(snapshot)
     assert copied["queue"][0] is not model
     assert copied["queue"][0]._open()[0] is model._open()[0]
     assert copied["other"]["model"].assess(TARGET, START, 30.0) == model.assess(TARGET, START, 30.0)
@@ -55,7 +55,7 @@ def test_models_of_the_same_files_share_one_sky(tmp_path):
     assert narrow._open()[0] is first._open()[0]
     assert narrow.field_radius_deg == pytest.approx(0.5) and first.field_radius_deg == pytest.approx(1.75)
     assert pickle.loads(pickle.dumps(narrow)).field_radius_deg == pytest.approx(0.5)
-    with pytest.raises(TypeError, match="make a new StreakModel"):
+    with pytest.raises(TypeError, match="create a new StreakModel"):
         first.with_options(site="Paranal")
 
 
@@ -70,13 +70,13 @@ def test_a_changed_file_is_an_error_after_unpickling(tmp_path):
         pickle.loads(data).assess(TARGET, START, 30.0)
     with pytest.warns(streakcast.StreakcastWarning, match="changed since"):
         pickle.loads(tolerant).assess(TARGET, START, 30.0)
-    # The model at hand is not disturbed, and knows.
+    # The existing model is unaffected and reports the changed file.
     assert repr(made.assess(TARGET, START, 30.0)) == repr(expected)
     assert made.changed_files() == [str(path)]
     assert made.reloaded().changed_files() == []
 
 
-def test_a_file_that_goes_away_or_breaks_while_the_night_goes_on(tmp_path):
+def test_missing_and_broken_files_do_not_affect_a_loaded_model(tmp_path):
     path = element_file(tmp_path)
     made = model_of(path)
     whole = path.read_text()
@@ -84,7 +84,7 @@ def test_a_file_that_goes_away_or_breaks_while_the_night_goes_on(tmp_path):
         path.unlink(missing_ok=True)
         if broken is not None:
             path.write_text(broken)
-        # Another night is made ready out of what was read.
+        # Another night is prepared from the satellites in memory.
         assert made.assess(TARGET, "2026-08-17T23:29:05Z", 30.0).n_streaks >= 0
         assert made.changed_files() == [str(path)]
         try:
@@ -92,25 +92,25 @@ def test_a_file_that_goes_away_or_breaks_while_the_night_goes_on(tmp_path):
         except streakcast.SetupError as error:
             assert "elements.tle" in str(error)
         else:
-            # A third of a file can be a whole record; then it is another sky, never a broken one.
+            # A third of the file may contain a complete record, which is a valid catalogue.
             assert new.satellites(START) > 0
     path.write_text(whole)
     assert made.changed_files() == [] and made.reloaded()._open()[0] is made._open()[0]
 
 
-def test_a_model_survives_threads_that_open_it_at_once(tmp_path):
+def test_several_threads_can_load_a_model_at_once(tmp_path):
     path = element_file(tmp_path)
     data = pickle.dumps(model_of(path))
     fresh = pickle.loads(data)
-    answers, begin = [], threading.Barrier(4)
+    results, begin = [], threading.Barrier(4)
 
-    def ask():
+    def assess():
         begin.wait()
-        answers.append(fresh.assess(TARGET, START, 30.0).n_streaks)
+        results.append(fresh.assess(TARGET, START, 30.0).n_streaks)
 
-    threads = [threading.Thread(target=ask) for _ in range(4)]
+    threads = [threading.Thread(target=assess) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert len(answers) == 4 and len(set(answers)) == 1
+    assert len(results) == 4 and len(set(results)) == 1

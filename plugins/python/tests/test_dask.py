@@ -1,4 +1,4 @@
-"""A survey over a cluster is the survey on one machine, whatever happens to its workers."""
+"""A survey on a cluster gives the same results as on one machine, even if workers are killed."""
 
 import os
 import signal
@@ -20,10 +20,10 @@ NIGHTS, EACH = 24, 60
 
 @pytest.fixture(scope="module")
 def visits():
-    """Every fortnight of a year a strip of visits after dusk at Cerro Pachon."""
+    """A strip of visits after dusk at Cerro Pachon, once every 15 days of a year."""
     generator = np.random.default_rng(20260814)
     night, number = np.divmod(np.arange(NIGHTS * EACH), EACH)
-    # 0.97 of a UTC day: 23:17 UTC; the sidereal time grows by a degree a day.
+    # 0.97 of a UTC day is 23:17 UTC; sidereal time advances by about one degree per day.
     start = 61_240.97 + 15 * night + number * 34 / 86_400
     return {
         "ra_deg": (175.0 + 15 * night * 0.98565 + generator.uniform(0, 30, len(night))) % 360,
@@ -41,16 +41,16 @@ def survey_model():
     )
 
 
-def same(answer, expected):
-    assert (answer["visit"] == np.arange(len(expected.verdict))).all()
-    assert (answer["verdict"] == np.ravel(expected.verdict)).all()
+def same(result, expected):
+    assert (result["visit"] == np.arange(len(expected.verdict))).all()
+    assert (result["verdict"] == np.ravel(expected.verdict)).all()
     for name in ("n_streaks", "brightest_mag", "lost_fraction", "p_any", "streak_length_deg"):
-        # To the last bit: nights are asked as wholes on either side.
-        np.testing.assert_array_equal(answer[name], getattr(expected, name), err_msg=name)
+        # Identical to the last bit, because both compute whole nights.
+        np.testing.assert_array_equal(result[name], getattr(expected, name), err_msg=name)
 
 
 def kill_a_worker(client, folder, after):
-    """Kills a worker as soon as some nights are done; the event says that it was."""
+    """Kills a worker as soon as some nights are done; returns an event that is set afterwards."""
     victim = next(iter(client.run(os.getpid).values()))
     killed = threading.Event()
 
@@ -64,7 +64,7 @@ def kill_a_worker(client, folder, after):
     return killed
 
 
-def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tmp_path):
+def test_verif_a_killed_worker_does_not_change_the_results(visits, survey_model, tmp_path):
     expected = survey_model.assess(
         (visits["ra_deg"], visits["dec_deg"]), visits["start"], visits["exposure_s"], band=visits["band"]
     )
@@ -79,11 +79,11 @@ def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tm
         same(streakcast.dask.read(files), expected)
         assert sorted(tmp_path.iterdir()) == sorted(files)
 
-        # A second run finds all nights done; one that is gone or of other visits is made again, and no other.
+        # A second run computes only missing and invalid files again.
         written = {path: path.stat().st_mtime_ns for path in files}
         files[3].unlink()
         files[5].write_bytes(b"half of a file")
-        (tmp_path / f".{files[7].name}.killed").write_bytes(b"what a killed worker had begun")
+        (tmp_path / f".{files[7].name}.killed").write_bytes(b"partial file of a killed worker")
         again = streakcast.dask.annotate(visits, survey_model, client, tmp_path)
         same(streakcast.dask.read(again), expected)
         assert sorted(tmp_path.iterdir()) == sorted(files)
@@ -94,7 +94,7 @@ def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tm
 
 def test_workers_read_elements_from_their_path(data, visits, tmp_path):
     few = {name: column[: 3 * EACH] for name, column in visits.items()}
-    # From the summer into the week of the elements, and the sky with it.
+    # Shifts dates and right ascensions from summer to the week of the element sets.
     few["start"] = few["start"] - 85.0
     few["ra_deg"] = (few["ra_deg"] - 85.0 * 0.98565) % 360.0
     elements = data / "tle" / "active" / "active_2026-04-25.txt"
@@ -112,7 +112,7 @@ def test_workers_read_elements_from_their_path(data, visits, tmp_path):
         same(streakcast.dask.read(files), expected)
 
 
-def test_what_is_no_survey_is_refused(visits, survey_model, tmp_path):
+def test_invalid_surveys_are_rejected(visits, survey_model, tmp_path):
     with pytest.raises(ValueError, match="no column exposure_s"):
         fewer = {name: column for name, column in visits.items() if name != "exposure_s"}
         streakcast.dask.annotate(fewer, survey_model, None, tmp_path)
@@ -123,7 +123,7 @@ def test_what_is_no_survey_is_refused(visits, survey_model, tmp_path):
 
 
 @pytest.mark.skipif("STREAKCAST_SLOW" not in os.environ, reason="a year takes minutes; STREAKCAST_SLOW=1 runs it")
-def test_verif_a_year_over_a_cluster_is_the_year_on_one_machine(data, survey_model, tmp_path, capsys):
+def test_verif_a_year_on_a_cluster_equals_the_year_on_one_machine(data, survey_model, tmp_path, capsys):
     visits = year(data)
     with (
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,

@@ -1,4 +1,4 @@
-"""Everything public says what it takes, in which unit, and what comes back; types are there for checkers."""
+"""Public functions document their arguments and return values; type annotations are shipped."""
 
 import inspect
 import re
@@ -25,9 +25,9 @@ def test_every_argument_is_documented(name):
     arguments = [argument for argument in inspect.signature(function).parameters if argument != "self"]
     if arguments:
         assert "Parameters\n----------" in text
-        told = re.search(r"Parameters\n-+\n(.*?)(\n\n\w+\n-+|\Z)", text, re.DOTALL).group(1)
+        parameters = re.search(r"Parameters\n-+\n(.*?)(\n\n\w+\n-+|\Z)", text, re.DOTALL).group(1)
         for argument in arguments:
-            assert re.search(rf"(^|\n|, |\*)(\*\*)?{argument}\b", told), argument
+            assert re.search(rf"(^|\n|, |\*)(\*\*)?{argument}\b", parameters), argument
     assert "Returns\n-------" in text
 
 
@@ -38,10 +38,10 @@ def test_types_are_shipped():
         assert "return" in function.__annotations__, function
 
 
-def test_models_have_their_questions():
+def test_models_have_the_documented_methods():
     assert {f"StreakModel.{name}" for name in ("assess", "passes", "forecast", "identify", "inject", "clear_windows", "reloaded", "key")} <= set(METHODS)
 
 
-def test_all_is_all():
+def test_all_names_exist():
     for name in streakcast.__all__:
         assert hasattr(streakcast, name)

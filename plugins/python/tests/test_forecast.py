@@ -1,4 +1,4 @@
-"""Passes of a night: those of the command line digit for digit, and what cannot be asked."""
+"""Passes of a night: identical to those of the command line; errors for invalid arguments."""
 
 import csv
 import datetime
@@ -18,8 +18,8 @@ from test_threads import steps_while
 import streakcast
 
 NIGHT = "2026-08-14"
-#: Some planes of the first shells: an evening and a morning, few enough for a debug build.
-FEW = ["S1 P2", "S1 P6"]
+#: Names of some planes of the first shells, with passes in the evening and morning; few enough for a debug build.
+PLANES = ["S1 P2", "S1 P6"]
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +28,7 @@ def sky():
 
 
 def text_of(cell, decimals):
-    """As the command line writes a number: rounded to its column's decimals."""
+    """Formats a number as the command line does, rounded to the decimals of its column."""
     return f"{float(getattr(cell, 'value', cell)):.{decimals}f}"
 
 
@@ -44,7 +44,7 @@ def is_nan(cell):
 
 
 def assert_equal(ours, theirs, name):
-    """One cell against one of JSON: every digit that was written."""
+    """Compares a cell with a value of the JSON output, to every printed digit."""
     if theirs is None:
         assert is_missing(ours), (name, ours)
     elif isinstance(theirs, Decimal):
@@ -58,7 +58,7 @@ def assert_equal(ours, theirs, name):
 
 
 def same_moment(ours, theirs):
-    """Half of the last digit that was written, which halves are rounded to either side of; a nanosecond for the way through two doubles."""
+    """Whether times agree to half of the last printed digit, plus 1 ns for the conversion through two doubles."""
     if isinstance(ours, str):
         return ours == theirs
     digits = len(theirs.split(".")[1]) - 1 if "." in theirs else 0
@@ -78,27 +78,27 @@ def assert_same_passes(ours, theirs):
                     assert_equal(point[part], other[part], part)
 
 
-def test_verif_a_night_is_the_command_lines(sky, command_line):
-    said = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", NIGHT, "--name", *FEW]
-    answer = command_line(*said, "--max-mag", "6", "--samples", "5")
-    ours = sky.forecast(NIGHT, name=FEW, max_mag=6, samples=5)
+def test_verif_a_night_equals_the_command_line(sky, command_line):
+    arguments = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", NIGHT, "--name", *PLANES]
+    answer = command_line(*arguments, "--max-mag", "6", "--samples", "5")
+    ours = sky.forecast(NIGHT, name=PLANES, max_mag=6, samples=5)
     assert_same_passes(ours.passes, answer["passes"])
     assert (ours.passes["night"] == 0).all() and len(ours.nights) == 1
     for name, value in answer["night"][0].items():
         assert_equal(ours.nights[0][name], value, name)
     assert answer["night"][0]["passes_too_faint"] > 0
-    # All that can be said, at once.
+    # All options at once.
     answer = command_line(
-        *said, "--sun-altitude-deg=-12", "--min-altitude", "20", "--min-culmination", "40", "--generation", "starlink-v1.5", "--include-dark"
+        *arguments, "--sun-altitude-deg=-12", "--min-altitude", "20", "--min-culmination", "40", "--generation", "starlink-v1.5", "--include-dark"
     )
     ours = sky.forecast(
-        datetime.date(2026, 8, 14), name=FEW, max_sun_altitude=-12 * u.deg, min_altitude=20 * u.deg, min_culmination=40,
+        datetime.date(2026, 8, 14), name=PLANES, max_sun_altitude=-12 * u.deg, min_altitude=20 * u.deg, min_culmination=40,
         generation="starlink-v1.5", include_dark=True,
     )  # fmt: skip
     assert_same_passes(ours.passes, answer["passes"])
 
 
-def test_verif_two_moments_are_the_command_lines(sky, command_line):
+def test_verif_a_time_span_equals_the_command_line(sky, command_line):
     end = "2026-08-15T00:20:00Z"
     answer = command_line("forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--start", START, "--end", end, "--max-mag", "4.8")
     expected = sky.forecast(start=START, end=end, max_mag=4.8)
@@ -107,7 +107,7 @@ def test_verif_two_moments_are_the_command_lines(sky, command_line):
     assert list(other.passes["norad_id"]) == list(expected.passes["norad_id"])
 
 
-def test_verif_a_real_night_is_the_command_lines(data, tmp_path):
+def test_verif_a_real_night_equals_the_command_line(data, tmp_path):
     elements = data / "tle" / "active" / "active_2026-04-25.txt"
     path = tmp_path / "night.csv"
     binary = os.environ.get("STREAKCAST_BIN") or pytest.fail("set STREAKCAST_BIN, or run plugins/test.sh")
@@ -119,7 +119,7 @@ def test_verif_a_real_night_is_the_command_lines(data, tmp_path):
     assert done.returncode == 0, done.stderr
     theirs = list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
     model = streakcast.StreakModel(mpc="X05", elements=elements)
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         ours = model.forecast("2026-04-25", name=names).passes
     assert len(ours) == len(theirs) > 50
@@ -131,8 +131,8 @@ def test_verif_a_real_night_is_the_command_lines(data, tmp_path):
                 assert is_missing(row[name]), name
             else:
                 assert_equal(row[name], value if name.endswith("utc") else Decimal(value), name)
-    # The same warnings, of the priors among them, by the names of arguments.
-    mine = [str(one.message) for one in told if issubclass(one.category, streakcast.StreakcastWarning)]
+    # The warnings (including that of the priors) are the same, with names of arguments instead of flags.
+    mine = [str(one.message) for one in caught if issubclass(one.category, streakcast.StreakcastWarning)]
     (prior,) = [line for line in mine if "prior" in line]
     assert f"warning: {prior}".replace("qs_mag", "--qs-mag") in done.stderr.splitlines()
     assert f"{sum(source == 'prior' for source in ours['mag_source'])} passes shown" in prior
@@ -146,26 +146,26 @@ def test_several_nights_and_forms(sky):
     assert isinstance(nights.passes, QTable) and nights.passes["range_km"].unit == u.km
     plain = sky.forecast(NIGHT, norad=900000539, output="dict")
     assert plain.passes["peak_utc"].dtype == np.dtype("datetime64[ns]") and plain.passes["peak_magnitude"].dtype == float
-    # Nobody comes by: no row, the columns, and why.
+    # Without passes the table has columns but no rows, and the nights have a reason.
     none = sky.forecast(NIGHT, norad=900000539, max_mag=-8)
     assert len(none.passes) == 0 and "peak_magnitude" in none.passes.colnames
     assert "fainter than mag -8" in none.nights["why_empty"][0]
 
 
-def test_the_old_name_is_the_same_answer(sky):
+def test_the_old_method_gives_the_same_passes(sky):
     end = "2026-08-14T23:34:05Z"
     old = sky.visible_passes(START, end, min_altitude=20, lit_only=False)
     new = sky.forecast(start=START, end=end, min_altitude=20, max_sun_altitude=None, include_dark=True).passes
     assert list(old["norad_id"]) == list(new["norad_id"]) and len(old) > 10
 
 
-def test_what_cannot_be_asked_is_said(sky):
+def test_invalid_arguments_are_reported(sky):
     cases = [
         (dict(night="14.8.2026"), "night '14.8.2026' is not a date; allowed: the evening's local date"),
-        (dict(), "say a night, or start and end"),
-        (dict(night=[]), "no night; allowed"),
-        (dict(night=NIGHT, start=START, end=START), "say a night, or start and end"),
-        (dict(start=START), "start and end belong together"),
+        (dict(), "specify either night, or start and end"),
+        (dict(night=[]), "night is empty; allowed"),
+        (dict(night=NIGHT, start=START, end=START), "specify either night, or start and end"),
+        (dict(start=START), "start and end require each other"),
         (dict(start=START, end="2026-08-13T00:00:00Z"), "the end not before the start"),
         (dict(night=NIGHT, min_altitude=95), "min_altitude 95 deg; allowed: 0 deg to below 90 deg"),
         (dict(night=NIGHT, max_sun_altitude=-100), "max_sun_altitude -100 deg"),
@@ -178,17 +178,17 @@ def test_what_cannot_be_asked_is_said(sky):
         (dict(night=NIGHT, norad=10**10), "1 to 999999999"),
         (dict(night=NIGHT, output="pandas"), "allowed: auto, qtable, dict"),
     ]
-    for said, message in cases:
+    for options, message in cases:
         with pytest.raises(ValueError, match=message):
-            sky.forecast(**said)
-    for said in (dict(night=NIGHT, norad="ISS"), dict(night=NIGHT, name=25544), dict(night=NIGHT, samples=1.5)):
+            sky.forecast(**options)
+    for options in (dict(night=NIGHT, norad="ISS"), dict(night=NIGHT, name=25544), dict(night=NIGHT, samples=1.5)):
         with pytest.raises(TypeError, match="allowed"):
-            sky.forecast(**said)
+            sky.forecast(**options)
     with pytest.raises(TypeError, match="scale"):
         sky.forecast(start=61266.9, end=61267.1)
 
 
-def test_other_threads_go_on_meanwhile(sky):
+def test_other_threads_run_during_a_forecast(sky):
     work = lambda: sky.forecast(NIGHT)  # noqa: E731
     work()
     assert steps_while(work) > 10

@@ -1,4 +1,4 @@
-"""A hook goes on whatever happens to files, clocks and questions; one line in the log, one count."""
+"""A hook survives errors of files, clocks and calls; each kind of error is counted and logged once."""
 
 import copy
 import datetime
@@ -38,14 +38,14 @@ def elements(count):
 
 
 def write(path, text):
-    """Written as if some time ago: files that are just being written are left alone."""
+    """Writes a file with a modification time in the past, because recently modified files are not read yet."""
     path.write_text(text)
-    then = time.time() - 10.0 - write.times
-    write.times += 1
-    os.utime(path, (then, then))
+    modified = time.time() - 10.0 - write.calls
+    write.calls += 1
+    os.utime(path, (modified, modified))
 
 
-write.times = 0
+write.calls = 0
 
 
 @pytest.fixture
@@ -65,13 +65,13 @@ def count(hook):
     return hook.ask(lambda model: model.satellites(START), -1)
 
 
-def look(hook):
-    answer = count(hook)
+def count_and_settle(hook):
+    result = count(hook)
     hook.settle()
-    return answer
+    return result
 
 
-def test_an_error_is_answered_counted_and_logged_once(model, caplog):
+def test_an_error_gives_the_fallback_and_is_counted_and_logged_once(model, caplog):
     hook = Hook(model, "test")
     for length in (-1.0, -2.0, -3.0):
         assert hook.ask(lambda model: model.assess(TARGET, START, length).verdict, "clear") == "clear"
@@ -81,34 +81,34 @@ def test_an_error_is_answered_counted_and_logged_once(model, caplog):
     assert record.levelno == logging.WARNING and "exposure" in record.message
 
 
-def test_new_files_are_taken(hook, path):
+def test_new_files_are_read(hook, path):
     assert count(hook) == 20
     write(path, elements(25))
-    look(hook)
+    count_and_settle(hook)
     assert count(hook) == 25
     assert hook.counts["reloaded"] == 1 and hook.counts["failed"] == 0
 
 
 @pytest.mark.parametrize("content", [None, "", "<html>no\n", elements(20)[: 69 * 12]])
-def test_missing_and_half_written_files_leave_the_old_satellites(hook, path, content, caplog):
+def test_missing_and_partial_files_keep_the_old_satellites(hook, path, content, caplog):
     if content is None:
         path.unlink()
     else:
         write(path, content)
     for _ in range(3):
-        look(hook)
+        count_and_settle(hook)
     assert count(hook) == 20
     assert hook.counts["kept_old"] >= 1 and hook.counts["failed"] == 0 and hook.counts["reloaded"] == 0
     assert len([record for record in caplog.records if record.name == "streakcast.test"]) == 1
     hook.settle()
     write(path, elements(30))
-    look(hook)
+    count_and_settle(hook)
     assert count(hook) == 30
 
 
-def test_a_file_that_is_being_written_is_left_alone(hook, path):
+def test_a_file_being_written_is_not_read(hook, path):
     path.write_text(elements(30))
-    look(hook)
+    count_and_settle(hook)
     assert count(hook) == 20 and hook._state.reading is None
 
 
@@ -153,31 +153,31 @@ def test_copies(hook):
     assert hook.counts["asked"] == 1
 
 
-def test_deep_copies_are_one_hook(hook, path, caplog):
+def test_deep_copies_share_one_state(hook, path, caplog):
     copies = [copy.deepcopy(hook) for _ in range(3)]
     write(path, elements(25))
-    look(copies[0])
+    count_and_settle(copies[0])
     assert [count(one) for one in (hook, *copies)] == [25] * 4
     assert hook.counts["reloaded"] == 1 and hook.counts["asked"] == 5
     for one in copies:
         assert one.ask(lambda model: model.assess(TARGET, START, -1.0), None) is None
     assert hook.counts["failed"] == 3
     assert len([record for record in caplog.records if record.levelno == logging.WARNING]) == 1
-    # A copy of a copy made after new files came takes them too.
+    # A copy of a copy made after a file change reads the new file too.
     write(path, elements(30))
     late = copy.deepcopy(copies[1])
-    look(late)
+    count_and_settle(late)
     assert count(hook) == 30
 
 
-def test_a_pickle_of_yesterday_takes_the_files_of_today(hook, path):
+def test_an_old_pickle_uses_the_present_files(hook, path):
     text = pickle.dumps(hook)
     write(path, elements(25))
     assert count(pickle.loads(text)) == 25
 
 
-def spoil(path, content):
-    """Missing, or not whole."""
+def replace_content(path, content):
+    """Deletes the file or replaces its content."""
     if content is None:
         path.unlink()
     else:
@@ -185,23 +185,23 @@ def spoil(path, content):
 
 
 @pytest.mark.parametrize("content", [None, "<html>no\n"])
-def test_a_pickle_that_comes_while_files_are_away_takes_them_when_they_are_there(hook, path, content):
+def test_a_pickle_loaded_while_files_are_missing_reads_them_later(hook, path, content):
     text = pickle.dumps(hook)
-    spoil(path, content)
+    replace_content(path, content)
     other = pickle.loads(text)
-    assert [look(other) for _ in range(2)] == [-1, -1]
+    assert [count_and_settle(other) for _ in range(2)] == [-1, -1]
     assert other.counts["asked"] == other.counts["failed"] == 2
     write(path, elements(25))
     assert count(other) == 25 and other.counts["failed"] == 2
-    # They are watched from then on.
+    # Changes are detected from then on.
     other.settle()
     write(path, elements(30))
-    look(other)
+    count_and_settle(other)
     assert count(other) == 30
 
 
 @pytest.mark.parametrize("arguments", [("no model", "test"), (None, "test")])
-def test_impossible_things_are_said_at_construction(arguments):
+def test_invalid_arguments_are_reported_at_construction(arguments):
     with pytest.raises(TypeError, match="StreakModel"):
         Hook(*arguments)
 
@@ -212,7 +212,7 @@ def test_watch_must_be_positive(model):
 
 
 class Clock:
-    """A clock that a test turns."""
+    """Clock that is set by a test."""
 
     def __init__(self):
         self.now = 1000.0
@@ -225,59 +225,59 @@ class Clock:
 
 
 @pytest.fixture
-def turned(monkeypatch):
-    turned = Clock()
+def fake_clock(monkeypatch):
+    fake_clock = Clock()
     for module in (streakcast.hosts, streakcast._hook_state):
-        monkeypatch.setattr(module, "clock", turned)
-    return turned
+        monkeypatch.setattr(module, "clock", fake_clock)
+    return fake_clock
 
 
-def test_a_read_that_failed_is_tried_again(path, turned, monkeypatch):
-    """A file server hiccups while new elements are read; nothing about the files changes afterwards."""
+def test_a_failed_read_is_retried(path, fake_clock, monkeypatch):
+    """A file server fails temporarily while new element sets are read; the files do not change afterwards."""
     hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
-    good = streakcast.StreakModel.reloaded
+    original = streakcast.StreakModel.reloaded
     tries = []
 
     def reloaded(model):
-        tries.append(turned.now)
+        tries.append(fake_clock.now)
         if len(tries) <= 2:
             raise OSError("Stale file handle")
-        return good(model)
+        return original(model)
 
     monkeypatch.setattr(streakcast.StreakModel, "reloaded", reloaded)
     write(path, elements(25))
     for _ in range(10):
-        turned.now += 60.5
-        look(hook)
+        fake_clock.now += 60.5
+        count_and_settle(hook)
     assert count(hook) == 25
     assert hook.counts["kept_old"] == 2 and hook.counts["reloaded"] == 1 and len(tries) == 3
 
 
-def test_broken_files_are_not_read_all_night(path, turned, monkeypatch):
+def test_broken_files_are_read_with_growing_delays(path, fake_clock, monkeypatch):
     hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
     write(path, "<html>no\n")
     tries = []
 
     def reloaded(model):
-        tries.append(turned.now)
+        tries.append(fake_clock.now)
         raise streakcast.SetupError("no element sets")
 
     monkeypatch.setattr(streakcast.StreakModel, "reloaded", reloaded)
     for _ in range(600):
-        turned.now += 60.0
-        look(hook)
+        fake_clock.now += 60.0
+        count_and_settle(hook)
     waits = [after - before for before, after in zip(tries, tries[1:])]
     assert waits[:4] == [60.0, 120.0, 240.0, 480.0] and max(waits) == 1800.0
     assert count(hook) == 20 and hook.counts["kept_old"] == len(tries)
-    # A new file is looked at when it comes.
+    # A new file is read at once.
     monkeypatch.undo()
     write(path, elements(25))
-    hook._state.next_look_s = 0.0
-    look(hook)
+    hook._state.next_check_s = 0.0
+    count_and_settle(hook)
     assert count(hook) == 25
 
 
-def test_a_site_or_a_clock_that_cannot_be_looked_at(model, caplog):
+def test_an_unreadable_site_or_clock_is_counted(model, caplog):
     hook = Hook(model, "test")
     for _ in range(3):
         hook.see_site(("north", None))
@@ -285,7 +285,7 @@ def test_a_site_or_a_clock_that_cannot_be_looked_at(model, caplog):
         hook.see_clock("no time")
         hook.see_clock(lambda: 1 / 0)
     assert hook.counts["site"] == hook.counts["clock"] == 6 and hook.counts["failed"] == 0
-    assert len([record for record in caplog.records if "cannot be looked at" in record.message]) == 2
+    assert len([record for record in caplog.records if "cannot be read" in record.message]) == 2
     site = model.site
     hook.see_site(lambda: (site.latitude_deg, site.longitude_deg, site.height_m))
     hook.see_site(lambda: None)
@@ -295,11 +295,11 @@ def test_a_site_or_a_clock_that_cannot_be_looked_at(model, caplog):
 
 
 def old_model(path, day):
-    """Elements of 2026-08-14, asked about 20 and more days later."""
+    """Model with element sets of 2026-08-14, and a start 20 or more days later."""
     return streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), f"2026-09-{day:02d}T01:00:00Z"
 
 
-def test_what_the_model_warns_of_is_counted_and_logged_once(path, caplog):
+def test_warnings_of_the_model_are_counted_and_logged_once(path, caplog):
     model, start = old_model(path, 5)
     hook = Hook(model, "test")
     with warnings.catch_warnings():
@@ -308,58 +308,58 @@ def test_what_the_model_warns_of_is_counted_and_logged_once(path, caplog):
             assert hook.ask(lambda model: model.assess(TARGET, start, 30.0).verdict, None) is not None
         assert hook.counts == {"asked": 3, "warned": 1}
     assert len([record for record in caplog.records if "14 days" in record.message]) == 1
-    # Without a hook they are warnings as ever.
+    # Without a hook they are issued as Python warnings.
     model, start = old_model(path, 6)
     with pytest.warns(streakcast.StreakcastWarning, match="14 days"):
         model.assess(TARGET, start, 30.0)
 
 
-def test_warnings_of_others_stay_as_they_were(model):
-    """Said once a place by Python's own filters, also while a question is under way, and in threads."""
+def test_other_warnings_are_not_affected(model):
+    """Python's filters issue them once per location, also during calls of the hook and in threads."""
     hook = Hook(model, "test")
 
-    def question(_):
-        warnings.warn("somebody else's", DeprecationWarning)
+    def warn(_):
+        warnings.warn("of another library", DeprecationWarning)
 
-    with warnings.catch_warnings(record=True) as heard:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("default")
-        threads = [threading.Thread(target=lambda: [hook.ask(question, None) for _ in range(50)]) for _ in range(4)]
+        threads = [threading.Thread(target=lambda: [hook.ask(warn, None) for _ in range(50)]) for _ in range(4)]
         for thread in threads:
             thread.start()
         for thread in threads:
             thread.join()
-    assert len(heard) == 1 and hook.counts["warned"] == 0
+    assert len(caught) == 1 and hook.counts["warned"] == 0
 
 
-def in_a_process(hook, trouble):
+def in_process(hook, divisor):
     hook.ask(lambda model: model.satellites(START), None)
     for _ in range(3):
-        hook.ask(lambda model: 1 / trouble, None)
+        hook.ask(lambda model: 1 / divisor, None)
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_another_process_is_counted_here(path, method, caplog):
     hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test")
     count(hook)
-    lent = [hook.for_process() for _ in range(2)]
-    for one in lent:
-        process = multiprocessing.get_context(method).Process(target=in_a_process, args=(one, 0))
+    hooks = [hook.for_process() for _ in range(2)]
+    for one in hooks:
+        process = multiprocessing.get_context(method).Process(target=in_process, args=(one, 0))
         process.start()
         process.join(60.0)
         assert process.exitcode == 0
     assert hook.counts == {"asked": 9, "failed": 6}
-    # Taken over once, and said once.
+    # Counts are added once, and the message is logged once.
     assert hook.counts == {"asked": 9, "failed": 6}
-    assert len([one for one in caplog.records if "in a process of its own" in one.message and "ZeroDivisionError" in one.message]) == 1
-    # It pickles as ever, and then counts for itself.
+    assert len([one for one in caplog.records if "in another process" in one.message and "ZeroDivisionError" in one.message]) == 1
+    # A pickled hook keeps its own counts.
     alone = pickle.loads(pickle.dumps(hook.for_process()))
     assert count(alone) == 20 and hook.counts["asked"] == 9
 
 
 @pytest.mark.parametrize("content", [None, "<html>no\n"])
-def test_a_process_that_begins_while_files_are_away_fails_open(hook, path, content):
-    process = multiprocessing.get_context("spawn").Process(target=in_a_process, args=(hook.for_process(), 1))
-    spoil(path, content)
+def test_a_process_started_while_files_are_missing_uses_the_fallback(hook, path, content):
+    process = multiprocessing.get_context("spawn").Process(target=in_process, args=(hook.for_process(), 1))
+    replace_content(path, content)
     process.start()
     process.join(60.0)
     assert process.exitcode == 0 and hook.counts == {"asked": 4, "failed": 4}
@@ -367,29 +367,29 @@ def test_a_process_that_begins_while_files_are_away_fails_open(hook, path, conte
 
 def test_a_process_that_is_killed_is_counted_here(path):
     hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test")
-    lent = hook.for_process()
+    remote = hook.for_process()
 
-    def asks_and_dies():
-        in_a_process(lent, 0)
+    def run_and_die():
+        in_process(remote, 0)
         os.kill(os.getpid(), signal.SIGKILL)
 
-    process = multiprocessing.get_context("fork").Process(target=asks_and_dies)
+    process = multiprocessing.get_context("fork").Process(target=run_and_die)
     process.start()
     process.join(60.0)
     assert process.exitcode == -signal.SIGKILL and hook.counts == {"asked": 4, "failed": 3}
 
 
-def when_told(hook, begin):
+def wait_and_run(hook, begin):
     begin.wait(60.0)
-    in_a_process(hook, 0)
+    in_process(hook, 0)
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_a_process_that_still_runs_is_counted_here(hook, method):
-    """`Process` forgets its arguments when it starts: nobody here holds the hook of a process that runs."""
+    """`Process` deletes its arguments when it starts, so this process holds no reference to the hook."""
     context = multiprocessing.get_context(method)
     begin = context.Event()
-    process = context.Process(target=when_told, args=(hook.for_process(), begin))
+    process = context.Process(target=wait_and_run, args=(hook.for_process(), begin))
     process.start()
     for _ in range(2):
         assert hook.counts["asked"] == 0
@@ -398,64 +398,64 @@ def test_a_process_that_still_runs_is_counted_here(hook, method):
     assert process.exitcode == 0 and hook.counts == {"asked": 4, "failed": 3}
 
 
-def test_those_heard_of_last_are_still_listened_to(hook, monkeypatch):
-    monkeypatch.setattr(streakcast.hosts, "LENT_MOST", 3)
+def test_the_most_recently_active_hooks_are_still_read(hook, monkeypatch):
+    monkeypatch.setattr(streakcast.hosts, "MAX_REMOTE_HOOKS", 3)
     held = hook.for_process()
-    speaker = hook.for_process()._state.mailbox
+    mailbox = hook.for_process()._state.mailbox
     for number in range(1, 11):
         hook.for_process()
-        speaker.put("asked", number)
+        mailbox.put("asked", number)
         assert hook.counts["asked"] == number
-    assert len(hook._state.lent) == 4
-    # Whoever is held here may be in a process, or on the way into one.
+    assert len(hook._state.remote_hooks) == 4
+    # A hook that is still referenced here may be in a process, or about to be passed to one.
     count(held)
     assert hook.counts["asked"] == 11
     del held
     gc.collect()
     for _ in range(5):
         hook.for_process()
-    assert hook.counts["asked"] == 11 and len(hook._state.lent) == 3
+    assert hook.counts["asked"] == 11 and len(hook._state.remote_hooks) == 3
 
 
-def test_the_next_process_has_the_new_files(hook, path):
+def test_the_next_process_uses_the_new_files(hook, path):
     write(path, elements(25))
     assert count(hook.for_process()) == 25 and hook.counts["reloaded"] == 1
 
 
 def test_counts_of_another_process_can_be_copied(hook):
-    lent = hook.for_process()
-    count(lent)
-    copied = lent.counts.copy()
+    remote = hook.for_process()
+    count(remote)
+    copied = remote.counts.copy()
     copied["asked"] += 5
     assert type(copied) is Counter and copied == {"asked": 6}
-    # The copy is nobody's.
-    assert hook.counts == lent.counts == {"asked": 1}
+    # The copy is not connected to a mailbox.
+    assert hook.counts == remote.counts == {"asked": 1}
 
 
-def test_counts_that_are_added_all_at_once_arrive(hook):
-    lent = hook.for_process()
-    lent.counts.update({"masked": 3}, capped=1)
+def test_counts_added_with_update_are_collected(hook):
+    remote = hook.for_process()
+    remote.counts.update({"masked": 3}, capped=1)
     assert hook.counts == {"masked": 3, "capped": 1}
-    lent.counts.update(["masked", "masked"])
-    lent.counts.update()
-    assert hook.counts == lent.counts == {"masked": 5, "capped": 1}
+    remote.counts.update(["masked", "masked"])
+    remote.counts.update()
+    assert hook.counts == remote.counts == {"masked": 5, "capped": 1}
 
 
 @pytest.fixture
 def slow_read(monkeypatch):
-    """Reads of files wait for this event."""
-    monkeypatch.setattr(streakcast.hosts, "PATIENCE_S", 120.0)
-    good, go_on = streakcast.StreakModel.reloaded, threading.Event()
+    """Event that reading of files waits for."""
+    monkeypatch.setattr(streakcast.hosts, "MAX_WAIT_S", 120.0)
+    original, may_continue = streakcast.StreakModel.reloaded, threading.Event()
 
     def reloaded(model):
-        assert go_on.wait(120.0)
-        return good(model)
+        assert may_continue.wait(120.0)
+        return original(model)
 
     monkeypatch.setattr(streakcast.StreakModel, "reloaded", reloaded)
-    return go_on
+    return may_continue
 
 
-def test_the_next_process_looks_at_once_and_waits(path, slow_read):
+def test_the_next_process_checks_files_and_waits(path, slow_read):
     threading.Timer(0.5, slow_read.set).start()
     hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
     write(path, elements(25))
@@ -470,48 +470,48 @@ def test_the_next_process_waits_for_a_read_under_way(hook, path, slow_read):
     assert count(hook.for_process()) == 25
 
 
-def looks(hook, answers):
-    look(hook)
-    answers.put(count(hook))
+def count_in_process(hook, results):
+    count_and_settle(hook)
+    results.put(count(hook))
 
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
-@pytest.mark.parametrize("trouble", ["slow", "failed"])
-def test_a_process_made_with_old_files_looks_itself(hook, path, monkeypatch, method, trouble):
-    """New files that this process could not read, or not in time."""
-    let_go = threading.Event()
+@pytest.mark.parametrize("failure", ["slow", "failed"])
+def test_a_process_started_with_old_files_reads_the_new_ones(hook, path, monkeypatch, method, failure):
+    """This process could not read the new files, or not in time."""
+    may_fail = threading.Event()
 
     def reloaded(model):
-        assert trouble != "slow" or let_go.wait(60.0)
+        assert failure != "slow" or may_fail.wait(60.0)
         raise OSError("Stale file handle")
 
     with monkeypatch.context() as patch:
-        patch.setattr(streakcast.hosts, "PATIENCE_S", 0.1)
+        patch.setattr(streakcast.hosts, "MAX_WAIT_S", 0.1)
         patch.setattr(streakcast.StreakModel, "reloaded", reloaded)
         write(path, elements(25))
-        lent = hook.for_process()
-        assert lent.model.satellites(START) == 20
+        remote = hook.for_process()
+        assert remote.model.satellites(START) == 20
     context = multiprocessing.get_context(method)
-    answers = context.Queue()
-    process = context.Process(target=looks, args=(lent, answers))
+    results = context.Queue()
+    process = context.Process(target=count_in_process, args=(remote, results))
     process.start()
-    assert answers.get(timeout=60.0) == 25
+    assert results.get(timeout=60.0) == 25
     process.join(60.0)
-    let_go.set()
+    may_fail.set()
     hook.settle()
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_a_process_forked_while_files_are_read_reads_too(hook, path, monkeypatch):
-    """The lock that the reading thread holds is held by nobody in the child."""
-    monkeypatch.setattr(streakcast.hosts, "PATIENCE_S", 0.1)
+def test_a_process_forked_during_a_read_can_read_files(hook, path, monkeypatch):
+    """The lock held by the reading thread has no owner in the child."""
+    monkeypatch.setattr(streakcast.hosts, "MAX_WAIT_S", 0.1)
     write(path, elements(25))
     context = multiprocessing.get_context("fork")
-    answers = context.Queue()
-    with streakcast._state._skies_lock:
-        process = context.Process(target=looks, args=(hook.for_process(), answers), daemon=True)
+    results = context.Queue()
+    with streakcast._state._sky_caches_lock:
+        process = context.Process(target=count_in_process, args=(hook.for_process(), results), daemon=True)
         process.start()
     try:
-        assert answers.get(timeout=60.0) == 25
+        assert results.get(timeout=60.0) == 25
     finally:
         process.kill()

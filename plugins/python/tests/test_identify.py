@@ -1,4 +1,4 @@
-"""Whose streak it is: as the command line says, from streaks of a telescope whose satellites are known."""
+"""Identification of streaks: identical to the command line; real streaks of known satellites."""
 
 import numpy as np
 import pytest
@@ -29,12 +29,12 @@ def assert_same(ours, answer):
                 assert_equal(row[name], value, name)
     options = answer["provenance"]["options"]
     assert ours.n_candidates == options["candidates"]
-    # Millionths are written.
+    # The command line prints six decimals.
     assert round(ours.unknown_probability, 6) == pytest.approx(float(options["unknown_probability"]), abs=1e-12)
 
 
-def test_valid_and_verif_the_boxes_of_plaskett(data, command_line):
-    """Boley et al. (2021): box N is of row N (from 0) of their list of targets, which has the middle of 30 s."""
+def test_valid_and_verif_regions_of_the_plaskett_telescope(data, command_line):
+    """Boley et al. (2021): box N belongs to row N (from 0) of their target list, with mid-times of 30 s exposures."""
     folder = data / "photometry" / "boley2021_plaskett"
     elements = folder / "starlink.15JUL2021"
     model = streakcast.StreakModel(mpc="658", elements=elements)
@@ -55,8 +55,8 @@ def test_valid_and_verif_the_boxes_of_plaskett(data, command_line):
         assert_same(ours, answer)
 
 
-def test_verif_every_way_of_saying_it(sky, crossing, command_line):
-    said = ["identify", "--shells", "starlink-gen1", "--mpc", "X05"]
+def test_verif_every_form_of_a_streak(sky, crossing, command_line):
+    arguments = ["identify", "--shells", "starlink-gen1", "--mpc", "X05"]
     k = int(np.nanargmin(crossing["magnitude_peak"]))
     column = {name: values[k] for name, values in crossing.items()}
     ends = [(column[f"{end}_ra_deg"], column[f"{end}_dec_deg"]) for end in ("enter", "exit")]
@@ -64,32 +64,32 @@ def test_verif_every_way_of_saying_it(sky, crossing, command_line):
     text = [f"{ra!r},{dec!r}".replace("np.float64(", "").replace(")", "") for ra, dec in ends]
     shutter = ["--start", START, "--exposure", "30s"]
     middle = (column["mid_ra_deg"], column["mid_dec_deg"])
-    place = [f"--ra={float(middle[0])!r}", f"--dec={float(middle[1])!r}", f"--position-angle={float(column['position_angle_deg'])!r}"]
+    position = [f"--ra={float(middle[0])!r}", f"--dec={float(middle[1])!r}", f"--position-angle={float(column['position_angle_deg'])!r}"]
     clock = [f"{np.datetime_as_string(time)}Z" for time in times]
     ways = [
         (dict(ends=ends, times=times, scale="utc"), [f"--end={text[0]}", f"--end={text[1]}", "--times", *clock]),
         (dict(ends=ends, start=START, exposure=30.0), [f"--end={text[0]}", f"--end={text[1]}", *shutter]),
-        (dict(place=middle, position_angle=column["position_angle_deg"], start=START, exposure=30.0), [*place, *shutter]),
+        (dict(place=middle, position_angle=column["position_angle_deg"], start=START, exposure=30.0), [*position, *shutter]),
         (
             dict(
                 place=middle, position_angle=column["position_angle_deg"] * u.deg, length=90 * u.arcmin, start=START, exposure=30.0,
                 place_sigma=8.0, time_sigma=0.25 * u.s, angle_sigma=0.5, include_dark=True, top=2,
             ),
-            [*place, *shutter, "--length", "1.5deg", "--place-sigma", "8arcsec", "--time-sigma", "0.25s", "--angle-sigma", "0.5deg",
+            [*position, *shutter, "--length", "1.5deg", "--place-sigma", "8arcsec", "--time-sigma", "0.25s", "--angle-sigma", "0.5deg",
              "--include-dark", "--top", "2"],
         ),
     ]  # fmt: skip
     for ours, theirs in ways:
         found = sky.identify(**ours)
         assert found.candidates["norad_id"][0] == column["norad_id"], ours
-        assert_same(found, command_line(*said, *theirs))
+        assert_same(found, command_line(*arguments, *theirs))
     sky_coord = sky.identify(SkyCoord(ends, unit="deg").galactic, Time(times, scale="utc"))
     assert sky_coord.candidates["norad_id"][0] == column["norad_id"]
     plain = sky.identify(ends, times, scale="utc", output="dict")
     assert plain.candidates["passage_utc"].dtype == np.dtype("datetime64[ns]")
 
 
-def test_verif_a_frame_says_where_and_when(data, command_line):
+def test_verif_a_frame_provides_position_and_time(data, command_line):
     fits = pytest.importorskip("astropy.io.fits")
     frame = data / "frames" / "trailblazer" / "cutout_c4d_200306_000415_ori.fits.fz"
     elements = data / "tle" / "supgp" / "starlink_supgp_2020-02-23.tle"
@@ -115,45 +115,45 @@ def test_verif_a_frame_says_where_and_when(data, command_line):
         model.identify(frame=frame, pixels=pixels)
 
 
-def test_what_is_no_streak_is_said(sky, tmp_path):
+def test_invalid_streaks_are_reported(sky, tmp_path):
     ends = ((198.0, 7.0), (199.0, 7.5))
     shutter = dict(start=START, exposure=30.0)
     region = tmp_path / "a.reg"
     region.write_text("fk5\ncircle(1,2,3\")\n")
     cases = [
-        (dict(), "no streak; allowed, one of: ends"),
+        (dict(), "missing streak; allowed, one of: ends"),
         (dict(ends=ends, region=region), "ends and region; allowed, one of"),
         (dict(ends=ends), "no start of the exposure"),
         (dict(ends=ends, start=START), "no length of the exposure; say exposure"),
         (dict(ends=ends, times=[START]), "times: 1; allowed: two"),
         (dict(ends=ends, times=[START, START]), "the second is 0 s after the first"),
-        (dict(ends=ends, times=[START, START], **shutter), "times, or start and exposure"),
+        (dict(ends=ends, times=[START, START], **shutter), "times exclude start, exposure and whole_streak"),
         (dict(ends=(ends[0], ends[0]), **shutter), "both ends of the streak are at one place"),
-        (dict(ends=(ends[0],), **shutter), "allowed: two places"),
+        (dict(ends=(ends[0],), **shutter), "allowed: two positions"),
         (dict(ends=((10, 80), (11, 80)), **shutter), "the streak is below the horizon of Rubin Observatory"),
         (dict(ends=ends, place_sigma=0.0, **shutter), "place_sigma 0.0 arcsec; allowed: above 0 arcsec"),
-        (dict(ends=ends, length=1.0, **shutter), "length belongs to place, not to ends"),
-        (dict(place=ends[0], **shutter), "a place needs a position_angle"),
+        (dict(ends=ends, length=1.0, **shutter), "length is accepted with place only, not with ends"),
+        (dict(place=ends[0], **shutter), "missing position_angle: place requires it"),
         (dict(place=ends[0], position_angle=400, **shutter), "position angle 400"),
         (dict(place=ends[0], position_angle=4, whole_streak=True, **shutter), "a streak of known length"),
         (dict(place=ends[0], position_angle=np.nan, **shutter), "position_angle is nan"),
-        (dict(pixels=((1, 2), (3, 4)), **shutter), "pixels need a frame"),
+        (dict(pixels=((1, 2), (3, 4)), **shutter), "missing frame: pixels require it"),
         (dict(pixels=((1, 2, 3), (3, 4, 5)), frame="x.fits"), "allowed: two pairs"),
         (dict(pixels=((1, 2), (3, 4)), frame="x.fits", origin=2), "origin 2; allowed: 0, 1"),
         (dict(region=region, **shutter), "a.reg: line 2: 'circle' is not read"),
         (dict(region="missing.reg", **shutter), "missing.reg"),
         (dict(ends=ends, top=0, **shutter), "top 0; allowed: 1 or more"),
     ]
-    for said, message in cases:
+    for options, message in cases:
         with pytest.raises(ValueError, match=message):
-            sky.identify(**said)
+            sky.identify(**options)
     with pytest.raises(TypeError, match="scale"):
         sky.identify(ends=ends, start=61266.9, exposure=30.0)
     with pytest.raises(TypeError, match="allowed: a SkyCoord of two"):
         sky.identify(ends="here", **shutter)
 
 
-def test_nobody_is_an_answer(sky):
-    # Far south, where no shell of 53 degrees comes by.
+def test_no_candidates_is_a_valid_result(sky):
+    # Far south, where no satellite of inclination 53 degrees passes.
     found = sky.identify(((10.0, -86.5), (12.0, -86.6)), start=START, exposure=1.0)
     assert len(found.candidates) == found.n_candidates == 0 and found.unknown_probability == pytest.approx(1.0)

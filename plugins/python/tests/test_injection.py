@@ -1,4 +1,4 @@
-"""Streaks in files and arrays are those of the command line, and what cannot be done is said."""
+"""Injection into files and arrays: identical to the command line; errors for invalid arguments."""
 
 import os
 import subprocess
@@ -17,7 +17,7 @@ from conftest import START, TARGET  # noqa: E402
 from test_threads import ENOUGH, steps_while  # noqa: E402
 
 SIZE = 600
-#: 3.5° across: satellites of the busy evening pass through it.
+#: A frame 3.5° wide is crossed by satellites at that time.
 SCALE_DEG = 3.5 / SIZE
 
 
@@ -40,13 +40,13 @@ def pixels(dtype):
 
 @pytest.fixture(scope="module")
 def injector():
-    """As the command line is asked: V magnitudes, the seeing of a telescope, no field."""
+    """Model with the options of the command line: V magnitudes, the seeing of a telescope, no field."""
     return streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", epoch=START)
 
 
 @pytest.fixture(scope="module")
 def command(tmp_path_factory):
-    """What the command line writes for the same frame."""
+    """Function that runs the command line on the same frame."""
     folder = tmp_path_factory.mktemp("command")
 
     def run(frame, *arguments):
@@ -64,7 +64,7 @@ def command(tmp_path_factory):
 
 
 @pytest.mark.parametrize("dtype", ["float32", "float64", "uint16", "int16", "int32"])
-def test_verif_arrays_and_files_are_the_command_lines_to_the_last_bit(injector, command, tmp_path, dtype):
+def test_verif_arrays_and_files_equal_the_command_line_to_the_last_bit(injector, command, tmp_path, dtype):
     frame = pixels(dtype)
     source, target = command(frame, "--mpc", "X05", "--shells", "starlink-gen1", "--telescope", "rubin", "--seeing", "1arcmin", "--seed", "7")
     done = injector.inject(frame, header=header(), seeing="1arcmin", seed=7)
@@ -77,20 +77,20 @@ def test_verif_arrays_and_files_are_the_command_lines_to_the_last_bit(injector, 
         assert len(done.truth) == len(theirs["STREAKS"].data) > 0
         assert len(done.points) == len(theirs["STREAK_POINTS"].data)
         np.testing.assert_array_equal(done.truth["norad_id"], theirs["STREAKS"].data["norad_id"])
-    # Single precision keeps seven digits of what was added.
+    # Single precision keeps seven digits of the added light.
     np.testing.assert_allclose(done.added, done.image.astype("f8") - frame, rtol=1e-6)
     assert (frame == pixels(dtype)).all(), "the array was changed"
-    # The mask leaves out wings that drown in the noise of the frame.
+    # The mask omits wings below the noise of the frame.
     injected = ((done.mask >> done.mask_planes["INJECTED"]) & 1).astype(bool)
     assert done.added[injected].sum(dtype=float) > 0.8 * done.added.sum(dtype=float) > 1000
 
     path = tmp_path / "ours.fits"
-    told = injector.inject(source, path, seeing="1arcmin", seed=7)
-    assert told.path == path and told.image is None
+    written = injector.inject(source, path, seeing="1arcmin", seed=7)
+    assert written.path == path and written.image is None
     assert path.read_bytes() == target.read_bytes()
 
 
-def test_verif_random_streaks_are_the_command_lines(command):
+def test_verif_random_streaks_equal_the_command_line(command):
     frame = pixels("float32")
     options = ["--random-streaks", "3", "--magnitude", "5,7", "--seeing", "60arcsec", "--seed", "11", "--no-noise"]
     _, target = command(frame, *options)
@@ -104,12 +104,12 @@ def test_verif_random_streaks_are_the_command_lines(command):
     assert (other.image != done.image).any()
 
 
-def test_a_wcs_and_words_in_place_of_a_header(injector):
+def test_a_wcs_and_arguments_instead_of_a_header(injector):
     frame = pixels("float32")
     expected = injector.inject(frame, header=header(), seeing="1arcmin", seed=3)
-    words = dict(start=Time(START), exposure=30 * u.s, zero_point=25.0, gain=2.0, seeing="1arcmin", seed=3)
-    done = injector.inject(frame, header=WCS(header()), **words)
-    # The WCS writes its numbers anew: places may differ in the last digit, light by a few electrons' noise.
+    arguments = dict(start=Time(START), exposure=30 * u.s, zero_point=25.0, gain=2.0, seeing="1arcmin", seed=3)
+    done = injector.inject(frame, header=WCS(header()), **arguments)
+    # The WCS formats its numbers again: positions may differ in the last digit, fluxes by a few electrons of noise.
     assert len(done.truth) == len(expected.truth)
     assert abs(done.added.sum() / expected.added.sum() - 1) < 1e-3
     text = header().tostring(sep="\n")
@@ -117,8 +117,9 @@ def test_a_wcs_and_words_in_place_of_a_header(injector):
     assert list(injector.inject(frame, header=text, seeing="1arcmin", table="dict").truth) == expected.truth.colnames
 
 
-def test_the_flux_of_a_streak_is_its_magnitudes():
-    # A star of magnitude m makes 10^(-0.4 (m - ZP)) counts in the exposure; the streak is one for as long as it is in the frame.
+def test_the_flux_of_a_streak_matches_its_magnitude():
+    # A star of magnitude m gives 10^(-0.4 (m - ZP)) counts in the exposure, the streak the fraction of its time in the
+    # frame.
     done = streakcast.inject(
         np.zeros((SIZE, SIZE)), header=header(), random_streaks=1, magnitude=5.0, streak_rate_deg_s=0.5,
         seeing="1arcmin", psf="gaussian", noise=False, seed=4, table="dict",
@@ -127,11 +128,11 @@ def test_the_flux_of_a_streak_is_its_magnitudes():
     inside_s = length_pix * SCALE_DEG / 0.5
     assert inside_s > 1.0
     expected = 10 ** (-0.4 * (5.0 - 25.0)) * inside_s / 30.0
-    # 1 %: the scale of a tangent plane at its border, and what of the ends' images lies outside.
+    # 1 %: varying scale of the tangent plane, and light of the ends outside the frame.
     assert done.added.sum() == pytest.approx(expected, rel=0.01)
 
 
-def test_what_cannot_be_done_is_said(injector, tmp_path):
+def test_invalid_arguments_are_reported(injector, tmp_path):
     frame = pixels("float32")
     cases = [
         (dict(header=header()), "no streaks"),

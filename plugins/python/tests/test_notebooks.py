@@ -1,4 +1,4 @@
-"""The notebooks run from their first cell to their last, and their own assertions hold."""
+"""The notebooks run completely, and their assertions hold."""
 
 import nbformat
 import pytest
@@ -17,5 +17,5 @@ def test_notebook(path):
     NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
 
 
-def test_there_is_one_for_each_use():
+def test_there_is_a_notebook_for_each_use():
     assert {path.stem for path in NOTEBOOKS} == {"forecast", "identify", "injection", "maps", "scheduler", "streaks"}

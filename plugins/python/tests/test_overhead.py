@@ -1,4 +1,4 @@
-"""Satellites above a site: the same as the crossings of a field there, in one question."""
+"""Satellites above a site: consistent with the crossings of a field at the same time."""
 
 import numpy as np
 import pytest
@@ -16,11 +16,11 @@ def angles(direction):
     return np.degrees(np.arctan2(direction[:, 1], direction[:, 0])) % 360.0, np.degrees(np.arcsin(direction[:, 2]))
 
 
-def test_who_stands_in_a_field_is_who_crosses_it(wide):
+def test_satellites_in_a_field_are_those_that_cross_it(wide):
     seconds = np.array([0.0, 2.0, 40.0])
     up = wide.overhead(START, seconds, min_altitude=0.0)
     assert up.direction.shape == (up.moment.size, 3) and np.allclose(np.linalg.norm(up.direction, axis=1), 1.0)
-    # The middle of all that is up is near the zenith.
+    # The mean direction of all satellites above the horizon is near the zenith.
     ra, dec = (float(one[0]) for one in angles(up.direction[up.moment == 0].mean(axis=0)[None, :]))
     alpha, delta = np.radians([ra, dec])
     centre = np.array([np.cos(delta) * np.cos(alpha), np.cos(delta) * np.sin(alpha), np.sin(delta)])
@@ -35,28 +35,28 @@ def test_who_stands_in_a_field_is_who_crosses_it(wide):
         assert np.allclose(seen_ra, np.asarray(crossed["mid_ra_deg"])[order], atol=1e-5)
         assert np.allclose(seen_dec, np.asarray(crossed["mid_dec_deg"])[order], atol=1e-5)
         compared += int(inside.sum())
-        # What is of a satellite is of the middle one of its moments.
-        for place, norad in enumerate(np.asarray(crossed["norad_id"])[order]):
+        # Columns per satellite are computed at the middle of its times.
+        for index, norad in enumerate(np.asarray(crossed["norad_id"])[order]):
             moments = up.moment[up.norad_id == norad]
             if moments[len(moments) // 2] == number:
                 row = np.flatnonzero(up.norad_id == norad)[0]
                 for here, there in (("range_km", "range_km"), ("angular_rate_deg_s", "angular_rate_deg_s"), ("magnitude", "magnitude_peak")):
-                    expected = float(np.asarray(crossed[there])[order][place])
+                    expected = float(np.asarray(crossed[there])[order][index])
                     assert np.isclose(getattr(up, here)[row], expected, rtol=1e-4), (here, norad)
-                widths.append(up.lost_width_arcsec[row] / float(np.asarray(crossed["width_arcsec"])[order][place]))
+                widths.append(up.lost_width_arcsec[row] / float(np.asarray(crossed["width_arcsec"])[order][index]))
     assert compared > 5
-    # So many widths of a streak are lost, whoever's it is.
+    # The ratio of lost width to streak width is the same for all satellites.
     assert min(widths) >= 1.0 and np.allclose(widths, widths[0], rtol=1e-4)
 
 
-def test_units_and_what_is_left_out(wide):
+def test_units_and_filters(wide):
     plain = wide.overhead(START, 10.0, min_altitude=30.0)
     assert set(plain.moment) <= {0} and plain.moment.size > 3
     time = pytest.importorskip("astropy.time")
     u = pytest.importorskip("astropy.units")
     same = wide.overhead(time.Time("2026-08-14T23:29:05", scale="utc"), 1.0 / 6.0 * u.min, min_altitude=0.5236 * u.rad)
     assert np.array_equal(plain.norad_id, same.norad_id)
-    # An hour and a half later some of them are in the shadow.
+    # An hour and a half later some satellites are in the shadow.
     lit, all_of_them = (wide.overhead("2026-08-15T01:00:00Z", 10.0, include_dark=dark) for dark in (False, True))
     assert set(lit.norad_id) < set(all_of_them.norad_id)
     unlit = wide.overhead(START, 10.0, min_altitude=30.0, light=False)
@@ -66,7 +66,7 @@ def test_units_and_what_is_left_out(wide):
 
 
 @pytest.mark.parametrize(
-    ("said", "words"),
+    ("arguments", "message"),
     [
         ({"seconds": [0.0, 5.0, 5.0]}, "not in the order of time"),
         ({"seconds": []}, "0 moments"),
@@ -75,12 +75,12 @@ def test_units_and_what_is_left_out(wide):
         ({"min_altitude": 91.0}, r"min_altitude\[0\] is 91 deg; allowed: 0 to 90 deg"),
     ],
 )
-def test_bad_input(wide, said, words):
-    with pytest.raises(ValueError, match=words):
-        wide.overhead(START, **said)
+def test_bad_input(wide, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        wide.overhead(START, **arguments)
 
 
-def test_a_bare_number_needs_its_scale(wide):
+def test_a_bare_number_needs_a_scale(wide):
     with pytest.raises(TypeError, match="without a time scale"):
         wide.overhead(61267.9)
     assert wide.overhead(61267.9, scale="utc").moment is not None

@@ -1,4 +1,4 @@
-"""Charts of answers: PNG and SVG, the same as the command line's, in notebooks and files."""
+"""Charts of results: PNG and SVG, in notebooks and files."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ def model():
     return StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
 
 
-def shown(picture):
+def rendered_svg(picture):
     assert picture._repr_png_().startswith(b"\x89PNG") and picture._repr_png_() == picture.png()
     svg = picture._repr_svg_()
     assert svg.startswith("<svg") and "@font-face" in svg
@@ -23,16 +23,16 @@ def shown(picture):
 @pytest.mark.parametrize("output", ["qtable", "dict"])
 def test_a_field_shows_its_passes(model, output):
     passes = model.passes(TARGET, START, 30.0, output=output)
-    svg = shown(plots.field(passes, TARGET, fov_deg=3.5, title="A field"))
+    svg = rendered_svg(plots.field(passes, TARGET, fov_deg=3.5, title="A field"))
     assert "A field" in svg and f"{len(passes['name'])} streak" in svg
     assert any(str(name)[:16] in svg for name in passes["name"])
 
 
-def test_a_field_is_as_wide_as_it_was_said_to_be(model):
+def test_a_field_has_the_given_diameter(model):
     passes = model.passes(TARGET, START, 30.0, output="dict")
     none = {name: column[:0] for name, column in passes.items()}
-    # A chart is a tenth wider than its border: 33 arcmin to each side.
-    arcminutes, degrees = (shown(plots.field(none, TARGET, fov_deg=fov)) for fov in (1.0, 7.0))
+    # A chart is 10 % wider than the field: 33 arcmin to each side.
+    arcminutes, degrees = (rendered_svg(plots.field(none, TARGET, fov_deg=fov)) for fov in (1.0, 7.0))
     assert "offset to the east, ′" in arcminutes and "\n30\n" in arcminutes and "\n40\n" not in arcminutes
     assert "offset to the east, °" in degrees and "no streak crosses this field" in degrees
     for fov in (0.0, -1.0, 181.0):
@@ -40,16 +40,16 @@ def test_a_field_is_as_wide_as_it_was_said_to_be(model):
             plots.field(passes, TARGET, fov_deg=fov)
 
 
-def test_forms_of_tables_are_one_picture(model):
+def test_both_forms_of_tables_give_the_same_chart(model):
     one, other = (plots.field(model.passes(TARGET, START, 30.0, output=form), TARGET) for form in ("qtable", "dict"))
     assert one.svg() == other.svg()
 
 
-def test_a_night_says_how_many_are_struck(model):
+def test_a_night_shows_the_number_of_struck_exposures(model):
     seconds = np.arange(20) * 60
     start = np.datetime64("2026-08-14T23:20:00") + seconds.astype("timedelta64[s]")
     flags = model.flags(TARGET, start, 30.0, scale="utc")
-    svg = shown(plots.night(flags, start, 30.0, limit_mag=7.0, utc_offset=-4, scale="utc"))
+    svg = rendered_svg(plots.night(flags, start, 30.0, limit_mag=7.0, utc_offset=-4, scale="utc"))
     struck = int(np.sum(np.asarray(flags["n_streaks"]) > 0))
     assert struck > 0 and f"20 exposures, {struck} struck" in svg
     assert "UTC, 2026-08-14" in svg and "local time (UTC−4), 2026-08-14" in svg
@@ -58,7 +58,7 @@ def test_a_night_says_how_many_are_struck(model):
 def test_a_light_curve_of_samples(model, tmp_path):
     passes = model.passes(TARGET, START, 30.0, samples=50, output="dict")
     picture = plots.light_curve(passes["samples"][0], title="A curve", limit_mag=7.0)
-    assert "magnitude, ±1σ" in shown(picture)
+    assert "magnitude, ±1σ" in rendered_svg(picture)
     for name, begin in [("curve.png", b"\x89PNG"), ("curve.svg", b"<svg")]:
         picture.save(tmp_path / name)
         assert (tmp_path / name).read_bytes().startswith(begin)
@@ -72,37 +72,37 @@ def test_a_light_curve_of_samples(model, tmp_path):
 @pytest.mark.parametrize("output", ["qtable", "dict"])
 def test_a_forecast_over_the_sky_and_in_time(model, output):
     passes = model.forecast("2026-08-14", max_mag=5, min_culmination=86, samples=41, output=output).passes
-    svg = shown(plots.sky_chart(passes, title="A night"))
+    svg = rendered_svg(plots.sky_chart(passes, title="A night"))
     assert "A night" in svg and "from UTC" in svg and all(f"\n{side}\n" in svg for side in "NESW")
     assert "The 22 brightest" not in svg and len(passes["name"]) == 13
     one = passes[:1] if output == "qtable" else {name: cells[:1] for name, cells in passes.items()}
-    # Full minutes stand along a pass that is alone.
-    assert "\n22:48\n" in shown(plots.sky_chart(one)) and "\n22:48\n" not in svg
-    curve = shown(plots.light_curve(passes["samples"][0], title="A pass"))
-    # From rise to set it is no field that it is in.
+    # A single pass is labelled with full minutes.
+    assert "\n22:48\n" in rendered_svg(plots.sky_chart(one)) and "\n22:48\n" not in svg
+    curve = rendered_svg(plots.light_curve(passes["samples"][0], title="A pass"))
+    # A pass from rise to set has no field.
     assert "in the field" not in curve and "magnitude, ±1σ" in curve
     many = model.forecast("2026-08-14", max_mag=5, min_culmination=75, samples=3, output=output).passes
-    assert f"The 22 brightest of {len(many['name'])} passes" in shown(plots.sky_chart(many))
+    assert f"The 22 brightest of {len(many['name'])} passes" in rendered_svg(plots.sky_chart(many))
     none = model.forecast("2026-08-14", max_mag=-8, samples=3, output=output).passes
-    # A night without a pass is an empty sky.
-    assert "no pass" in shown(plots.sky_chart(none))
+    # A night without passes gives an empty chart.
+    assert "no pass" in rendered_svg(plots.sky_chart(none))
     with pytest.raises(ValueError, match="samples=100"):
         plots.sky_chart(model.forecast("2026-08-14", max_mag=-8, output=output).passes)
 
 
 def test_rates_and_the_sun():
-    svg = shown(plots.sky_rate(np.arange(4), [0.0, 1.0, 2.0, 0.5], nside=4, sun_azimuth_deg=250.0))
+    svg = rendered_svg(plots.sky_rate(np.arange(4), [0.0, 1.0, 2.0, 0.5], nside=4, sun_azimuth_deg=250.0))
     assert "not asked" in svg
-    svg = shown(plots.sun_altitude(-np.arange(40.0), np.ones(40), n_bright=np.zeros(40), limit_mag=7))
+    svg = rendered_svg(plots.sun_altitude(-np.arange(40.0), np.ones(40), n_bright=np.zeros(40), limit_mag=7))
     assert "40 exposures, 1.00 trails each on average" in svg and "brighter than 7 mag" in svg
 
 
-def test_what_cannot_be_drawn_is_told():
+def test_invalid_charts_are_reported():
     with pytest.raises(StreakcastError, match="a cell is 99"):
         plots.sky_rate([99], [1.0], nside=1, sun_azimuth_deg=0.0)
     with pytest.raises(StreakcastError, match="numbers of trails: 2 values"):
         plots.sun_altitude([-5.0], [1.0, 2.0])
-    with pytest.raises(ValueError, match="belong together"):
+    with pytest.raises(ValueError, match="require each other"):
         plots.sun_altitude([-5.0], [1.0], n_bright=[1.0])
     with pytest.raises(StreakcastError, match="no points along the track"):
         plots.light_curve([])

@@ -1,4 +1,4 @@
-"""What the pages show is what comes out."""
+"""The README's example prints the output shown there."""
 
 import contextlib
 import io
@@ -12,8 +12,8 @@ README = ROOT / "plugins" / "python" / "README.md"
 def test_the_readmes_example():
     text = README.read_text()
     code = re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1)
-    shown = re.search(r"```text\n(.*?)```", text, re.DOTALL).group(1)
+    expected = re.search(r"```text\n(.*?)```", text, re.DOTALL).group(1)
     printed = io.StringIO()
     with contextlib.redirect_stdout(printed):
         exec(code, {})  # noqa: S102
-    assert printed.getvalue() == shown
+    assert printed.getvalue() == expected

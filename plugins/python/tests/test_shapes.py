@@ -1,4 +1,4 @@
-"""Arrays in, arrays out; astropy in, astropy out."""
+"""Array shapes and astropy types of arguments and results."""
 
 import numpy as np
 import pytest
@@ -28,8 +28,8 @@ def test_numbers_for_one_and_arrays_for_many(model):
 def test_astropy_in(model):
     expected = model.assess(TARGET, START, 30.0)
     time = Time(START[:-1], scale="utc")
-    place = SkyCoord(TARGET[0], TARGET[1], unit="deg")
-    for target in (place, place.galactic, place.fk5, (TARGET[0] / 15 * u.hourangle, TARGET[1] * u.deg)):
+    coordinate = SkyCoord(TARGET[0], TARGET[1], unit="deg")
+    for target in (coordinate, coordinate.galactic, coordinate.fk5, (TARGET[0] / 15 * u.hourangle, TARGET[1] * u.deg)):
         answer = model.assess(target, time, 0.5 * u.min)
         assert answer.n_streaks == expected.n_streaks
         assert answer.streak_length_deg == pytest.approx(expected.streak_length_deg, abs=1e-3)
@@ -46,7 +46,7 @@ def test_astropy_site_and_field(model):
     )
     ours, theirs = built.assess(TARGET, START, 30.0), model.assess(TARGET, START, 30.0)
     assert ours.n_streaks == theirs.n_streaks
-    # A degree of latitude goes to JSON and back with all its digits.
+    # The latitude keeps all digits through JSON.
     assert ours.streak_length_deg == pytest.approx(theirs.streak_length_deg, abs=1e-9)
 
 
@@ -61,7 +61,7 @@ def test_qtable_out(model):
     assert [set(sample) >= {"ra_deg", "dec_deg", "magnitude"} for sample in passes["samples"][0]] == [True] * 3
     flags = model.flags(TARGET, START, 30.0)
     assert isinstance(flags, QTable) and list(flags["norad_ids"][0])
-    # ECSV takes the plain columns.
+    # Plain columns can be formatted as text.
     plain = passes[[name for name in passes.colnames if name not in ("samples", "chords")]]
     assert "range_km" in "".join(plain.pformat(max_lines=4, max_width=-1))
 
@@ -75,7 +75,7 @@ def test_dictionaries_out_without_astropy(model):
 
 
 def test_missing_times_are_masked(model):
-    # From the beginning of the span on some satellites are up already: they have no rise in it.
+    # Satellites already above the horizon at the start have no rise time.
     span = dict(start=START, end="2026-08-14T23:34:05Z", min_altitude=20 * u.deg)
     passes = model.forecast(**span, include_dark=True, samples=2).passes
     assert len(passes) > 10
@@ -87,14 +87,14 @@ def test_missing_times_are_masked(model):
     assert len(model.forecast(**span).passes) <= len(passes)
 
 
-def test_check_pointings_is_what_rubin_sim_users_know(model):
+def test_check_pointings_has_the_conventions_of_rubin_sim(model):
     mjd = Time(START[:-1], scale="utc").mjd
     ra, dec = np.array([TARGET[0], 10.0]), np.array([TARGET[1], 80.0])
     lengths_deg, n_streaks = model.check_pointings(ra, dec, np.array([mjd, mjd]), 30.0, scale="utc")
     passes = model.passes(TARGET, START, 30.0)
     assert n_streaks[0] == len(passes)
     assert lengths_deg[0] == pytest.approx(passes["streak_length_deg"].to_value("deg").sum())
-    # At 80 deg north nothing stands above the horizon of Cerro Pachon.
+    # Declination 80 deg is below the horizon of Cerro Pachon.
     assert n_streaks[1] == 0 and lengths_deg[1] == 0.0
 
 
@@ -119,10 +119,10 @@ def test_below_the_horizon_is_invalid(model):
 def test_altaz_targets(model):
     frame = AltAz(obstime=Time(START[:-1], scale="utc"), location=model.location)
     target = SkyCoord(alt=[30, 60] * u.deg, az=[280, 260] * u.deg, frame=frame)
-    # Within the field; the pointing follows the stars, two and a half degrees in ten minutes.
+    # Within the field radius, plus the change of altitude in ten minutes (2.5 degrees).
     passes = model.passes(target, START, 600.0)
-    for place, altitude_deg in enumerate([30.0, 60.0]):
-        mine = passes[passes["exposure_id"] == place]
+    for index, altitude_deg in enumerate([30.0, 60.0]):
+        mine = passes[passes["exposure_id"] == index]
         assert len(mine) > 0
         assert np.all(np.abs(mine["altitude_deg"].to_value("deg") - altitude_deg) < 1.75 + 2.6)
 

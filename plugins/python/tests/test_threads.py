@@ -1,4 +1,4 @@
-"""What takes long runs without the interpreter's lock."""
+"""Long computations release the interpreter's lock."""
 
 import multiprocessing
 import subprocess
@@ -13,16 +13,19 @@ from conftest import START, TARGET
 from test_hosts import elements
 
 
-#: Steps of the other thread that show that the lock was released.
+#: Number of steps of the other thread that proves that the lock was released.
 ENOUGH = 10
 #: Limit on the repetitions of `steps_while`, seconds.
 LIMIT_S = 120.0
 
 
 def steps_while(work):
-    """Steps of another thread while `work` is repeated, until they are enough: on a loaded machine one call may be over before it runs.
+    """Counts steps of another thread while `work` is repeated.
 
-    The other thread releases the lock at each step, this one only inside the work.
+    The work is repeated until there are enough steps, because on a loaded machine one call may end before the other
+    thread runs.
+
+    The other thread releases the lock at each step, this one only inside `work`.
     """
     done = threading.Event()
     begun = threading.Event()
@@ -50,59 +53,59 @@ def steps_while(work):
         sys.setswitchinterval(interval)
 
 
-def test_a_thread_that_keeps_the_lock_is_noticed(monkeypatch):
+def test_holding_the_lock_is_detected(monkeypatch):
     monkeypatch.setattr(sys.modules[__name__], "LIMIT_S", 0.5)
     assert steps_while(lambda: sum(range(3_000_000))) == 0
 
 
-@pytest.mark.parametrize("question", ["judge", "flags", "passes", "clear_windows"])
-def test_two_threads_overlap(model, question):
-    skies, engine = model._open()
+@pytest.mark.parametrize("method", ["judge", "flags", "passes", "clear_windows"])
+def test_two_threads_overlap(model, method):
+    _, engine = model._open()
     many = np.full(3000, TARGET[0]) + np.linspace(0, 10, 3000), np.full(3000, TARGET[1])
-    asked, bands, _ = model._question(many, START, 30.0, 0.0, None, None)
-    few, _, _ = model._question((many[0][:20], many[1][:20]), START, 7200.0, 0.0, None, None)
+    exposures, bands, _ = model._exposure_columns(many, START, 30.0, 0.0, None, None)
+    few, _, _ = model._exposure_columns((many[0][:20], many[1][:20]), START, 7200.0, 0.0, None, None)
     work = {
-        "judge": lambda: engine.judge(asked, bands),
-        "flags": lambda: engine.flags({name: column[:500] for name, column in asked.items()}, bands),
-        "passes": lambda: engine.passes(asked, False, 0),
+        "judge": lambda: engine.judge(exposures, bands),
+        "flags": lambda: engine.flags({name: column[:500] for name, column in exposures.items()}, bands),
+        "passes": lambda: engine.passes(exposures, False, 0),
         "clear_windows": lambda: engine.clear_windows(few, bands, 30.0, 0.0, "any"),
-    }[question]
+    }[method]
     work()
     assert steps_while(work) > ENOUGH
 
 
-def test_answers_do_not_depend_on_who_asks_at_the_same_time(model):
+def test_results_do_not_depend_on_concurrent_calls(model):
     starts = 61266.9785301 + np.arange(40) * 3e-4
     expected = [model.assess(TARGET, start, 30.0, scale="utc").n_streaks for start in starts]
-    answers = {}
+    results = {}
 
-    def ask(part):
-        for place in range(part, 40, 4):
-            answers[place] = model.assess(TARGET, starts[place], 30.0, scale="utc").n_streaks
+    def assess(part):
+        for index in range(part, 40, 4):
+            results[index] = model.assess(TARGET, starts[index], 30.0, scale="utc").n_streaks
 
-    threads = [threading.Thread(target=ask, args=(part,)) for part in range(4)]
+    threads = [threading.Thread(target=assess, args=(part,)) for part in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
         thread.join()
-    assert [answers[place] for place in range(40)] == expected
+    assert [results[index] for index in range(40)] == expected
     assert sum(expected) > 0
 
 
-def _ask_in_child(model, pipe):
+def _assess_in_child(model, pipe):
     pipe.send(model.assess(TARGET, START, 30.0).n_streaks)
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_a_forked_child_has_threads_of_its_own(model):
+def test_a_forked_child_has_its_own_thread_pool(model):
     expected = model.assess(TARGET, START, 30.0).n_streaks
     here, there = multiprocessing.Pipe()
-    child = multiprocessing.get_context("fork").Process(target=_ask_in_child, args=(model, there), daemon=True)
+    child = multiprocessing.get_context("fork").Process(target=_assess_in_child, args=(model, there), daemon=True)
     child.start()
-    # A child that waits for its parent's threads would wait for ever.
-    answered = here.poll(300)
-    child.terminate() if not answered else child.join()
-    assert answered and here.recv() == expected
+    # A child that uses its parent's pool would wait for ever.
+    has_result = here.poll(300)
+    child.terminate() if not has_result else child.join()
+    assert has_result and here.recv() == expected
 
 
 MANY_NIGHTS = """
@@ -112,11 +115,11 @@ model = streakcast.StreakModel(mpc="X05", elements=sys.argv[1], fov="3.5deg")
 for first in range(2000):
     begin = threading.Barrier(4)
 
-    def ask(number):
+    def load(number):
         begin.wait()
         model.satellites(61260.0 + (first + 7 * number) % 40, scale="utc")
 
-    threads = [threading.Thread(target=ask, args=(number,)) for number in range(4)]
+    threads = [threading.Thread(target=load, args=(number,)) for number in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:
@@ -124,8 +127,8 @@ for first in range(2000):
 """
 
 
-def test_threads_that_ask_for_many_nights_do_not_wait_for_one_another_for_ever(tmp_path):
+def test_threads_with_many_nights_do_not_deadlock(tmp_path):
     path = tmp_path / "elements.tle"
     path.write_text(elements(20))
-    # In a process of its own: threads that wait for ever would stop all other tests.
+    # In a separate process: a deadlock would block all other tests.
     subprocess.run([sys.executable, "-c", MANY_NIGHTS, str(path)], check=True, timeout=1800.0)

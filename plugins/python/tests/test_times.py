@@ -1,4 +1,4 @@
-"""Times say their scale, in every form; and the scale matters."""
+"""Times of every type require a scale, and the scale affects the result."""
 
 import datetime
 
@@ -29,11 +29,11 @@ def every_form():
 
 
 @pytest.mark.parametrize("start, scale", every_form())
-def test_one_moment_in_every_form(model, start, scale):
+def test_one_time_in_every_form(model, start, scale):
     expected = model.assess(TARGET, START, 30.0)
     answer = model.assess(TARGET, start, 30.0, scale=scale)
     assert answer.n_streaks == expected.n_streaks > 0
-    # A double of MJD is good to a microsecond; TDB is astropy's own, 2 ms of relativity computed the same way.
+    # MJD as a double has a precision of a microsecond; TDB (2 ms from TT) is converted by astropy.
     assert answer.streak_length_deg == pytest.approx(expected.streak_length_deg, abs=1e-4)
 
 
@@ -61,38 +61,38 @@ def test_a_bare_time_is_a_type_error(model, start):
         model.check_pointings(TARGET[0], TARGET[1], start, 30.0)
 
 
-def test_tai_read_as_utc_is_another_answer(model):
+def test_tai_read_as_utc_changes_the_result(model):
     starts = Time(START[:-1], scale="utc").mjd + np.arange(60) / 1440.0
     ra, dec = np.linspace(190.0, 210.0, 60), np.linspace(-20.0, 10.0, 60)
     utc = model.assess((ra, dec), starts, 30.0, scale="utc")
     tai = model.assess((ra, dec), starts, 30.0, scale="tai")
     assert utc.crosses.sum() > 3
-    # 37 s later hardly any satellite is still in the field.
+    # After 37 s hardly any satellite is still in the field.
     assert (utc.streak_length_deg != tai.streak_length_deg)[utc.crosses | tai.crosses].all()
 
 
-def test_the_models_own_scale(model):
+def test_the_scale_of_the_model(model):
     mjd = Time(START[:-1], scale="utc").tai.mjd
     tai = model.with_options(mjd_scale="tai")
     assert tai.mjd_scale == "tai" and model.mjd_scale is None
     assert tai.assess(TARGET, mjd, 30.0).n_streaks == model.assess(TARGET, START, 30.0).n_streaks
-    # A text that names its own zone keeps it.
+    # A string with a time zone keeps it.
     assert tai.assess(TARGET, START, 30.0).n_streaks == model.assess(TARGET, START, 30.0).n_streaks
-    # What is said with the question goes before.
+    # The scale of a call takes precedence.
     ours, theirs = tai.assess(TARGET, mjd, 30.0, scale="utc"), model.assess(TARGET, mjd, 30.0, scale="utc")
     assert (ours.n_streaks, ours.p_any) == (theirs.n_streaks, theirs.p_any)
 
 
 @pytest.mark.parametrize("scale", ["ut1", "local", "", "UTC+1"])
-def test_scales_that_no_clock_keeps(model, scale):
+def test_unknown_scales(model, scale):
     with pytest.raises(ValueError, match="allowed: utc, tai, tt"):
         model.assess(TARGET, 61266.9785, 30.0, scale=scale)
 
 
-def test_nanoseconds_survive_the_way_there_and_back(model):
+def test_nanoseconds_survive_the_round_trip(model):
     start = Time("2026-08-14T23:29:05.123456789", scale="utc")
     answer = model.flags(TARGET, start, 30.0)
     clear = answer["next_clear_start_utc"][0]
-    waited = answer["delay_s"].value[0]
-    assert waited > 0.0
-    assert abs((clear - start).sec - waited) < 1e-6
+    delay_s = answer["delay_s"].value[0]
+    assert delay_s > 0.0
+    assert abs((clear - start).sec - delay_s) < 1e-6

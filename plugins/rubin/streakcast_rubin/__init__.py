@@ -1,4 +1,4 @@
-"""Satellites for the scheduler of the Vera C. Rubin Observatory: visits that no streak crosses."""
+"""Satellite avoidance for the scheduler of the Vera C. Rubin Observatory."""
 
 from .annotate import annotate, visit_columns
 from .mask import StreakMaskBasisFunction

@@ -1,4 +1,4 @@
-"""Which visits of a queue may be taken next without disturbing what the survey asked for, and which of them is best."""
+"""Candidates for the next visit of a queue, and the choice among them."""
 
 from __future__ import annotations
 
@@ -8,61 +8,62 @@ import numpy as np
 
 from ._arrays import BoolArray, FloatArray, IntArray, Visits
 
-#: What a place further back in the queue counts for, as seconds of slew: the survey's order is a short way through the sky.
-PLACE_S = 0.3
+#: Penalty per position in the queue, as seconds of slew, because the survey's order is a short path over the sky.
+POSITION_PENALTY_S = 0.3
 
-#: For a visit that is crossed all the same no longer way is gone than this, seconds, and none that does not halve the damage: else
-#: under a sky without gaps the telescope would wander.
-LEAST_BAD_SLEW_S = 5.0
-WORTH_SHARE = 0.5
+#: A crossed visit is preferred to the first one only if its slew is at most this much longer, seconds, and its damage
+#: is at most this fraction, so that the telescope makes no long slews if every visit is crossed.
+CROSSED_EXTRA_SLEW_S = 5.0
+CROSSED_DAMAGE_FRACTION = 0.5
 
 
 class Choice(NamedTuple):
-    """Which of the candidates goes next, and why."""
+    """The chosen candidate and the reason."""
 
-    #: Its place among the candidates.
-    place: int
-    #: ``clear`` (nothing crosses it), ``due`` (the first one was put off as often as allowed) or ``least`` (all are crossed).
-    why: str
+    #: Index among the candidates.
+    candidate: int
+    #: ``clear`` (not crossed), ``due`` (the first one has reached the maximum number of deferrals) or ``least`` (all
+    #: are crossed).
+    reason: str
 
 
 def candidates(queue: Visits, valid: IntArray, look_ahead: int) -> IntArray:
-    """The first visits that may trade places: places in the queue, in its order.
+    """Returns the queue indices of the first visits that may be exchanged, in the order of the queue.
 
-    They are of the band of the first one (a filter exchange costs minutes, and the second halves of pairs stand behind it), and no
-    visit goes before an earlier one of the same field: the halves of a pair, and the visits of a sequence, keep their order.
+    They have the band of the first one (a filter exchange costs minutes, and the second halves of pairs follow it), and
+    no visit overtakes an earlier one of the same field, so pairs and sequences keep their order.
     """
-    taken: list[int] = []
+    chosen: list[int] = []
     seen: set[tuple[float, float]] = set()
     rows = queue[valid[: 4 * look_ahead]]
-    for place, band, field in zip(valid.tolist(), rows["band"].tolist(), zip(rows["RA"].tolist(), rows["dec"].tolist())):
-        if band != rows["band"][0] or len(taken) == look_ahead:
+    for index, band, field in zip(valid.tolist(), rows["band"].tolist(), zip(rows["RA"].tolist(), rows["dec"].tolist())):
+        if band != rows["band"][0] or len(chosen) == look_ahead:
             break
         if field not in seen:
-            taken.append(place)
+            chosen.append(index)
         seen.add(field)
-    return np.array(taken, dtype=np.int64)
+    return np.array(chosen, dtype=np.int64)
 
 
 def choose(
     blocked: BoolArray, damage: FloatArray, slew_s: FloatArray, deferred: IntArray, max_extra_slew_s: float, max_defer: int
 ) -> Choice:
-    """The next of several candidates, in the order of the queue.
+    """Chooses the next visit among candidates in the order of the queue.
 
     Parameters
     ----------
     blocked : array of bool, ``(n,)``
-        Whether a satellite forbids it now.
+        Whether a satellite blocks the visit now.
     damage : array, ``(n,)``
-        What it would lose, were it taken all the same.
+        Damage if the visit is taken now.
     slew_s : array, ``(n,)``
-        The way to it, seconds; NaN where the telescope cannot go.
+        Slew time, seconds; NaN if the telescope cannot reach the visit.
     deferred : array of int, ``(n,)``
-        How often it was put off already.
+        Number of previous deferrals.
     max_extra_slew_s : float
-        How much longer than to the first candidate the way may be.
+        Maximum slew time in excess of that to the first candidate.
     max_defer : int
-        How often a visit may be put off.
+        Maximum number of deferrals of a visit.
     """
     if deferred[0] >= max_defer:
         return Choice(0, "due" if blocked[0] else "clear")
@@ -73,7 +74,7 @@ def choose(
     if clear[0]:
         return Choice(0, "clear")
     if clear.any():
-        # The nearest loses least time; of two as near, the one that the survey wanted earlier.
-        return Choice(int(np.argmin(np.where(clear, slew_s + PLACE_S * np.arange(slew_s.size), np.inf))), "clear")
-    worth = reached & (slew_s <= first_s + LEAST_BAD_SLEW_S) & (damage <= WORTH_SHARE * damage[0])
+        # The nearest visit loses least time; among equally near ones the earlier one in the queue is taken.
+        return Choice(int(np.argmin(np.where(clear, slew_s + POSITION_PENALTY_S * np.arange(slew_s.size), np.inf))), "clear")
+    worth = reached & (slew_s <= first_s + CROSSED_EXTRA_SLEW_S) & (damage <= CROSSED_DAMAGE_FRACTION * damage[0])
     return Choice(int(np.argmin(np.where(worth, damage, np.inf))) if worth.any() else 0, "least")

@@ -1,4 +1,4 @@
-"""Options that are held to their ranges when a hook is made, so that nothing is left to say at night."""
+"""Checks of options at construction."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ def one_of(name: str, value: str, allowed: tuple[str, ...]) -> str:
 def at_least(name: str, value: float, least: float, most: float = math.inf) -> float:
     number = isinstance(value, (int, float, np.integer, np.floating)) and not isinstance(value, bool)
     if not number or not least <= value <= most or value == math.inf:
-        raise ValueError(f"{name} is {value!r}; allowed: a number from {least:g} {'up' if most == math.inf else f'to {most:g}'}")
+        raise ValueError(f"{name} is {value!r}; allowed: a number from {least:g} {'upwards' if most == math.inf else f'to {most:g}'}")
     return value
 
 
 def above(name: str, value: float, least: float, most: float) -> float:
-    """As `at_least`, without the least itself."""
+    """Like `at_least`, excluding the lower limit."""
     at_least(name, value, least, most)
     if value == least:
         raise ValueError(f"{name} is {value!r}; allowed: a number above {least:g}, up to {most:g}")
@@ -33,7 +33,7 @@ def above(name: str, value: float, least: float, most: float) -> float:
 
 
 def limits(limit_mag: Any) -> Any:
-    """A magnitude, or magnitudes by band."""
+    """Checks a magnitude limit, or limits by band."""
     if limit_mag is None:
         return None
     if isinstance(limit_mag, Mapping):

@@ -1,4 +1,4 @@
-"""What the two maps over the sky share: options, the hook, tracks by slots of time, and zero everywhere where something fails."""
+"""Base class of the two sky maps: options, hook, satellite tracks, and a map of zeros after an error."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from streakcast.hosts import Hook
 
 from ._arrays import FloatArray
 from ._checks import limits, one_of
-from ._questions import DAMAGES, scale_of
+from ._verdicts import DAMAGES, scale_of
 from ._tracks import Sky
 
 NSIDE = 32
@@ -20,9 +20,9 @@ CELLS = 12 * NSIDE * NSIDE
 
 
 class StreakMap(BaseBasisFunction):
-    """A map of nside 32, RING, that asks a model; what it shows is `_map_of`.
+    """Basis function with a map of nside 32, RING, computed by `_map_of`.
 
-    Parameters are those of `StreakMaskBasisFunction` of the same names.
+    Parameters have the same meaning as those of `StreakMaskBasisFunction`.
     """
 
     def __init__(
@@ -43,22 +43,22 @@ class StreakMap(BaseBasisFunction):
         self.limit_mag = limits(limit_mag)
         self.damage = one_of("damage", damage, DAMAGES)
         if model.field_radius_deg is None or model.field_area_deg2 is None:
-            raise ValueError("the model has no field of view: give it telescope= or fov=")
+            raise ValueError("the model has no field of view; specify StreakModel(telescope=...) or fov=...")
         self.radius_deg, self.area_deg2 = model.field_radius_deg, model.field_area_deg2
         self.hook = Hook(model, "rubin", watch_s=watch_s)
         self._sky: Union[Sky, None] = None
 
     @property
     def counts(self) -> Counter[str]:
-        """How often what happened."""
+        """Event counters."""
         return self.hook.counts
 
     def __getstate__(self) -> dict[str, Any]:
-        # Tracks are found again on first use; a map of the last call is not worth 98 kB.
+        # Tracks and the last map (98 kB) are not pickled; they are computed again on first use.
         return {**self.__dict__, "_sky": None, "value": 0, "recalc": True}
 
     def _calc_value(self, conditions: Any, indx: Any = None, **_: Any) -> FloatArray:
-        """The map of now; all zero where the question fails."""
+        """Returns the map at the time of the conditions; zeros after an error."""
         self.value = self.hook.ask(lambda model: self._map_of(model, conditions), np.zeros(CELLS))
         self.mjd_last = conditions.mjd + 0
         self.recalc = False
@@ -68,12 +68,12 @@ class StreakMap(BaseBasisFunction):
         raise NotImplementedError
 
     def _sky_of(self, model: StreakModel) -> Sky:
-        """The satellites of a model."""
+        """Returns the satellite tracks of a model."""
         if self._sky is None or self._sky.model is not model:
             self._sky = Sky(model, self.mjd_scale, light=self.damage == "light" or self.limit_mag is not None)
         return self._sky
 
     def _band(self, conditions: Any) -> Union[str, None]:
-        """The band whose limit holds."""
+        """Returns the band whose limit applies."""
         band: Union[str, None] = self.bandname if self.bandname is not None else conditions.current_band
         return band

@@ -1,4 +1,4 @@
-"""Where the telescope stands and when it is free: what decides at which second the shutter of the next visit opens."""
+"""Position of the telescope and predicted shutter openings of the next visits."""
 
 from __future__ import annotations
 
@@ -11,62 +11,62 @@ from rubin_scheduler.scheduler.model_observatory import KinemModel
 from ._arrays import FloatArray
 
 DAY_S = 86_400.0
-#: A telescope that has done nothing for so long is parked, days: the host's own rule.
+#: Idle time after which the telescope is parked, days (rule of rubin_scheduler).
 PARKED_AFTER_DAY = 10.0 / 1440.0
-#: Conditions that are older than what we know ourselves by this much are stale, days.
+#: Conditions older than the known time by more than this are stale, days.
 STALE_DAY = 1.0 / DAY_S
 
-#: Conditions are never older than the queue that was filled under them, days.
+#: Maximum age of a queue and thus of its conditions, days.
 QUEUE_DAY = 0.25
-#: As much earlier may a host name a time than before without having gone back, days: times are rounded.
-BACK_DAY = 1.0 / DAY_S
+#: Tolerance for times earlier than the previous one, days: times are rounded.
+TIME_TOLERANCE_DAY = 1.0 / DAY_S
 QUARTER_TURNS_RAD = (-np.pi / 2.0, np.pi / 2.0, np.pi)
 
 
 class Openings(NamedTuple):
-    """When the shutter would open on each of several visits, and for how long."""
+    """Predicted shutter openings and lengths of several visits."""
 
-    #: Opening, days (MJD in the host's scale), ``(n,)``; NaN where the telescope cannot go.
+    #: Opening, days (MJD in the scheduler's scale), ``(n,)``; NaN if the telescope cannot reach the visit.
     start_mjd: FloatArray
-    #: Slew from where it stands, seconds, ``(n,)``.
+    #: Slew time from the present position, seconds, ``(n,)``.
     slew_s: FloatArray
-    #: From the shutter's opening to its closing, readouts between snaps included, seconds, ``(n,)``.
+    #: Time from shutter opening to closing, including readouts between snaps, seconds, ``(n,)``.
     length_s: FloatArray
 
 
 class Mount:
-    """Follows the visits that were done, and asks the host's kinematic model how long the way to the next one is.
+    """Tracks completed visits and computes slew times with the kinematic model of rubin_scheduler.
 
-    The conditions that a queue manager is handed can be as old as its queue (``sim_runner`` renews them when the queue is empty),
-    so the clock and the pointing come from the last visit where that is newer.
+    The conditions passed to a queue manager can be as old as its queue (``sim_runner`` updates them when the queue is
+    empty), so time and pointing are taken from the last visit if that is newer.
 
     Parameters
     ----------
     kinematics : KinemModel, optional
-        The host's model with the speeds of the real mount; its defaults where left out.
+        The kinematic model with the speeds of the real mount; default: that of rubin_scheduler.
     """
 
     def __init__(self, kinematics: KinemModel | None = None) -> None:
         self.kinematics = KinemModel() if kinematics is None else deepcopy(kinematics)
         self.last: dict[str, float | str] | None = None
-        self.told_mjd = -np.inf
+        self.host_mjd = -np.inf
         self.conditions_mjd = -np.inf
 
-    def tell(self, mjd: float) -> None:
-        """The host named the time; its last word is the one that counts."""
+    def set_time(self, mjd: float) -> None:
+        """Sets the present time as given by the scheduler."""
         now = float(mjd)
-        if now < self.told_mjd - BACK_DAY:
-            self._went_back(now)
-        self.told_mjd = now
+        if now < self.host_mjd - TIME_TOLERANCE_DAY:
+            self._reset_to(now)
+        self.host_mjd = now
 
-    def _went_back(self, now: float) -> None:
-        """The host began an earlier time anew: what it did later than that it has not done."""
-        self.told_mjd = self.conditions_mjd = -np.inf
+    def _reset_to(self, now: float) -> None:
+        """Discards later times and visits after the scheduler has restarted at an earlier time."""
+        self.host_mjd = self.conditions_mjd = -np.inf
         if self.last is not None and float(self.last["free_mjd"]) > now + PARKED_AFTER_DAY:
             self.last = None
 
     def done(self, observation: Any) -> None:
-        """A visit is complete, or is taken to be (``SummitWrapper`` hands back what it has only asked for, without its lengths)."""
+        """Records a complete visit (``SummitWrapper`` also reports requested visits, with length 0, as complete)."""
         one = np.ravel(observation)[0]
         start, length_s = float(one["mjd"]), float(one["visittime"])
         azimuth = float(one["cummTelAz"])
@@ -75,8 +75,8 @@ class Mount:
             azimuth = 0.0 if self.last is None else float(self.last["azimuth"])
             if self.last is not None:
                 start = max(start, float(self.last["free_mjd"]))
-                self._stand_at_last(start)
-                slew_s = float(self._ways(start, visit)[0])
+                self._place_at_last(start)
+                slew_s = float(self._slew_times(start, visit)[0])
                 start += (slew_s if np.isfinite(slew_s) else 0.0) / DAY_S
             length_s = float(self._lengths(visit)[0])
         self.last = {
@@ -89,31 +89,31 @@ class Mount:
         }
 
     def now(self, conditions: Any) -> float:
-        """The latest of what is known: the conditions, the host's own word, the end of the last visit (MJD)."""
+        """Returns the latest of: time of the conditions, time given by the scheduler, end of the last visit (MJD)."""
         now = float(np.max(conditions.mjd))
-        if now < self.conditions_mjd - BACK_DAY:
-            self._went_back(now)
+        if now < self.conditions_mjd - TIME_TOLERANCE_DAY:
+            self._reset_to(now)
         self.conditions_mjd = now
-        known = [self.told_mjd] if self.last is None else [self.told_mjd, float(self.last["free_mjd"])]
-        # What is further ahead than a queue can be old is of another night: the host went back in time.
-        return max([now, *(one for one in known if one - now < QUEUE_DAY)])
+        candidates = [self.host_mjd] if self.last is None else [self.host_mjd, float(self.last["free_mjd"])]
+        # Times ahead by more than the maximum age of a queue belong to another night: the scheduler restarted earlier.
+        return max([now, *(one for one in candidates if one - now < QUEUE_DAY)])
 
     def openings(self, conditions: Any, visits: Any) -> Openings:
-        """When the shutter would open on each of these visits of one band, were it dispatched now."""
+        """Returns the shutter openings of visits of one band if they were dispatched now."""
         now = self.now(conditions)
-        self._stand(conditions, now)
-        slew_s = self._ways(now, visits)
+        self._place(conditions, now)
+        slew_s = self._slew_times(now, visits)
         return Openings(now + slew_s / DAY_S, slew_s, self._lengths(visits))
 
-    def _stand(self, conditions: Any, now: float) -> None:
-        """Puts the model where the telescope is."""
+    def _place(self, conditions: Any, now: float) -> None:
+        """Sets the kinematic model to the position of the telescope."""
         model, last = self.kinematics, self.last
         if conditions.mounted_bands:
             model.mount_bands(list(conditions.mounted_bands))
         fresh = float(np.max(conditions.mjd)) >= now - STALE_DAY
         model.overhead = 0.0
         if last is not None and 0.0 <= now - float(last["free_mjd"]) < PARKED_AFTER_DAY:
-            self._stand_at_last(now)
+            self._place_at_last(now)
         elif fresh and conditions.tel_ra is not None and np.all(np.isfinite(conditions.tel_ra)):
             model.parked = False
             model.current_ra_rad, model.current_dec_rad = np.ravel(conditions.tel_ra)[:1], np.ravel(conditions.tel_dec)[:1]
@@ -127,8 +127,8 @@ class Mount:
             model.park()
             self._load(str(np.ravel(model.start_band)[0]))
 
-    def _stand_at_last(self, now: float) -> None:
-        """Puts the model where the last visit was."""
+    def _place_at_last(self, now: float) -> None:
+        """Sets the kinematic model to the position of the last visit."""
         model, last = self.kinematics, self.last
         if last is None:
             return
@@ -137,30 +137,31 @@ class Mount:
         model.current_rot_sky_pos_rad = np.array([last["rotation"]])
         model.cumulative_azimuth_rad = float(last["azimuth"])
         self._load(str(last["band"]))
-        # The readout goes on while the telescope slews; a slew is never shorter.
+        # The readout continues during the slew, which cannot be shorter.
         model.overhead = max(0.0, model.readtime - (now - float(last["free_mjd"])) * DAY_S)
 
     def _load(self, band: str) -> None:
-        """The host's model keeps its band in an array, and asks NumPy where it differs."""
+        """Sets the band of the kinematic model, which stores it in an array."""
         self.kinematics.current_band = np.array([band])
 
-    def _ways(self, mjd: float, visits: Any) -> FloatArray:
+    def _slew_times(self, mjd: float, visits: Any) -> FloatArray:
         model = self.kinematics
         ra, dec = np.asarray(visits["RA"], dtype=float), np.asarray(visits["dec"], dtype=float)
         if not model.parked and str(visits["band"][0]) != str(model.current_band[0]):
-            # The rotator turns while the filters are exchanged.
+            # The rotator turns during the filter exchange.
             return np.asarray(model.slew_times(ra, dec, mjd, bandname=None) + model.band_changetime, dtype=float)
-        # Else it turns on the way. From an angle out of its reach the host goes on in quarter turns, to the nearest in reach.
+        # Otherwise it turns during the slew. If an angle is out of range, rubin_scheduler uses the nearest quarter turn
+        # in range.
         rotation = np.asarray(visits["rotSkyPos"], dtype=float)
-        way_s = np.asarray(model.slew_times(ra, dec, mjd, rot_sky_pos=rotation, bandname=None), dtype=float)
-        lost = ~np.isfinite(way_s)
-        if lost.any():
+        slew_s = np.asarray(model.slew_times(ra, dec, mjd, rot_sky_pos=rotation, bandname=None), dtype=float)
+        unreached = ~np.isfinite(slew_s)
+        if unreached.any():
             turns = [model.slew_times(ra, dec, mjd, rot_sky_pos=rotation + turn, bandname=None) for turn in QUARTER_TURNS_RAD]
-            way_s = np.where(lost, np.fmin.reduce(turns), way_s)
-        lost = ~np.isfinite(way_s)
-        if lost.any():
-            way_s = np.where(lost, model.slew_times(ra, dec, mjd, bandname=None), way_s)
-        return way_s
+            slew_s = np.where(unreached, np.fmin.reduce(turns), slew_s)
+        unreached = ~np.isfinite(slew_s)
+        if unreached.any():
+            slew_s = np.where(unreached, model.slew_times(ra, dec, mjd, bandname=None), slew_s)
+        return slew_s
 
     def _lengths(self, visits: Any) -> FloatArray:
         model = self.kinematics

@@ -1,4 +1,4 @@
-"""All lit satellites over a sky, second by second: asked once for everything above the horizon, kept in slots of 40 s."""
+"""Tracks of all lit satellites above the site, computed and cached in time slots of 40 s."""
 
 from __future__ import annotations
 
@@ -12,83 +12,84 @@ import numpy as np
 from streakcast import StreakModel
 
 from ._arrays import FloatArray, IntArray, SingleArray
-from ._questions import weight_of_light
+from ._verdicts import weight_of_light
 
-#: What is asked in one go, seconds: about as long as from one visit to the next.
+#: Length of a time slot, seconds: about the time between visits.
 SLOT_S = 40.0
-#: Between two samples of a track a satellite moves by a degree or two; `Samples.rate_deg_s` says by how much.
+#: Interval between samples of a track, seconds; a satellite moves by one or two degrees in that time (see
+#: `Samples.rate_deg_s`).
 SAMPLE_S = 2.0
-#: How far down satellites are looked at, degrees of altitude.
+#: Minimum altitude of satellites, degrees.
 LOWEST_DEG = 18.0
-#: Slots that are kept: ten minutes.
-KEPT = 15
+#: Number of cached slots: ten minutes.
+CACHED_SLOTS = 15
 Value = TypeVar("Value")
 
 
 class Samples(NamedTuple):
-    """Lit satellites at moments, a row a satellite and moment."""
+    """Lit satellites at sampled times, one row per satellite and time."""
 
     #: Directions, ICRS, ``(n, 3)``.
     direction: FloatArray
-    #: Moment, seconds after the slot's beginning, ``(n,)``.
+    #: Time, seconds after the start of the slot, ``(n,)``.
     second: FloatArray
-    #: Angular rate, degrees a second, ``(n,)``.
+    #: Angular rate, degrees per second, ``(n,)``.
     rate_deg_s: FloatArray
-    #: Width of what a streak makes useless, arcseconds, ``(n,)``.
+    #: Width of the pixels lost to a streak, arcseconds, ``(n,)``.
     lost_width_arcsec: FloatArray
     #: Magnitude, ``(n,)``; NaN where unknown.
     magnitude: FloatArray
 
 
-class Kept(Generic[Value]):
-    """What was found for slots of time, the last ones that were asked for, all of one origin."""
+class SlotCache(Generic[Value]):
+    """Cache of values of the most recently used time slots, all computed from one source."""
 
-    def __init__(self, most: int = KEPT) -> None:
-        self._most = most
-        self._of: Any = None
+    def __init__(self, max_slots: int = CACHED_SLOTS) -> None:
+        self._max_slots = max_slots
+        self._source: Any = None
         self._slots: OrderedDict[int, Value] = OrderedDict()
 
-    def get(self, of: Any, number: int) -> Union[Value, None]:
-        """What is known of a slot; what was found of another origin is forgotten."""
-        if of != self._of:
-            self._of = of
+    def get(self, source: Any, number: int) -> Union[Value, None]:
+        """Returns the value of a slot; another source clears the cache."""
+        if source != self._source:
+            self._source = source
             self._slots.clear()
         if number in self._slots:
             self._slots.move_to_end(number)
         return self._slots.get(number)
 
     def put(self, number: int, value: Value) -> Value:
-        """Keeps what was found; the one that nobody asked for the longest goes."""
+        """Stores a value and removes the least recently used one if the cache is full."""
         self._slots[number] = value
-        while len(self._slots) > self._most:
+        while len(self._slots) > self._max_slots:
             self._slots.popitem(last=False)
         return value
 
 
 class Sky:
-    """The lit satellites of a model, by slots of time."""
+    """Lit satellites of a model by time slots."""
 
     def __init__(self, model: StreakModel, scale: str, light: bool) -> None:
         self.model = model
         self._scale = scale
         self._light = light
-        self._kept: Kept[Samples] = Kept()
+        self._cache: SlotCache[Samples] = SlotCache()
 
     def over(self, start_mjd: float, end_mjd: float) -> list[tuple[int, Samples]]:
-        """Slots that cover a stretch, in the host's scale, each with its number: it begins ``number * SLOT_S`` after MJD 0."""
+        """Returns the slots that cover a time span, with their numbers; a slot starts ``number * SLOT_S`` after MJD 0."""
         found = []
         for number in range(int(start_mjd * 86_400.0 // SLOT_S), int(end_mjd * 86_400.0 // SLOT_S) + 1):
-            samples = self._kept.get(self.model, number)
+            samples = self._cache.get(self.model, number)
             if samples is None:
-                samples = self._kept.put(number, self.ask(number * (SLOT_S / 86_400.0), SLOT_S))
+                samples = self._cache.put(number, self.sample(number * (SLOT_S / 86_400.0), SLOT_S))
             found.append((number, samples))
         return found
 
-    def ask(self, start_mjd: float, length_s: float) -> Samples:
-        """What stands in the sky from a moment on, for some seconds."""
+    def sample(self, start_mjd: float, length_s: float) -> Samples:
+        """Computes the satellites above the site for a time span."""
         steps = np.arange(0.0, length_s, SAMPLE_S)
         found = self.model.overhead(start_mjd, steps, min_altitude=LOWEST_DEG, light=self._light, scale=self._scale)
-        # No width where no telescope says what is lost.
+        # Width 0 without a telescope.
         width = np.nan_to_num(found.lost_width_arcsec)
         return Samples(found.direction, steps[found.moment], found.angular_rate_deg_s, width, found.magnitude)
 
@@ -99,32 +100,32 @@ def _unit(ra_rad: FloatArray, dec_rad: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def centres_of(nside: int) -> FloatArray:
-    """Directions of the centres of all cells (RING), ``(12 nside², 3)``."""
+    """Returns the directions of the centres of all cells (RING), ``(12 nside², 3)``."""
     return np.column_stack(hp.pix2vec(nside, np.arange(12 * nside * nside)))
 
 
 @lru_cache(maxsize=4)
 def sectors(nside: int) -> IntArray:
-    """For each cell (RING) the part of the sky it is in, 192 parts of 15 degrees."""
+    """Returns for each cell (RING) the index of its sector, one of 192 sectors of 15 degrees."""
     return np.asarray(hp.ring2nest(nside, np.arange(12 * nside * nside)) // (nside // 4) ** 2, dtype=np.int64)
 
 
 @dataclass(frozen=True, eq=False)
 class Pointings:
-    """Where visits point, and which of them a satellite may cross: those of one night of a survey, or the cells themselves."""
+    """Pointings of visits (fields of a survey in one night, or cells), with an index of those near each cell."""
 
-    #: Directions, ICRS, ``(n, 3)``; single precision is good to some arcseconds.
+    #: Directions, ICRS, ``(n, 3)``; single precision has an error of some arcseconds.
     centres: SingleArray
     #: For each cell (RING) the pointing of a visit to it.
     of_cell: IntArray
-    #: For each cell the pointings that a satellite in it may come close to, filled up with -1, ``(n_cells, m)``.
+    #: For each cell the pointings that a satellite in it may cross, padded with -1, ``(n_cells, m)``.
     near: IntArray
-    #: How close counts, degrees.
+    #: Radius around a pointing within which satellites count, degrees.
     radius_deg: float
 
     @classmethod
     def of(cls, nside: int, centres: FloatArray, of_cell: IntArray, radius_deg: float, more_deg: float) -> Pointings:
-        """The list is made for `more_deg` around the radius: where in its cell a satellite is, and how far it goes, is not known there."""
+        """Creates the index; `more_deg` allows for the position of satellites in the cell and their motion."""
         lists = [hp.query_disc(nside, centre, np.radians(radius_deg + more_deg)) for centre in centres]
         cell, pointing = np.concatenate(lists), np.repeat(np.arange(len(lists)), [len(one) for one in lists])
         order = np.argsort(cell, kind="stable")
@@ -137,26 +138,26 @@ class Pointings:
 
 @lru_cache(maxsize=4)
 def cells_as_pointings(nside: int, radius_deg: float, more_deg: float) -> Pointings:
-    """Each cell's own centre."""
+    """Returns the centres of all cells as pointings."""
     centres = centres_of(nside)
     return Pointings.of(nside, centres, np.arange(len(centres)), radius_deg, more_deg)
 
 
 @lru_cache(maxsize=16)
 def fields_as_pointings(nside: int, ra_rad: bytes, dec_rad: bytes, of_cell: bytes, radius_deg: float, more_deg: float) -> Pointings:
-    """The fields of a survey, and which of them a visit to a cell goes to; arrays as bytes, which can be looked up."""
+    """Returns the fields of a survey as pointings, with the field of each cell; arrays as (hashable) bytes."""
     ra, dec = np.frombuffer(ra_rad), np.frombuffer(dec_rad)
     return Pointings.of(nside, _unit(ra, dec), np.frombuffer(of_cell, dtype=np.int64), radius_deg, more_deg)
 
 
 def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) -> FloatArray:
-    """Share of a field's pixels that a satellite costs in some seconds: length x width / area, weighed with its light where asked."""
+    """Fraction of a field's pixels lost to a satellite: length x width / area, optionally weighted by brightness."""
     lost = samples.rate_deg_s * seconds * samples.lost_width_arcsec / 3600.0 / area_deg2
     return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)
 
 
 def brighter_than(limit_mag: float | None, samples: Samples) -> Samples:
-    """Those brighter than a limit; all where there is none. As in a policy, what has no magnitude breaks no limit."""
+    """Returns the samples brighter than a limit, or all without a limit; a limit excludes unknown magnitudes."""
     if limit_mag is None:
         return samples
     keep = samples.magnitude < limit_mag

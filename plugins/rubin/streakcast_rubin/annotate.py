@@ -1,4 +1,4 @@
-"""What satellites did to the visits of a survey: columns for arrays, tables for opsim databases."""
+"""Streaks in the visits of a survey: columns for arrays, tables for opsim databases."""
 
 from __future__ import annotations
 
@@ -14,9 +14,9 @@ import numpy as np
 from streakcast import StreakModel
 
 from ._arrays import Visits
-from ._questions import pointings, scale_of
+from ._verdicts import pointings, scale_of
 
-#: A row a visit.
+#: Columns of the table with one row per visit.
 FLAG_COLUMNS = {
     "observationId": "INTEGER",
     "verdict": "TEXT",
@@ -27,7 +27,7 @@ FLAG_COLUMNS = {
     "p_any": "REAL",
     "norad_ids": "TEXT",
 }
-#: A row a visit and satellite.
+#: Columns of the table with one row per visit and satellite.
 PASS_COLUMNS = {
     "norad_id": "INTEGER",
     "name": "TEXT",
@@ -44,7 +44,7 @@ TABLES = ("streak_flags", "streaks", "streak_provenance", "observations_streaks"
 
 
 def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, None] = None) -> dict[str, Any]:
-    """What satellites do to each of the host's visits.
+    """Returns the effect of satellites on each visit.
 
     Parameters
     ----------
@@ -53,13 +53,13 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
     model : StreakModel
         Site, satellites and field.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of ``mjd``. Must be said here or in the model.
+        Scale of ``mjd``. Must be given here or in the model.
 
     Returns
     -------
     dict of arrays, ``(n_visits,)`` each
-        As `StreakModel.flags`: ``verdict``, ``n_streaks``, ``brightest_mag``, ``expected_lost_pixel_fraction``, ``p_any``,
-        ``streak_length_deg``, ``norad_ids`` and more.
+        As `StreakModel.flags`: ``verdict``, ``n_streaks``, ``brightest_mag``, ``expected_lost_pixel_fraction``,
+        ``p_any``, ``streak_length_deg``, ``norad_ids`` and more.
     """
     scale = scale_of(model, mjd_scale)
     target, rotation, bands = pointings(visits)
@@ -75,40 +75,41 @@ def annotate(
     mjd_scale: Union[str, None] = None,
     replace: bool = False,
 ) -> int:
-    """Copies an opsim database and adds what satellites do to its visits; every cell that was there stays.
+    """Copies an opsim database and adds tables of streaks; existing tables are not changed.
 
-    The copy has the tables ``streak_flags`` (a row a visit), ``streaks`` (a row a visit and satellite) and ``streak_provenance``, and
-    the view ``observations_streaks``, which joins the first to the observations. It is put into its place whole.
+    The copy has the tables ``streak_flags`` (one row per visit), ``streaks`` (one row per visit and satellite) and
+    ``streak_provenance``, and the view ``observations_streaks``, which joins the first to the observations. It is
+    written atomically.
 
     Parameters
     ----------
     opsim : path
         SQLite, with a table ``observations``.
     output : path
-        The copy; the same path as `opsim` is an error.
+        Path of the copy; must differ from `opsim`.
     model : StreakModel
         Site, satellites and field.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of ``observationStartMJD`` (the simulator's is UTC). Must be said here or in the model.
+        Scale of ``observationStartMJD`` (the simulator's is UTC). Must be given here or in the model.
     replace : bool
-        Tables of an earlier annotation are made anew; without it they are an error.
+        Whether to replace tables of an earlier annotation; otherwise they are an error.
 
     Returns
     -------
     int
-        How many visits are crossed.
+        Number of crossed visits.
 
     Raises
     ------
     ValueError
-        No such file or table, a column is missing, the tables are there already, or no scale was said.
+        A missing file, table, column or scale, or existing tables.
     """
     source, target = Path(opsim), Path(output)
     scale = scale_of(model, mjd_scale)
     if not source.is_file():
-        raise ValueError(f"{source} is no file")
+        raise ValueError(f"{source} is not a file")
     if target.exists() and source.samefile(target):
-        raise ValueError(f"{target} is the database itself; name another file")
+        raise ValueError(f"{target} is the database itself; specify another file")
     part = _new_file_beside(target)
     try:
         with contextlib.closing(sqlite3.connect(f"{source.resolve().as_uri()}?mode=ro", uri=True)) as old:
@@ -127,7 +128,7 @@ def annotate(
 
 
 def _new_file_beside(target: Path) -> Path:
-    """An empty file of a name of its own, with the rights that the process gives to new files (`tempfile` gives them to its user alone)."""
+    """Creates an empty file with a unique name and default permissions (`tempfile` allows only the user)."""
     while True:
         part = target.parent / f".{target.name}.{secrets.token_hex(4)}.part"
         with contextlib.suppress(FileExistsError):
@@ -139,29 +140,29 @@ def _add_tables(base: sqlite3.Connection, source: Path, model: StreakModel, scal
     marks = ", ".join("?" for _ in TABLES)
     for name, kind in base.execute(f"SELECT name, type FROM sqlite_master WHERE name IN ({marks})", TABLES).fetchall():
         if not replace:
-            raise ValueError(f"{source} has a {kind} {name} already; replace=True makes it anew")
+            raise ValueError(f"{source} has a {kind} {name} already; specify replace=True to replace it")
         base.execute(f"DROP {kind} {name}")
     columns = [row[1] for row in base.execute("PRAGMA table_info(observations)")]
-    # Databases before version 4 of the scheduler say filter.
+    # Databases before version 4 of the scheduler have the column filter.
     band = "band" if "band" in columns else "filter"
-    wanted = ["observationId", "fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "rotSkyPos", band]
-    missing = [name for name in wanted if name not in columns]
+    required = ["observationId", "fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "rotSkyPos", band]
+    missing = [name for name in required if name not in columns]
     if missing:
-        raise ValueError(f"{source}: observations has no column {', '.join(missing)}; it has {', '.join(columns) or 'none'}")
-    rows = base.execute(f"SELECT {', '.join(wanted)} FROM observations ORDER BY observationId").fetchall()
+        raise ValueError(f"{source}: observations has no column {', '.join(missing)}; existing: {', '.join(columns) or 'none'}")
+    rows = base.execute(f"SELECT {', '.join(required)} FROM observations ORDER BY observationId").fetchall()
     ids, ra, dec, mjd, length, rotation = (np.array([row[one] for row in rows], dtype=float) for one in range(6))
-    asked = {"rotation": np.nan_to_num(rotation), "scale": scale, "output": "dict"}
-    flags: dict[str, Any] = dict(model.flags((ra, dec), mjd, length, band=[str(row[6]) for row in rows], **asked)) if rows else {}
-    passes: dict[str, Any] = dict(model.passes((ra, dec), mjd, length, **asked)) if rows else {}
+    options = {"rotation": np.nan_to_num(rotation), "scale": scale, "output": "dict"}
+    flags: dict[str, Any] = dict(model.flags((ra, dec), mjd, length, band=[str(row[6]) for row in rows], **options)) if rows else {}
+    passes: dict[str, Any] = dict(model.passes((ra, dec), mjd, length, **options)) if rows else {}
     numbers = [int(one) for one in ids]
     _write(base, "streak_flags", FLAG_COLUMNS, {**flags, "observationId": numbers}, len(rows))
     crossing = [numbers[int(one)] for one in passes.get("exposure_id", [])]
     _write(base, "streaks", {"observationId": "INTEGER", **PASS_COLUMNS}, {**passes, "observationId": crossing}, len(crossing))
     base.execute("CREATE INDEX streaks_observationId ON streaks (observationId)")
     base.execute("CREATE TABLE streak_provenance (key TEXT, value TEXT)")
-    told: dict[str, Any] = dict(model.provenance(float(mjd[0]), scale=scale)) if rows else {}
-    told["mjd_scale"] = scale
-    base.executemany("INSERT INTO streak_provenance VALUES (?, ?)", [(key, json.dumps(value, default=str)) for key, value in told.items()])
+    provenance: dict[str, Any] = dict(model.provenance(float(mjd[0]), scale=scale)) if rows else {}
+    provenance["mjd_scale"] = scale
+    base.executemany("INSERT INTO streak_provenance VALUES (?, ?)", [(key, json.dumps(value, default=str)) for key, value in provenance.items()])
     added = ", ".join(f"f.{name}" for name in FLAG_COLUMNS if name != "observationId")
     base.execute(f"CREATE VIEW observations_streaks AS SELECT o.*, {added} FROM observations o JOIN streak_flags f USING (observationId)")
     return sum(int(one) > 0 for one in flags.get("n_streaks", []))
@@ -174,7 +175,7 @@ def _write(base: sqlite3.Connection, name: str, kinds: dict[str, str], columns: 
 
 
 def _cell(value: Any, kind: str) -> Any:
-    """A value as SQLite keeps it; what is not there is NULL."""
+    """Converts a value for SQLite; missing values become NULL."""
     if value is None or value is np.ma.masked:
         return None
     if kind == "TEXT":

@@ -1,4 +1,4 @@
-"""`StreakMaskBasisFunction`: NaN where a visit that begins now would be crossed, for surveys that choose visit by visit."""
+"""`StreakMaskBasisFunction`: NaN where a visit that starts now would be crossed, for greedy surveys."""
 
 from __future__ import annotations
 
@@ -12,68 +12,69 @@ from streakcast import StreakModel
 from ._arrays import BoolArray, FloatArray
 from ._checks import above, at_least
 from ._maps import CELLS, NSIDE, StreakMap
-from ._questions import limit_of, see
-from ._tracks import SAMPLE_S, SLOT_S, Kept, Pointings, Samples, brighter_than, cells_as_pointings, fields_as_pointings, loss_of, sectors
+from ._verdicts import limit_of, see
+from ._tracks import SAMPLE_S, SLOT_S, Pointings, Samples, SlotCache, brighter_than, cells_as_pointings, fields_as_pointings, loss_of, sectors
 
 #: Half the side of a cell of nside 32, degrees.
 HALF_CELL_DEG = 0.92
-#: Nothing in a cell is farther from its middle, degrees.
+#: Largest distance of a point in a cell from its centre, degrees.
 CELL_REACH_DEG = float(hp.max_pixrad(NSIDE, degrees=True))
-#: The fastest that crosses a field (340 km, overhead) moves so far between two samples, degrees.
+#: Motion of the fastest satellites (340 km, overhead) between two samples, degrees.
 FASTEST_STEP_DEG = 1.3 * SAMPLE_S
-#: How much further than the field's radius from a field's own centre is looked, degrees: tracks are good to some arcminutes.
+#: Margin around the radius of fields, degrees: tracks have errors of some arcminutes.
 FIELD_PAD_DEG = 0.1
-#: Where all of a part of the sky is crossed, cells are masked that lose so many times as much as its best tenth.
-WORTH = 2.0
-#: How often satellites are looked at in a slot.
+#: In a sector of the sky that is crossed everywhere, cells are masked if they lose this many times as much as its best
+#: tenth.
+MASK_RATIO = 2.0
+#: Number of samples in a slot.
 STEPS = int(SLOT_S / SAMPLE_S)
 
 
 class StreakMaskBasisFunction(StreakMap):
-    """A mask over the sky, nside 32, RING: NaN where satellites would cross, 0 elsewhere. Weight 0.
+    """Sky mask, nside 32, RING: NaN where satellites would cross, 0 elsewhere. Weight 0.
 
-    For each cell the window is that of a visit which begins now: slew (the map of the conditions), exposure, and `jitter_s` on both
-    sides. A cell is masked where a lit satellite comes closer to its centre than the field's radius and half a cell; after `follow`,
-    where one crosses the field of the survey that a visit to the cell goes to. Where more than `max_share` of the cells that the
-    telescope can reach would be masked, those are left open that lose least, in every part of the sky some, and all that lose less than twice
-    as much as the best tenth of their part.
+    The time window of each cell is that of a visit which starts now: slew (the map of the conditions), exposure, and
+    `jitter_s` on both sides. A cell is masked if a lit satellite comes closer to its centre than the field radius plus
+    half a cell; after `follow`, if a satellite crosses the field of the survey that belongs to the cell. If more than
+    `max_share` of the reachable cells would be masked, the cells with the least loss are left open: some in every
+    sector of the sky, and all that lose less than twice as much as the best tenth of their sector.
 
     Parameters
     ----------
     model : StreakModel
         Site, satellites and field, with a telescope.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of the host's MJD. Must be said here or in the model.
+        Scale of the scheduler's MJD. Must be given here or in the model.
     limit_mag : float or dict, optional
-        Only satellites brighter than this are dodged, by band as ``{"g": 7, "default": 6}``; without it, and in bands that it does not
-        name, all that are lit.
+        Only satellites brighter than this are avoided, by band as ``{"g": 7, "default": 6}``; without it, and in bands
+        without a limit, all lit satellites.
     damage : {"light", "pixels"}
-        By what the worst cells are found: pixels lost weighed with each satellite's light, or alone.
+        Measure of the loss in a cell: lost pixels with or without weighting by each satellite's brightness.
     exptime_s : float
-        Length of the visits, shutter included, seconds.
+        Length of the visits, including shutter motion, seconds.
     jitter_s : float
-        How much earlier or later than computed the shutter may open, seconds.
+        Tolerance of the predicted shutter opening, seconds.
     max_share : float
-        The largest share of the reachable sky that is masked, (0, 1].
+        Maximum fraction of the reachable sky that is masked, (0, 1].
     pad_deg : float
-        How much further than the field's radius from a cell's centre is looked, degrees; not from a field's, after `follow`.
+        Margin added to the field radius around a cell's centre, degrees; not used after `follow`.
     bandname : str, optional
-        Band of the survey, for limits by band; the band that is in where left out.
+        Band of the survey, for limits by band; default: the current band.
     watch_s : float
-        How often the files of the model are looked at for new elements, seconds.
+        Interval between checks of the model's files for new element sets, seconds.
     nside : int
-        32; there is no other.
+        Must be 32.
 
     Attributes
     ----------
     counts : collections.Counter
-        ``asked``, ``masked`` (cells), ``capped`` (maps), ``failed`` and what `streakcast.hosts.Hook` counts. A map that fails masks
-        nothing.
+        ``asked``, ``masked`` (cells), ``capped`` (maps), ``failed`` and the counters of `streakcast.hosts.Hook`. After
+        an error nothing is masked.
 
     Raises
     ------
     ValueError
-        A scale that nobody said, a model without field or telescope, an option that is out of range.
+        A missing scale, a model without field or telescope, an option out of range.
     """
 
     def __init__(
@@ -98,130 +99,133 @@ class StreakMaskBasisFunction(StreakMap):
         self.jitter_s = at_least("jitter_s", jitter_s, 0.0, most=3600.0)
         self.max_share = above("max_share", max_share, 0.0, most=1.0)
         self.pad_deg = at_least("pad_deg", pad_deg, 0.0, most=90.0)
-        self._kept: Kept[FloatArray] = Kept()
+        self._cache: SlotCache[FloatArray] = SlotCache()
         self._survey: Any = None
-        #: Tonight's fields of the survey, and which of them a visit to each cell goes to, where it has not turned them itself.
-        self._turned: Union[tuple[int, Any, Any], None] = None
+        #: Night, fields of the survey, and field index of each cell, if the survey has not yet rotated its fields for
+        #: that night.
+        self._rotated_fields: Union[tuple[int, Any, Any], None] = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**super().__getstate__(), "_kept": Kept(), "_turned": None}
+        return {**super().__getstate__(), "_cache": SlotCache(), "_rotated_fields": None}
 
     def follow(self, survey: Any) -> None:
-        """Looks at the fields of a survey, to which a visit to a cell really goes, in place of the cells.
+        """Uses the fields of a survey, which are the actual pointings of visits, instead of the cells.
 
-        A field's centre may be 2 deg from the cell that was chosen. Known, it needs no margin: less sky is masked, and what is left open
-        is clear. Surveys with the same fields, dithers and seed can share one mask: each stands tonight where the others do.
+        The centre of a field may be 2 deg from the chosen cell. With known fields no margin is needed: less sky is
+        masked, and open cells are clear. Surveys with the same fields, dithers and seed can share one mask, because
+        their fields agree in each night.
 
         Parameters
         ----------
         survey : rubin_scheduler survey
-            One with `fields` and `hp2fields`, like `GreedySurvey`, that turns them once a night or never.
+            A survey with `fields` and `hp2fields`, like `GreedySurvey`, that rotates its fields once per night or
+            never.
 
         Raises
         ------
         ValueError
-            A survey without such fields, or one that turns them at each call, later than it asks for the mask.
+            A survey without such fields, or one that rotates them at each call, after it has evaluated the mask.
         """
         if getattr(survey, "fields", None) is None or np.shape(getattr(survey, "hp2fields", ())) != (CELLS,):
             raise ValueError(f"{type(survey).__name__} has no fields for the cells of nside {NSIDE}")
         if getattr(survey, "dither", None) == "call":
-            raise ValueError("the survey turns its fields at each call (dither='call'), after it has asked for the mask")
-        self._survey, self._turned = survey, None
+            raise ValueError("the survey rotates its fields at each call (dither='call'), after it has evaluated the mask")
+        self._survey, self._rotated_fields = survey, None
 
     def _fields(self, night: int) -> tuple[Any, Any]:
-        """The survey's fields as they stand in a night, and which of them a visit to each cell goes to."""
+        """Returns the survey's fields of a night, and the field index of each cell."""
         survey = self._survey
         if getattr(survey, "dither", None) != "night" or np.max(survey.night) == night:
             return survey.fields, survey.hp2fields
-        if self._turned is None or self._turned[0] != night:
-            # The host turns a survey's fields when it is first chosen in a night, after it has asked for the mask.
+        if self._rotated_fields is None or self._rotated_fields[0] != night:
+            # The fields are rotated when the survey is first chosen in a night, after the mask was evaluated.
             tonight = copy.copy(survey)
             tonight.fields = survey.fields_init.copy()
             tonight._spin_fields(night)
-            self._turned = (night, tonight.fields, tonight.hp2fields)
-        return self._turned[1:]
+            self._rotated_fields = (night, tonight.fields, tonight.hp2fields)
+        return self._rotated_fields[1:]
 
     def _pointings(self, night: int) -> Pointings:
-        """Where visits to the cells would point in a night."""
-        # A satellite may be as far from the middle of its cell, and half a step from its sample.
+        """Returns the pointings of visits to the cells in a night."""
+        # Largest distance of a satellite from the centre of its cell, plus half a step of its motion.
         more_deg = FASTEST_STEP_DEG / 2.0 + CELL_REACH_DEG
         if self._survey is None:
             return cells_as_pointings(NSIDE, self.radius_deg + self.pad_deg, more_deg)
-        # By what they hold: copies of a scheduler share what is found here.
+        # The content is the cache key, so that copies of a scheduler share the result.
         fields, of_cells = self._fields(night)
-        places = (np.ascontiguousarray(fields[one], dtype=float).tobytes() for one in ("RA", "dec"))
+        coordinates = (np.ascontiguousarray(fields[one], dtype=float).tobytes() for one in ("RA", "dec"))
         of_cell = np.ascontiguousarray(of_cells, dtype=np.int64).tobytes()
-        return fields_as_pointings(NSIDE, *places, of_cell, self.radius_deg + FIELD_PAD_DEG, more_deg)
+        return fields_as_pointings(NSIDE, *coordinates, of_cell, self.radius_deg + FIELD_PAD_DEG, more_deg)
 
     def _map_of(self, model: StreakModel, conditions: Any) -> FloatArray:
         now = float(np.max(conditions.mjd))
         see(self.hook, conditions, self.mjd_scale)
         slew_s = np.broadcast_to(np.asarray(conditions.slewtime, dtype=float), (CELLS,))
         reached = np.isfinite(slew_s)
-        answer = np.zeros(CELLS)
+        mask = np.zeros(CELLS)
         if not reached.any():
-            return answer
+            return mask
         opens, closes = slew_s[reached] - self.jitter_s, slew_s[reached] + self.exptime_s + self.jitter_s
         pointings = self._pointings(int(np.max(conditions.night)))
         of_cell, n, lost = pointings.of_cell[reached], len(pointings.centres), np.zeros(opens.size)
         sky, limit = self._sky_of(model), limit_of(self.limit_mag, self._band(conditions))
-        # Steps within the window, and half a step on both sides: the track between the samples counts.
+        # Steps within the window plus half a step on both sides, to cover the track between samples.
         now_s = now * 86_400.0
         first = np.ceil((now_s + opens) / SAMPLE_S - 0.5).astype(np.int64)
         end = np.maximum(np.floor((now_s + closes) / SAMPLE_S + 1.5).astype(np.int64), first)
         for number, samples in sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0):
-            # What is lost where and when is the same for every visit; only its window moves on.
-            before = self._kept.get((sky, limit, pointings), number)
-            if before is None:
-                before = self._kept.put(number, self._losses(brighter_than(limit, samples), pointings))
+            # The losses per step are the same for every visit; only the window of steps differs.
+            cumulative = self._cache.get((sky, limit, pointings), number)
+            if cumulative is None:
+                cumulative = self._cache.put(number, self._losses(brighter_than(limit, samples), pointings))
             since, until = (np.minimum(np.maximum(step - number * STEPS, 0), STEPS) for step in (first, end))
-            lost += before.take(until * n + of_cell) - before.take(since * n + of_cell)
+            lost += cumulative.take(until * n + of_cell) - cumulative.take(since * n + of_cell)
         loss = np.zeros(CELLS)
         loss[reached] = lost
         masked = loss > 0.0
         if np.count_nonzero(masked) > int(self.max_share * np.count_nonzero(reached)):
             self.counts["capped"] += 1
-            masked = _worst(loss, reached, self.max_share)
+            masked = _cells_to_mask(loss, reached, self.max_share)
         self.counts["masked"] += int(np.count_nonzero(masked))
-        answer[masked] = np.nan
-        return answer
+        mask[masked] = np.nan
+        return mask
 
     def _losses(self, samples: Samples, pointings: Pointings) -> FloatArray:
-        """What the satellites of one slot cost a visit to each pointing before each of its steps: ``(n_steps + 1, n_pointings)``."""
+        """Returns the cumulative loss at each pointing before each step of a slot: ``(n_steps + 1, n_pointings)``."""
         n = len(pointings.centres)
-        near_by = pointings.near[hp.vec2pix(NSIDE, *samples.direction.T)]
-        cosine = (pointings.centres[near_by] @ samples.direction.astype(np.float32)[:, :, None])[..., 0]
+        nearby = pointings.near[hp.vec2pix(NSIDE, *samples.direction.T)]
+        cosine = (pointings.centres[nearby] @ samples.direction.astype(np.float32)[:, :, None])[..., 0]
         # Closest approach between the samples: d² ≤ r² + (step / 2)²
         reach = np.sqrt(np.radians(pointings.radius_deg) ** 2 + np.radians(samples.rate_deg_s * SAMPLE_S / 2.0) ** 2)
-        who, column = np.nonzero((cosine >= np.cos(np.minimum(reach, np.pi))[:, None]) & (near_by >= 0))
+        row, column = np.nonzero((cosine >= np.cos(np.minimum(reach, np.pi))[:, None]) & (nearby >= 0))
         lost = loss_of(samples, SAMPLE_S, self.area_deg2, self.damage == "light")
-        # Where no telescope tells a width, every satellite weighs the same.
+        # Without a telescope every satellite has the same small loss.
         lost = np.where(lost > 0.0, lost, 1e-12)
-        place = (np.rint(samples.second / SAMPLE_S).astype(np.int64)[who] + 1) * n + near_by[who, column]
-        lost_at = np.bincount(place, weights=lost[who], minlength=(STEPS + 1) * n)
-        before: FloatArray = np.asarray(lost_at, dtype=float).reshape(STEPS + 1, n)
+        cell = (np.rint(samples.second / SAMPLE_S).astype(np.int64)[row] + 1) * n + nearby[row, column]
+        lost_at = np.bincount(cell, weights=lost[row], minlength=(STEPS + 1) * n)
+        cumulative: FloatArray = np.asarray(lost_at, dtype=float).reshape(STEPS + 1, n)
         for step in range(STEPS):
-            before[step + 1] += before[step]
-        return before
+            cumulative[step + 1] += cumulative[step]
+        return cumulative
 
 
-def _worst(loss: FloatArray, reached: BoolArray, max_share: float) -> BoolArray:
-    """The share of the reached cells that is masked at most, of those that are crossed.
+def _cells_to_mask(loss: FloatArray, reached: BoolArray, max_share: float) -> BoolArray:
+    """Returns the crossed cells to mask, at most a fraction `max_share` of the reached cells.
 
-    What stays open is spread over the sky, the least loss of each part of it first: were it the least loss of the whole sky, all of it could
-    lie where a survey never points. With it stay those that lose less than `WORTH` times as much as the best tenth of their part of the sky:
-    from them a slew gains little.
+    The open cells are those with the least loss in each sector, so that they are spread over the sky: the least loss of
+    the whole sky could be where a survey never points. Cells that lose less than `MASK_RATIO` times as much as the best
+    tenth of their sector stay open too, because a slew away from them gains little.
     """
     cells = np.flatnonzero(reached)
     sector = sectors(NSIDE)[cells]
     order = np.lexsort((loss[cells], sector))
     cells, sector = cells[order], sector[order]
     _, first, of_sector, size = np.unique(sector, return_index=True, return_inverse=True, return_counts=True)
-    # How much of its own part of the sky loses less than a cell.
+    # Fraction of the sector with a smaller loss than the cell.
     share = (np.arange(cells.size) - first[of_sector] + 0.5) / size[of_sector]
     best_tenth = loss[cells][first + size // 10]
-    worth = loss[cells] > WORTH * best_tenth[of_sector]
-    cells, share = cells[worth], share[worth]
+    is_bad = loss[cells] > MASK_RATIO * best_tenth[of_sector]
+    cells, share = cells[is_bad], share[is_bad]
     masked = np.zeros(loss.size, dtype=bool)
     masked[cells[np.argsort(share, kind="stable")[::-1][: int(max_share * np.count_nonzero(reached))]]] = True
     return masked

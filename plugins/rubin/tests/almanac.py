@@ -1,4 +1,4 @@
-"""What rubin_scheduler reads of its 2 GB of data, made for a few nights by astropy: almanac, tiling and dark sky, 1 MB in a second."""
+"""Replacement of rubin_scheduler's 2 GB of data for a few nights: almanac, tiling and dark sky by astropy (1 MB)."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from rubin_scheduler.utils import Site
 
 iers.conf.auto_download = False
 
-#: Days on either side of the night.
+#: Days before and after the night.
 SPAN_DAYS = 6.0
-#: Bodies move smoothly; the host interpolates with parabolas.
+#: Step of the tables, days; rubin_scheduler interpolates with parabolas.
 STEP_DAYS = 15.0 / 1440.0
 DARK_SKY_MAG_ARCSEC2 = {"u": 22.9, "g": 22.3, "r": 21.2, "i": 20.5, "z": 19.6, "y": 18.6}
 PLANETS = ("venus", "mars", "jupiter", "saturn")
 
 
 def location() -> EarthLocation:
-    """The site as the host has it."""
+    """Returns the site of rubin_scheduler."""
     site = Site("LSST")
     return EarthLocation.from_geodetic(lon=site.longitude, lat=site.latitude, height=site.height)
 
 
 def noon_of(evening: str) -> float:
-    """MJD (UTC) of 16h UTC of a date, about noon at Rubin, before the night that begins on that date."""
+    """Returns the MJD (UTC) of 16h UTC of a date, about noon at Rubin, before the night of that date."""
     return float(Time(f"{evening}T16:00:00", scale="utc").mjd)
 
 
@@ -40,31 +40,31 @@ def _angles(body: SkyCoord) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _crossings(mjd: np.ndarray, altitude_deg: np.ndarray, level_deg: float, rising: bool) -> np.ndarray:
-    """Moments at which an altitude passes a level, by linear interpolation between the steps."""
+    """Returns the times at which an altitude crosses a level, by linear interpolation."""
     above = altitude_deg - level_deg
     at = np.flatnonzero((above[:-1] < 0) & (above[1:] >= 0) if rising else (above[:-1] >= 0) & (above[1:] < 0))
     return mjd[at] + STEP_DAYS * above[at] / (above[at] - above[at + 1])
 
 
 def make(evening: str, folder: Path) -> Path:
-    """Writes the files for one evening, and names their folder to the host."""
+    """Writes the files for one evening and configures rubin_scheduler to use their folder."""
     models, sky = folder / "site_models", folder / "skybrightness_pre"
     models.mkdir(parents=True, exist_ok=True)
     sky.mkdir(exist_ok=True)
     noon = noon_of(evening)
     mjd = np.arange(noon - SPAN_DAYS, noon + SPAN_DAYS, STEP_DAYS)
     times = Time(mjd, format="mjd", scale="utc")
-    where = location()
-    horizontal = AltAz(obstime=times, location=where)
+    site_location = location()
+    horizontal = AltAz(obstime=times, location=site_location)
 
-    bodies = {name: get_body(name, times, where, ephemeris="builtin") for name in ("sun", "moon", *PLANETS)}
+    bodies = {name: get_body(name, times, site_location, ephemeris="builtin") for name in ("sun", "moon", *PLANETS)}
     columns: dict[str, np.ndarray] = {"mjd": mjd}
     for name in ("sun", "moon"):
-        seen = bodies[name].transform_to(horizontal)
+        horizontal_position = bodies[name].transform_to(horizontal)
         right_ascension, declination = _angles(bodies[name])
         columns |= {
-            f"{name}_alt": seen.alt.rad,
-            f"{name}_az": seen.az.rad,
+            f"{name}_alt": horizontal_position.alt.rad,
+            f"{name}_az": horizontal_position.az.rad,
             f"{name}_RA": right_ascension,
             f"{name}_dec": declination,
         }
@@ -91,7 +91,7 @@ def make(evening: str, folder: Path) -> Path:
     }
     _save(models / "sunsets.npz", "almanac", {"night": np.arange(sunsets.size), **after})
 
-    # Any 5,292 points that cover the sphere: the host's own tiling has as many as HEALPix cells of nside 21.
+    # Any 5,292 points that cover the sphere (HEALPix cells of nside 21); rubin_scheduler's tiling has the same number.
     points = np.column_stack(hp.pix2vec(21, np.arange(hp.nside2npix(21))))
     np.savetxt(models / "icover.3.5292.23.0.txt", points.ravel())
     dark = {band: np.full(hp.nside2npix(32), mag) for band, mag in DARK_SKY_MAG_ARCSEC2.items()}
@@ -101,14 +101,14 @@ def make(evening: str, folder: Path) -> Path:
 
 
 def use(folder: Path) -> Path:
-    """Names a folder to the host, by RUBIN_SIM_DATA_DIR."""
+    """Configures the folder of rubin_scheduler by RUBIN_SIM_DATA_DIR."""
     os.environ["RUBIN_SIM_DATA_DIR"] = str(folder)
     return folder
 
 
-def _next(starts: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """The first moment after each start; the last one repeated where there is none in the span."""
-    return moments[np.minimum(np.searchsorted(moments, starts), moments.size - 1)]
+def _next(starts: np.ndarray, times: np.ndarray) -> np.ndarray:
+    """Returns the first time after each start, or the last time if there is none."""
+    return times[np.minimum(np.searchsorted(times, starts), times.size - 1)]
 
 
 def _structured(columns: dict[str, np.ndarray]) -> np.ndarray:
@@ -124,7 +124,7 @@ def _save(path: Path, name: str, columns: dict[str, np.ndarray]) -> None:
 
 
 class ConstantSky:
-    """A sky of constant darkness in place of the host's tables: the same for every moment and place."""
+    """Sky of constant brightness, instead of rubin_scheduler's tables."""
 
     nside = 32
 
@@ -132,7 +132,7 @@ class ConstantSky:
         self._maps = {band: np.full(hp.nside2npix(self.nside), mag) for band, mag in DARK_SKY_MAG_ARCSEC2.items()}
 
     def return_mags(self, mjd: float, indx: object = None, bands: object = None, **_: object) -> dict[str, np.ndarray]:
-        """Magnitudes per square arcsecond, whole maps or the cells asked for."""
+        """Returns magnitudes per square arcsecond, for whole maps or the given cells."""
         if indx is None:
             return self._maps
         return {band: one[np.ravel(indx)] for band, one in self._maps.items()}

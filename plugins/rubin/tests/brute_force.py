@@ -1,6 +1,6 @@
-"""Which satellites cross which visits, found without us: python-sgp4 second by second, ERFA's rotations, chords in NumPy.
+"""Brute-force computation of crossings without streakcast: python-sgp4, ERFA rotations, steps of a second.
 
-It reads the same element sets as the model under test and nothing else of it: no cull, no interpolation, no photometry.
+It reads the same element sets as the tested model, and uses no candidate search, no interpolation and no photometry.
 """
 
 from __future__ import annotations
@@ -20,18 +20,18 @@ from sgp4.api import WGS72, Satrec, SatrecArray
 
 EARTH_MU_KM3_S2 = 398600.8
 EARTH_RADIUS_KM = 6378.137
-#: Faster than anything in a low orbit as seen from the ground, km/s: for the choice of those that may come by at all.
+#: Upper limit of the speed relative to the site in low orbits, km/s, for the selection of candidates.
 FASTEST_KM_S = 8.5
 STEP_S = 1.0
-#: Which satellites stand above the horizon at all is asked this often.
+#: Interval of the selection of satellites above the horizon, seconds.
 SLOT_S = 180.0
-#: How much deeper than the horizon is looked then, radians: half a slot and half a minute of delay at 7.8 km/s are 0.14.
+#: Margin below the horizon for that selection, radians: half a slot plus half a minute of delay at 7.8 km/s are 0.14.
 BELOW_RAD = 0.15
 SHELLS = Path(__file__).resolve().parents[3] / "src" / "elements" / "shells.toml"
 
 
 def write_walker(names: list[str], epoch: Time, path: Path) -> int:
-    """Circular shells of the filings (the numbers of shells.toml) as OMM in CSV; how many satellites there are."""
+    """Writes circular shells (numbers of shells.toml) as OMM in CSV; returns the number of satellites."""
     keys = "OBJECT_NAME OBJECT_ID EPOCH MEAN_MOTION ECCENTRICITY INCLINATION RA_OF_ASC_NODE ARG_OF_PERICENTER MEAN_ANOMALY".split()
     keys += "EPHEMERIS_TYPE CLASSIFICATION_TYPE NORAD_CAT_ID ELEMENT_SET_NO REV_AT_EPOCH BSTAR MEAN_MOTION_DOT MEAN_MOTION_DDOT".split()
     filed = {one["name"]: one for one in tomllib.loads(SHELLS.read_text())["constellation"]}
@@ -47,9 +47,9 @@ def write_walker(names: list[str], epoch: Time, path: Path) -> int:
                 motion = math.sqrt(EARTH_MU_KM3_S2 / axis_km**3) * 86_400.0 / math.tau
                 for plane in range(planes):
                     node = shell.get("node_offset_deg", 0.0) + plane * shell.get("node_spread_deg", 360.0) / planes
-                    for place in range(each):
+                    for slot in range(each):
                         # Walker's notation: F steps of 360 / T between neighbouring planes.
-                        anomaly = 360.0 * place / each + 360.0 * shell.get("phasing", 1) * plane / (planes * each)
+                        anomaly = 360.0 * slot / each + 360.0 * shell.get("phasing", 1) * plane / (planes * each)
                         count += 1
                         row = (f"{name}-{count}", "2026-001A", epoch.utc.strftime("%Y-%m-%dT%H:%M:%S.%f"), f"{motion:.8f}", "0.0001000")
                         row += (f"{shell['inclination_deg']:.4f}", f"{node % 360.0:.4f}", "0.0000", f"{anomaly % 360.0:.4f}")
@@ -59,7 +59,7 @@ def write_walker(names: list[str], epoch: Time, path: Path) -> int:
 
 
 def read_elements(path: Path) -> list[Satrec]:
-    """OMM in CSV, or TLE with or without names."""
+    """Reads OMM in CSV, or TLE with or without names."""
     if path.suffix == ".csv":
         satellites = []
         with path.open(newline="") as file:
@@ -74,56 +74,57 @@ def read_elements(path: Path) -> list[Satrec]:
 
 
 class Truth:
-    """Where satellites really are: as their elements say, or a little late or early along their tracks."""
+    """True positions of satellites: from their element sets, optionally with along-track delays."""
 
     def __init__(self, satellites: list[Satrec]) -> None:
         self.satellites = satellites
         self.array = SatrecArray(satellites)
         self.late_s = np.zeros(len(satellites))
         self._slots: dict[int, tuple[np.ndarray, SatrecArray]] = {}
-        where = almanac.location()
-        self.site_itrs_km = np.array([where.x.to_value("km"), where.y.to_value("km"), where.z.to_value("km")])
+        location = almanac.location()
+        self.site_itrs_km = np.array([location.x.to_value("km"), location.y.to_value("km"), location.z.to_value("km")])
 
     def delayed(self, along_track_sigma_s: float, seed: int) -> Truth:
-        """The same satellites, each late or early by its own amount."""
+        """Returns the same satellites with random individual delays."""
         other = copy(self)
         other.late_s = np.random.default_rng(seed).normal(0.0, along_track_sigma_s, len(self.satellites))
         return other
 
     def _rotations(self, times: Time) -> tuple[np.ndarray, np.ndarray]:
-        """TEME to GCRS, and the place of the site in GCRS, km, at each moment."""
+        """Rotation from TEME to GCRS, and position of the site in GCRS, km, at each time."""
         ut1, tt = times.ut1, times.tt
         zero = np.zeros(times.size)
         to_itrs = erfa.c2t06a(tt.jd1, tt.jd2, ut1.jd1, ut1.jd2, zero, zero)
-        # TEME turns to the Earth's own axes by Greenwich mean sidereal time of 1982 (Vallado et al. 2006, AIAA 2006-6753, C).
+        # TEME to Earth-fixed: rotation by Greenwich mean sidereal time of 1982 (Vallado et al. 2006, AIAA 2006-6753,
+        # C).
         sidereal = erfa.rz(erfa.gmst82(ut1.jd1, ut1.jd2), np.broadcast_to(np.eye(3), (times.size, 3, 3)))
         to_gcrs = np.swapaxes(to_itrs, -1, -2)
         return to_gcrs @ sidereal, to_gcrs @ self.site_itrs_km
 
-    def _later(self, place: np.ndarray, velocity: np.ndarray, late_s: np.ndarray) -> np.ndarray:
-        """The same orbit `late_s` earlier or later, by the series in f and g (Bate, Mueller & White 1971, section 5.4)."""
-        u = EARTH_MU_KM3_S2 / np.linalg.norm(place, axis=-1, keepdims=True) ** 3
+    def _propagated(self, position: np.ndarray, velocity: np.ndarray, late_s: np.ndarray) -> np.ndarray:
+        """Positions `late_s` later, by the series in f and g (Bate, Mueller & White 1971, section 5.4)."""
+        u = EARTH_MU_KM3_S2 / np.linalg.norm(position, axis=-1, keepdims=True) ** 3
         s = late_s[..., None]
-        return (1.0 - u * s**2 / 2.0) * place + (s - u * s**3 / 6.0) * velocity
+        return (1.0 - u * s**2 / 2.0) * position + (s - u * s**3 / 6.0) * velocity
 
-    def _places_gcrs_km(self, array: SatrecArray, late_s: np.ndarray, times: Time) -> tuple[np.ndarray, np.ndarray]:
-        """Satellites in GCRS, (n_satellites, n_times, 3), and the site, (n_times, 3); NaN where SGP4 gives up."""
+    def _positions_gcrs_km(self, array: SatrecArray, late_s: np.ndarray, times: Time) -> tuple[np.ndarray, np.ndarray]:
+        """Satellites in GCRS, (n_satellites, n_times, 3), and the site, (n_times, 3); NaN where SGP4 fails."""
         utc = times.utc
-        error, place, velocity = array.sgp4(np.atleast_1d(utc.jd1), np.atleast_1d(utc.jd2))
+        error, position, velocity = array.sgp4(np.atleast_1d(utc.jd1), np.atleast_1d(utc.jd2))
         if np.any(late_s):
-            place = self._later(place, velocity, np.broadcast_to(late_s[:, None], error.shape))
-        place[error != 0] = np.nan
+            position = self._propagated(position, velocity, np.broadcast_to(late_s[:, None], error.shape))
+        position[error != 0] = np.nan
         rotation, site = self._rotations(times)
-        return np.einsum("tij,stj->sti", rotation, place), site
+        return np.einsum("tij,stj->sti", rotation, position), site
 
-    def _above(self, moment: Time) -> tuple[np.ndarray, SatrecArray]:
-        """The satellites that stand above the horizon in the slot of time around a moment, or little below."""
-        slot = int(moment.mjd * 86_400.0 / SLOT_S)
+    def _above(self, time: Time) -> tuple[np.ndarray, SatrecArray]:
+        """Returns the satellites above the horizon, or slightly below, in the slot that contains a time."""
+        slot = int(time.mjd * 86_400.0 / SLOT_S)
         if slot not in self._slots:
             middle = Time([(slot + 0.5) * SLOT_S / 86_400.0], format="mjd", scale="utc")
-            place, site = self._places_gcrs_km(self.array, np.zeros(len(self.satellites)), middle)
-            height_km = np.linalg.norm(place[:, 0], axis=-1)
-            angle = np.arccos(np.clip(place[:, 0] @ site[0] / height_km / np.linalg.norm(site[0]), -1.0, 1.0))
+            position, site = self._positions_gcrs_km(self.array, np.zeros(len(self.satellites)), middle)
+            height_km = np.linalg.norm(position[:, 0], axis=-1)
+            angle = np.arccos(np.clip(position[:, 0] @ site[0] / height_km / np.linalg.norm(site[0]), -1.0, 1.0))
             which = np.flatnonzero(angle < np.arccos(np.minimum(EARTH_RADIUS_KM / height_km, 1.0)) + BELOW_RAD)
             self._slots[slot] = (which, SatrecArray([self.satellites[one] for one in which]))
         return self._slots[slot]
@@ -131,18 +132,18 @@ class Truth:
     def crossings(
         self, ra_rad: np.ndarray, dec_rad: np.ndarray, starts: Time, lengths_s: np.ndarray, radius_deg: float
     ) -> list[dict[int, float]]:
-        """For each visit the lit satellites that cross the field, with the least distance from its centre in degrees."""
+        """Returns for each visit the lit satellites that cross the field, with the smallest separation in degrees."""
         found: list[dict[int, float]] = []
         centres = np.column_stack([np.cos(dec_rad) * np.cos(ra_rad), np.cos(dec_rad) * np.sin(ra_rad), np.sin(dec_rad)])
         middles = starts.utc + TimeDelta(lengths_s / 2.0, format="sec")
         for row, centre in enumerate(centres):
             which, array = self._above(middles[row])
-            place, site = self._places_gcrs_km(array, self.late_s[which], middles[row : row + 1])
-            near = which[self._may_come_by(place[:, 0] - site, centre, lengths_s[row], radius_deg)]
+            position, site = self._positions_gcrs_km(array, self.late_s[which], middles[row : row + 1])
+            near = which[self._near_field(position[:, 0] - site, centre, lengths_s[row], radius_deg)]
             found.append(self._crossing(near, centre, starts[row], lengths_s[row], radius_deg) if near.size else {})
         return found
 
-    def _may_come_by(self, seen_km: np.ndarray, centre: np.ndarray, length_s: float, radius_deg: float) -> np.ndarray:
+    def _near_field(self, seen_km: np.ndarray, centre: np.ndarray, length_s: float, radius_deg: float) -> np.ndarray:
         range_km = np.linalg.norm(seen_km, axis=-1)
         away = np.arccos(np.clip(seen_km @ centre / range_km, -1.0, 1.0))
         way_km = FASTEST_KM_S * (length_s / 2.0 + 1.0)
@@ -152,11 +153,11 @@ class Truth:
     def _crossing(self, near: np.ndarray, centre: np.ndarray, start: Time, length_s: float, radius_deg: float) -> dict[int, float]:
         steps = max(int(math.ceil(length_s / STEP_S)), 1)
         times = start + TimeDelta(np.linspace(0.0, length_s, steps + 1), format="sec")
-        place, site = self._places_gcrs_km(SatrecArray([self.satellites[one] for one in near]), self.late_s[near], times)
-        lit = self._lit(place, times)
-        seen = place - site
+        position, site = self._positions_gcrs_km(SatrecArray([self.satellites[one] for one in near]), self.late_s[near], times)
+        lit = self._lit(position, times)
+        seen = position - site
         seen /= np.linalg.norm(seen, axis=-1, keepdims=True)
-        # Distance of the centre from the chord between one second and the next.
+        # Distance of the field centre from the chord between successive seconds.
         one, two = seen[:, :-1], seen[:, 1:]
         chord = two - one
         along = np.clip(np.einsum("sti,sti->st", centre - one, chord) / np.einsum("sti,sti->st", chord, chord), 0.0, 1.0)
@@ -168,7 +169,7 @@ class Truth:
         return {int(near[one]): float(least[one]) for one in np.flatnonzero(least < radius_deg)}
 
     def _lit(self, place_km: np.ndarray, times: Time) -> np.ndarray:
-        """True while any of the Sun's disc stands above the limb of a round Earth."""
+        """Whether any part of the Sun's disc is above the limb of a spherical Earth."""
         tdb = times.tdb
         sun = -erfa.epv00(tdb.jd1, tdb.jd2)[0]["p"]
         sun = sun / np.linalg.norm(sun, axis=-1, keepdims=True)
@@ -179,7 +180,7 @@ class Truth:
 
 
 def streaked(truth: Truth, visits: np.ndarray, radius_deg: float = 1.75, scale: str = "utc") -> np.ndarray:
-    """True for each of the host's visits that a lit satellite crosses while the shutter is open."""
+    """Whether each visit is crossed by a lit satellite while the shutter is open."""
     starts = Time(np.asarray(visits["mjd"]), format="mjd", scale=scale)
     found = truth.crossings(np.asarray(visits["RA"]), np.asarray(visits["dec"]), starts, np.asarray(visits["exptime"]), radius_deg)
     return np.array([bool(one) for one in found], dtype=bool)

@@ -1,4 +1,4 @@
-"""What the tests share: almanacs, synthetic satellites in files that brute force reads too, and nights that several tests look at."""
+"""Shared fixtures: almanacs, element files of synthetic satellites, and simulated nights."""
 
 import copy
 from pathlib import Path
@@ -14,10 +14,10 @@ from astropy.time import Time
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakQueueManager
 
-#: In January satellites are lit all night over Rubin.
+#: In January satellites above Rubin are lit all night.
 EVENING = "2026-01-15"
 SKIES = {4408: ["starlink-gen1"], 40768: ["starlink-gen1", "starlink-gen2", "oneweb"]}
-#: How much of the evening is simulated where a whole night is too long, hours.
+#: Length of simulations shorter than a night, hours.
 HOURS = 1.5
 
 
@@ -35,13 +35,13 @@ def ids(visits):
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory) -> Path:
-    """The host's data for the evening, and the satellites' elements."""
-    made = tmp_path_factory.mktemp("rubin")
-    almanac.make(EVENING, made)
+    """Folder with rubin_scheduler's data for the evening and the element files."""
+    path = tmp_path_factory.mktemp("rubin")
+    almanac.make(EVENING, path)
     for count, names in SKIES.items():
         epoch = Time(f"{EVENING}T12:00:00") + 0.5 * u.day
-        assert brute_force.write_walker(names, epoch, made / f"{count}.csv") == count
-    return made
+        assert brute_force.write_walker(names, epoch, path / f"{count}.csv") == count
+    return path
 
 
 @pytest.fixture(scope="session")
@@ -64,19 +64,19 @@ def model(models):
 
 @pytest.fixture(scope="session")
 def pairs_night(folder):
-    """A whole night of pairs without hooks."""
+    """A whole night of pairs without streakcast."""
     return night.run(EVENING, "pairs", folder)
 
 
 @pytest.fixture(scope="session")
 def pairs_evening(folder):
-    """The first hours of it."""
+    """The first hours of that night."""
     return night.run(EVENING, "pairs", folder, hours=HOURS)
 
 
 @pytest.fixture(scope="session")
 def planned():
-    """Where the hook meant the shutter to open: target_id to MJD, filled by `dodged_evening`."""
+    """Predicted shutter openings: target_id to MJD, filled by `dodged_evening`."""
     return {}
 
 
@@ -84,18 +84,18 @@ def planned():
 def dodged_evening(folder, models, planned):
     """The same hours under 40,768 satellites with the queue manager."""
 
-    class Noting(StreakQueueManager):
+    class RecordingQueueManager(StreakQueueManager):
         def _account(self, choice, visits, verdicts, openings, now):
-            planned[int(visits["target_id"][choice.place])] = float(openings.start_mjd[choice.place])
+            planned[int(visits["target_id"][choice.candidate])] = float(openings.start_mjd[choice.candidate])
             super()._account(choice, visits, verdicts, openings, now)
 
-    manager = Noting(models[40768], detailers=[RotspUpdateDetailer()])
+    manager = RecordingQueueManager(models[40768], detailers=[RotspUpdateDetailer()])
     return night.run(EVENING, "pairs", folder, hours=HOURS, queue_manager=manager)
 
 
 @pytest.fixture(scope="session")
 def _ready(folder):
-    """A scheduler with a queue of pairs, ten minutes into the evening."""
+    """A scheduler with a queue of pairs, ten minutes after the start of the night."""
     done = night.run(EVENING, "pairs", folder, hours=0.17)
     done.scheduler.update_conditions(done.observatory.return_conditions())
     return done
@@ -108,12 +108,12 @@ def ready(_ready):
 
 @pytest.fixture
 def take_over():
-    """Puts a queue manager into a scheduler, with the queue and the last visit of the one before."""
+    """Function that replaces the queue manager of a scheduler and keeps queue and last visit."""
 
     def take(done, manager):
-        before = done.scheduler.queue_manager
-        manager.set_queue(before.desired_observations_array)
-        manager.need_observing = before.need_observing.copy()
+        previous = done.scheduler.queue_manager
+        manager.set_queue(previous.desired_observations_array)
+        manager.need_observing = previous.need_observing.copy()
         manager.add_observation(np.atleast_1d(done.visits[-1:]))
         done.scheduler.queue_manager = manager
         return done.scheduler
@@ -123,12 +123,12 @@ def take_over():
 
 @pytest.fixture
 def blocked(monkeypatch):
-    """Names the visits (by their places among the candidates) that are crossed, whatever the sky is like."""
+    """Function that sets the crossed visits by their indices among the candidates, independent of the satellites."""
 
-    def block(model_class, places, damage=None):
+    def block(model_class, indices, damage=None):
         def passes(self, target, *_, **__):
             n = np.size(target[0])
-            crossed = np.arange(n) if places == "all" else np.array([one for one in places if one < n], dtype=int)
+            crossed = np.arange(n) if indices == "all" else np.array([one for one in indices if one < n], dtype=int)
             lost = np.ones(n) if damage is None else np.resize(damage, n)
             ones = np.ones(crossed.size)
             return {

@@ -1,4 +1,4 @@
-"""Nights of the real scheduler on its model observatory: pairs in blobs, or greedy, with and without our hooks."""
+"""Simulated nights of rubin_scheduler on its model observatory: pairs or greedy visits, with and without streakcast."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ NSIDE = 32
 
 @dataclass
 class Night:
-    """What came out of a simulated night."""
+    """Result of a simulated night."""
 
-    #: The host's own table of visits: RA, dec and rotSkyPos in radians, mjd in UTC, exptime in seconds.
+    #: Table of visits of rubin_scheduler: RA, dec and rotSkyPos in radians, mjd in UTC, exptime in seconds.
     visits: np.ndarray
     scheduler: CoreScheduler
     observatory: ModelObservatory
@@ -36,7 +36,7 @@ class Night:
 
 
 def footprint() -> np.ndarray:
-    """Everything from -70 to +10 degrees, in every band alike."""
+    """Footprint from -70 to +10 degrees, the same in every band."""
     maps = np.zeros(hp.nside2npix(NSIDE), dtype=[(band, float) for band in "ugrizy"])
     _, dec = _hpid2_ra_dec(NSIDE, np.arange(hp.nside2npix(NSIDE)))
     for band in "ugrizy":
@@ -45,9 +45,9 @@ def footprint() -> np.ndarray:
 
 
 def observatory_of(evening: str, folder: Path) -> ModelObservatory:
-    """The model observatory on one evening: no clouds, constant seeing and sky."""
-    made = (folder / "versions.txt").exists()
-    almanac.use(folder) if made else almanac.make(evening, folder)
+    """Returns the model observatory on one evening: no clouds, constant seeing and sky."""
+    exists = (folder / "versions.txt").exists()
+    almanac.use(folder) if exists else almanac.make(evening, folder)
     noon = almanac.noon_of(evening)
     observatory = ModelObservatory(
         nside=NSIDE, mjd=noon, mjd_start=noon, no_sky=True, cloud_data="ideal", seeing_data="ideal", downtimes="ideal"
@@ -57,33 +57,33 @@ def observatory_of(evening: str, folder: Path) -> ModelObservatory:
 
 
 def surveys_of(kind: str, noon: float, masks=(), rewards=(), follow=True) -> list:
-    """Pairs in three bands, or greedy visits in one; `masks` and `rewards` ((function, weight)) come on top of the host's own.
+    """Returns surveys: pairs in three bands, or greedy visits in one; `rewards` are pairs (function, weight).
 
-    Masks look at the survey's fields where they `follow`.
+    With `follow`, masks use the fields of the survey.
     """
     common = {"nside": NSIDE, "survey_start": noon, "footprints_hp": footprint()}
     if kind == "pairs":
-        made = [
+        surveys = [
             simple_pairs_survey(bandname=one, bandname2=two, mask_basis_functions=[*standard_masks(NSIDE), *masks], **common)
             for one, two in (("g", "r"), ("r", "i"), ("i", "z"))
         ]
     elif kind == "greedy":
-        made = [simple_greedy_survey(bandname="r", mask_basis_functions=[*standard_masks(NSIDE), *masks], **common)]
+        surveys = [simple_greedy_survey(bandname="r", mask_basis_functions=[*standard_masks(NSIDE), *masks], **common)]
     else:
         raise ValueError(kind)
-    for survey in made:
+    for survey in surveys:
         for mask in masks if follow else ():
             mask.follow(survey)
         for function, weight in rewards:
             survey.basis_functions.append(function)
             survey.basis_weights.append(weight)
-    return made
+    return surveys
 
 
 def run(
     evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), rewards=(), start_h=0.0, hours=10.0, follow=True, **more
 ) -> Night:
-    """A night from 12 degree twilight on, or `hours` of it; `start_h` hours later. Masks follow the survey."""
+    """Simulates a night from 12 degree twilight, delayed by `start_h` hours, or `hours` of it."""
     observatory = observatory_of(evening, folder)
     surveys = surveys_of(kind, almanac.noon_of(evening), masks, rewards, follow)
     manager = queue_manager if queue_manager is not None else BaseQueueManager(detailers=[RotspUpdateDetailer()])

@@ -1,7 +1,7 @@
-"""Whole nights with and without the hooks, judged by brute force: prints the tables of the README.
+"""Whole nights with and without streakcast, checked by brute force: prints the tables of the README.
 
-`python tests/nights.py FOLDER [--only WORD ...]` keeps each run in FOLDER and goes on where it was stopped. All of it takes some two hours
-on one core. The real catalogue needs STREAKCAST_DATA; where that is missing its rows are left out, and said to be.
+`python tests/nights.py FOLDER [--only WORD ...]` stores each run in FOLDER and can be resumed. A complete run takes
+some two hours on one core. The real catalogue requires STREAKCAST_DATA; without it its rows are omitted with a message.
 """
 
 from __future__ import annotations
@@ -26,42 +26,42 @@ from astropy.time import Time
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakMaskBasisFunction, StreakQueueManager
 
-#: One night a season: in January satellites are lit all night, in August only in twilight.
+#: One night per season: in January satellites are lit all night, in August only in twilight.
 NIGHTS = ("2026-01-15", "2026-04-25", "2026-08-14", "2026-10-20")
 SKIES = {
     "4408": ["starlink-gen1"],
     "40768": ["starlink-gen1", "starlink-gen2", "oneweb"],
-    # All that was active on the evening of 2026-04-25, LEO to GEO.
+    # All active satellites on the evening of 2026-04-25, LEO to GEO.
     "catalogue": None,
 }
-#: Along-track errors put into the truth and not told to the model, seconds.
+#: Along-track errors of the true positions, unknown to the model, seconds.
 NOISE_S = (0.0, 1.0, 3.0, 10.0)
 SEED = 1
 LIMIT_MAG = 7.0
 
 
 @dataclass
-class Clocked:
-    """How long the calls of a hook took."""
+class CallTimes:
+    """Durations of the calls of a hook."""
 
     wall_s: list[float] = field(default_factory=list)
     cpu_s: list[float] = field(default_factory=list)
 
-    def around(self, question: Any) -> Any:
-        def asked(*arguments: Any, **more: Any) -> Any:
+    def wrap(self, function: Any) -> Any:
+        def timed(*arguments: Any, **more: Any) -> Any:
             wall, cpu = time.perf_counter(), time.process_time()
             try:
-                return question(*arguments, **more)
+                return function(*arguments, **more)
             finally:
                 self.wall_s.append(time.perf_counter() - wall)
                 self.cpu_s.append(time.process_time() - cpu)
 
-        return asked
+        return timed
 
 
 @dataclass(frozen=True)
 class Run:
-    """One night under one rule."""
+    """One night with one configuration."""
 
     evening: str
     kind: str
@@ -74,7 +74,7 @@ class Run:
 
 
 def elements_of(sky: str, evening: str, folder: Path) -> Path:
-    """The file that model and brute force both read."""
+    """Returns the element file read by model and brute force."""
     if sky == "catalogue":
         return catalogue()
     path = folder / f"{sky}-{evening}.csv"
@@ -84,16 +84,16 @@ def elements_of(sky: str, evening: str, folder: Path) -> Path:
 
 
 def catalogue() -> Path | None:
-    named = os.environ.get("STREAKCAST_DATA")
-    data = Path(named) if named else Path(__file__).resolve().parents[4] / "shared" / "data"
+    folder = os.environ.get("STREAKCAST_DATA")
+    data = Path(folder) if folder else Path(__file__).resolve().parents[4] / "shared" / "data"
     path = data / "tle" / "active" / "active_2026-04-25.txt"
     return path if path.is_file() else None
 
 
 def hooks_of(hook: str, model: streakcast.StreakModel, kind: str) -> dict[str, Any]:
-    """What goes into the scheduler under a rule: the queue manager for pairs, the mask for greedy visits.
+    """Returns the hooks of a configuration: the queue manager for pairs, the mask for greedy visits.
 
-    `cells` is the mask that knows nothing of the survey's fields.
+    `cells` is the mask without the survey's fields.
     """
     options: dict[str, dict[str, Any]] = {"any": {}, "cells": {}, "limit": {"limit_mag": LIMIT_MAG}, "pixels": {"damage": "pixels"}}
     if hook == "off":
@@ -104,19 +104,19 @@ def hooks_of(hook: str, model: streakcast.StreakModel, kind: str) -> dict[str, A
 
 
 def simulate(run: Run, folder: Path) -> dict[str, Any]:
-    """Runs one night, judges it, and keeps both."""
-    kept = folder / f"{run.name}.json"
-    if kept.exists():
-        return json.loads(kept.read_text())
+    """Runs one night, evaluates it, and stores both results."""
+    stored = folder / f"{run.name}.json"
+    if stored.exists():
+        return json.loads(stored.read_text())
     print(run.name, file=sys.stderr, flush=True)
     elements = elements_of(run.sky, run.evening, folder)
     model = streakcast.StreakModel(site="Rubin Observatory", elements=elements, telescope="rubin", mjd_scale="utc")
-    hooks, clock = hooks_of(run.hook, model, run.kind), Clocked()
+    hooks, clock = hooks_of(run.hook, model, run.kind), CallTimes()
     if "queue_manager" in hooks:
-        hooks["queue_manager"]._choice = clock.around(hooks["queue_manager"]._choice)
+        hooks["queue_manager"]._choice = clock.wrap(hooks["queue_manager"]._choice)
     for mask in hooks.get("masks", ()):
-        mask._calc_value = clock.around(mask._calc_value)
-    # Without hooks nothing depends on the sky: the night is the same under all.
+        mask._calc_value = clock.wrap(mask._calc_value)
+    # Without hooks the night does not depend on the satellites.
     same = folder / f"{run.kind}-off-{run.evening}.npy"
     begun = time.time()
     if run.hook == "off" and same.exists():
@@ -125,33 +125,33 @@ def simulate(run: Run, folder: Path) -> dict[str, Any]:
         done = night.run(run.evening, run.kind, folder / f"almanac-{run.evening}", follow=run.hook != "cells", **hooks)
         visits = np.asarray(done.visits)
         np.save(same if run.hook == "off" else folder / f"{run.name}.npy", visits)
-    answer = {"visits": len(visits), "slew_s": float(visits["slewtime"].sum()), "minutes": (time.time() - begun) / 60.0}
-    answer |= judge(visits, truth_of(elements), model, NOISE_S if run.kind == "pairs" and run.hook in ("off", "any") else NOISE_S[:1])
+    result = {"visits": len(visits), "slew_s": float(visits["slewtime"].sum()), "minutes": (time.time() - begun) / 60.0}
+    result |= judge(visits, truth_of(elements), model, NOISE_S if run.kind == "pairs" and run.hook in ("off", "any") else NOISE_S[:1])
     if clock.wall_s:
-        answer |= {"hook_ms": [1e3 * float(np.median(one)) for one in (clock.wall_s, clock.cpu_s)]}
-        answer |= {"hook_most_ms": 1e3 * max(clock.wall_s)}
+        result |= {"hook_ms": [1e3 * float(np.median(one)) for one in (clock.wall_s, clock.cpu_s)]}
+        result |= {"hook_most_ms": 1e3 * max(clock.wall_s)}
     if "queue_manager" in hooks:
-        answer |= {"counts": dict(hooks["queue_manager"].counts)}
+        result |= {"counts": dict(hooks["queue_manager"].counts)}
     for mask in hooks.get("masks", ()):
-        answer |= {"counts": dict(mask.counts)}
-    kept.write_text(json.dumps(answer))
-    return answer
+        result |= {"counts": dict(mask.counts)}
+    stored.write_text(json.dumps(result))
+    return result
 
 
 @cache
 def truth_of(elements: Path) -> brute_force.Truth:
-    """Read once for all runs over the same satellites."""
+    """Reads the satellites once for all runs."""
     return brute_force.Truth(brute_force.read_elements(elements))
 
 
 def judge(visits: np.ndarray, truth: brute_force.Truth, model: streakcast.StreakModel, noise_s: tuple[float, ...]) -> dict[str, Any]:
-    """Streaked visits by brute force, for every error of the truth; magnitudes and lost pixels by the model, which alone has any."""
+    """Counts streaked visits by brute force for every along-track error; losses are computed by the model."""
     streaked = {f"{sigma_s:g}": int(brute_force.streaked(truth.delayed(sigma_s, SEED), visits).sum()) for sigma_s in noise_s}
-    answer = model.with_options(limit_mag=LIMIT_MAG).assess(
+    result = model.with_options(limit_mag=LIMIT_MAG).assess(
         (np.degrees(visits["RA"]), np.degrees(visits["dec"])), visits["mjd"], visits["exptime"]
     )
-    lost = np.nan_to_num(answer.lost_fraction)
-    return {"streaked": streaked, "bright": int(answer.avoid.sum()), "lost_fraction": float(lost.sum())}
+    lost = np.nan_to_num(result.lost_fraction)
+    return {"streaked": streaked, "bright": int(result.avoid.sum()), "lost_fraction": float(lost.sum())}
 
 
 def summed(rows: list[dict[str, Any]]) -> dict[str, Any]:
@@ -164,26 +164,26 @@ def summed(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 
 def line(kind: str, sky: str, hook: str, nights: int, total: dict[str, Any], off: dict[str, Any] | None) -> str:
-    """A row of the table: against the nights without hooks, in percent."""
+    """Formats a row of the table, with changes in percent relative to the nights without hooks."""
     slew_s = total["slew_s"] / total["visits"]
-    words = [kind, sky, str(nights), hook, str(total["visits"]), f"{total['streaked']['0']}", f"{total['bright']}", f"{slew_s:.2f}"]
+    cells = [kind, sky, str(nights), hook, str(total["visits"]), f"{total['streaked']['0']}", f"{total['bright']}", f"{slew_s:.2f}"]
     if off is not None:
         before_s = off["slew_s"] / off["visits"]
-        words[4] += f" ({100.0 * (total['visits'] / off['visits'] - 1.0):+.1f} %)"
-        words[5] += f" ({100.0 * (total['streaked']['0'] / max(off['streaked']['0'], 1e-9) - 1.0):+.0f} %)"
-        words[6] += f" ({100.0 * (total['bright'] / max(off['bright'], 1e-9) - 1.0):+.0f} %)"
-        words[7] += f" ({100.0 * (slew_s / before_s - 1.0):+.1f} %)"
-    words.append(f"{1e4 * total['lost_fraction'] / total['visits']:.2f}")
-    words.append("" if total["hook_ms"] is None else f"{total['hook_ms'][0]:.1f} / {total['hook_ms'][1]:.1f}")
-    return "| " + " | ".join(words) + " |"
+        cells[4] += f" ({100.0 * (total['visits'] / off['visits'] - 1.0):+.1f} %)"
+        cells[5] += f" ({100.0 * (total['streaked']['0'] / max(off['streaked']['0'], 1e-9) - 1.0):+.0f} %)"
+        cells[6] += f" ({100.0 * (total['bright'] / max(off['bright'], 1e-9) - 1.0):+.0f} %)"
+        cells[7] += f" ({100.0 * (slew_s / before_s - 1.0):+.1f} %)"
+    cells.append(f"{1e4 * total['lost_fraction'] / total['visits']:.2f}")
+    cells.append("" if total["hook_ms"] is None else f"{total['hook_ms'][0]:.1f} / {total['hook_ms'][1]:.1f}")
+    return "| " + " | ".join(cells) + " |"
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     parser.add_argument("--only", nargs="*", default=[], help="words that the names of runs must contain")
-    typed = parser.parse_args()
-    typed.folder.mkdir(parents=True, exist_ok=True)
+    arguments = parser.parse_args()
+    arguments.folder.mkdir(parents=True, exist_ok=True)
     warnings.simplefilter("ignore", streakcast.StreakcastWarning)
     table = {
         ("pairs", "4408"): (NIGHTS, ("off", "any")),
@@ -195,12 +195,12 @@ def main() -> None:
     }
     lines, curve = [], []
     for (kind, sky), (nights, hooks) in table.items():
-        if typed.only and not any(word in f"{kind}-{sky}" for word in typed.only):
+        if arguments.only and not any(word in f"{kind}-{sky}" for word in arguments.only):
             continue
         if sky == "catalogue" and catalogue() is None:
-            print("*** the real catalogue is left out: name its folder by STREAKCAST_DATA", file=sys.stderr)
+            print("*** the real catalogue is omitted: set STREAKCAST_DATA to the data folder", file=sys.stderr)
             continue
-        totals = {hook: summed([simulate(Run(evening, kind, sky, hook), typed.folder) for evening in nights]) for hook in hooks}
+        totals = {hook: summed([simulate(Run(evening, kind, sky, hook), arguments.folder) for evening in nights]) for hook in hooks}
         for hook, total in totals.items():
             lines.append(line(kind, sky, hook, len(nights), total, totals["off"] if hook != "off" else None))
             shares = [f"{100.0 * one / total['visits']:.1f} %" for one in total["streaked"].values()]
@@ -208,7 +208,7 @@ def main() -> None:
                 curve.append(f"| {kind} | {sky} | {hook} | " + " | ".join(shares) + " |")
     print("| survey | satellites | nights | hook | visits | streaked | brighter than 7 mag | mean slew (s) | lost pixels (1e-4) | hook wall / CPU (ms) |")
     print("|---|---|---|---|---|---|---|---|---|---|", *lines, sep="\n")
-    print("\nStreaked visits where the truth is off along the track by a Gaussian error:\n")
+    print("\nStreaked visits with Gaussian along-track errors of the true positions:\n")
     print("| survey | satellites | hook | " + " | ".join(f"{one:g} s" for one in NOISE_S) + " |")
     print("|---|---|---|---|---|---|---|", *curve, sep="\n")
 

@@ -1,4 +1,4 @@
-"""Opsim databases as the host writes them: what is added, and that nothing else changes."""
+"""Annotation of opsim databases: added tables, unchanged existing tables."""
 
 import os
 import sqlite3
@@ -37,14 +37,14 @@ def test_a_copy_with_more_tables(opsim, models, truths, tmp_path):
     assert sorted(dict(counted).values()) == sorted(count for count, *_ in joined if count)
     assert all((magnitude is None) == (verdict == "clear") for _, magnitude, verdict in joined)
     assert ("mjd_scale", '"utc"') in rows_of(tmp_path / "out.db", "SELECT * FROM streak_provenance")
-    # The host's own arrays give the same.
+    # The visit array of rubin_scheduler gives the same result.
     columns = visit_columns(visits, models[40768])
     assert [int(one) for one in columns["n_streaks"]] == [count for count, *_ in joined]
 
 
-def test_again_only_where_asked(opsim, models, tmp_path):
+def test_existing_tables_are_replaced_only_if_requested(opsim, models, tmp_path):
     annotate(opsim[0], tmp_path / "one.db", models[4408])
-    with pytest.raises(ValueError, match="already; replace=True"):
+    with pytest.raises(ValueError, match="already; specify replace=True"):
         annotate(tmp_path / "one.db", tmp_path / "two.db", models[4408])
     assert [one.name for one in tmp_path.iterdir()] == ["one.db"]
     annotate(tmp_path / "one.db", tmp_path / "two.db", models[4408], replace=True)
@@ -52,12 +52,12 @@ def test_again_only_where_asked(opsim, models, tmp_path):
     assert rows_of(tmp_path / "one.db", query) == rows_of(tmp_path / "two.db", query)
 
 
-def test_what_cannot_be_annotated(opsim, models, tmp_path):
-    with pytest.raises(ValueError, match="is no file"):
+def test_invalid_databases_are_rejected(opsim, models, tmp_path):
+    with pytest.raises(ValueError, match="is not a file"):
         annotate(tmp_path / "none.db", tmp_path / "out.db", models[4408])
     with pytest.raises(ValueError, match="is the database itself"):
         annotate(opsim[0], opsim[0], models[4408])
-    (tmp_path / "text.db").write_text("no database, but long enough to be looked at by somebody who reads headers " * 9)
+    (tmp_path / "text.db").write_text("not a database, but long enough that SQLite reads its header " * 11)
     with pytest.raises(ValueError, match="text.db: file is not a database"):
         annotate(tmp_path / "text.db", tmp_path / "out.db", models[4408])
     with sqlite3.connect(tmp_path / "poor.db") as base:
@@ -77,7 +77,7 @@ def test_an_empty_database(opsim, models, tmp_path):
 
 
 @pytest.mark.parametrize("umask", [0o022, 0o027])
-def test_others_may_read_what_the_process_lets_them(opsim, models, tmp_path, umask):
+def test_the_copy_has_default_permissions(opsim, models, tmp_path, umask):
     before = os.umask(umask)
     try:
         annotate(opsim[0], tmp_path / "out.db", models[4408])

@@ -1,4 +1,4 @@
-"""The judge itself: its rotations against astropy's."""
+"""Tests of the brute-force computation: its rotations are compared with those of astropy."""
 
 import brute_force
 import numpy as np
@@ -6,28 +6,28 @@ from astropy import units as u
 from astropy.coordinates import GCRS, TEME, CartesianRepresentation
 from astropy.time import Time
 
-#: 0.6 arcsec at 7000 km: astropy takes polar motion along, which is worth 0.5 arcsec and nothing to a field of 3.5 degrees.
+#: 0.6 arcsec at 7000 km: astropy includes polar motion (0.5 arcsec), which is negligible for a field of 3.5 degrees.
 TOLERANCE_KM = 0.02
 
 
 def test_valid_rotation_against_astropy(truths):
     times = Time(["2026-01-16T01:00:00", "2026-08-15T05:00:00"], scale="utc")
     rotation, site = truths[4408]._rotations(times)
-    place = np.array([4000.0, -3500.0, 4400.0])
+    position = np.array([4000.0, -3500.0, 4400.0])
     for one, time in enumerate(times):
-        teme = TEME(CartesianRepresentation(place * u.km), obstime=time)
+        teme = TEME(CartesianRepresentation(position * u.km), obstime=time)
         expected = teme.transform_to(GCRS(obstime=time)).cartesian.xyz.to_value("km")
-        assert np.linalg.norm(rotation[one] @ place - expected) < TOLERANCE_KM
-        where = brute_force.almanac.location().get_gcrs(time).cartesian.xyz.to_value("km")
-        assert np.linalg.norm(site[one] - where) < TOLERANCE_KM
+        assert np.linalg.norm(rotation[one] @ position - expected) < TOLERANCE_KM
+        site_km = brute_force.almanac.location().get_gcrs(time).cartesian.xyz.to_value("km")
+        assert np.linalg.norm(site[one] - site_km) < TOLERANCE_KM
 
 
-def test_a_delay_is_time(truths):
-    """An orbit ten seconds later by series is the orbit ten seconds later."""
+def test_a_delay_equals_propagation(truths):
+    """The series for a delay of ten seconds agrees with SGP4 ten seconds later."""
     truth = truths[4408]
     time = Time("2026-01-16T01:00:00", scale="utc")
-    error, place, velocity = truth.array.sgp4(np.array([time.jd1]), np.array([time.jd2]))
+    error, position, velocity = truth.array.sgp4(np.array([time.jd1]), np.array([time.jd2]))
     _, later, _ = truth.array.sgp4(np.array([time.jd1]), np.array([time.jd2 + 10.0 / 86_400.0]))
-    moved = truth._later(place, velocity, np.full(error.shape, 10.0))
-    # The oblate Earth turns velocities by some 1e-5 km/s^2: half of that times ten seconds squared.
+    moved = truth._propagated(position, velocity, np.full(error.shape, 10.0))
+    # Acceleration by the Earth's oblateness is about 1e-5 km/s^2: half of that times ten seconds squared.
     assert np.abs(moved - later).max() < 0.002

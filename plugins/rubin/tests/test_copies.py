@@ -1,4 +1,4 @@
-"""Copies and pickles of the queue manager, which `SummitWrapper` makes at each visit."""
+"""Copies and pickles of the queue manager, which `SummitWrapper` creates at each visit."""
 
 import copy
 import pickle
@@ -8,12 +8,12 @@ from conftest import ids, manager_of
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from rubin_scheduler.scheduler.schedulers import BaseQueueManager, SummitWrapper
 
-#: What a pickle of the scheduler may grow by.
+#: Tolerated increase of the size of a pickled scheduler, bytes.
 MOST_PICKLED = 100_000
 
 
 def test_summit_wrapper(ready, models, take_over):
-    """It copies the scheduler deep, asks for several visits at one moment, and hands back what it only asked for."""
+    """The wrapper deep-copies the scheduler, requests several visits, and reports requested visits as complete."""
     scheduler = take_over(ready, manager_of(models[40768]))
     wrapper = SummitWrapper(scheduler)
     wrapper.update_conditions(scheduler.conditions)
@@ -21,13 +21,13 @@ def test_summit_wrapper(ready, models, take_over):
     assert len(set(out)) == 4
     ahead = wrapper.ahead_scheduler.queue_manager
     assert ahead is not scheduler.queue_manager and ahead.counts["failed"] == 0 and ahead.counts["asked"] == 4
-    # Each visit that was asked for is taken to be under way: the next opens after it.
+    # Requested visits are taken to be in progress: the next one opens after them.
     taken_s = (ahead.mount.last["free_mjd"] - scheduler.queue_manager.mount.last["free_mjd"]) * 86_400.0
     assert 4 * 31.0 < taken_s < 4 * 31.0 + 4 * 40.0
 
 
-def test_summit_wrapper_gets_no_visit_twice(ready, model, take_over, blocked):
-    """The first visit of the queue goes out second, and is under way when the one before it is done."""
+def test_summit_wrapper_receives_no_visit_twice(ready, model, take_over, blocked):
+    """The first visit of the queue is dispatched second, and is in progress when the previous one is complete."""
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     wrapper = SummitWrapper(scheduler)
@@ -43,14 +43,14 @@ def test_summit_wrapper_gets_no_visit_twice(ready, model, take_over, blocked):
     three = wrapper.request_observation()
     assert ids(three)[0] not in (*ids(one), *ids(two))
     assert wrapper.ahead_scheduler.queue_manager.counts["failed"] == 0
-    # A visit that never came back is not lost for good.
+    # A visit that was not completed becomes available again.
     manager = copy.deepcopy(scheduler.queue_manager)
-    manager.mount.tell(manager.mount.now(scheduler.conditions) + 11.0 / 1440.0)
+    manager.mount.set_time(manager.mount.now(scheduler.conditions) + 11.0 / 1440.0)
     assert ids(manager.request_observation(scheduler.conditions)) == [queue[0]]
 
 
-def test_visits_are_put_off_so_often_by_all_copies_together(ready, model, take_over, blocked):
-    """The wrapper asks a new copy after each visit that is done."""
+def test_deferrals_by_all_copies_are_counted_together(ready, model, take_over, blocked):
+    """The wrapper uses a new copy after each completed visit."""
     scheduler = take_over(ready, manager_of(model, max_defer=3))
     first = ids(scheduler.return_active_queue())[0]
     wrapper = SummitWrapper(scheduler)
@@ -68,7 +68,7 @@ def test_visits_are_put_off_so_often_by_all_copies_together(ready, model, take_o
     assert wrapper.ahead_scheduler.queue_manager.counts["due"] == 1
 
 
-def test_what_was_put_off_stays_so_in_a_pickle(ready, model, take_over, blocked):
+def test_pickles_keep_deferrals(ready, model, take_over, blocked):
     manager = manager_of(model, max_defer=2)
     scheduler = take_over(ready, manager)
     first = ids(scheduler.return_active_queue())[0]
@@ -85,8 +85,8 @@ def test_pickles_stay_small(ready, models, take_over):
     plain.scheduler.queue_manager.set_queue(ready.scheduler.queue_manager.desired_observations_array)
     scheduler = take_over(ready, manager_of(models[40768]))
     first = ids(scheduler.request_observation())
-    kept = pickle.dumps(scheduler)
-    assert len(kept) - len(pickle.dumps(plain.scheduler)) < MOST_PICKLED
-    again = pickle.loads(kept)
+    pickled = pickle.dumps(scheduler)
+    assert len(pickled) - len(pickle.dumps(plain.scheduler)) < MOST_PICKLED
+    again = pickle.loads(pickled)
     assert ids(again.request_observation()) == first
     assert again.queue_manager.counts["failed"] == 0

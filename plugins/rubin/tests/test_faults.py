@@ -1,4 +1,4 @@
-"""What the queue manager does when something is wrong: the host goes on, and hears of it once."""
+"""Errors in the queue manager: rubin_scheduler continues, and each error is logged once."""
 
 import copy
 import logging
@@ -13,7 +13,7 @@ from conftest import ids, manager_of
 from rubin_scheduler.scheduler.schedulers import BaseQueueManager
 
 
-def test_any_failure_leaves_the_host_alone(ready, model, take_over, monkeypatch, caplog):
+def test_an_error_gives_the_default_choice(ready, model, take_over, monkeypatch, caplog):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
 
@@ -31,17 +31,17 @@ def test_any_failure_leaves_the_host_alone(ready, model, take_over, monkeypatch,
 def test_a_visit_without_coordinates(ready, model, take_over):
     scheduler = take_over(ready, manager_of(model))
     queue = scheduler.queue_manager.desired_observations_array
-    places = np.flatnonzero(scheduler.queue_manager.need_observing)
-    queue["RA"][places[2]] = np.nan
-    assert ids(scheduler.request_observation()) == [int(queue["target_id"][places[0]])]
+    indices = np.flatnonzero(scheduler.queue_manager.need_observing)
+    queue["RA"][indices[2]] = np.nan
+    assert ids(scheduler.request_observation()) == [int(queue["target_id"][indices[0]])]
     assert scheduler.queue_manager.counts["no_coordinates"] == 1 and scheduler.queue_manager.counts["failed"] == 0
-    # Where it is the first, the host decides.
-    queue["RA"][places[0]] = np.nan
+    # If it is the first one, rubin_scheduler decides.
+    queue["RA"][indices[0]] = np.nan
     manager = scheduler.queue_manager
-    assert manager.find_valid_observations_indx(scheduler.conditions)[0] == places[0]
+    assert manager.find_valid_observations_indx(scheduler.conditions)[0] == indices[0]
 
 
-def test_elements_that_vanish(ready, folder, take_over, caplog):
+def test_deleted_element_files(ready, folder, take_over, caplog):
     path = folder / "vanishing.csv"
     path.write_bytes((folder / "4408.csv").read_bytes())
     model = streakcast.StreakModel(site="Rubin Observatory", elements=path, telescope="rubin", mjd_scale="utc")
@@ -57,8 +57,8 @@ def test_elements_that_vanish(ready, folder, take_over, caplog):
     assert len([one for one in caplog.records if "is missing" in one.message]) == 1
 
 
-def test_old_elements_are_told(ready, tmp_path, take_over, caplog):
-    """Ten weeks old: nobody knows where these are, and the night goes on."""
+def test_old_element_sets_are_logged(ready, tmp_path, take_over, caplog):
+    """Positions from ten weeks old element sets are uncertain, but the night continues."""
     brute_force.write_walker(["starlink-gen1"], Time("2025-11-05T00:00:00"), tmp_path / "old.csv")
     model = streakcast.StreakModel(site="Rubin Observatory", elements=tmp_path / "old.csv", telescope="rubin", mjd_scale="utc")
     scheduler = take_over(ready, manager_of(model, look_ahead=2))
@@ -69,7 +69,7 @@ def test_old_elements_are_told(ready, tmp_path, take_over, caplog):
     assert len([one for one in caplog.records if "more than 14 days" in one.message]) == 1
 
 
-def test_another_site_is_told(ready, folder, take_over, caplog):
+def test_a_different_site_is_logged(ready, folder, take_over, caplog):
     model = streakcast.StreakModel(lat=-30.0, lon=-70.0, height=2000.0, elements=folder / "4408.csv", telescope="rubin", mjd_scale="utc")
     scheduler = take_over(ready, manager_of(model))
     with caplog.at_level(logging.WARNING):
@@ -79,14 +79,14 @@ def test_another_site_is_told(ready, folder, take_over, caplog):
     assert len([one for one in caplog.records if "km apart" in one.message]) == 1
 
 
-def test_rubins_own_site_is_no_other(ready, model, take_over, caplog):
+def test_the_site_of_rubin_scheduler_agrees(ready, model, take_over, caplog):
     scheduler = take_over(ready, manager_of(model))
     scheduler.request_observation()
     assert scheduler.queue_manager.counts["site"] == scheduler.queue_manager.counts["clock"] == 0
 
 
-def test_a_clock_37_seconds_off_is_told(ready, model, take_over, caplog):
-    """TAI handed over as UTC, now."""
+def test_a_clock_error_of_37_seconds_is_logged(ready, model, take_over, caplog):
+    """The present time in TAI is passed as UTC."""
     scheduler = take_over(ready, manager_of(model))
     manager = scheduler.queue_manager
     manager.mount.last = None
@@ -96,14 +96,14 @@ def test_a_clock_37_seconds_off_is_told(ready, model, take_over, caplog):
         manager.find_valid_observations_indx(scheduler.conditions)
         manager.hook.ask(lambda one: manager._choice(one, scheduler.conditions, np.flatnonzero(manager.need_observing)), None)
     assert manager.counts["clock"] == 1
-    # Without a last visit the telescope stands where the conditions say.
+    # Without a last visit the pointing is taken from the conditions.
     assert manager.counts["failed"] == 0
     assert "37.0 s" in caplog.text
 
 
 def test_times_need_a_scale(folder):
     model = streakcast.StreakModel(site="Rubin Observatory", elements=folder / "4408.csv", telescope="rubin")
-    with pytest.raises(ValueError, match="mjd_scale is not said"):
+    with pytest.raises(ValueError, match="missing mjd_scale"):
         manager_of(model)
     assert manager_of(model, mjd_scale="tai").mjd_scale == "tai"
     with pytest.raises(ValueError, match="mjd_scale 'ut1'; allowed: utc, tai, tt"):
@@ -112,15 +112,15 @@ def test_times_need_a_scale(folder):
 
 def test_tai_and_utc_differ(models, pairs_evening):
     visits = pairs_evening.visits
-    where = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
-    answers = [models[40768].assess(where, visits["mjd"], visits["exptime"], scale=scale).crosses for scale in ("utc", "tai")]
-    assert np.count_nonzero(answers[0] != answers[1]) > 0.1 * len(visits)
+    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
+    crossed = [models[40768].assess(target, visits["mjd"], visits["exptime"], scale=scale).crosses for scale in ("utc", "tai")]
+    assert np.count_nonzero(crossed[0] != crossed[1]) > 0.1 * len(visits)
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"look_ahead": 0}, "look_ahead is 0; allowed: a number from 1 up"),
+        ({"look_ahead": 0}, "look_ahead is 0; allowed: a number from 1 upwards"),
         ({"max_defer": -1}, "max_defer is -1"),
         ({"jitter_s": float("nan")}, "jitter_s is nan"),
         ({"max_extra_slew_s": "5"}, "max_extra_slew_s is '5'"),
@@ -128,31 +128,31 @@ def test_tai_and_utc_differ(models, pairs_evening):
         ({"blocking": "some"}, "blocking 'some'; allowed: any, avoid"),
         ({"limit_mag": {"q": 7.0}}, "limit_mag names the band 'q'"),
         ({"limit_mag": "bright"}, "limit_mag is 'bright'"),
-        ({"limit_mag": 7.0, "blocking": "any"}, "limit_mag with blocking='any' does nothing"),
+        ({"limit_mag": 7.0, "blocking": "any"}, "limit_mag has no effect with blocking='any'"),
     ],
 )
-def test_impossible_options(model, options, message):
+def test_invalid_options(model, options, message):
     with pytest.raises(ValueError, match=message):
         manager_of(model, **options)
 
 
-def test_a_night_that_begins_again(ready, model, take_over):
-    """A host that goes back in time is not answered for what it did later, in the night before or in the same one."""
+def test_a_scheduler_that_restarts_at_an_earlier_time(ready, model, take_over):
+    """After a restart at an earlier time, later times and visits are discarded, within the night or across nights."""
     manager = manager_of(model)
     scheduler = take_over(ready, manager)
     scheduler.request_observation()
     mount = manager.mount
     now = mount.now(scheduler.conditions)
-    mount.tell(now + 3.0)
+    mount.set_time(now + 3.0)
     assert mount.now(scheduler.conditions) == now
-    mount.tell(now + 0.01)
+    mount.set_time(now + 0.01)
     assert mount.now(scheduler.conditions) == now + 0.01
-    # Two hours on by the host's word, then back by its word.
-    mount.tell(now + 0.08)
+    # Two hours ahead by the scheduler's time, then back by it.
+    mount.set_time(now + 0.08)
     assert mount.now(scheduler.conditions) == now + 0.08
-    mount.tell(now)
+    mount.set_time(now)
     assert mount.now(scheduler.conditions) == now and mount.last is not None
-    # Two hours on by a visit, then back by the conditions.
+    # Two hours ahead by a visit, then back by the conditions.
     later, visit = copy.copy(scheduler.conditions), np.atleast_1d(ready.visits[-1:]).copy()
     visit["mjd"] = now + 0.08
     later._mjd = now + 0.08
@@ -161,24 +161,24 @@ def test_a_night_that_begins_again(ready, model, take_over):
     assert mount.now(scheduler.conditions) == now and mount.last is None
 
 
-def test_a_time_that_cannot_be_followed_stops_nothing(ready, model, take_over, monkeypatch):
+def test_an_invalid_time_does_not_stop_the_scheduler(ready, model, take_over, monkeypatch):
     manager = manager_of(model)
     scheduler = take_over(ready, manager)
     now = manager.mount.now(scheduler.conditions)
     expected = BaseQueueManager.find_valid_observations_indx(manager, scheduler.conditions, mjd=now)
-    monkeypatch.setattr(manager.mount, "tell", lambda mjd: 1 / 0)
+    monkeypatch.setattr(manager.mount, "set_time", lambda mjd: 1 / 0)
     found = manager.find_valid_observations_indx(scheduler.conditions, mjd=now)
     assert np.array_equal(found, expected) and manager.counts["clock"] == 1
 
 
-def test_a_site_that_cannot_be_looked_at_is_told(ready, model, take_over, blocked, caplog):
+def test_an_unreadable_site_is_logged(ready, model, take_over, blocked, caplog):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     blocked(streakcast.StreakModel, [0, *range(2, 12)])
     site = scheduler.conditions.site
 
     class Hidden:
-        """The host's own site, but for its latitude in degrees."""
+        """The site of rubin_scheduler without its latitude in degrees."""
 
         def __getattr__(self, name):
             if name == "latitude":
@@ -188,7 +188,7 @@ def test_a_site_that_cannot_be_looked_at_is_told(ready, model, take_over, blocke
     scheduler.conditions.site = Hidden()
     assert ids(scheduler.request_observation()) == [queue[1]]
     counts = scheduler.queue_manager.counts
-    assert counts["site"] == 1 and counts["failed"] == 0 and "cannot be looked at" in caplog.text
+    assert counts["site"] == 1 and counts["failed"] == 0 and "cannot be read" in caplog.text
 
 
 def test_a_model_without_a_field(folder):

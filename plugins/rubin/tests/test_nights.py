@@ -1,4 +1,4 @@
-"""Real nights of the real scheduler, judged by brute force: the claims of the README in a short form."""
+"""Simulated nights checked by brute force: short versions of the figures in the README."""
 
 import warnings
 
@@ -10,9 +10,10 @@ from conftest import EVENING, HOURS
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakMaskBasisFunction, StreakQueueManager, StreakRewardBasisFunction
 
-#: The fall of streaked visits under 4,408 and 40,768 satellites; most visits lost, and slew gained.
-LEAST_FALL = {4408: 0.80, 40768: 0.60}
-MOST_LOST, MOST_SLEW = 0.03, 0.15
+#: Minimum reduction of streaked visits with 4,408 and 40,768 satellites; maximum loss of visits and increase of slew
+#: time.
+MIN_REDUCTION = {4408: 0.80, 40768: 0.60}
+MAX_LOST, MAX_SLEW_INCREASE = 0.03, 0.15
 
 
 def test_pairs_all_night_under_4408_satellites(folder, models, truths, pairs_night):
@@ -22,9 +23,9 @@ def test_pairs_all_night_under_4408_satellites(folder, models, truths, pairs_nig
     after = brute_force.streaked(truths[4408], dodged.visits).sum()
     print(f"streaked {before} -> {after}, visits {len(pairs_night.visits)} -> {len(dodged.visits)}, {manager.counts}")
     assert before >= 10
-    assert after <= (1.0 - LEAST_FALL[4408]) * before
-    assert len(dodged.visits) >= (1.0 - MOST_LOST) * len(pairs_night.visits)
-    assert dodged.mean_slew_s <= (1.0 + MOST_SLEW) * pairs_night.mean_slew_s
+    assert after <= (1.0 - MIN_REDUCTION[4408]) * before
+    assert len(dodged.visits) >= (1.0 - MAX_LOST) * len(pairs_night.visits)
+    assert dodged.mean_slew_s <= (1.0 + MAX_SLEW_INCREASE) * pairs_night.mean_slew_s
     assert manager.counts["failed"] == 0
     assert manager.counts["asked"] >= len(dodged.visits)
 
@@ -34,22 +35,22 @@ def test_pairs_in_the_evening_under_40768_satellites(truths, pairs_evening, dodg
     after = brute_force.streaked(truths[40768], dodged_evening.visits)
     print(f"streaked {before.sum()} of {before.size} -> {after.sum()} of {after.size}")
     assert before.mean() > 0.2
-    assert after.sum() <= (1.0 - LEAST_FALL[40768]) * before.sum()
+    assert after.sum() <= (1.0 - MIN_REDUCTION[40768]) * before.sum()
 
 
-def test_the_model_finds_what_brute_force_finds(models, truths, pairs_evening):
+def test_the_model_agrees_with_brute_force(models, truths, pairs_evening):
     visits = pairs_evening.visits
     found = models[40768].assess((np.degrees(visits["RA"]), np.degrees(visits["dec"])), visits["mjd"], visits["exptime"])
     truth = brute_force.streaked(truths[40768], visits)
-    # Grazing visits: the judge has a round Earth for a shadow and steps of a second.
+    # Grazing crossings differ: the brute force has the shadow of a sphere and steps of a second.
     assert np.count_nonzero(found.crosses != truth) <= 0.01 * truth.size
 
 
-def test_shutters_open_when_the_hook_said(dodged_evening, planned):
+def test_shutters_open_at_the_predicted_times(dodged_evening, planned):
     visits = dodged_evening.visits
     late_s = np.array([(one["mjd"] - planned[int(one["target_id"])]) * 86_400.0 for one in visits if int(one["target_id"]) in planned])
     assert late_s.size == len(visits)
-    # Beyond the jitter stand only the first visit and filter exchanges, where the host turns the rotator anew.
+    # Exceptions are the first visit and filter exchanges, where rubin_scheduler resets the rotator.
     assert np.mean(np.abs(late_s) < 1.0) > 0.95
 
 
@@ -57,11 +58,11 @@ def test_pairs_stay_pairs(pairs_evening, dodged_evening):
     for done in (pairs_evening, dodged_evening):
         assert np.unique(done.visits["target_id"]).size == len(done.visits)
     visits = dodged_evening.visits
-    seen = {}
+    tags_by_field = {}
     for visit in visits:
         field = (round(float(visit["RA"]), 9), round(float(visit["dec"]), 9))
-        seen.setdefault(field, []).append(str(visit["scheduler_note"])[-1])
-    pairs = [tags for tags in seen.values() if len(tags) == 2]
+        tags_by_field.setdefault(field, []).append(str(visit["scheduler_note"])[-1])
+    pairs = [tags for tags in tags_by_field.values() if len(tags) == 2]
     assert len(pairs) > 30
     assert all(tags == ["a", "b"] for tags in pairs)
     exchanges = [int(np.count_nonzero(done.visits["band"][1:] != done.visits["band"][:-1])) for done in (pairs_evening, dodged_evening)]
@@ -74,7 +75,7 @@ def greedy_evening(folder):
 
 
 def test_greedy_with_the_mask(folder, models, truths, greedy_evening):
-    """In twilight, when more than half of the sky is crossed, with the options as they are."""
+    """In twilight, when more than half of the sky is crossed, with default options."""
     plain = greedy_evening
     mask = StreakMaskBasisFunction(models[40768])
     dodged = night.run(EVENING, "greedy", folder, hours=0.7, masks=[mask])
@@ -82,22 +83,22 @@ def test_greedy_with_the_mask(folder, models, truths, greedy_evening):
     after = brute_force.streaked(truths[40768], dodged.visits).sum()
     print(f"streaked {before} of {len(plain.visits)} -> {after} of {len(dodged.visits)}, {mask.counts}")
     assert before >= 15
-    assert after <= (1.0 - LEAST_FALL[40768]) * before
+    assert after <= (1.0 - MIN_REDUCTION[40768]) * before
     assert mask.counts["failed"] == 0
-    # Asked once a visit, not once a look.
+    # The mask is computed once per visit.
     assert mask.counts["asked"] <= len(dodged.visits) + 2
 
 
 def test_a_wholly_blocked_sky_still_returns_visits(folder, models, pairs_evening):
     """A field of 140 degrees is never clear."""
     manager = StreakQueueManager(models[40768].with_options(fov="140deg"), detailers=[RotspUpdateDetailer()])
-    with warnings.catch_warnings(record=True) as told:
+    with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         done = night.run(EVENING, "pairs", folder, hours=0.5, queue_manager=manager)
     same = pairs_evening.visits["mjd"] <= done.visits["mjd"].max()
     assert len(done.visits) >= 0.85 * np.count_nonzero(same)
     assert manager.counts["given_up"] == len(done.visits)
-    assert not [one for one in told if "rejected everything" in str(one.message)]
+    assert not [one for one in caught if "rejected everything" in str(one.message)]
 
 
 def test_a_wholly_blocked_sky_still_returns_greedy_visits(folder, models, greedy_evening):
@@ -110,7 +111,7 @@ def test_a_wholly_blocked_sky_still_returns_greedy_visits(folder, models, greedy
 
 
 def test_rewards_are_recorded(folder, models):
-    """What the host does with basis functions besides calling them: labels, tables of rewards."""
+    """Labels and tables of rewards of rubin_scheduler include the basis functions."""
     mask, reward = StreakMaskBasisFunction(models[4408]), StreakRewardBasisFunction(models[4408])
     done = night.run(EVENING, "greedy", folder, hours=0.1, masks=[mask], rewards=[(reward, 1.0)], record_rewards=True)
     frame = done.scheduler.make_reward_df(done.scheduler.conditions)
@@ -121,13 +122,13 @@ def test_rewards_are_recorded(folder, models):
 
 @pytest.mark.parametrize("hours", [HOURS])
 def test_a_limit_costs_less(folder, models, pairs_evening, dodged_evening, hours):
-    """Dodging only what is brighter than 7 mag leaves more visits, and fewer bright streaks than without."""
+    """Avoiding only satellites brighter than 7 mag costs fewer visits and still reduces bright streaks."""
     manager = StreakQueueManager(models[40768], limit_mag=7.0, detailers=[RotspUpdateDetailer()])
     limited = night.run(EVENING, "pairs", folder, hours=hours, queue_manager=manager)
-    judge = models[40768].with_options(limit_mag=7.0)
+    limited_model = models[40768].with_options(limit_mag=7.0)
 
     def bright(visits):
-        return int(judge.assess((np.degrees(visits["RA"]), np.degrees(visits["dec"])), visits["mjd"], visits["exptime"]).avoid.sum())
+        return int(limited_model.assess((np.degrees(visits["RA"]), np.degrees(visits["dec"])), visits["mjd"], visits["exptime"]).avoid.sum())
 
     print(f"visits {len(pairs_evening.visits)}, {len(limited.visits)} with a limit, {len(dodged_evening.visits)} without")
     assert bright(limited.visits) <= 0.4 * bright(pairs_evening.visits)

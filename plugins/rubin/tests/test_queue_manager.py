@@ -1,4 +1,4 @@
-"""The queue manager on a real scheduler with a real queue: what it may and may not do, and what limits mean."""
+"""The queue manager in rubin_scheduler: choice of visits, order of the queue, magnitude limits."""
 
 import logging
 
@@ -7,10 +7,10 @@ import streakcast
 from conftest import ids, manager_of
 from streakcast_rubin._candidates import candidates, choose
 from streakcast_rubin._mount import Openings
-from streakcast_rubin._questions import Rules, judge
+from streakcast_rubin._verdicts import Rules, judge
 
 
-def test_a_clear_visit_goes_out(ready, model, take_over, blocked):
+def test_a_clear_visit_is_dispatched(ready, model, take_over, blocked):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     blocked(streakcast.StreakModel, [0, 1, *range(3, 12)])
@@ -19,18 +19,18 @@ def test_a_clear_visit_goes_out(ready, model, take_over, blocked):
     assert ids(scheduler.request_observation()) == [queue[0]]
 
 
-def test_else_the_least_bad(ready, model, take_over, blocked):
+def test_without_clear_visits_the_least_loss_is_dispatched(ready, model, take_over, blocked):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     blocked(streakcast.StreakModel, "all", damage=[3.0, 2.0, 5.0, 1.0, 4.0, 6.0, 7.0, 8.0, 9.0, 9.0, 9.0, 9.0])
     assert ids(scheduler.request_observation()) == [queue[3]]
     assert scheduler.queue_manager.counts["given_up"] == 1
-    # Where it is no better anywhere, the telescope does not wander.
+    # If no visit is much better, the first one is dispatched.
     blocked(streakcast.StreakModel, "all", damage=[3.0, *[2.0] * 11])
     assert ids(scheduler.request_observation()) == [queue[0]]
 
 
-def test_a_visit_is_put_off_so_often_and_no_more(ready, model, take_over, blocked):
+def test_deferrals_of_a_visit_are_limited(ready, model, take_over, blocked):
     scheduler = take_over(ready, manager_of(model, max_defer=3))
     first = ids(scheduler.return_active_queue())[0]
     blocked(streakcast.StreakModel, [0])
@@ -39,7 +39,7 @@ def test_a_visit_is_put_off_so_often_and_no_more(ready, model, take_over, blocke
     assert scheduler.queue_manager.counts["due"] == 1
 
 
-def test_the_whole_queue_comes_whole(ready, model, take_over, blocked):
+def test_the_whole_queue_is_returned(ready, model, take_over, blocked):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     blocked(streakcast.StreakModel, [0, *range(2, 12)])
@@ -60,7 +60,7 @@ def test_other_bands_and_second_halves_wait():
     assert candidates(queue, valid[:0], 12).size == 0
 
 
-def test_a_long_way_is_not_gone():
+def test_long_slews_are_not_made():
     crossed, slew_s = np.array([True, False, False]), np.array([5.0, 40.0, 8.0])
     arguments = {"damage": np.array([2.0, 0.0, 0.0]), "deferred": np.zeros(3, dtype=int), "max_defer": 9}
     assert choose(crossed, slew_s=slew_s, max_extra_slew_s=10.0, **arguments) == (2, "clear")
@@ -69,27 +69,27 @@ def test_a_long_way_is_not_gone():
     assert choose(crossed, slew_s=np.array([5.0, np.nan, 8.0]), max_extra_slew_s=60.0, **arguments) == (2, "clear")
 
 
-def test_of_clear_visits_the_nearest():
+def test_the_nearest_clear_visit_is_chosen():
     arguments = {"damage": np.zeros(3), "deferred": np.zeros(3, dtype=int), "max_defer": 9, "max_extra_slew_s": 20.0}
     crossed = np.array([True, False, False])
     assert choose(crossed, slew_s=np.array([5.0, 9.0, 6.0]), **arguments) == (2, "clear")
-    # As near: the order of the queue.
+    # Among equally near visits the order of the queue decides.
     assert choose(crossed, slew_s=np.array([5.0, 6.1, 6.0]), **arguments) == (1, "clear")
     assert choose(~crossed, slew_s=np.array([5.0, 1.0, 1.0]), **arguments) == (0, "clear")
 
 
-def test_deferrals_are_logged_a_line_each(ready, model, take_over, blocked, caplog):
+def test_each_deferral_is_logged(ready, model, take_over, blocked, caplog):
     scheduler = take_over(ready, manager_of(model))
     blocked(streakcast.StreakModel, [0])
     with caplog.at_level(logging.INFO, logger="streakcast.rubin"):
         scheduler.request_observation()
         scheduler.request_observation()
     assert len(caplog.records) == scheduler.queue_manager.counts["deferred"] == 2
-    assert "put off for visit" in caplog.text and "mag 7.0" in caplog.text
+    assert "deferred for visit" in caplog.text and "mag 7.0" in caplog.text
 
 
 def test_limits_of_the_models_policy(models, pairs_evening, ready):
-    """The model's own limits, and the same limit as an option, forbid the same visits."""
+    """A limit of the model and the same limit as an option block the same visits."""
     visits = np.asarray(pairs_evening.visits)
     openings = Openings(visits["mjd"], np.zeros(visits.size), visits["exptime"])
     model = models[40768]
@@ -101,13 +101,13 @@ def test_limits_of_the_models_policy(models, pairs_evening, ready):
     assert np.array_equal(by_policy.blocked, by_option.blocked)
     assert np.array_equal(by_policy.n_streaks, by_option.n_streaks)
     assert np.allclose(by_policy.brightest_mag, by_option.brightest_mag, equal_nan=True)
-    # The one takes near misses along.
+    # Only the policy includes near misses.
     crossed = alone.blocked
     assert np.median(np.abs(by_policy.damage[crossed] / by_option.damage[crossed] - 1.0)) < 0.05
 
 
-def test_a_band_without_a_limit_is_one_without_limits(models, pairs_evening):
-    """As where no limit is given at all: every lit satellite counts."""
+def test_in_a_band_without_a_limit_every_lit_satellite_counts(models, pairs_evening):
+    """Same result as without any limit."""
     visits = np.asarray(pairs_evening.visits)
     openings = Openings(visits["mjd"], np.zeros(visits.size), visits["exptime"])
     alone, other_band, mixed = (
@@ -120,7 +120,7 @@ def test_a_band_without_a_limit_is_one_without_limits(models, pairs_evening):
 
 
 def test_limits_by_band(ready, models, take_over):
-    """Nothing is brighter than -20 mag."""
+    """No satellite is brighter than -20 mag."""
     scheduler = take_over(ready, manager_of(models[40768].with_options(fov="140deg"), limit_mag={"default": -20.0}))
     first = ids(scheduler.return_active_queue())[0]
     assert ids(scheduler.request_observation()) == [first]

@@ -1,4 +1,4 @@
-"""The README's own words, run: its one use, and the classes that it names."""
+"""The README's example runs, and the documentation names all exported classes."""
 
 import re
 from pathlib import Path
@@ -11,17 +11,17 @@ from conftest import EVENING
 README = Path(__file__).resolve().parents[1] / "README.md"
 
 
-def test_the_use_runs(folder):
+def test_the_example_runs(folder):
     (code,) = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
     observatory = night.observatory_of(EVENING, folder)
-    said = {"elements": folder / "4408.csv", "surveys": night.surveys_of("pairs", almanac.noon_of(EVENING))}
-    exec(compile(code, "README.md", "exec"), said)
-    scheduler = said["scheduler"]
+    names = {"elements": folder / "4408.csv", "surveys": night.surveys_of("pairs", almanac.noon_of(EVENING))}
+    exec(compile(code, "README.md", "exec"), names)
+    scheduler = names["scheduler"]
     scheduler.update_conditions(observatory.return_conditions())
     assert scheduler.request_observation().size == 1
     assert scheduler.queue_manager.counts["checked"] > 0 and scheduler.queue_manager.counts["failed"] == 0
 
 
-def test_all_that_is_exported_is_told():
+def test_all_exports_are_documented():
     text = README.read_text() + (README.parents[2] / "docs" / "reference" / "rubin.md").read_text()
     assert [name for name in streakcast_rubin.__all__ if name not in text] == []

@@ -118,8 +118,7 @@ impl<'a> ConeTest<'a> {
     /// cannot be.
     #[inline]
     pub fn inside(&self, phase: &Phase, normal: &Vector3<f64>, shadow: Option<&ShadowConeInTeme>) -> Option<Inside> {
-        let open_s = self.cone.half_duration_s;
-        let half_s = open_s + f64::from(phase.along_track_s);
+        let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
         if phase.only_plane {
             return Some(Inside { near_s: [-half_s, half_s], is_dark: false });
         }
@@ -129,8 +128,8 @@ impl<'a> ConeTest<'a> {
         let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
         let near_s = self.beam.near_s(&sight, &velocity, half_s, slop_km)?;
-        // Where the elements put it, whatever its delay.
-        let ends = [-open_s, open_s].map(|time_s| position + velocity * time_s);
+        // All positions that a delay can bring into the cone.
+        let ends = [-half_s, half_s].map(|time_s| position + velocity * time_s);
         let is_dark = shadow.is_some_and(|shadow| ends.iter().all(|end| shadow.holds(end, slop_km)));
         let [from_s, to_s] = near_s;
         let near_s = [from_s - NEAR_MARGIN_S, to_s + NEAR_MARGIN_S].map(|time_s| time_s.clamp(-half_s, half_s));

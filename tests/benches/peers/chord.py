@@ -1,13 +1,13 @@
-"""The chord test that the Python peers share: who crosses a circle on the sky, from positions at a few moments.
+"""Chord test of the Python peers: crossings of a circle on the sky, from positions at a few times.
 
-A propagator gives TEME positions of all objects at four moments of an exposure; numpy finds whose line of sight, taken
-as a great circle from each moment to the next, passes the field's centre within its radius. Directions are ICRS
-astrometric topocentric, as ours (and as a plate solution): r_sat - r_site - (v_sat + v_Earth) tau, so a peer that
-differs by 20 arcsec of aberration at the field's edge is not what is measured. Frames come from ERFA (the frames of
-tests/reference/sky_frames.py), once an exposure.
+A propagator gives TEME positions of all objects at four times of an exposure; numpy finds the lines of sight which,
+as great circles between successive times, pass the field's centre within its radius. Directions are ICRS astrometric
+topocentric, as ours (and as a plate solution): r_sat - r_site - (v_sat + v_Earth) tau, so that aberration (20 arcsec at
+the field's edge) causes no differences. Frames come from ERFA (the frames of
+tests/reference/sky_frames.py), once per exposure.
 
-What the great circle leaves out is the bend of the track within 10 s, up to about a minute of arc for the nearest
-objects: `compare.py` tells such grazing cases from real ones.
+The great circle neglects the curvature of the track within 10 s, up to about an arcminute for the nearest objects;
+`compare.py` treats such grazing cases separately.
 """
 
 import csv
@@ -23,7 +23,7 @@ from sky_frames import DAY_S, SPEED_OF_LIGHT_KM_S, Frames, radec_to_vector, utc_
 
 SAMPLES = 4
 EARTH_TURNS_RAD_S = 7.292115855e-5
-# Half the time between two samples of 30 s, with the fastest a bound object passes a turning site.
+# Half the time between samples of 30 s, at the largest speed of a bound object relative to the rotating site.
 FASTEST_KM_S = 11.7
 
 
@@ -34,13 +34,13 @@ def read_schedule(path, limit):
 
 
 def read_pairs(path):
-    """(name, line 1, line 2) of every record."""
+    """Returns (name, line 1, line 2) of every record."""
     lines = Path(path).read_text().splitlines()
     return [(a, b) for a, b in zip(lines, lines[1:]) if a.startswith("1 ") and b.startswith("2 ")]
 
 
 class Views:
-    """Every exposure's frame: field centre, site and the Earth's velocity in TEME. All in one go, as the peers would."""
+    """Frames of all exposures, computed at once: field centre, site and the Earth's velocity in TEME."""
 
     def __init__(self, rows, frames):
         jd, fraction = np.array([utc_to_jd(row["start_utc"]) for row in rows]).T
@@ -54,7 +54,7 @@ class Views:
         self.site_km = np.einsum("nji,njk,k->ni", teme_to_gcrs, itrs_to_gcrs, frames.site_itrs_km)
 
     def samples(self, i):
-        """Seconds after the start, Julian date, fractions of a day, and the site at those moments (n_time, 3)."""
+        """Seconds after the start, Julian date, fractions of a day, and the site at those times (n_time, 3)."""
         seconds = np.linspace(0.0, self.duration_s[i], SAMPLES)
         angle = EARTH_TURNS_RAD_S * (seconds - self.duration_s[i] / 2)
         x, y, z = self.site_km[i]
@@ -64,12 +64,12 @@ class Views:
 
 
 def crossing(position_km, velocity_km_s, site_km, seconds, centre, earth_km_s, radius_rad):
-    """Indices of objects that cross.
+    """Returns the indices of objects that cross.
 
     `position_km` (n_time, n_object, 3), `velocity_km_s` the same or None (then it is taken from the positions),
     `site_km` (n_time, 3): all TEME. NaN positions never cross.
     """
-    # Cull in space: off the line of sight by no more than the field and what is flown between two samples.
+    # Candidates: closer to the line of sight than the field radius plus the distance flown between two samples.
     along = position_km @ centre - (site_km @ centre)[:, None]
     square = (
         np.einsum("tni,tni->tn", position_km, position_km)
@@ -80,7 +80,7 @@ def crossing(position_km, velocity_km_s, site_km, seconds, centre, earth_km_s, r
     near = np.flatnonzero(((along > 0) & (square - along**2 < reach**2)).any(axis=0))
     if not len(near):
         return near
-    # Then exactly, for the few.
+    # Exact test of the candidates.
     position = position_km[:, near]
     if velocity_km_s is None:
         velocity = np.gradient(position, seconds, axis=0)
@@ -100,14 +100,14 @@ def crossing(position_km, velocity_km_s, site_km, seconds, centre, earth_km_s, r
 
 
 def run(name, load, propagate):
-    """Time a peer and print the answer as JSON.
+    """Times a peer and prints the result as JSON.
 
-    `load(pairs)` makes objects ready and returns (state, ids); `propagate(state, jd, fractions)` gives positions
+    `load(pairs)` prepares objects and returns (state, ids); `propagate(state, jd, fractions)` gives positions
     (n_time, n_object, 3) and velocities or None. Imports are not timed.
     """
     elements, schedule, fov_deg, limit = sys.argv[1], sys.argv[2], float(sys.argv[3]), int(sys.argv[4])
     rows = read_schedule(schedule, limit)
-    frames = Frames()  # reads finals2000A, which is not what is measured
+    frames = Frames()  # reads finals2000A, which is not timed
     start = time.perf_counter()
     state, ids = load(read_pairs(elements))
     ready = time.perf_counter()

@@ -1,21 +1,22 @@
-"""Ours and the peers on the same work, in one interleaved run: medians, ratios, and who found what.
+"""streakcast and its peers on the same input, in one interleaved run: medians, ratios, and differences of the results.
 
-The work: all crossings of a schedule's exposures (tests/reference/make_bench_exposures.py) against a catalogue.
-Machines are noisy, so every round runs each tool once, and ratios are taken within a round; a tool's time is what it
-reports of itself from the elements' text to the last crossing, start-up and imports aside.
+The task: all crossings of a schedule's exposures (tests/reference/make_bench_exposures.py) against a catalogue.
+Machines are noisy, so every round runs each tool once, and ratios are taken within a round. The time of a tool is the
+one it reports, from the elements' text to the last crossing, without start-up and imports.
 
     python tests/reference/make_bench_exposures.py schedule.csv
     python tests/benches/peers/compare.py --elements tle/active/active_2026-04-25.txt --schedule schedule.csv \
         --ours "target/release/... {elements} {schedule} {fov_deg} {limit}" --satidentifier CHECKOUT --rounds 5
 
 `--ours` prints either {"name", "exposures", "timings": {"total_s", ...}, "crossings": [[exposure_id, norad_id], ...],
-"left_out": [norad_id, ...]} or
-what `streakcast passes --format json` prints (then its time is the whole process). `--only astroz=1000,sgp4=100` names
-peers and how many exposures of the schedule they get: times are per exposure then, sets are compared on those.
+"left_out": [norad_id, ...]} or the output of `streakcast passes --format json` (then its time is that of the whole process). `--only
+astroz=1000,sgp4=100` selects peers with numbers of exposures: times are then per exposure, and results are compared for
+those exposures.
 
-Where sets differ, the true closest approach is found by brute force (tests/reference/brute_force_crossings.py): within
-`--graze-arcsec` of the field's edge a difference is one of method, beyond it somebody is wrong. Exit 1 if that is us. (Years after its epoch
-SGP4 may put a decayed object anywhere; such answers are named and not counted.)
+For differences the true closest approach is computed by brute force (tests/reference/brute_force_crossings.py): within
+`--graze-arcsec` of the field's edge a difference is due to the method, beyond it one tool is wrong. The exit code is 1
+if that is streakcast. (Years after its epoch SGP4 may place a decayed object anywhere; such results are listed and not
+counted.)
 """
 
 import argparse
@@ -38,12 +39,12 @@ from brute_force_crossings import Exposure, read_catalogue  # noqa: E402
 from sky_frames import DAY_S, unit, vector_to_radec  # noqa: E402
 
 
-# Nothing that stays with the Earth is faster.
+# Upper limit of the speed of bound objects.
 ESCAPE_KM_S = 11.2
 
 
 def satidentifier_exposures(rows, frames, path):
-    """Pointings as geometric directions: astrometric + v_Earth / c."""
+    """Converts pointings to geometric directions: astrometric + v_Earth / c."""
     exposures = []
     for row in rows:
         jd, fraction = utc_to_jd(row["start_utc"])
@@ -59,7 +60,7 @@ def satidentifier_exposures(rows, frames, path):
 
 
 def answer(command, rows):
-    """Run one tool; its JSON, with `total_s` and `crossings` in any case."""
+    """Runs one tool; returns its JSON, which always has `total_s` and `crossings`."""
     start = time.perf_counter()
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         child = subprocess.Popen(command, stdout=out, stderr=err)
@@ -70,7 +71,7 @@ def answer(command, rows):
         for stream in (out, err):
             stream.seek(0)
             texts.append(stream.read().decode())
-    # `passes` exits 1 where it found nothing.
+    # `passes` has exit code 1 if it found nothing.
     if child.returncode not in (0, 1) or not texts[0].strip():
         sys.exit(f"{shlex.join(command)} failed ({child.returncode}):\n{texts[1][-2000:]}")
     report = json.loads(texts[0])
@@ -102,8 +103,8 @@ def main():
     folder = tempfile.TemporaryDirectory()
     tools = {}
     if options.ours:
-        words = {"elements": options.elements, "schedule": options.schedule, "fov_deg": options.fov_deg, "limit": len(rows)}
-        tools["ours"] = (len(rows), [word.format(**words) for word in shlex.split(options.ours)])
+        values = {"elements": options.elements, "schedule": options.schedule, "fov_deg": options.fov_deg, "limit": len(rows)}
+        tools["ours"] = (len(rows), [word.format(**values) for word in shlex.split(options.ours)])
     for word in options.only.split(",") if options.only else []:
         peer, _, count = word.partition("=")
         count = min(int(count or 0) or len(rows), len(rows))
@@ -126,7 +127,7 @@ def main():
             timings = ", ".join(f"{key} {value:.4f}" for key, value in report["timings"].items())
             print(f"round {turn + 1}: {report['name']}: {report['exposures']} exposures, {len(report['crossings'])} crossings; {timings}", file=sys.stderr)
 
-    # One-time work (reading, making ready) is counted whole; what grows with exposures is scaled to the whole schedule.
+    # One-time work (reading, preparation) is counted once; work per exposure is scaled to the whole schedule.
     def whole_s(report):
         timings = report["timings"]
         if report["exposures"] == len(rows) or "crossings_s" not in timings:
@@ -156,9 +157,9 @@ def main():
     seen_by = {tool: {row["exposure_id"] for row in rows[:count]} for tool, (count, _) in tools.items()}
     wrong = {tool: 0 for tool in tools}
     for exposure_id, norad in sorted(set().union(*found.values())):
-        asked = [tool for tool in tools if exposure_id in seen_by[tool]]
-        yes = [tool for tool in asked if (exposure_id, norad) in found[tool]]
-        if len(yes) == len(asked):
+        tools_run = [tool for tool in tools if exposure_id in seen_by[tool]]
+        yes = [tool for tool in tools_run if (exposure_id, norad) in found[tool]]
+        if len(yes) == len(tools_run):
             continue
         row = row_of[exposure_id]
         exposure = Exposure(frames, row["start_utc"], float(row["duration_s"]), float(row["ra_deg"]), float(row["dec_deg"]))
@@ -166,20 +167,20 @@ def main():
         edge = [(value - radius) * 180 / np.pi * 3600 for value in least]
         crosses = any(value <= 0 for value in edge)
         grazing = min(map(abs, edge), default=float("nan")) <= options.graze_arcsec
-        # SGP4 asked years after the epoch may answer with no orbit at all, and without an error.
+        # Years after the epoch SGP4 may return invalid positions without an error.
         jd, fraction = utc_to_jd(row["start_utc"])
-        # Its velocity looks sane; its positions a second apart do not.
+        # The velocity is plausible, but positions a second apart are not.
         steps = [[np.array(satellites[i].sgp4(jd, fraction + t / DAY_S)[1]) for t in (0.0, 1.0)] for i in np.flatnonzero(ids == norad)]
         speeds_km_s = [float(np.linalg.norm(there - here)) for here, there in steps]
         nonsense = any(not speed <= ESCAPE_KM_S for speed in speeds_km_s)
         verdict = f"no orbit ({max(speeds_km_s):.0f} km/s)" if nonsense else "grazing" if grazing else "REAL"
         if verdict == "REAL":
-            for tool in asked:
+            for tool in tools_run:
                 wrong[tool] += (tool in yes) != crosses
         named = [tool for tool, mine in reports.items() if norad in mine[0].get("left_out", [])]
         records = f" ({', '.join(named)} names it as left out)" if named else ""
         records += f" ({len(least)} records in the catalogue)" if len(least) > 1 else ""
-        print(f"  {exposure_id} {norad}: found by {', '.join(yes)}, not by {', '.join(t for t in asked if t not in yes)}; closest approach "
+        print(f"  {exposure_id} {norad}: found by {', '.join(yes)}, not by {', '.join(t for t in tools_run if t not in yes)}; closest approach "
               f"{', '.join(f'{value:+.1f}' for value in edge)} arcsec from the edge{records}: {verdict}")  # fmt: skip
     print("real differences against the truth: " + ", ".join(f"{tool} {count}" for tool, count in wrong.items()))
     folder.cleanup()

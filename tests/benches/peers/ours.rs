@@ -1,7 +1,7 @@
-//! Our side of `compare.py`: elements and a schedule in, timings and crossings out as JSON.
+//! streakcast's part of `compare.py`: elements and a schedule in, timings and crossings out as JSON.
 //!
-//! `ours ELEMENTS SCHEDULE FOV_DEG LIMIT`; LIMIT 0 takes the whole schedule. The clock runs from the elements' text to the
-//! last crossing; reading the schedule and the shipped models is outside, as it is for the peers.
+//! `ours ELEMENTS SCHEDULE FOV_DEG LIMIT`; LIMIT 0 uses the whole schedule. The time is measured from the elements'
+//! text to the last crossing; reading the schedule and the bundled models is excluded, as for the peers.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,7 +14,7 @@ use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, ScheduleOptions};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // `cargo bench` adds a flag of its own.
+    // `cargo bench` adds a flag.
     let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
     let [elements, schedule, fov_deg, limit] = words.as_slice() else {
         eprintln!("usage: ours ELEMENTS SCHEDULE FOV_DEG LIMIT (0: all); see tests/benches/peers/compare.py");

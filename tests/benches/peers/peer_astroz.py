@@ -1,8 +1,8 @@
-"""astroz for what is near the Earth, python-sgp4 for deep space, and the chord test: the fastest composition found.
+"""astroz for near-Earth objects, python-sgp4 for deep space, and the chord test: the fastest combination found.
 
-astroz's SIMD SGP4 writes into one array made once, without velocities, as `astroz.propagate` calls it. Its own SDP4 batch
-needs three times as long as python-sgp4 for the 888 deep-space objects (10.4 against 3.1 ms for four moments), and its
-threads suffer badly on a busy machine, so it is not used.
+astroz's SIMD SGP4 writes into one preallocated array, without velocities, as in `astroz.propagate`. Its SDP4 batch
+takes three times as long as python-sgp4 for the 888 deep-space objects (10.4 against 3.1 ms for four moments), and its
+threads are slow on a busy machine, so it is not used.
 """
 
 import astroz

@@ -1,10 +1,10 @@
-// SatIdentifier's own scan (github.com/exoplanet5/SatIdentifier, MIT), driven from node as its tests drive it.
+// The scan of SatIdentifier (github.com/exoplanet5/SatIdentifier, MIT), run in node as in its tests.
 //
 // usage: node peer_satidentifier.cjs CHECKOUT ELEMENTS EXPOSURES.json FOV_DEG
 //
 // EXPOSURES.json is written by compare.py: [{id, t0_ms, duration_s, ra_deg, dec_deg, dut1_s}], with pointings moved by
-// the Earth's velocity over c, because the scan knows geometric directions only (what stays is v_sat / c, 5 arcsec).
-// None of its code is part of this project: CHECKOUT is a clone of one's own.
+// the Earth's velocity over c, because the scan uses geometric directions only (v_sat / c, 5 arcsec, remains).
+// None of its code is part of this project: CHECKOUT is a separate clone.
 'use strict';
 const fs = require('fs');
 const path = require('path');
@@ -38,7 +38,7 @@ const seconds = () => Number(process.hrtime.bigint()) / 1e9;
       pointing: { track: 'sky', mode: 'radec', raDeg: exposure.ra_deg, decDeg: exposure.dec_deg, refract: false },
       fov: { shape: 'circ', rDeg: Number(fov) / 2, wDeg: 0, hDeg: 0, rotDeg: 0 },
       filters: { minElDeg: 0 },
-      // Its own defaults (app/js/state.js), except that a step longer than the exposure makes no sense.
+      // Its defaults (app/js/state.js), except that the step is not longer than the exposure.
       steps: { coarseStepS: Math.min(30, exposure.duration_s), fineStepS: 1.0, marginDeg: 0 },
       dut1S: exposure.dut1_s,
     });

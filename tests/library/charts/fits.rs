@@ -1,4 +1,4 @@
-//! Corners, residuals, phase curves and histograms of a fit.
+//! Corner plots, residuals, phase curves and histograms of a fit.
 
 use image::RgbImage;
 use streakcast::plot::{
@@ -8,9 +8,9 @@ use streakcast::plot::{
 
 use super::{has, pixels, words};
 
-/// Evenly spread values of a normal distribution about 0, sigma 1, in an order that has nothing to do with that of another `stride`.
+/// Quantiles of a normal distribution with mean 0 and sigma 1, in an order that differs for each `stride`.
 fn normal(count: usize, stride: usize) -> Vec<f64> {
-    // Winitzki's inverse of the error function, good to 0.002.
+    // Winitzki's inverse of the error function, with an error of 0.002.
     let inverse = |share: f64| {
         let x = 2.0 * share - 1.0;
         let log = (1.0 - x * x).ln();
@@ -27,14 +27,14 @@ fn posterior(parameters: usize, samples: usize) -> (Vec<String>, Vec<Vec<f64>>) 
 }
 
 #[test]
-fn verif_a_corner_plot_says_quantiles_and_names() {
+fn verif_a_corner_plot_shows_quantiles_and_names() {
     let (names, samples) = posterior(3, 20_000);
     let picture =
         corner(&Corner { title: "A model", names: &names, samples: &samples, truths: None, bounds: None }).unwrap();
-    // One sigma is 0.00035, and quantiles 0.16 and 0.84 lie 0.9945 of it away.
+    // One sigma is 0.00035, and quantiles 0.16 and 0.84 are 0.9945 of it away.
     has(&picture, &["A model", "c1 = 0.0123 +0.0003 −0.0003", "c3 = 0.0123 +0.0003 −0.0003", "c1", "c2", "c3"]);
     let image = pixels(&picture);
-    // Orange is there only with truths.
+    // Orange is used only for true values.
     let orange = |image: &RgbImage| image.pixels().filter(|pixel| pixel.0 == [213, 94, 0]).count();
     assert_eq!(orange(&image), 0);
     let truths = [0.0124, 0.0122, 0.0123];
@@ -43,7 +43,7 @@ fn verif_a_corner_plot_says_quantiles_and_names() {
     assert!(orange(&pixels(&with_truths)) > 1000);
 }
 
-/// Samples that pile up at a bound of 0: no tick of their axis stands below it, as one does without the bound.
+/// Samples that accumulate at a bound of 0: no tick of their axis is below it, unlike without the bound.
 #[test]
 fn verif_corner_plots_end_at_bounds() {
     let (names, mut samples) = posterior(2, 4_000);
@@ -55,7 +55,7 @@ fn verif_corner_plots_end_at_bounds() {
         pixels(&corner(&Corner { title: "", names: &names, samples: &samples, truths: None, bounds }).unwrap())
     };
     let (free, bound) = (drawn(None), drawn(Some(&bounds)));
-    // The bars of the first panel begin at its left side.
+    // The bars of the first panel start at its left side.
     let first_bar = |picture: &RgbImage| {
         picture.enumerate_pixels().filter(|(.., colour)| colour.0 == [158, 202, 225]).map(|(x, ..)| x).min().unwrap()
     };
@@ -74,7 +74,7 @@ fn verif_corner_plots_of_two_to_nine_parameters_stay_in_their_size() {
 }
 
 #[test]
-fn verif_a_corner_plot_refuses_what_it_cannot_draw() {
+fn verif_a_corner_plot_rejects_invalid_input() {
     let (names, mut samples) = posterior(2, 100);
     let drawn = |names: &[String], samples: &[Vec<f64>], truths: Option<&[f64]>| {
         corner(&Corner { title: "", names, samples, truths, bounds: None })
@@ -87,7 +87,7 @@ fn verif_a_corner_plot_refuses_what_it_cannot_draw() {
         drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0, counted from 0, is inf")
     );
     assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("there are no samples of c1"));
-    // One value, and one value many times, are drawn.
+    // A single value and identical values are drawn.
     assert_eq!(drawn(&names, &[vec![1.0], vec![0.0]], None), Ok(()));
     assert_eq!(drawn(&names, &[vec![1e-9; 50], vec![-3e7; 50]], None), Ok(()));
     samples[1][7] = f64::NAN;
@@ -97,14 +97,14 @@ fn verif_a_corner_plot_refuses_what_it_cannot_draw() {
 }
 
 #[test]
-fn verif_the_histogram_says_mean_deviation_and_mad() {
+fn verif_the_histogram_shows_mean_deviation_and_mad() {
     let residuals: Vec<f64> = normal(10_001, 617).into_iter().map(|x| 0.05 + 0.2 * x).collect();
     let input = ResidualHistogram { title: "Layer", residuals_mag: &residuals, sigma_mag: 0.25 };
     let picture = residual_histogram(&input).unwrap();
     let expected = "n = 10,001: mean 0.050, standard deviation 0.200, 1.4826 MAD 0.200 mag. ";
     assert!(words(&picture).iter().any(|words| words.starts_with(expected.trim())), "{:?}", words(&picture));
     has(&picture, &["Layer", "O−C, mag", "σ = 0.250 mag"]);
-    // The curve's top, 1 / (0.25 √2π) = 1.596 per mag, is orange; above the middle is paper.
+    // The maximum of the curve, 1 / (0.25 √2π) = 1.596 per mag, is orange; above it is background.
     let image = pixels(&picture);
     assert!((60..500).any(|y| image.get_pixel(440, y).0 == [213, 94, 0]));
     let refused = |residuals: &[f64], sigma: f64| {
@@ -120,7 +120,7 @@ fn verif_the_histogram_says_mean_deviation_and_mad() {
 
 #[test]
 fn verif_cells_kept_are_counted() {
-    // Thresholds themselves are kept: 3 of 5.
+    // Values equal to the thresholds are kept: 3 of 5.
     let (counts, iqr_mag) = ([80.0, 79.0, 500.0, 500.0, 1e4], [0.4, 0.1, 0.41, 0.2, 0.0]);
     let input =
         CountsAndSpread { title: "Cells", counts: &counts, iqr_mag: &iqr_mag, least_count: 80.0, most_iqr_mag: 0.4 };
@@ -140,7 +140,7 @@ fn verif_cells_kept_are_counted() {
 }
 
 #[test]
-fn verif_points_stand_beside_their_model_and_over_their_angles() {
+fn verif_points_are_drawn_with_their_model_and_over_their_angles() {
     let count = 5_000;
     let angle =
         |stride: usize| (0..count).map(|n| 0.2 + 2.0 * (n * stride % count) as f64 / count as f64).collect::<Vec<_>>();
@@ -160,7 +160,7 @@ fn verif_points_stand_beside_their_model_and_over_their_angles() {
     assert!(!words(&alone).contains(&"model".to_owned()) && alone.size().0 < both.size().0);
     pixels(&both);
     pixels(&alone);
-    // Where the two medians are the same line, the dashes of one have the other in their gaps.
+    // If the two medians coincide, one shows in the gaps of the dashes of the other.
     let same = pixels(&phase_curve(&PhaseCurve { measured_mag: &model, ..curve.clone() }).unwrap());
     let blue = (672..1232)
         .flat_map(|x| (84..540).map(move |y| (x, y)))
@@ -169,7 +169,7 @@ fn verif_points_stand_beside_their_model_and_over_their_angles() {
     assert!(blue > 100, "{blue} pixels of the line below the dashes");
     let one = PhaseCurve { phase_angle_rad: &[1.0], measured_mag: &[6.0], model_mag: &[6.0], ..curve.clone() };
     pixels(&phase_curve(&one).unwrap());
-    // One of 300 magnitudes lies far off, and then two of them.
+    // One of 300 magnitudes is an outlier, then two of them.
     for (off, expected) in [(1, "; 1 magnitude beyond the axis"), (2, "; 2 magnitudes beyond the axis")] {
         let far: Vec<f64> = (0..2_000).map(|n| if n < off { 60.0 } else { 6.0 + n as f64 * 1e-4 }).collect();
         let picture = phase_curve(&PhaseCurve {
@@ -178,8 +178,8 @@ fn verif_points_stand_beside_their_model_and_over_their_angles() {
             model_mag: &[],
             ..curve.clone()
         });
-        let said = words(&picture.unwrap()).join(" ");
-        assert!(said.contains(expected), "{said}");
+        let texts = words(&picture.unwrap()).join(" ");
+        assert!(texts.contains(expected), "{texts}");
     }
     let wrong = phase_curve(&PhaseCurve { phase_angle_rad: &[4.0], ..one.clone() }).map(|_| ()).unwrap_err();
     assert!(wrong.to_string().contains("allowed: 0 to 180°"), "{wrong}");

@@ -1,4 +1,4 @@
-//! Cells of maps as panels of colour.
+//! Maps of cells as panels of colour.
 
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{ColourScale, LayerPanel, Layers, PlotError, Quantity, layers};
@@ -11,7 +11,7 @@ fn southern_cells(nside: u32, value: impl Fn(f64, f64) -> f64) -> Vec<(u64, f64)
 }
 
 #[test]
-fn verif_cells_have_their_colours_where_they_stand() {
+fn verif_cells_have_their_colours_at_their_positions() {
     let residuals = southern_cells(8, |longitude, latitude| 0.5 * longitude.cos() * latitude.cos());
     let missing = residuals[40].0;
     let shown: Vec<_> = residuals.iter().copied().filter(|(cell, _)| *cell != missing).collect();
@@ -27,7 +27,7 @@ fn verif_cells_have_their_colours_where_they_stand() {
         for (cell, value) in &residuals {
             let (longitude, latitude) = ring_centre_rad(8, *cell).unwrap();
             let distance = 270.0 * (latitude + std::f64::consts::FRAC_PI_2) / std::f64::consts::FRAC_PI_2;
-            // Away from the borders of the half, from lines and from words.
+            // Away from the borders of the hemisphere, from lines and from texts.
             let degrees = longitude.to_degrees();
             let is_clear = [90.0, 180.0, 270.0].iter().all(|circle| (distance - circle).abs() > 6.0);
             if !is_clear || (100.0..130.0).contains(&degrees) || (is_folded && !(8.0..172.0).contains(&degrees)) {
@@ -64,14 +64,14 @@ fn verif_panels_of_several_quantities_have_a_bar_each() {
         has(&picture, &["(a)", "(b)", "(c)", "mag", "samples", "IQR, mag", "100"]);
         let quantities: Vec<Quantity> = picture.scales().iter().map(|scale: &ColourScale| scale.quantity).collect();
         assert_eq!(quantities, [Quantity::Magnitude, Quantity::Count, Quantity::Spread]);
-        // Twelve layers fit as well.
+        // Twelve layers also fit.
         let twelve = vec![panels[0].clone(); 12];
         pixels(&layers(&Layers { panels: twelve, ..input }).unwrap());
     }
 }
 
 #[test]
-fn verif_layers_refuse_what_they_cannot_draw() {
+fn verif_layers_reject_invalid_input() {
     let refused = |nside: u32, quantity: Quantity, cells: &[(u64, f64)]| {
         let panels = vec![LayerPanel { title: "p", quantity, cells }];
         layers(&Layers { title: "", caption: "", nside, is_folded: true, panels }).map(|_| ()).unwrap_err().to_string()

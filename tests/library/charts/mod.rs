@@ -1,4 +1,4 @@
-//! Charts: the words and numbers they hold, their size, their colours, and input that cannot be drawn.
+//! Charts: texts and numbers, sizes, colours, and invalid input.
 
 mod fits;
 mod layers;
@@ -7,7 +7,7 @@ mod observers;
 use image::RgbImage;
 use streakcast::plot::Picture;
 
-/// Averaging of four pixels and rounding, in steps of 255.
+/// Tolerance for averaging of four pixels and rounding, in steps of 255.
 const COLOUR_STEPS: u8 = 2;
 
 fn pixels(picture: &Picture) -> RgbImage {
@@ -18,7 +18,7 @@ fn pixels(picture: &Picture) -> RgbImage {
     image
 }
 
-/// The words of an SVG that is well-formed, one a line.
+/// Texts of an SVG, which must be well-formed, one per line.
 fn words(picture: &Picture) -> Vec<String> {
     let text = picture.to_svg().unwrap();
     let mut reader = quick_xml::Reader::from_str(&text);

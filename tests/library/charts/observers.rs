@@ -1,4 +1,4 @@
-//! Nights, fields, light curves, rates and passes over a site.
+//! Nights, fields, light curves, rates and passes above a site.
 
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
@@ -8,7 +8,7 @@ use streakcast::plot::{
 
 use super::{close, has, near, pixels, words};
 
-/// Two hours of exposures a minute apart, every fifth struck.
+/// Two hours of exposures, one per minute, every fifth struck.
 fn night(magnitude: impl Fn(usize) -> f64) -> [Vec<f64>; 4] {
     let n = 120;
     let start = (0..n).map(|k| 60_536.0 + k as f64 / 1440.0).collect();
@@ -46,20 +46,20 @@ fn verif_a_night_shows_its_exposures_in_their_colours() {
     let at = |k: f64| image.get_pixel(across(k) as u32, 551).0;
     near(at(60.0), scale.colour(6.5));
     assert_eq!(at(61.0), [208, 208, 208]);
-    // Above, bright is up: the first dot lies higher than the last.
+    // Bright is up: the first dot is higher than the last.
     let dot = |k: f64, colour: [u8; 3]| {
         let column: Vec<u32> = (112..430).filter(|y| close(image.get_pixel(across(k) as u32, *y).0, colour)).collect();
         column.iter().sum::<u32>() as f64 / column.len() as f64
     };
     let (first, last) = (dot(0.0, scale.colour(5.0)), dot(115.0, scale.colour(7.875)));
     assert!(first + 100.0 < last, "{first} {last}");
-    // Nothing known of the Sun: no bands, and no words of them.
+    // Without data on the Sun: no bands and no labels for them.
     let without = night_timeline(&NightTimeline { sun: &[], local: None, ..timeline(&columns, &[]) }).unwrap();
     assert!(!words(&without).iter().any(|words| words.contains("twilight") || words.contains("UTC−4")));
 }
 
 #[test]
-fn verif_nights_that_are_empty_say_so_and_others_are_refused() {
+fn verif_empty_nights_are_labelled_and_invalid_ones_rejected() {
     let [start, duration, _, magnitude] = night(|_| f64::NAN);
     let clear = [start.clone(), duration.clone(), vec![0.0; 120], magnitude.clone()];
     has(&night_timeline(&timeline(&clear, &[])).unwrap(), &["no exposure of this night is struck"]);
@@ -78,7 +78,7 @@ fn verif_nights_that_are_empty_say_so_and_others_are_refused() {
     let mut wrong = clear;
     wrong[0][3] = f64::NAN;
     assert!(refused(&wrong).contains("value 3, counted from 0, is NaN"));
-    // One exposure alone is drawn.
+    // A single exposure is drawn.
     let one = [vec![60_536.0], vec![15.0], vec![1.0], vec![4.2]];
     pixels(&night_timeline(&timeline(&one, &[])).unwrap());
 }
@@ -92,13 +92,13 @@ fn streak(name: &str, from: [f64; 2], to: [f64; 2], magnitude: f64) -> FieldStre
 #[test]
 fn verif_east_is_left_and_north_is_up_in_a_field() {
     let outlines = [vec![[11.0, -1.0], [11.0, 1.0], [9.0, 1.0], [9.0, -1.0]]];
-    // From the middle to the east, and from the middle to the north.
+    // From the centre to the east, and from the centre to the north.
     let streaks = [streak("EAST", [10.0, 0.0], [10.8, 0.0], 4.0), streak("NORTH", [10.0, 0.0], [10.0, 0.8], 7.0)];
     let chart = |outlines: &[Vec<[f64; 2]>], streaks: &[FieldStreak]| {
         field_chart(&FieldChart { title: "Field", caption: "Test.", ra_deg: 10.0, dec_deg: 0.0, outlines, streaks })
     };
     let picture = chart(&outlines, &streaks).unwrap();
-    // The brightest first, in whatever order they come.
+    // The brightest first, independent of the input order.
     let turned = [streaks[1].clone(), streaks[0].clone()];
     assert_eq!(chart(&outlines, &turned).unwrap().to_svg().unwrap(), picture.to_svg().unwrap());
     has(
@@ -107,7 +107,7 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     );
     let (image, scale) = (pixels(&picture), picture.scales()[0]);
     let (bright, faint) = (scale.colour(4.0), scale.colour(7.0));
-    // The chart's box; its middle is at (432, 412).
+    // The chart's box; its centre is at (432, 412).
     let of = |colour: [u8; 3]| -> Vec<(f64, f64)> {
         let all = image.enumerate_pixels().filter(|(x, y, _)| (92..772).contains(x) && (72..752).contains(y));
         all.filter(|(.., pixel)| close(pixel.0, colour)).map(|(x, y, _)| (f64::from(x), f64::from(y))).collect()
@@ -128,11 +128,11 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     assert!(refused(&[], &[]).contains("no border of the field is known"));
     assert!(refused(&[], &[streak("FAR", [10.0, 0.0], [100.0, 0.0], 4.0)]).contains("at most 75°"));
     assert!(refused(&[], &[streak("NOWHERE", [10.0, 0.0], [10.0, 91.0], 4.0)]).contains("a place of the chart"));
-    // Thirty are drawn, and the list says how many are left.
+    // Thirty are drawn, and the list gives the number of the others.
     let many: Vec<FieldStreak> =
         (0..30).map(|k| streak("MANY", [9.5, -0.9], [10.5, -0.9 + 0.06 * f64::from(k)], 5.0)).collect();
     has(&chart(&outlines, &many).unwrap(), &["and 8 more, in the data"]);
-    // Small fields are in arcminutes, and a dark streak has no magnitude.
+    // Small fields are labelled in arcminutes, and a dark streak has no magnitude.
     let small = [vec![[10.01, 0.0], [10.0, 0.06], [9.99, 0.0]]];
     has(
         &chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(),
@@ -175,7 +175,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
         ],
     );
     let image = pixels(&picture);
-    // Columns of the track at 20 s: the line, and the band as wide as two sigmas.
+    // Columns of the track at 20 s: the line, and the band with a width of two sigmas.
     let x = (92.0 + 998.0 * (0.015 + 0.2) / 1.03) as u32;
     let shade: Vec<u32> =
         (118..540).filter(|y| image.get_pixel(x, *y).0[2] > image.get_pixel(x, *y).0[0].saturating_add(20)).collect();
@@ -192,7 +192,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
 }
 
 #[test]
-fn verif_a_rate_has_its_colour_where_it_is() {
+fn verif_a_rate_has_its_colour_at_its_position() {
     let cells: Vec<(u64, f64)> = (0..cell_count(8))
         .filter_map(|cell| Some((cell, ring_centre_rad(8, cell)?)))
         .filter(|(_, (_, altitude))| *altitude > 0.4)
@@ -213,7 +213,7 @@ fn verif_a_rate_has_its_colour_where_it_is() {
     let picture = drawn(8, &cells, &rate).unwrap();
     has(&picture, &["Rate", "N", "E", "S", "W", "streaks", "not asked", "0.0", "2.0"]);
     let (image, scale) = (pixels(&picture), picture.scales()[0]);
-    // Most in the east, which is left of the middle (336, 414).
+    // The maximum is in the east, left of the centre (336, 414).
     near(image.get_pixel(336 - 130, 410).0, scale.colour(2.0));
     near(image.get_pixel(336 + 130, 410).0, scale.colour(0.0));
     near(image.get_pixel(336 + 250, 410).0, [205, 205, 205]);
@@ -253,7 +253,7 @@ fn verif_trails_against_the_sun_go_from_day_to_night() {
         ],
     );
     let image = pixels(&picture);
-    // The line of means: above while the Sun is high (left), below when it is low.
+    // The line of means: high while the Sun is high (left), low when it is low.
     let blue = |x: u32| (62..430).filter(|y| close(image.get_pixel(x, *y).0, [0, 114, 178])).min().unwrap();
     assert!(blue(250) + 100 < blue(850), "{} {}", blue(250), blue(850));
     let refused = |sun: &[f64], trails: &[f64], bin| drawn(sun, trails, bin).map(|_| ()).unwrap_err().to_string();
@@ -279,12 +279,12 @@ fn pass(name: &str) -> SkyTrack {
 }
 
 #[test]
-fn verif_a_sky_chart_says_who_when_and_how_bright() {
+fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     let one = [pass("SAMPLE 1")];
     let drawn =
         |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks, local: None });
     let picture = drawn(&one).unwrap();
-    // Minutes along a pass that is alone; the ends to a second; the brightest magnitude.
+    // A single pass has minute marks; its ends are labelled to a second; the brightest magnitude is shown.
     has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
     has(&picture, &["3.6 ±0.4"]);
     assert!(words(&picture).join(" ").contains("the brightest of each pass. Invented."));
@@ -293,7 +293,7 @@ fn verif_a_sky_chart_says_who_when_and_how_bright() {
     let picture = drawn(&many).unwrap();
     has(&picture, &["SAMPLE 22", "22"]);
     assert!(words(&picture).join(" ").contains("The 22 brightest of 30 passes."));
-    // The brightest stay, in the order of the list.
+    // The brightest are kept, in the order of the list.
     let mut one_bright = many.clone();
     one_bright[29].magnitude[0] = -3.0;
     let picture_of_it = drawn(&one_bright).unwrap();
@@ -301,29 +301,31 @@ fn verif_a_sky_chart_says_who_when_and_how_bright() {
     assert!(!words(&picture_of_it).iter().any(|words| words == "SAMPLE 22"));
     assert!(!words(&picture).iter().any(|words| words == "00:01"));
     pixels(&picture);
-    // Dark all along is drawn too, and a night without a pass.
+    // Passes without light are drawn too, and a night without passes.
     let dark = SkyTrack { magnitude: vec![f64::NAN; 41], ..pass("DARK") };
     has(&drawn(&[dark]).unwrap(), &["dark"]);
     has(&drawn(&[]).unwrap(), &["no pass", "30°"]);
 }
 
 #[test]
-fn verif_a_sky_chart_refuses_what_it_cannot_draw() {
-    let said = |track: SkyTrack| {
+fn verif_a_sky_chart_rejects_invalid_input() {
+    let error_of = |track: SkyTrack| {
         let tracks = [track];
         sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks, local: None })
             .map(|_| ())
             .unwrap_err()
             .to_string()
     };
-    assert!(said(SkyTrack { sigma_mag: vec![0.4], ..pass("A") }).contains("sigmas of A: 1 values"));
-    assert!(said(SkyTrack { altitude_deg: vec![-5.0; 41], ..pass("A") }).contains("allowed: 0 to 90 deg"));
-    assert!(said(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before"));
-    assert!(said(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("only finite numbers"));
+    assert!(error_of(SkyTrack { sigma_mag: vec![0.4], ..pass("A") }).contains("sigmas of A: 1 values"));
+    assert!(error_of(SkyTrack { altitude_deg: vec![-5.0; 41], ..pass("A") }).contains("allowed: 0 to 90 deg"));
+    assert!(
+        error_of(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before")
+    );
+    assert!(error_of(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("only finite numbers"));
 }
 
 #[test]
-fn verif_an_svg_carries_its_font() {
+fn verif_an_svg_contains_its_font() {
     let one = [vec![60_536.0], vec![15.0], vec![1.0], vec![4.2]];
     let text = night_timeline(&timeline(&one, &[])).unwrap().to_svg().unwrap();
     assert!(text.contains("@font-face{font-family:\"DejaVu Sans\";src:url(data:font/ttf;base64,AAEAAAA"));

@@ -6,16 +6,18 @@
 >>> answer.crosses
 True
 
-`StreakModel` holds satellites, site, field of view, brightness models and policy, and answers questions over arrays of exposures;
-`StreakModel.forecast` lists the visible passes of nights, `StreakModel.overhead` places all satellites above the site at a moment,
-`StreakModel.identify` says whose streak one is.
-`inject` puts streaks into frames and arrays. `body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` ask the brightness models alone.
+`StreakModel` holds satellites, site, field of view, brightness models and policy, and computes crossings for arrays of
+exposures. `StreakModel.forecast` lists the visible passes of nights, `StreakModel.overhead` returns the positions of
+all satellites above the site, `StreakModel.identify` ranks the satellites that may have made a streak.
+`inject` adds streaks to frames and arrays. `body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` use the
+brightness models only and need no satellites.
 
-Times say their scale: an `astropy.time.Time`, a text that ends in ``Z``, or numbers with ``scale="utc"`` (or ``"tai"``, ``"tt"``).
-A bare number raises `TypeError`: TAI read as UTC is 37 s off, and a satellite crosses a field within seconds.
+Times need a time scale: an `astropy.time.Time`, a string that ends in ``Z``, or numbers with ``scale="utc"`` (or
+``"tai"``, ``"tt"``). A bare number raises `TypeError`: TAI read as UTC is 37 s off, and a satellite crosses a field
+within seconds.
 """
 
-from ._answers import Assessment, ClearWindows, Forecast, Identification, Overhead, Site
+from ._results import Assessment, ClearWindows, Forecast, Identification, Overhead, Site
 from ._core import SetupError, StreakcastError, __version__
 from ._injection import Injected, inject
 from .errors import ChangedFileError, StreakcastWarning

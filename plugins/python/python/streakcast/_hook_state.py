@@ -1,4 +1,4 @@
-"""What all copies of a hook share, and what it sees of files and places."""
+"""State shared by all copies of a hook, file signatures and distances between sites."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ from typing import Any, Union
 from ._mailbox import Mailbox
 from .model import StreakModel
 
-#: Time of change (ns), size and inode of each file; `None` where there is none.
+#: Modification time (ns), size and inode of each file; `None` for a missing file.
 Signature = dict[str, Union[tuple[int, int, int], None]]
 
 _EARTH_KM = 6371.0
 
 
-class Lent:
-    """A hook of another process, as seen from here."""
+class RemoteHook:
+    """Record of a hook in another process."""
 
     def __init__(self, state: "weakref.ref[HookState]", mailbox: Mailbox) -> None:
         self.state, self.mailbox = state, mailbox
-        self.taken: dict[str, int] = {}
+        self.collected: dict[str, int] = {}
 
 
 class HookState:
-    """What all copies of a hook share."""
+    """State shared by all copies of a hook."""
 
     def __init__(
         self,
@@ -42,38 +42,38 @@ class HookState:
         self.model, self.name, self.watch_s = model, name, watch_s
         self.counts, self.mailbox = counts, mailbox
         self.lock = threading.Lock()
-        self.said: set[str] = set()
-        self.lent: list[Lent] = []
+        self.logged_kinds: set[str] = set()
+        self.remote_hooks: list[RemoteHook] = []
         self.reading: Union[threading.Thread, None] = None
-        self.next_look_s = clock.monotonic() + watch_s
-        #: How long until files that could not be read are tried again, and when that is.
-        self.wait_s, self.again_at_s = 0.0, math.inf
+        self.next_check_s = clock.monotonic() + watch_s
+        #: Delay before unreadable files are read again, and the time of that attempt.
+        self.retry_delay_s, self.retry_at_s = 0.0, math.inf
         self.seen: Signature = {} if seen is None else seen
-        # Files that were replaced since the model was made differ from this at the first look.
+        # An empty signature differs from files replaced since the model was made, so the first check reloads them.
         if seen is None and not model.changed_files():
             self.seen = signature(model.files)
 
-    def taken(self) -> Union[Signature, None]:
-        """The files that the model is of; `None` where they are being read, or could not be: then the model may be of older ones."""
+    def loaded_signature(self) -> Union[Signature, None]:
+        """Signature of the files that the model was made from; `None` during a reload and after a failed one."""
         reading = self.reading is not None and self.reading.is_alive()
-        return None if reading or self.again_at_s < math.inf else self.seen
+        return None if reading or self.retry_at_s < math.inf else self.seen
 
 
 def signature(files: dict[str, Any]) -> Signature:
-    """The files as they are now."""
-    answer: Signature = {}
+    """Returns the present signature of the files."""
+    found: Signature = {}
     for path in files:
         try:
             stat = os.stat(path)
-            answer[path] = (stat.st_mtime_ns, stat.st_size, stat.st_ino)
+            found[path] = (stat.st_mtime_ns, stat.st_size, stat.st_ino)
         except OSError:
-            answer[path] = None
-    return answer
+            found[path] = None
+    return found
 
 
 def distance_km(one: tuple[float, float, float], other: tuple[float, float, float]) -> float:
-    """Between two places, kilometres: the haversine on a sphere (0.5 % of the truth at most), and the heights."""
-    (lat1, lon1), (lat2, lon2) = ([math.radians(angle) for angle in place[:2]] for place in (one, other))
+    """Distance of two sites, kilometres: haversine on a sphere (error up to 0.5 %) and difference in height."""
+    (lat1, lon1), (lat2, lon2) = ([math.radians(angle) for angle in site[:2]] for site in (one, other))
     # hav(d) = hav(lat2 - lat1) + cos(lat1) cos(lat2) hav(lon2 - lon1)
     hav = math.sin((lat2 - lat1) / 2) ** 2 + math.cos(lat1) * math.cos(lat2) * math.sin((lon2 - lon1) / 2) ** 2
     along_km = 2.0 * _EARTH_KM * math.asin(min(1.0, math.sqrt(hav)))

@@ -1,4 +1,4 @@
-"""Streaks put into frames: files, and arrays with a place on the sky."""
+"""Injection of streaks into FITS files and arrays with world coordinates."""
 
 from __future__ import annotations
 
@@ -24,25 +24,26 @@ if TYPE_CHECKING:
 
 
 class Injected(NamedTuple):
-    """What was put into a frame."""
+    """Result of an injection."""
 
     #: The file that was written; `None` for an array.
     path: Union[Path, None]
-    #: The image with streaks, of the type of the one given; `None` for a file.
+    #: The image with streaks, in the data type of the input; `None` for a file.
     image: Any
-    #: What was added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file.
+    #: Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file.
     added: Any
-    #: Bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file, whose masks are its extensions.
+    #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file, where masks are written as
+    #: extensions.
     mask: Any
-    #: Numbers of the bits: ``STREAK`` where a streak stands out of the noise, ``INJECTED`` where there is any light.
+    #: Bit numbers: ``STREAK`` where a streak exceeds the noise, ``INJECTED`` wherever light was added.
     mask_planes: dict[str, int]
-    #: One row a streak and chip: ends in pixels and on the sky, magnitude, length, width, counts.
+    #: One row per streak and chip: ends in pixels and on the sky, magnitude, length, width, counts.
     truth: TableLike
     #: Points along each streak.
     points: TableLike
-    #: The same as rows for Rubin's ``source_injection``.
+    #: The streaks as rows for Rubin's ``source_injection``.
     trails: TableLike
-    #: What was done, in one line.
+    #: Summary in one line.
     summary: str
 
 
@@ -81,74 +82,77 @@ def inject(
     pixels_only: bool = False,
     table: str = "auto",
 ) -> Injected:
-    """Puts streaks into a FITS file or an array: what ``streakcast inject`` does, to the last bit.
+    """Adds streaks to a FITS file or an array; the result is identical to that of ``streakcast inject``.
 
     Parameters
     ----------
     frame : path or array
-        A FITS file (mosaics and compressed ones too), or an image ``(rows, columns)`` of ``float32, float64, uint8, int16, uint16`` or
-        ``int32``, whose row 0 is the one that FITS holds first. The array stays as it is.
+        A FITS file (mosaics and compressed ones too), or an image ``(rows, columns)`` of ``float32, float64, uint8,
+        int16, uint16`` or ``int32``; row 0 is the first row in FITS order. The array is not modified.
     output : path, optional
-        The file to write, whole or not at all; needed where ``frame`` is a file.
+        The file to write (atomically); required if ``frame`` is a file.
     model : StreakModel, optional
-        Whose satellites pass through the frame; see `StreakModel.inject`. Without it streaks are random.
+        Model of the satellites that pass through the frame; see `StreakModel.inject`. Without a model, streaks are
+        random.
     header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
-        World coordinates of an array, and what else its header says (exposure, zero point, gain). A text has one card a line, or cards of 80
-        characters.
+        World coordinates of an array and the other keywords of its header (exposure, zero point, gain). A string has
+        one card per line, or cards of 80 characters.
     start : time, optional
-        Shutter opening; the header's where not said.
+        Shutter opening; default: from the header.
     exposure : float or `~astropy.units.Quantity`, optional
-        Length of the exposure, seconds; the header's where not said.
+        Length of the exposure, seconds; default: from the header.
     scale : {"utc", "tai", "tt"}, optional
         Scale of a bare number in ``start``.
     random_streaks : int, optional
-        As many random streaks instead of satellites.
+        Number of random streaks, instead of satellites.
     streak_density : float, optional
-        As many random streaks a square degree, on the average.
+        Mean number of random streaks per square degree, instead of satellites.
     magnitude : float or pair, optional
-        Magnitude of random streaks, as if they stood still: one, or the brightest and the faintest.
+        Magnitude of the random objects at rest: one value, or the brightest and the faintest.
     streak_rate_deg_s : float or pair, optional
-        Their speed over the frame, deg/s: one, or the slowest and the fastest; 0.2 to 0.8 where not said.
+        Angular rate of random streaks, deg/s: one value, or the slowest and the fastest; default 0.2 to 0.8.
     telescope : str, path or dict, optional
-        A preset or TOML file: seeing, and the defocus of near satellites; the model's where not said.
+        A preset or TOML file: seeing, and the defocus of near satellites; default: that of the model.
     band : str, optional
-        Band of magnitudes; the header's filter, else the model's, where not said.
+        Band of the magnitudes; default: the header's filter, otherwise the model's band.
     seeing : str or `~astropy.units.Quantity`, optional
-        FWHM of a star's image, with its unit; the telescope's where not said.
+        FWHM of a star's image, with its unit; default: that of the telescope.
     psf : str
         ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``.
     zero_point, zero_point_1s : float, optional
-        Magnitude of a star whose image sums to 1 in the frame's unit, or of one that makes 1 count a second; the header's where not said.
+        Magnitude of a star whose image sums to 1 in the frame's unit, or that gives 1 count per second; default: from
+        the header.
     gain : float, optional
-        Electrons a count; the header's where not said.
+        Electrons per count; default: from the header.
     detector : path, optional
-        A detector (TOML): saturation with bleeding, crosstalk, vignetting and more.
+        Detector description (TOML): saturation with bleeding, crosstalk, vignetting and more.
     noise : bool
-        Whether the light has the noise of its own electrons (where the gain is known).
+        Whether the added light includes photon noise (requires the gain).
     seed : int
         The same seed gives the same frame.
     hdu : int or list of int, optional
-        These HDUs of a file alone, from 0.
+        HDUs of the file to use, from 0; default: all images.
     pixel_scale : str or `~astropy.units.Quantity`, optional
-        Side of a pixel, for random streaks in a frame that says nothing of the sky.
+        Pixel scale, for random streaks in a frame without world coordinates.
     track_rate : pair, optional
-        What the telescope follows: arcsec/s towards east and north.
+        Non-sidereal tracking rate of the telescope: arcsec/s towards east and north.
     tumbling : sequence, optional
-        Period (s), amplitude (mag) and, where wanted, phase (turns) of a tumbling body.
+        Period (s), amplitude (mag) and, optionally, phase (turns) of a tumbling body.
     glints : sequence of triples
-        Flashes: magnitude, seconds after the light passes nearest to the frame's middle, full width in seconds.
+        Flashes: magnitude, time in seconds after the closest approach to the frame's centre, full width in seconds.
     light_curve : path, optional
         A CSV file of ``time_s`` and ``delta_mag``.
     resolve_panels : bool
-        Chassis and solar array as two lights.
+        Whether chassis and solar array are drawn as two light sources.
     truth_points : int
         Points along each streak in ``points``.
     mask_bits : {"lsst", "desdm", "last", "ztf", "hst"}
-        Whose bits the masks have.
+        Survey that defines the mask bits.
     pixels_only : bool
-        No extensions of masks and truth in a file, no mask for an array.
+        Omits the mask and truth extensions of a file, and the mask of an array.
     table : {"auto", "qtable", "dict"}
-        Form of the tables: `~astropy.table.QTable`, or dictionaries of arrays; by itself the first where astropy is there.
+        Form of the tables: `~astropy.table.QTable` or dictionaries of arrays; ``auto``: the former if astropy is
+        installed.
 
     Returns
     -------
@@ -157,23 +161,24 @@ def inject(
     Raises
     ------
     StreakcastError
-        What cannot be done, and what is allowed: no world coordinates, no zero point, no start, nothing to inject, numbers out of range.
+        Missing world coordinates, zero point or start, nothing to inject, or numbers out of range; the message names
+        the accepted values.
     TypeError
-        An array of another type; a bare number of time without a scale; an angle without a unit.
+        An array of another type; a bare number as time without a scale; an angle without a unit.
 
     Warns
     -----
     StreakcastWarning
-        Light without noise because the gain is not known; chips left out; old elements.
+        Light added without noise because the gain is unknown; omitted chips; old element sets.
     """
     is_file = isinstance(frame, (str, os.PathLike))
-    said: dict[str, Any] = dict(
+    options: dict[str, Any] = dict(
         random_streaks=random_streaks, streak_density=streak_density, magnitude=_numbers(magnitude, "magnitude"),
         streak_rate_deg_s=_numbers(streak_rate_deg_s, "streak_rate_deg_s"), psf=psf, zero_point=zero_point,
         zero_point_1s=zero_point_1s, gain=gain, seed=int(seed), track_rate=_numbers(track_rate, "track_rate"),
         tumbling=_numbers(tumbling, "tumbling"), glint=[_numbers(glint, "glints") for glint in glints],
         resolve_panels=bool(resolve_panels), truth_points=int(truth_points), mask_bits=mask_bits,
-        pixels_only=bool(pixels_only), no_noise=not noise, hdu=_whole_numbers(hdu),
+        pixels_only=bool(pixels_only), no_noise=not noise, hdu=_integers(hdu),
         seeing=_angle(seeing, "seeing"), pixel_scale=_angle(pixel_scale, "pixel_scale"),
         detector=None if detector is None else absolute(detector),
         light_curve=None if light_curve is None else absolute(light_curve),
@@ -181,107 +186,107 @@ def inject(
     if seed < 0:
         raise ValueError(f"seed {seed}; allowed: 0 or more")
     if zero_point is not None and zero_point_1s is not None:
-        raise ValueError("zero_point and zero_point_1s; allowed: one of them")
+        raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
     if random_streaks is not None and streak_density is not None:
-        raise ValueError("random_streaks and streak_density; allowed: one of them")
+        raise ValueError("random_streaks and streak_density exclude each other; allowed: one of them")
     is_random = random_streaks is not None or streak_density is not None
     if is_random and magnitude is None:
-        raise ValueError("random streaks need a magnitude")
+        raise ValueError("missing magnitude: random streaks require it")
     if is_random and model is not None:
-        raise ValueError("a model and random streaks; allowed: one of them")
+        raise ValueError("a model and random streaks exclude each other; allowed: one of them")
     if start is not None:
-        known = model.mjd_scale if scale is None and model is not None else scale
-        said["start"] = start if isinstance(start, str) and known is None else _moment(start, known)
+        time_scale = model.mjd_scale if scale is None and model is not None else scale
+        options["start"] = start if isinstance(start, str) and time_scale is None else _moment(start, time_scale)
     if exposure is not None:
         length_s = scalar(exposure, "s", "exposure")
         if not (np.isfinite(length_s) and length_s > 0.0):
             raise ValueError(f"exposure {length_s} s; allowed: above 0 s")
-        said["exposure"] = f"{length_s!r}s"
+        options["exposure"] = f"{length_s!r}s"
 
     camera = document({key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None})
-    skies, config, setup = None, None, camera
+    sky_cache, config, setup = None, None, camera
     if model is not None:
-        skies, _ = model._open()
+        sky_cache, _ = model._open()
         config, setup = model._state["config"], {**model._state["setup"], **camera}
 
     if is_file:
         if output is None:
-            raise ValueError("a file needs an output to write")
+            raise ValueError("missing output: a file requires the path of the file to write")
         if header is not None:
-            raise ValueError("header is for arrays; a file has its own")
+            raise ValueError("header is accepted for arrays only; a file contains its own")
         if os.path.realpath(output) == os.path.realpath(frame):
-            raise ValueError(f"{os.fspath(output)} is the input and would be overwritten; name another output")
-        answer = _core.inject(
-            json.dumps(_given({**said, "image": [absolute(frame)]})), json.dumps(setup), config, skies, absolute(output)
+            raise ValueError(f"{os.fspath(output)} is the input and would be overwritten; specify another output")
+        result = _core.inject(
+            json.dumps(_without_none({**options, "image": [absolute(frame)]})), json.dumps(setup), config, sky_cache, absolute(output)
         )
     else:
         if output is not None:
-            raise ValueError("output is for files; the image with streaks comes back as an array")
+            raise ValueError("output is accepted for files only; the image with streaks is returned as an array")
         image = np.asarray(frame)
         if image.ndim != 2:
             raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")
         image = np.ascontiguousarray(image, dtype=image.dtype.newbyteorder("="))
-        answer = _core.inject(
-            json.dumps(_given(said)), json.dumps(setup), config, skies, tempfile.gettempdir(), image, _header_text(header)
+        result = _core.inject(
+            json.dumps(_without_none(options)), json.dumps(setup), config, sky_cache, tempfile.gettempdir(), image, _header_text(header)
         )
-    for message in dict.fromkeys(answer["warnings"]):
+    for message in dict.fromkeys(result["warnings"]):
         warnings.warn(message, StreakcastWarning, stacklevel=2)
-    changed = answer.get("image")
-    mask = answer.get("mask")
+    injected_image = result.get("image")
+    mask = result.get("mask")
     if not is_file and mask is None and not pixels_only:
         mask = np.zeros(image.shape, dtype=np.int32)
-    streak_bit, injected_bit = answer["bits"]
+    streak_bit, injected_bit = result["bits"]
     return Injected(
         path=Path(output) if output is not None else None,
-        image=changed,
-        added=None if changed is None else _difference(changed, image),
+        image=injected_image,
+        added=None if injected_image is None else _difference(injected_image, image),
         mask=mask,
         mask_planes={"STREAK": streak_bit, "INJECTED": injected_bit},
-        truth=table_of(answer["truth"], table),
-        points=table_of(answer["points"], table),
-        trails=table_of(answer["trails"], table),
-        summary=answer["summary"],
+        truth=table_of(result["truth"], table),
+        points=table_of(result["points"], table),
+        trails=table_of(result["trails"], table),
+        summary=result["summary"],
     )
 
 
 def _difference(after: npt.NDArray[Any], before: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Exact also for whole numbers without sign."""
+    """Difference of two images, exact for unsigned integers too."""
     wide = np.float32 if after.dtype == np.float32 or after.dtype.itemsize <= 2 else np.float64
     difference: npt.NDArray[Any] = np.subtract(after, before, dtype=wide)
     return difference
 
 
-def _given(said: dict[str, Any]) -> dict[str, Any]:
-    return {key: value for key, value in said.items() if value is not None}
+def _without_none(options: dict[str, Any]) -> dict[str, Any]:
+    return {key: value for key, value in options.items() if value is not None}
 
 
 def _numbers(value: Any, what: str) -> list[float]:
-    """One number or several as a list; none for `None`."""
+    """Returns one or several numbers as a list; empty for `None`."""
     return [] if value is None else [float(one) for one in np.ravel(number(value, "", what))]
 
 
-def _whole_numbers(value: Any) -> list[int]:
+def _integers(value: Any) -> list[int]:
     return [] if value is None else [int(one) for one in np.ravel(value)]
 
 
 def _angle(value: Any, what: str) -> Union[str, None]:
-    """An angle as the text that its unit belongs to."""
+    """Returns an angle as a string with its unit."""
     if value is None or isinstance(value, str):
         return value
     if is_of("astropy.units", "Quantity", value):
         return f"{scalar(value, 'arcsec', what)!r}arcsec"
-    raise TypeError(f"{what} is {type(value).__name__}; allowed: a text with its unit (\"1.2arcsec\"), or a Quantity")
+    raise TypeError(f"{what} is {type(value).__name__}; allowed: a string with a unit (\"1.2arcsec\"), or a Quantity")
 
 
 def _moment(value: Any, scale: Union[str, None]) -> str:
     jd1, jd2 = to_tai(value, scale, "start")
     if np.shape(jd1) != ():
-        raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one moment")
+        raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one time")
     return _core.utc_text(float(jd1), float(jd2))
 
 
 def _header_text(header: Any) -> Union[str, None]:
-    """Cards, one a line."""
+    """Returns the header as text, one card per line."""
     if header is None or isinstance(header, str):
         return header
     if is_of("astropy.wcs", "WCS", header):
@@ -289,4 +294,4 @@ def _header_text(header: Any) -> Union[str, None]:
     if is_of("astropy.io.fits", "Header", header):
         text: str = header.tostring(sep="\n", endcard=False, padding=False)
         return text
-    raise TypeError(f"header is {type(header).__name__}; allowed: a Header, a WCS, or the text of cards")
+    raise TypeError(f"header is {type(header).__name__}; allowed: a Header, a WCS, or a string of cards")

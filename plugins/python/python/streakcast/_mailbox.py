@@ -1,4 +1,4 @@
-"""What a hook in another process counts, for the one that it came from: shared memory with a single writer, so that nobody waits."""
+"""Counters of a hook in another process, read by its parent through shared memory with a single writer and no locks."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from multiprocessing.context import get_spawning_popen
 from multiprocessing.sharedctypes import RawArray
 from typing import Any, Union
 
-#: Counters that find room; no host has as many.
+#: Maximum number of counters; hosts use fewer.
 SLOTS = 48
 NAME_BYTES = 32
-WORDS_BYTES = 400
+MESSAGE_BYTES = 400
 
 
 class _Slot(ctypes.Structure):
@@ -21,44 +21,47 @@ class _Slot(ctypes.Structure):
 
 
 class Mailbox:
-    """Counters by name, and the first line that would have been logged. It goes along to processes that begin, and into no other pickle."""
+    """Counters by name and the first log message.
+
+    Passed to a starting process only, never included in other pickles.
+    """
 
     def __init__(self) -> None:
         self._slots: Any = RawArray(_Slot, SLOTS)
-        self._words: Any = RawArray(ctypes.c_char, WORDS_BYTES)
+        self._message: Any = RawArray(ctypes.c_char, MESSAGE_BYTES)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Memory is handed on when a process begins, never later: what is pickled otherwise counts for itself.
-        return (_nowhere, ()) if get_spawning_popen() is None else (_made_of, (self._slots, self._words))
+        # Shared memory can be passed on only while a process starts; hooks pickled otherwise keep their own counts.
+        return (_no_mailbox, ()) if get_spawning_popen() is None else (_restored, (self._slots, self._message))
 
     def put(self, name: str, count: int) -> None:
-        """Writes how often something happened."""
+        """Writes a counter."""
         key = name.encode()[: NAME_BYTES - 1]
         for slot in self._slots:
             if slot.name in (key, b""):
-                # The name last: who reads it finds the count.
+                # The name is written last, so a reader that finds the name finds the count too.
                 slot.count = count
                 slot.name = key
                 return
 
     def counts(self) -> dict[str, int]:
-        """What was written."""
-        # Slots are taken in turn: nothing stands behind an empty one.
+        """Returns the counters."""
+        # Slots are filled in order, so the first empty one ends the list.
         used = itertools.takewhile(lambda slot: slot.name, self._slots)
         return {slot.name.decode(errors="replace"): int(slot.count) for slot in used}
 
-    def say(self, words: str) -> None:
-        """Keeps a line, where none is kept yet."""
-        if not self._words.value:
-            self._words.value = words.encode()[: WORDS_BYTES - 1]
+    def keep_message(self, message: str) -> None:
+        """Stores a message if none is stored yet."""
+        if not self._message.value:
+            self._message.value = message.encode()[: MESSAGE_BYTES - 1]
 
-    def words(self) -> str:
-        """The line; empty where there is none."""
-        return str(self._words.value.decode(errors="replace"))
+    def message(self) -> str:
+        """Returns the stored message; empty if there is none."""
+        return str(self._message.value.decode(errors="replace"))
 
 
 class Reported(Counter[str]):
-    """Counts that go into a mailbox as they are made."""
+    """Counter that also writes each change to a mailbox."""
 
     def __init__(self, counts: Mapping[str, int], mailbox: Mailbox) -> None:
         self._mailbox = mailbox
@@ -69,23 +72,23 @@ class Reported(Counter[str]):
         self._mailbox.put(name, count)
 
     def update(self, *counts: Any, **more: int) -> None:
-        """Adds counts one by one; `Counter` itself fills an empty one past `__setitem__`."""
+        """Adds counts one by one; `Counter.update` bypasses `__setitem__` if the counter is empty."""
         for name, count in Counter(*counts, **more).items():
             self[name] += count
 
     def copy(self) -> "Counter[str]":  # type: ignore[override]
-        """A plain `Counter`: a copy goes into no mailbox."""
+        """Returns a plain `Counter` that is not connected to the mailbox."""
         return Counter(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (Counter, (dict(self),))
 
 
-def _made_of(slots: Any, words: Any) -> Mailbox:
+def _restored(slots: Any, message: Any) -> Mailbox:
     mailbox = Mailbox.__new__(Mailbox)
-    mailbox._slots, mailbox._words = slots, words
+    mailbox._slots, mailbox._message = slots, message
     return mailbox
 
 
-def _nowhere() -> Union[Mailbox, None]:
+def _no_mailbox() -> Union[Mailbox, None]:
     return None

@@ -1,4 +1,4 @@
-"""Numbers, with or without astropy's units, to plain arrays."""
+"""Conversion of numbers, with or without astropy units, to plain arrays."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def is_of(module_name: str, class_name: str, value: object) -> bool:
-    """True for an instance of an astropy class; astropy is not imported for it."""
+    """Whether the value is an instance of an astropy class; does not import astropy."""
     module = sys.modules.get(module_name)
     return module is not None and isinstance(value, getattr(module, class_name))
 
 
 def number(value: Any, unit: str, what: str) -> FloatArray:
-    """A number or array in a unit: a `Quantity` is converted, a bare number is in that unit already."""
+    """Returns a number or array in the given unit: converts a `Quantity`, takes a bare number to be in that unit."""
     if is_of("astropy.units", "Quantity", value):
         try:
             value = value.to_value(unit)
@@ -37,7 +37,7 @@ def number(value: Any, unit: str, what: str) -> FloatArray:
 
 
 def scalar(value: Any, unit: str, what: str) -> float:
-    """The same for one number."""
+    """Returns one number in the given unit."""
     array = number(value, unit, what)
     if array.shape != ():
         raise ValueError(f"{what} has the shape {array.shape}; allowed: one number")
@@ -45,7 +45,7 @@ def scalar(value: Any, unit: str, what: str) -> float:
 
 
 def directions(target: Any) -> tuple[FloatArray, FloatArray]:
-    """Right ascension and declination, ICRS, degrees, of a `SkyCoord` of any frame or of a pair."""
+    """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` of any frame or of a pair."""
     if is_of("astropy.coordinates", "SkyCoord", target):
         icrs = target.icrs
         return np.asarray(icrs.ra.deg, dtype=np.float64), np.asarray(icrs.dec.deg, dtype=np.float64)

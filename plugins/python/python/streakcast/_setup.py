@@ -1,4 +1,4 @@
-"""Arguments of a model to the setup document that every face of streakcast fills."""
+"""Conversion of a model's arguments to the setup document, the same as that of the other interfaces of streakcast."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 from ._core import SetupError
 from ._quantities import is_of, scalar
 
-#: What decides which satellites are where, and how bright; all else is a question of field and policy.
+#: Keys that determine positions and brightness of satellites; all other keys concern field and policy.
 SKY_KEYS = frozenset(
     {
         "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
         "observer_norad", "limb_height_km", "shadow", "eop", "qs_mag", "models",
     }
 )  # fmt: skip
-#: What an engine adds to a sky.
+#: Keys used by an engine in addition to the satellites.
 ENGINE_KEYS = frozenset(
     {
         "fov", "field", "telescope", "band", "mag_system", "earthshine", "extinction", "sun_distance", "limit_mag",
@@ -25,8 +25,8 @@ ENGINE_KEYS = frozenset(
 
 
 def document(arguments: dict[str, Any]) -> dict[str, Any]:
-    """The document of what was said: numbers, texts, lists and dictionaries, with absolute paths."""
-    said: dict[str, Any] = {}
+    """Returns the document of the given arguments: numbers, strings, lists and dictionaries, with absolute paths."""
+    given: dict[str, Any] = {}
     for key, value in arguments.items():
         if value is None:
             continue
@@ -35,17 +35,17 @@ def document(arguments: dict[str, Any]) -> dict[str, Any]:
         if key not in SKY_KEYS and key not in ENGINE_KEYS:
             allowed = ", ".join(sorted(SKY_KEYS | ENGINE_KEYS - {"time_scale"} | {"config", "epoch", "mjd_scale"}))
             raise TypeError(f"StreakModel has no argument '{key}'; allowed: {allowed}")
-        said[key] = _CONVERTERS.get(key, _plain)(key, value)
-    return said
+        given[key] = _CONVERTERS.get(key, _plain)(key, value)
+    return given
 
 
 def absolute(path: Any) -> str:
-    """A path that means the same file in another process."""
+    """Returns the absolute path, which is valid in other processes."""
     return str(os.path.abspath(os.fspath(path)))
 
 
 def _plain(key: str, value: Any) -> Any:
-    """What JSON holds; numbers of NumPy as numbers."""
+    """Returns the value in JSON types; converts NumPy scalars."""
     if isinstance(value, dict):
         return {str(name): _plain(key, item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -57,7 +57,7 @@ def _plain(key: str, value: Any) -> Any:
     item = getattr(value, "item", None)
     if item is not None and getattr(value, "shape", None) == () and not is_of("astropy.units", "Quantity", value):
         return item()
-    raise SetupError(f"{key} is {type(value).__name__}; allowed: text, numbers, and lists and dictionaries of these")
+    raise SetupError(f"{key} is {type(value).__name__}; allowed: strings, numbers, and lists and dictionaries of these")
 
 
 def _paths(key: str, value: Any) -> list[str]:
@@ -80,7 +80,7 @@ def _path_or_table(key: str, value: Any) -> Any:
 
 
 def _names(key: str, value: Any) -> Any:
-    """Names of what is known, or TOML files."""
+    """Returns names of presets, or absolute paths of TOML files."""
     if isinstance(value, dict):
         return _plain(key, value)
     if isinstance(value, (list, tuple)):
@@ -105,7 +105,7 @@ def _site(key: str, value: Any) -> Any:
 
 
 def _angle(key: str, value: Any) -> Any:
-    """A `Quantity` as the text that a unit belongs to; bare numbers go through, and are refused for want of one."""
+    """Returns a `Quantity` as a string with its unit; bare numbers are passed on and rejected later."""
     if is_of("astropy.units", "Quantity", value):
         return f"{scalar(value, 'deg', key)!r}deg"
     return _plain(key, value)
@@ -120,7 +120,7 @@ def _seconds(key: str, value: Any) -> Any:
 def _models(key: str, value: Any) -> Any:
     table = _plain(key, value)
     if not isinstance(table, dict):
-        raise SetupError("models is no dictionary; allowed: {'files': [...], 'generations': {...}, 'qs_mag': ...}")
+        raise SetupError("models is not a dictionary; allowed: {'files': [...], 'generations': {...}, 'qs_mag': ...}")
     for paths in ("files", "qs_mag"):
         if paths in table:
             table[paths] = _paths(key, table[paths]) if paths == "files" else _path(key, table[paths])

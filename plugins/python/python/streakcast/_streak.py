@@ -1,4 +1,4 @@
-"""A measured streak to the document that every face of streakcast fills."""
+"""Conversion of a measured streak to a request document, the same as that of the other interfaces of streakcast."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from ._quantities import directions, is_of, scalar
 from ._setup import absolute
 from ._times import is_time, to_tai
 
-#: The ways in which a streak can be said.
+#: The ways in which a streak can be specified.
 _WAYS = "ends; place with position_angle; pixels of a frame; or region"
 
 
-def streak(
+def streak_request(
     *,
     ends: Any,
     times: Any,
@@ -36,70 +36,70 @@ def streak(
     angle_sigma: Any,
     scale: Union[str, None],
 ) -> dict[str, Any]:
-    """The document; arguments as of `StreakModel.identify`."""
+    """Returns the request document; arguments as in `StreakModel.identify`."""
     ways = dict(ends=ends, place=place, pixels=pixels, region=region)
     named = [name for name, value in ways.items() if value is not None]
     if len(named) != 1:
-        raise ValueError(f"{' and '.join(named) or 'no streak'}; allowed, one of: {_WAYS}")
+        raise ValueError(f"{' and '.join(named) or 'missing streak'}; allowed, one of: {_WAYS}")
     for name, value, needed in (
         ("position_angle", position_angle, "place"), ("length", length, "place"), ("angle_sigma", angle_sigma, "place"),
         ("times", times, "ends"),
     ):  # fmt: skip
         if value is not None and named != [needed]:
-            raise ValueError(f"{name} belongs to {needed}, not to {named[0]}")
-    said: dict[str, Any] = {"whole_streak": bool(whole_streak)}
+            raise ValueError(f"{name} is accepted with {needed} only, not with {named[0]}")
+    request: dict[str, Any] = {"whole_streak": bool(whole_streak)}
     if ends is not None:
-        said["end"] = [",".join(one) for one in zip(*_two(ends))]
+        request["end"] = [",".join(one) for one in zip(*_end_coordinates(ends))]
     elif place is not None:
         if position_angle is None:
-            raise ValueError("a place needs a position_angle")
+            raise ValueError("missing position_angle: place requires it")
         ra, dec = directions(place)
-        said["ra"], said["dec"] = _plain(ra, "ra"), _plain(dec, "dec")
-        said["position_angle"] = _finite(position_angle, "deg", "position_angle")
-        said["length"] = _size(length, "deg", "length")
+        request["ra"], request["dec"] = _plain(ra, "ra"), _plain(dec, "dec")
+        request["position_angle"] = _finite(position_angle, "deg", "position_angle")
+        request["length"] = _positive(length, "deg", "length")
     elif pixels is not None:
         if frame is None:
-            raise ValueError("pixels need a frame")
+            raise ValueError("missing frame: pixels require it")
         if origin not in (0, 1):
             raise ValueError(f"origin {origin!r}; allowed: 0, 1")
         array = np.asarray(pixels, dtype=np.float64)
         if array.shape != (2, 2) or not np.isfinite(array).all():
             raise ValueError(f"pixels {pixels!r}; allowed: two pairs of numbers, ((x, y), (x, y))")
-        said["from_pix"], said["to_pix"] = (
+        request["from_pix"], request["to_pix"] = (
             ",".join(_plain(number, "pixels") for number in pixel) for pixel in array + (1 - origin)
         )
     else:
-        said["region"] = _path(region, "region")
+        request["region"] = _path(region, "region")
     if frame is not None:
-        said["image"] = _path(frame, "frame")
+        request["image"] = _path(frame, "frame")
     if hdu is not None:
         if frame is None:
-            raise ValueError("hdu belongs to a frame")
-        said["hdu"] = int(hdu)
+            raise ValueError("hdu is accepted with frame only")
+        request["hdu"] = int(hdu)
     if times is not None:
         if start is not None or exposure is not None or whole_streak:
-            raise ValueError("times, or start and exposure; allowed: one of them")
+            raise ValueError("times exclude start, exposure and whole_streak; allowed: either times, or the others")
         if not is_time(times) and len(times) != 2:
             raise ValueError(f"times: {len(times)}; allowed: two, one for each end")
         jd1, jd2 = to_tai(times, scale, "times")
         if np.shape(jd1) != (2,):
             raise ValueError(f"times have the shape {np.shape(jd1)}; allowed: two, one for each end")
-        said["times"] = [_core.utc_text(float(one), float(two)) for one, two in zip(jd1, jd2)]
+        request["times"] = [_core.utc_text(float(one), float(two)) for one, two in zip(jd1, jd2)]
     if start is not None:
         jd1, jd2 = to_tai(start, scale, "start")
         if np.shape(jd1) != ():
-            raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one moment")
-        said["start"] = _core.utc_text(float(jd1), float(jd2))
+            raise ValueError(f"start has the shape {np.shape(jd1)}; allowed: one time")
+        request["start"] = _core.utc_text(float(jd1), float(jd2))
     if exposure is not None:
-        said["exposure"] = _plain(_finite(exposure, "s", "exposure"), "exposure") + "s"
-    said["place_sigma"] = _size(place_sigma, "arcsec", "place_sigma")
-    said["time_sigma"] = _size(time_sigma, "s", "time_sigma")
-    said["angle_sigma"] = _size(angle_sigma, "deg", "angle_sigma")
-    return {key: value for key, value in said.items() if value is not None}
+        request["exposure"] = _plain(_finite(exposure, "s", "exposure"), "exposure") + "s"
+    request["place_sigma"] = _positive(place_sigma, "arcsec", "place_sigma")
+    request["time_sigma"] = _positive(time_sigma, "s", "time_sigma")
+    request["angle_sigma"] = _positive(angle_sigma, "deg", "angle_sigma")
+    return {key: value for key, value in request.items() if value is not None}
 
 
-def _two(ends: Any) -> tuple[list[str], list[str]]:
-    """Right ascensions and declinations of two ends."""
+def _end_coordinates(ends: Any) -> tuple[list[str], list[str]]:
+    """Returns right ascensions and declinations of two ends."""
     if is_of("astropy.coordinates", "SkyCoord", ends):
         parts = directions(ends)
     else:
@@ -108,7 +108,7 @@ def _two(ends: Any) -> tuple[list[str], list[str]]:
         both = [directions(one if is_of("astropy.coordinates", "SkyCoord", one) else tuple(one)) for one in ends]
         parts = (np.array([ra for ra, _ in both]), np.array([dec for _, dec in both]))
     if parts[0].shape != (2,):
-        raise ValueError(f"ends have the shape {parts[0].shape}; allowed: two places")
+        raise ValueError(f"ends have the shape {parts[0].shape}; allowed: two positions")
     ra, dec = ([_plain(one, "ends") for one in part] for part in parts)
     return ra, dec
 
@@ -120,8 +120,8 @@ def _finite(value: Any, unit: str, what: str) -> float:
     return number
 
 
-def _size(value: Any, unit: str, what: str) -> Union[str, None]:
-    """A number above 0 as the text that its unit belongs to, with all its digits."""
+def _positive(value: Any, unit: str, what: str) -> Union[str, None]:
+    """Returns a number above 0 as a string with its unit and all digits."""
     if value is None:
         return None
     number = _finite(value, unit, what)
@@ -131,7 +131,7 @@ def _size(value: Any, unit: str, what: str) -> Union[str, None]:
 
 
 def _plain(value: Any, what: str) -> str:
-    """A number with all its digits and without an exponent."""
+    """Returns a number as a string with all digits and without exponent."""
     if np.shape(value) != () or not np.isfinite(value):
         raise ValueError(f"{what}: {value}; allowed: one number")
     return np.format_float_positional(value, unique=True, trim="0")

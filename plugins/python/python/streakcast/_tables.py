@@ -1,4 +1,4 @@
-"""Columns of the library as an astropy `QTable`, or as a dictionary of arrays where astropy is not there."""
+"""Conversion of the library's columns to an astropy `QTable`, or to a dictionary of arrays without astropy."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from typing import Any, Union
 
 import numpy as np
 
-#: `QTable` where astropy is there, else a dictionary of arrays.
+#: `QTable` if astropy is installed, otherwise a dictionary of arrays.
 TableLike = Any
 
 
-def wants_qtable(output: str) -> bool:
-    """Whether an answer is to be a `QTable`."""
+def is_qtable(output: str) -> bool:
+    """Whether a result is to be a `QTable`."""
     if output not in ("auto", "qtable", "dict"):
         raise ValueError(f"output '{output}'; allowed: auto, qtable, dict")
     return output == "qtable" or (output == "auto" and importlib.util.find_spec("astropy") is not None)
 
 
 def table_of(columns: list[dict[str, Any]], output: str, meta: Union[dict[str, Any], None] = None) -> TableLike:
-    """The answer in the form asked for."""
-    if wants_qtable(output):
+    """Returns the columns in the requested form."""
+    if is_qtable(output):
         return _qtable(columns, meta or {})
     return {column["name"]: _array(column) for column in columns}
 
@@ -63,15 +63,15 @@ def _qtable(columns: list[dict[str, Any]], meta: dict[str, Any]) -> Any:
 
 
 def time_of(jd1: Any, jd2: Any) -> Any:
-    """An astropy `Time`, UTC, of two-part Julian dates, TAI; what is not a number is masked."""
+    """Returns an astropy `Time`, UTC, of two-part Julian dates, TAI; NaN values are masked."""
     from astropy.time import Time
 
     missing = np.isnan(jd1)
     if not missing.any():
         return _utc(Time(jd1, jd2, format="jd", scale="tai"))
-    # A moment in the place of what is missing, for the way to UTC; then the mask.
-    moment = np.where(missing, 2_451_545.0, jd1)
-    time = _utc(Time(moment, np.where(missing, 0.0, jd2), format="jd", scale="tai")).copy()
+    # Missing values are replaced by a valid date for the conversion to UTC, then masked.
+    filled = np.where(missing, 2_451_545.0, jd1)
+    time = _utc(Time(filled, np.where(missing, 0.0, jd2), format="jd", scale="tai")).copy()
     time[missing] = np.ma.masked
     return time
 

@@ -1,4 +1,4 @@
-"""Moments of every kind to two-part Julian dates, TAI."""
+"""Conversion of times of all supported types to two-part Julian dates, TAI."""
 
 from __future__ import annotations
 
@@ -12,38 +12,39 @@ import numpy.typing as npt
 from . import _core
 
 FloatArray = npt.NDArray[np.float64]
-#: An `astropy.time.Time`, ISO 8601 text, an aware `datetime`, or with a named scale numbers (MJD) and `numpy.datetime64`.
+#: An `astropy.time.Time`, an ISO 8601 string, an aware `datetime`, or, with a given scale, numbers (MJD) and
+#: `numpy.datetime64`.
 TimeLike = Any
 
 _ALLOWED = (
-    "give an astropy Time, a text that ends in Z, an aware datetime, or say the scale of these numbers (MJD): "
-    'scale="utc", "tai" or "tt"; read in the wrong one they are 37 s off, and a satellite crosses a field within seconds'
+    "allowed: an astropy Time, a string that ends in Z, an aware datetime, or numbers (MJD) with "
+    'scale="utc", "tai" or "tt"; in the wrong scale they are 37 s off, and a satellite crosses a field within seconds'
 )
 
 
 class TwoPartTai(NamedTuple):
-    """What a moment has become already: two-part Julian dates, TAI."""
+    """Times already converted to two-part Julian dates, TAI."""
 
-    #: Midnights and noons.
+    #: Integer or half-integer part, days.
     jd1: FloatArray
-    #: The rest of the day.
+    #: Remainder, days.
     jd2: FloatArray
 
 
 def is_time(value: object) -> bool:
-    """True for an `astropy.time.Time`; astropy is not imported for it."""
+    """Whether the value is an `astropy.time.Time`; does not import astropy."""
     module = sys.modules.get("astropy.time")
     return module is not None and isinstance(value, module.Time)
 
 
 def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tuple[FloatArray, FloatArray]:
-    """Two-part Julian dates, TAI, in the shape of what was given."""
+    """Returns two-part Julian dates, TAI, in the shape of the value."""
     if isinstance(value, TwoPartTai):
         return value.jd1, value.jd2
     if is_time(value):
         if np.any(getattr(value, "mask", False)):
             index = int(np.flatnonzero(np.ravel(value.mask))[0])
-            raise ValueError(f"{what}[{index}] is masked; allowed: moments")
+            raise ValueError(f"{what}[{index}] is masked; allowed: unmasked times")
         tai = value.tai
         return np.asarray(tai.jd1, dtype=np.float64), np.asarray(tai.jd2, dtype=np.float64)
     if isinstance(value, (int, float)) and not isinstance(value, bool):
@@ -55,7 +56,7 @@ def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tupl
         return _from_mjd(array.astype(np.float64), scale, what)
     if array.dtype.kind == "M":
         if scale is None:
-            raise TypeError(f"{what} is numpy.datetime64, which names no time scale; {_ALLOWED}")
+            raise TypeError(f"{what} is numpy.datetime64 without a time scale; {_ALLOWED}")
         return _from_text(np.datetime_as_string(array), scale, what)
     if array.dtype.kind == "U":
         return _from_text(array, scale, what)
@@ -64,7 +65,7 @@ def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tupl
         return _from_text(texts, scale, what)
     if array.size == 0:
         return np.zeros(array.shape), np.zeros(array.shape)
-    raise TypeError(f"{what} is {type(value).__name__}, which is no time; {_ALLOWED}")
+    raise TypeError(f"{what} is {type(value).__name__}, not a time; {_ALLOWED}")
 
 
 def _text(value: object, what: str) -> str:
@@ -72,7 +73,7 @@ def _text(value: object, what: str) -> str:
         return value.isoformat()
     if isinstance(value, str):
         return value
-    raise TypeError(f"{what} has {type(value).__name__}, which is no time; {_ALLOWED}")
+    raise TypeError(f"{what} contains {type(value).__name__}, not a time; {_ALLOWED}")
 
 
 def _from_mjd(array: FloatArray, scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
@@ -86,16 +87,21 @@ def _from_text(array: npt.NDArray[Any], scale: Union[str, None], what: str) -> t
     texts = array.ravel().tolist()
     if scale is None:
         for index, text in enumerate(texts):
-            if not _names_its_zone(text):
-                raise TypeError(f"{what}[{index}] '{text}' names no time scale; {_ALLOWED}")
+            if not _has_scale(text):
+                raise TypeError(f"{what}[{index}] '{text}' has no time scale; {_ALLOWED}")
     jd1, jd2 = _core.times_from_text(texts, scale)
     return jd1.reshape(array.shape), jd2.reshape(array.shape)
 
 
-def _names_its_zone(text: str) -> bool:
-    """False for what is a moment but for its scale; what is no moment at all is left to the library to refuse."""
+def _has_scale(text: str) -> bool:
+    """Whether the text is not merely lacking a time scale; text that is not a time is rejected later by the library."""
     try:
         _core.times_from_text([text], None)
-    except ValueError as error:
-        return "names no time scale" not in str(error)
-    return True
+        return True
+    except ValueError:
+        pass
+    try:
+        _core.times_from_text([text], "utc")
+        return False
+    except ValueError:
+        return True

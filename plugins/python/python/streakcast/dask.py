@@ -1,4 +1,4 @@
-"""A survey's visits over a Dask cluster, night by night; needs ``distributed`` and ``pyarrow``."""
+"""Verdicts of a survey's visits on a Dask cluster, one task per night; requires ``distributed`` and ``pyarrow``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .model import StreakModel
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-#: What a table of visits has to have.
+#: Required columns of a table of visits.
 COLUMNS = ("ra_deg", "dec_deg", "start", "exposure_s")
 
 
@@ -34,32 +34,35 @@ def annotate(
     scale: Union[str, None] = None,
     retries: int = 3,
 ) -> list[Path]:
-    """Verdicts of a survey's visits, one Parquet file a night.
+    """Computes the verdicts of a survey's visits, one Parquet file per night.
 
-    Each night is one task. Its worker reads the model's files by their paths (a worker keeps what it has read), works on one thread,
-    and puts the night's file into its place whole. Nights whose file is there for the same visits and the same model are left alone, so that a
-    run that was stopped goes on where it was. A task whose worker dies is given to another, and the half file it had begun is cleared away.
+    Each night is one task. Its worker reads the model's files by their paths (once per worker), uses one thread, and
+    writes the night's file atomically. Nights with an existing file for the same visits and the same model are skipped,
+    so that an interrupted run can be resumed. The task of a lost worker is rescheduled, and its partial file is
+    deleted.
 
     Parameters
     ----------
     visits : mapping of columns
-        ``ra_deg, dec_deg, start, exposure_s`` and, where there are, ``rotation_deg, band``: arrays ``(n,)``, a `QTable` or a data frame.
+        ``ra_deg, dec_deg, start, exposure_s`` and, optionally, ``rotation_deg, band``: arrays ``(n,)``, a `QTable` or a
+        data frame.
     model : StreakModel
-        What the visits are asked of; its files must be readable by every worker under the same paths.
+        The model to use; its files must be readable by every worker under the same paths.
     client : distributed.Client
         The cluster.
     folder : path
-        Where the files go: ``night-<number>.parquet``; a file system that all workers share.
+        Folder of the files ``night-<number>.parquet``, on a file system shared by all workers.
     scale : {"utc", "tai", "tt"}, optional
-        Scale of bare numbers (MJD) in ``start``; the model's ``mjd_scale`` where not said.
+        Scale of bare numbers (MJD) in ``start``; default: the model's ``mjd_scale``.
     retries : int
-        How often a night that failed is tried again.
+        Number of retries of a failed night.
 
     Returns
     -------
     list of Path
-        The nights' files in order of time. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``, ``brightest_mag``,
-        ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``; see `read` for all of them together.
+        The nights' files in order of time. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
+        ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``; `read` returns
+        all nights in one table.
 
     Raises
     ------
@@ -68,7 +71,7 @@ def annotate(
     """
     missing = [name for name in COLUMNS if name not in _names(visits)]
     if missing:
-        raise ValueError(f"visits have no column {', '.join(missing)}; needed are {', '.join(COLUMNS)}")
+        raise ValueError(f"visits have no column {', '.join(missing)}; required: {', '.join(COLUMNS)}")
     jd1, jd2 = to_tai(_column(visits, "start"), model.mjd_scale if scale is None else scale, "start")
     columns: dict[str, npt.NDArray[Any]] = {"jd1": np.ravel(jd1), "jd2": np.ravel(jd2)}
     for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
@@ -80,14 +83,14 @@ def annotate(
     if len(set(lengths.values())) > 1:
         raise ValueError(f"columns of visits differ in length: {lengths}")
 
-    place = Path(folder).absolute()
-    place.mkdir(parents=True, exist_ok=True)
+    output = Path(folder).absolute()
+    output.mkdir(parents=True, exist_ok=True)
     nights = np.array([model.night(TwoPartTai(first, second)) for first, second in zip(columns["jd1"], columns["jd2"])], dtype=np.int64)
     files, tasks = [], []
     for night in np.unique(nights):
         rows = np.flatnonzero(nights == night)
         part = {name: column[rows] for name, column in columns.items()}
-        path = place / f"night-{int(night):05d}.parquet"
+        path = output / f"night-{int(night):05d}.parquet"
         key = _digest(part, rows, model)
         files.append(path)
         if not _is_done(path, key):
@@ -95,21 +98,21 @@ def annotate(
                 client.submit(_one_night, part, rows, model, str(path), key, retries=retries, key=f"night-{int(night)}-{key[:16]}")
             )
     client.gather(tasks)
-    # What workers that died had begun; what cannot be cleared away is no fault of the answers.
-    begun = tuple(_scratch_prefix(path) for path in files)
-    for half in [path for path in place.glob(".night-*") if path.name.startswith(begun)]:
+    # Deletes partial files of lost workers; a failure to delete does not affect the results.
+    prefixes = tuple(_scratch_prefix(path) for path in files)
+    for partial in [path for path in output.glob(".night-*") if path.name.startswith(prefixes)]:
         with suppress(OSError):
-            half.unlink()
+            partial.unlink()
     return files
 
 
 def read(files: "list[Path]") -> dict[str, npt.NDArray[Any]]:
-    """All nights together, in the order of the visits.
+    """Reads all nights into one table, in the order of the visits.
 
     Parameters
     ----------
     files : list of Path
-        What `annotate` returned.
+        Return value of `annotate`.
 
     Returns
     -------
@@ -131,12 +134,12 @@ def _names(visits: "Mapping[str, Any]") -> list[str]:
 
 def _column(visits: "Mapping[str, Any]", name: str) -> Any:
     column = visits[name]
-    # A data frame's column is no array.
+    # Columns of a data frame are not arrays.
     return column.to_numpy() if hasattr(column, "to_numpy") else column
 
 
 def _digest(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel) -> str:
-    """What a night's answer depends on."""
+    """Returns a hash of everything that determines the result of a night."""
     digest = hashlib.sha256(json.dumps([_core.__version__, model.key()]).encode())
     for name, column in sorted({**part, "visit": rows}.items()):
         digest.update(name.encode())
@@ -160,21 +163,21 @@ def _scratch_prefix(path: Path) -> str:
 
 
 def _one_night(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str) -> int:
-    """The task of a worker: how many visits it judged."""
+    """Task of a worker: writes the verdicts of one night and returns the number of visits."""
     import pyarrow
     import pyarrow.parquet
 
-    # Dask gives each worker its cores; this counts where nothing has been asked in this process before.
+    # Dask assigns the cores to workers; effective only before the first computation in this process.
     os.environ.setdefault("RAYON_NUM_THREADS", "1")
-    answer = model.assess(
+    verdicts = model.assess(
         (part["ra_deg"], part["dec_deg"]),
         TwoPartTai(part["jd1"], part["jd2"]),
         part["exposure_s"],
         rotation=part.get("rotation_deg", 0.0),
         band=part.get("band"),
     )
-    names = [name for name in answer._fields if name != "crosses"]
-    table = pyarrow.table({"visit": rows, **{name: getattr(answer, name) for name in names}})
+    names = [name for name in verdicts._fields if name != "crosses"]
+    table = pyarrow.table({"visit": rows, **{name: getattr(verdicts, name) for name in names}})
     table = table.replace_schema_metadata({"streakcast_visits": key, "streakcast_version": _core.__version__})
     target = Path(path)
     with tempfile.NamedTemporaryFile(dir=target.parent, prefix=_scratch_prefix(target), delete=False) as scratch:

@@ -1,11 +1,11 @@
-"""What can go wrong beside `StreakcastError` (a question without an answer) and `SetupError` (a model that cannot be made)."""
+"""Exceptions and warnings besides `StreakcastError` (invalid request) and `SetupError` (invalid arguments of a model)."""
 
 from ._core import SetupError
 
 
 class ChangedFileError(SetupError):
-    """A file that a model was made of has other content now than when the model was pickled."""
+    """A file used by a model has changed since the model was pickled."""
 
 
 class StreakcastWarning(UserWarning):
-    """What the user should know of an answer: old elements, rejected records, synthetic satellites. Each is told once a model."""
+    """Limitation of a result: old element sets, rejected records, synthetic satellites. Issued once per model."""

@@ -1,4 +1,4 @@
-"""What a scheduler's hook needs beside a model: our errors and changed files never stop a night."""
+"""Integration of a model into a scheduler: errors of streakcast and changed files never stop the scheduler."""
 
 from __future__ import annotations
 
@@ -10,54 +10,58 @@ import weakref
 from collections import Counter
 from typing import Any, Callable, TypeVar, Union
 
-from ._hook_state import HookState, Lent, distance_km, signature
+from ._hook_state import HookState, RemoteHook, distance_km, signature
 from ._mailbox import Mailbox, Reported
-from ._state import heard_by
+from ._state import handle_warnings
 from ._times import TimeLike, to_tai
 from .model import StreakModel
 
 Answer = TypeVar("Answer")
 
-#: A host's site may be as far from the model's, kilometres: half the width that a survey field has at the nearest satellites.
+#: Tolerated distance between the host's site and the model's, kilometres: half the width of a survey field at the
+#: nearest satellites.
 SITE_TOLERANCE_KM = 1.0
-#: A host's clock may be as far from this computer's, seconds: a satellite crosses half a degree in that time.
+#: Tolerated difference between the host's clock and this computer's, seconds: a satellite moves half a degree in that
+#: time.
 CLOCK_TOLERANCE_S = 1.0
-#: A host's "now" further than this from this computer's clock is a simulated night, not a wrong clock, seconds.
-SIMULATED_S = 600.0
-#: A file that is being replaced is left alone until it has not changed for so long, seconds.
+#: A larger difference between the host's "now" and this computer's clock indicates a simulated night, seconds.
+SIMULATED_NIGHT_S = 600.0
+#: Time without changes after which a replaced file is read, seconds.
 SETTLED_S = 2.0
-#: Files that could not be read are tried again after `watch_s`, then after twice as long each time, up to this, seconds.
-RETRY_MOST_S = 1800.0
-#: Before another process begins new files are waited for so long, seconds.
-PATIENCE_S = 10.0
-#: Of so many hooks in other processes counts are read, those heard of last; and of all that are held here.
-LENT_MOST = 32
-#: New files with a smaller share of the satellites that were there before are taken for broken.
-LEAST_SHARE = 0.5
+#: Maximum delay before unreadable files are read again, seconds; the delay starts at `watch_s` and doubles each time.
+MAX_RETRY_S = 1800.0
+#: Maximum wait for new files before another process starts, seconds.
+MAX_WAIT_S = 10.0
+#: Number of hooks in other processes with counters to read, the most recently active ones; hooks still referenced here
+#: are always read.
+MAX_REMOTE_HOOKS = 32
+#: New files with a smaller fraction of the previous number of satellites are rejected as broken.
+MIN_SATELLITE_SHARE = 0.5
 
 _UNIX_EPOCH_JD = 2_440_587.5
 _DAY_S = 86_400.0
 
 
 class Hook:
-    """Stands between a host and a model: answers when the model cannot, counts, and logs each kind of trouble once.
+    """Adapter between a host and a model: returns a fallback if the model fails, counts events, logs problems once.
 
     Parameters
     ----------
     model : StreakModel
-        What is asked. Made by the caller, so that what cannot work is said at construction, not at night.
+        The model. It is created by the caller, so that invalid arguments are reported at construction, not at night.
     name : str
-        The host; the logger is ``streakcast.<name>``.
+        Name of the host; the logger is ``streakcast.<name>``.
     watch_s : float
-        How often the model's files are looked at, seconds. Where they were replaced they are read in the background, and the new
-        model answers from then on; as long as they are missing, half written or broken, the old one stays, and they are tried again
-        after ``watch_s``, then after twice as long each time, at least every half an hour.
+        Interval between checks of the model's files, seconds. Replaced files are read in the background, and the new
+        model is used from then on. While files are missing, partially written or invalid, the old model stays in use,
+        and reading is retried after ``watch_s``, with the delay doubled each time, up to half an hour.
 
     Attributes
     ----------
     counts : collections.Counter
-        ``asked``, ``failed``, ``reloaded``, ``kept_old`` (changed files not taken, each time), ``warned`` (what the model warns of: old
-        element sets, records left out), ``site`` and ``clock`` (too far off, or not to be looked at), and what the host adds.
+        ``asked`` (calls of `ask`), ``failed``, ``reloaded``, ``kept_old`` (changed files rejected, each time),
+        ``warned`` (warnings of the model: old element sets, rejected records), ``site`` and ``clock`` (mismatch, or not
+        available), and counters of the host.
     """
 
     def __init__(self, model: StreakModel, name: str, *, watch_s: float = 60.0) -> None:
@@ -67,7 +71,8 @@ class Hook:
             raise ValueError(f"watch_s = {watch_s}; allowed: seconds above 0")
         self._state = HookState(model, name, watch_s, Counter())
 
-    # Hosts copy their schedulers and ask the copies: all of one process are one hook, with one model, one count and one memory of what was said.
+    # Hosts copy their schedulers and use the copies, so all copies of one process share model, counters and logged
+    # messages.
     def __copy__(self) -> "Hook":
         copy = type(self).__new__(type(self))
         copy._state = self._state
@@ -90,25 +95,25 @@ class Hook:
 
     @property
     def counts(self) -> "Counter[str]":
-        """What happened how often; copies in one process, and hooks made by `for_process`, count together."""
-        if self._state.lent:
+        """Event counters, shared by copies in one process and by hooks made with `for_process`."""
+        if self._state.remote_hooks:
             self._collect()
         return self._state.counts
 
     @property
     def logger(self) -> logging.Logger:
-        """Where trouble is told: ``streakcast.<name>``."""
+        """Logger of problems: ``streakcast.<name>``."""
         return logging.getLogger(f"streakcast.{self._state.name}")
 
     def ask(self, question: Callable[[StreakModel], Answer], otherwise: Answer) -> Answer:
-        """Asks the model; where that fails, whatever the reason, the host goes on with another answer.
+        """Evaluates a function of the model; returns a fallback if it raises any exception.
 
         Parameters
         ----------
         question : callable
-            Takes the model, gives the answer.
+            Function of the model.
         otherwise : object
-            The answer where the question fails.
+            Return value if the function raises.
 
         Returns
         -------
@@ -116,99 +121,101 @@ class Hook:
         """
         self._state.counts["asked"] += 1
         try:
-            with heard_by(self._warned):
+            with handle_warnings(self._warned):
                 self._watch()
                 return question(self._state.model)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
-            self.note("failed", f"satellites are not looked at: {type(error).__name__}: {error}")
+            self.note("failed", f"satellites are ignored: {type(error).__name__}: {error}")
             return otherwise
 
     def note(self, counter: str, message: str, *, kind: Union[str, None] = None, level: int = logging.WARNING) -> None:
-        """Counts, and logs once a kind.
+        """Counts an event and logs each kind of message once.
 
         Parameters
         ----------
         counter : str
-            What is counted.
+            Name of the counter.
         message : str
-            What is logged.
+            Log message.
         kind : str, optional
-            Messages of one kind are logged once; without it that is the message up to its first digit.
+            Messages of one kind are logged once; default: the message up to its first digit.
         level : int
             Level of the log line.
         """
         self._state.counts[counter] += 1
         kind = counter + ":" + (kind or message[: next((i for i, one in enumerate(message) if one.isdigit()), None)])
         with self._state.lock:
-            new = kind not in self._state.said
-            self._state.said.add(kind)
-        if new:
+            is_new = kind not in self._state.logged_kinds
+            self._state.logged_kinds.add(kind)
+        if is_new:
             if self._state.mailbox is not None and level >= logging.WARNING:
-                self._state.mailbox.say(message)
-            self.logger.log(level, "%s (said once; counted as '%s')", message, counter)
+                self._state.mailbox.keep_message(message)
+            self.logger.log(level, "%s (logged once; counted as '%s')", message, counter)
 
     def see_site(self, location: Any) -> None:
-        """Holds the host's site against the model's; more than 1 km apart is noted as ``site``, and so is a site that cannot be looked at.
+        """Compares the host's site with the model's; notes a distance above 1 km, or an unreadable site, as ``site``.
 
         Parameters
         ----------
         location : `~astropy.coordinates.EarthLocation` or triple, or callable
-            The site, or ``(latitude, longitude, height)`` in degrees, degrees east and metres; or a function that looks it up in the
-            host, so that an error there is caught here; `None` from that function: nothing to hold.
+            The site, or ``(latitude, longitude, height)`` in degrees, degrees east and metres; or a function that reads
+            it from the host, so that its exceptions are caught here. If the function returns `None`, nothing is
+            compared.
         """
         try:
             site = self._state.model.site
             if site is None:
                 return
-            place = location() if callable(location) else location
-            if place is None and callable(location):
+            host_site = location() if callable(location) else location
+            if host_site is None and callable(location):
                 return
-            if hasattr(place, "geodetic"):
-                longitude, latitude, height = place.geodetic
-                place = (latitude.to_value("deg"), longitude.to_value("deg"), height.to_value("m"))
-            here = (float(place[0]), float(place[1]), float(place[2]))
+            if hasattr(host_site, "geodetic"):
+                longitude, latitude, height = host_site.geodetic
+                host_site = (latitude.to_value("deg"), longitude.to_value("deg"), height.to_value("m"))
+            here = (float(host_site[0]), float(host_site[1]), float(host_site[2]))
             apart_km = distance_km(here, site[1:])
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
-            self.note("site", f"the host's site cannot be looked at: {type(error).__name__}: {error}", kind="unseen")
+            self.note("site", f"the host's site cannot be read: {type(error).__name__}: {error}", kind="unseen")
             return
         if not apart_km <= SITE_TOLERANCE_KM:
             there = f"{site.latitude_deg:.4f}, {site.longitude_deg:.4f} ({site.name})"
             message = (
-                f"the host stands at {here[0]:.4f}, {here[1]:.4f}, the satellite model at {there}: {apart_km:.1f} km apart; "
-                "answers are the model's"
+                f"the host's site is {here[0]:.4f}, {here[1]:.4f}, the satellite model's {there}: {apart_km:.1f} km apart; "
+                "the model's site is used"
             )
             self.note("site", message, kind="site")
 
     def see_clock(self, now: Union[TimeLike, Callable[[], TimeLike]], scale: Union[str, None] = None) -> None:
-        """Holds the host's "now" against this computer's clock; more than a second apart is noted as ``clock``, and so is no time at all.
+        """Compares the host's time with this computer's; notes a difference above 1 s, or an unreadable time, as ``clock``.
 
-        Simulated nights (ten minutes and more away) pass.
+        Simulated nights (differences of ten minutes and more) are accepted.
 
         Parameters
         ----------
         now : time or callable
-            What the host takes for now, or a function that asks it; `None` from that function: nothing to hold.
+            Present time of the host, or a function that returns it. If the function returns `None`, nothing is
+            compared.
         scale : {"utc", "tai", "tt"}, optional
-            Scale of a bare number; the model's ``mjd_scale`` where not said.
+            Scale of a bare number; default: the model's ``mjd_scale``.
         """
         try:
-            moment = now() if callable(now) else now
-            if moment is None:
+            host_now = now() if callable(now) else now
+            if host_now is None:
                 return
-            jd1, jd2 = to_tai(moment, self._state.model.mjd_scale if scale is None else scale, "now")
+            jd1, jd2 = to_tai(host_now, self._state.model.mjd_scale if scale is None else scale, "now")
             days, seconds = divmod(clock.time(), _DAY_S)
             here1, here2 = to_tai(_UNIX_EPOCH_JD - 2_400_000.5 + days, "utc", "now")
             off_s = (float(jd1) - float(here1) + float(jd2) - float(here2)) * _DAY_S - seconds
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
-            self.note("clock", f"the host's time cannot be looked at: {type(error).__name__}: {error}", kind="unseen")
+            self.note("clock", f"the host's time cannot be read: {type(error).__name__}: {error}", kind="unseen")
             return
-        if CLOCK_TOLERANCE_S < abs(off_s) < SIMULATED_S:
-            hint = "; that is TAI read as UTC or the other way round" if 36.0 < abs(off_s) < 38.0 else ""
+        if CLOCK_TOLERANCE_S < abs(off_s) < SIMULATED_NIGHT_S:
+            hint = "; TAI was probably read as UTC or the other way round" if 36.0 < abs(off_s) < 38.0 else ""
             message = f"the host's time is {off_s:+.1f} s off this computer's clock{hint}; a satellite crosses a field within seconds"
             self.note("clock", message, kind="clock")
 
     def settle(self, most_s: Union[float, None] = None) -> None:
-        """Waits until files that are being read in the background are read, or for some seconds at most."""
+        """Waits until the background reading of files has finished, at most for the given seconds."""
         reading = self._state.reading
         if reading is not None:
             reading.join(most_s)
@@ -216,11 +223,12 @@ class Hook:
     # Other processes -------------------------------------------------------------------------------------------------
 
     def for_process(self) -> "Hook":
-        """A hook for another process that is about to begin, forked or spawned: with new files taken, and counted here.
+        """Returns a hook for another process that is about to start (forked or spawned); reads changed files first.
 
-        What it counts there is read here through shared memory, by ``counts`` and by the next call of this, also where that process was
-        killed; of what it would have logged, the first line. At least the 32 hooks heard of last are read. New element files that it
-        finds itself stay its own. It holds the model as it is now: ask for one for each process.
+        Its counters and its first log message are read here through shared memory, by ``counts`` and by the next call
+        of this method, even if that process was killed. At least the 32 most recently active hooks are read. New
+        element files that the other process reads do not affect this hook. The hook holds the present model: call this
+        method for each process.
 
         Returns
         -------
@@ -229,70 +237,71 @@ class Hook:
         self._collect()
         state = self._state
         try:
-            # A process that begins before the next look, or while files are read, would have the old ones.
-            state.next_look_s = 0.0
+            # Checks files now: a process that starts before the next check, or while files are read, would use the old
+            # ones.
+            state.next_check_s = 0.0
             self._watch()
-            self.settle(PATIENCE_S)
+            self.settle(MAX_WAIT_S)
             mailbox = Mailbox()
             with state.lock:
-                model, seen = state.model, state.taken()
-            lent = type(self).__new__(type(self))
-            lent._state = HookState(model, state.name, state.watch_s, Reported({}, mailbox), mailbox, seen=seen)
+                model, seen = state.model, state.loaded_signature()
+            remote = type(self).__new__(type(self))
+            remote._state = HookState(model, state.name, state.watch_s, Reported({}, mailbox), mailbox, seen=seen)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
-            self.note("failed", f"another process cannot be followed: {type(error).__name__}: {error}")
+            self.note("failed", f"the counters of another process cannot be read: {type(error).__name__}: {error}")
             return self.__copy__()
         with state.lock:
-            state.lent.append(Lent(weakref.ref(lent._state), mailbox))
-        return lent
+            state.remote_hooks.append(RemoteHook(weakref.ref(remote._state), mailbox))
+        return remote
 
     def _collect(self) -> None:
-        """Takes over what hooks in other processes counted since the last time."""
-        state, told = self._state, []
+        """Adds the counts of hooks in other processes since the last call."""
+        state, messages = self._state, []
         with state.lock:
-            for lent in list(state.lent):
-                counts = lent.mailbox.counts()
-                if counts != lent.taken:
+            for remote in list(state.remote_hooks):
+                counts = remote.mailbox.counts()
+                if counts != remote.collected:
                     for name, count in counts.items():
-                        state.counts[name] += count - lent.taken.get(name, 0)
-                    lent.taken = counts
-                    # Those heard of last stand last.
-                    state.lent.remove(lent)
-                    state.lent.append(lent)
-                words = lent.mailbox.words()
-                if words and "process:" + words not in state.said:
-                    state.said.add("process:" + words)
-                    told.append(words)
-            # Nothing says here whether a process still runs: `Process` forgets its arguments when it starts.
-            silent = state.lent[:-LENT_MOST]
-            state.lent = [one for one in silent if one.state() is not None] + state.lent[len(silent) :]
-        for words in told:
-            self.logger.warning("in a process of its own: %s (said once)", words)
+                        state.counts[name] += count - remote.collected.get(name, 0)
+                    remote.collected = counts
+                    # The most recently active hooks are last.
+                    state.remote_hooks.remove(remote)
+                    state.remote_hooks.append(remote)
+                message = remote.mailbox.message()
+                if message and "process:" + message not in state.logged_kinds:
+                    state.logged_kinds.add("process:" + message)
+                    messages.append(message)
+            # Whether a process still runs is unknown here: `Process` deletes its arguments when it starts.
+            inactive = state.remote_hooks[:-MAX_REMOTE_HOOKS]
+            state.remote_hooks = [one for one in inactive if one.state() is not None] + state.remote_hooks[len(inactive) :]
+        for message in messages:
+            self.logger.warning("in another process: %s (logged once)", message)
 
     # New files -------------------------------------------------------------------------------------------------------
 
     def _watch(self) -> None:
-        """Looks at the files where it is time to."""
+        """Checks the files if the interval has elapsed."""
         state = self._state
-        if clock.monotonic() < state.next_look_s:
+        if clock.monotonic() < state.next_check_s:
             return
         with state.lock:
-            if clock.monotonic() < state.next_look_s or (state.reading is not None and state.reading.is_alive()):
+            if clock.monotonic() < state.next_check_s or (state.reading is not None and state.reading.is_alive()):
                 return
-            state.next_look_s = clock.monotonic() + state.watch_s
+            state.next_check_s = clock.monotonic() + state.watch_s
         now = signature(state.model.files)
-        if now == state.seen and clock.monotonic() < state.again_at_s:
+        if now == state.seen and clock.monotonic() < state.retry_at_s:
             return
         missing = [path for path, stat in now.items() if stat is None]
         if missing:
-            self.note("kept_old", f"{missing[0]} is missing; going on with the satellites read before", kind=f"missing {missing[0]}")
+            self.note("kept_old", f"{missing[0]} is missing; the satellites read before stay in use", kind=f"missing {missing[0]}")
             return
-        # A time in the future (another computer's clock) says nothing of how long ago it was.
+        # A modification time in the future (another computer's clock) gives no age.
         if any(stat is not None and 0.0 <= clock.time() - stat[0] / 1e9 < SETTLED_S for stat in now.values()):
-            # Somebody may be writing it still.
-            state.next_look_s = clock.monotonic() + min(state.watch_s, SETTLED_S)
+            # The file may still be being written.
+            state.next_check_s = clock.monotonic() + min(state.watch_s, SETTLED_S)
             return
         if now != state.seen:
-            state.wait_s = 0.0
+            state.retry_delay_s = 0.0
         with state.lock:
             state.seen = now
             state.reading = threading.Thread(target=self._read, name="streakcast-reload", daemon=True)
@@ -301,24 +310,24 @@ class Hook:
     def _read(self) -> None:
         state = self._state
         try:
-            with heard_by(self._warned):
+            with handle_warnings(self._warned):
                 old = state.model
                 new = old.reloaded()
                 moment = _UNIX_EPOCH_JD - 2_400_000.5 + clock.time() / _DAY_S
                 before, after = (model.satellites(moment, scale="utc") for model in (old, new))
-            if after >= LEAST_SHARE * before:
-                state.model, state.again_at_s = new, math.inf
-                self.note("reloaded", f"new element files taken: {after} satellites", level=logging.INFO, kind=str(new.key()))
+            if after >= MIN_SATELLITE_SHARE * before:
+                state.model, state.retry_at_s = new, math.inf
+                self.note("reloaded", f"new element files read: {after} satellites", level=logging.INFO, kind=str(new.key()))
                 return
-            self.note("kept_old", f"the new files hold {after} satellites, {before} before; going on with these", kind="shrunk")
-        except Exception as error:  # noqa: BLE001 - the old model is as good as it was
-            self.note("kept_old", f"the new files cannot be read, going on with the old satellites: {error}")
-        # Half-written files may become whole without a new time of change, and a file server comes back.
-        state.wait_s = min(max(2.0 * state.wait_s, state.watch_s), max(RETRY_MOST_S, state.watch_s))
-        state.again_at_s = clock.monotonic() + state.wait_s
+            self.note("kept_old", f"the new files contain {after} satellites, {before} before; the old ones stay in use", kind="shrunk")
+        except Exception as error:  # noqa: BLE001 - the old model remains usable
+            self.note("kept_old", f"the new files cannot be read, the old satellites stay in use: {error}")
+        # Partially written files may be completed within the same modification time, and a file server may recover.
+        state.retry_delay_s = min(max(2.0 * state.retry_delay_s, state.watch_s), max(MAX_RETRY_S, state.watch_s))
+        state.retry_at_s = clock.monotonic() + state.retry_delay_s
 
     def _warned(self, message: str) -> None:
-        """What the model warns of. Numbers differ from night to night; what is warned of is the words."""
+        """Notes a warning of the model; its kind is the text without digits, which differ from night to night."""
         self.note("warned", message, kind="".join(letter for letter in message if not letter.isdigit())[:80])
 
 
@@ -330,7 +339,8 @@ def _hook_of(
     try:
         hook._state = HookState(model, name, watch_s, counter, mailbox)
     except Exception:  # noqa: BLE001 - a hook never stops its host
-        # Files changed since, or are missing or half written just now: they are read by the first question that finds them whole.
+        # Files have changed, or are missing or partially written now: they are read by the first call that finds them
+        # complete.
         model = type(model)._of_state({**model._state, "files": None})
         hook._state = HookState(model, name, watch_s, counter, mailbox, seen={})
     return hook

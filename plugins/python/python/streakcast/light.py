@@ -1,4 +1,4 @@
-"""Magnitudes and maps of brightness models: no satellites, no files of elements."""
+"""Magnitudes and maps of brightness models, without satellites or element sets."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ._quantities import number, scalar
 from ._setup import document
 from ._tables import TableLike, table_of
 
-#: One number, or an array in the shape of the question.
+#: One number or an array.
 Numbers = Any
 
 
 def model_names(models: Any = None) -> list[str]:
-    """Names of the brightness models.
+    """Returns the names of the brightness models.
 
     Parameters
     ----------
     models : dict, optional
-        ``{"files": [...]}``: model files beside the shipped ones.
+        ``{"files": [...]}``: model files in addition to the bundled ones.
 
     Returns
     -------
@@ -39,25 +39,25 @@ def standard_magnitudes(
     height: Numbers = 550.0,
     **light: Any,
 ) -> Numbers:
-    """Magnitudes at 1000 km of directions in the satellite's own frame, in full sunlight, the Sun at 1 au.
+    """Returns magnitudes at 1000 km for directions in the satellite's body frame, in full sunlight, the Sun at 1 au.
 
     Parameters
     ----------
     model : str
         A name of `model_names`, or a path that ends in ``.json``.
     sun_latitude : float, array or `~astropy.units.Quantity`
-        Of the Sun above the plane of the chassis, degrees.
+        Latitude of the Sun above the plane of the chassis, degrees.
     observer_longitude, observer_latitude : float, array or `~astropy.units.Quantity`
-        Of the observer from the Sun's azimuth, and above the plane of the chassis, degrees.
+        Longitude of the observer from the Sun's azimuth, and latitude above the plane of the chassis, degrees.
     height : float, array or `~astropy.units.Quantity`
-        Of the satellite above 6378.137 km, km; counts for earthshine alone.
+        Height of the satellite above 6378.137 km, km; used for earthshine only.
     **light
         ``band, mag_system, earthshine, models``.
 
     Returns
     -------
     float or array
-        In the broadcast shape; NaN where nothing lit is seen.
+        In the broadcast shape; NaN where no lit surface is visible.
     """
     parts = np.broadcast_arrays(
         number(sun_latitude, "deg", "sun_latitude"),
@@ -66,8 +66,8 @@ def standard_magnitudes(
         number(height, "km", "height"),
     )
     columns = [np.ascontiguousarray(part.reshape(-1)) for part in parts]
-    answer = _core.standard_magnitudes(_setup(light), str(model), *columns)
-    return float(answer[0]) if parts[0].shape == () else answer.reshape(parts[0].shape)
+    magnitudes = _core.standard_magnitudes(_setup(light), str(model), *columns)
+    return float(magnitudes[0]) if parts[0].shape == () else magnitudes.reshape(parts[0].shape)
 
 
 def sky_magnitudes(
@@ -80,28 +80,28 @@ def sky_magnitudes(
     height: Numbers = 550.0,
     **light: Any,
 ) -> tuple[Numbers, Numbers]:
-    """Apparent magnitudes of satellites of one height in directions over a site.
+    """Returns apparent magnitudes of satellites at one height in directions above a site.
 
     Parameters
     ----------
     model : str
         A name of `model_names`, or a path that ends in ``.json``.
     azimuth, altitude : float, array or `~astropy.units.Quantity`
-        Where the satellites stand: from north through east, above the horizon without refraction, degrees.
+        Directions of the satellites: azimuth from north through east, altitude without refraction, degrees.
     sun_altitude, sun_azimuth : float or `~astropy.units.Quantity`
-        Where the Sun stands, degrees; geometric, negative below the horizon.
+        Position of the Sun, degrees; geometric, negative altitude below the horizon.
     height : float or `~astropy.units.Quantity`
-        Of the satellites above 6378.137 km, km.
+        Height of the satellites above 6378.137 km, km.
     **light
-        ``band, mag_system, earthshine, extinction, models, shadow``, and the site by ``site, mpc, lat, lon, height_m``; without a site
-        the Earth is a sphere.
+        ``band, mag_system, earthshine, extinction, models, shadow``, and the site as ``site, mpc, lat, lon, height_m``;
+        without a site the Earth is a sphere.
 
     Returns
     -------
     magnitude : float or array
-        NaN in the Earth's shadow, and where nothing lit is seen.
+        NaN in the Earth's shadow, and where no lit surface is visible.
     range_km : float or array
-        From observer to satellite.
+        Distance from observer to satellite.
     """
     parts = np.broadcast_arrays(number(azimuth, "deg", "azimuth"), number(altitude, "deg", "altitude"))
     columns = [np.ascontiguousarray(part.reshape(-1)) for part in parts]
@@ -129,20 +129,20 @@ def body_map(
     output: str = "auto",
     **light: Any,
 ) -> TableLike:
-    """Magnitudes at 1000 km over a satellite's own sky: what ``streakcast map body`` prints.
+    """Returns magnitudes at 1000 km over a satellite's body frame, as printed by ``streakcast map body``.
 
     Parameters
     ----------
     model : str
         A name of `model_names`, or a path that ends in ``.json``.
     sun_latitude : float or `~astropy.units.Quantity`
-        Of the Sun above the plane of the chassis, degrees.
+        Latitude of the Sun above the plane of the chassis, degrees.
     height : float or `~astropy.units.Quantity`
-        Of the satellite, km.
+        Height of the satellite, km.
     step : float or `~astropy.units.Quantity`, optional
-        Steps of a regular grid, degrees; 2 unless said otherwise.
+        Step of a regular grid, degrees; default 2.
     nside : int, optional
-        HEALPix cells (RING) instead of steps.
+        Resolution of HEALPix cells (RING) instead of a regular grid.
     output : {"auto", "qtable", "dict"}
         As for `StreakModel.flags`.
     **light
@@ -151,7 +151,8 @@ def body_map(
     Returns
     -------
     QTable or dict of arrays, ``(n_directions,)`` each
-        ``observer_longitude_deg``, ``observer_latitude_deg``, ``standard_magnitude``; what they rest on is the table's ``meta``.
+        ``observer_longitude_deg``, ``observer_latitude_deg``, ``standard_magnitude``; model and settings are in the
+        table's ``meta``.
     """
     columns, facts = _core.body_map(
         _setup(light),
@@ -175,7 +176,7 @@ def sky_map(
     output: str = "auto",
     **light: Any,
 ) -> TableLike:
-    """Apparent magnitudes over the sky of a site: what ``streakcast map sky`` prints.
+    """Returns apparent magnitudes over the sky of a site, as printed by ``streakcast map sky``.
 
     Parameters
     ----------
@@ -187,7 +188,7 @@ def sky_map(
     Returns
     -------
     QTable or dict of arrays, ``(n_directions,)`` each
-        ``azimuth_deg``, ``altitude_deg``, ``range_km``, ``magnitude``; what they rest on is the table's ``meta``.
+        ``azimuth_deg``, ``altitude_deg``, ``range_km``, ``magnitude``; model and settings are in the table's ``meta``.
     """
     columns, facts = _core.sky_map(
         _setup(light),

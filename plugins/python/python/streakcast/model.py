@@ -1,4 +1,4 @@
-"""`StreakModel`: satellites over a site, asked by schedulers and notebooks."""
+"""`StreakModel`: satellites over a site, for schedulers and notebooks."""
 
 from __future__ import annotations
 
@@ -6,51 +6,54 @@ import json
 import os
 from typing import Any, Union
 
-from ._answers import Assessment, ClearWindows, Site
+from ._results import Assessment, ClearWindows, Site
 from ._injection import Injected, inject
-from ._questions import Questions
+from ._exposure_queries import ExposureQueries
 from ._setup import absolute, document
 from ._times import TimeLike, to_tai
 
 __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 
 
-class StreakModel(Questions):
+class StreakModel(ExposureQueries):
     """Satellites over a site, with a field of view, brightness models and a policy.
 
-    Arguments are those of the command line's flags and of its configuration file, by the same names.
+    Arguments have the same names as the flags of the command line and the keys of its configuration file.
 
     Parameters
     ----------
     site : str, `~astropy.coordinates.EarthLocation` or dict, optional
-        Name of the bundled table, a place, or ``{"latitude_deg": ..., "longitude_deg": ..., "height_m": ...}``. Also
+        Name in the bundled table, a location, or ``{"latitude_deg": ..., "longitude_deg": ..., "height_m": ...}``. Also
         ``mpc="X05"`` or ``lat=, lon=, height=`` (degrees, degrees east, metres).
     elements : path or list of paths, optional
         Element sets: TLE, 3LE, or OMM in CSV, JSON, XML or KVN, plain or gzipped.
     shells : str or list of str, optional
-        Synthetic constellations by name (``"starlink-gen1"``), or TOML files of one's own.
+        Synthetic constellations by name (``"starlink-gen1"``), or paths of TOML files.
     telescope : str, path or dict, optional
-        A preset (``"rubin"``) or a TOML file: field of view, and what a streak costs in pixels.
+        A preset (``"rubin"``) or a TOML file: field of view, and parameters of the pixels lost to a streak.
     fov : str or `~astropy.units.Quantity`, optional
-        Full diameter of a circular field, with its unit: ``"3.5deg"``. Goes before the telescope's own field.
+        Full diameter of a circular field, with its unit: ``"3.5deg"``. Takes precedence over the telescope's field.
     field : path or dict, optional
         A field of any shape, instead of ``fov``.
     models : dict, optional
         ``{"files": [...], "generations": {"oneweb": "my-model"}, "qs_mag": path}``.
     limit_mag : float or dict, optional
-        Crossings brighter than this make an exposure one to avoid; by band as ``{"g": 7, "default": 6}``.
+        Magnitude limit: exposures with brighter crossings have the verdict ``avoid``; by band as ``{"g": 7, "default":
+        6}``.
     policy : path or dict, optional
-        All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s``.
+        All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s,
+        max_delay_s``.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        The scale of bare numbers of time. Without it they raise `TypeError`.
+        Scale of bare numbers as times. Without it they raise `TypeError`.
     epoch : time, optional
-        The one moment for which elements are chosen and shells are laid out, for all questions. Without it that is done for each
-        night (noon to noon by the site's mean Sun): of several sets of one object the nearest to midnight, shells for
-        0h UTC of the evening's date.
+        Time for which element sets are selected and shells are generated, for all calls. Without it that is done for
+        each night (noon to noon by the site's mean Sun): the element set nearest to midnight for each object, shells
+        for 0h UTC of the evening's date.
     config : path, optional
-        A configuration file (TOML); arguments go before what it says.
+        A configuration file (TOML); arguments take precedence.
     on_changed_file : {"error", "warn"}
-        What an unpickled model does when a file it was made of has changed: raise `ChangedFileError`, or warn and use the new one.
+        Behaviour of an unpickled model if one of its files has changed: raise `ChangedFileError`, or warn and use the
+        new file.
     **more
         ``band, mag_system, earthshine, extinction, sun_distance, min_probability, max_delay, shadow, eop, qs_mag,
         accept_bad_checksums, observer_elements, observer_norad, limb_height_km``, as on the command line.
@@ -58,14 +61,15 @@ class StreakModel(Questions):
     Raises
     ------
     SetupError
-        What cannot be made of the arguments: a missing or broken file, an unknown name, a number out of range, something unsaid.
+        Invalid arguments: a missing or invalid file, an unknown name, a number out of range, a missing argument.
     TypeError
         An argument that does not exist.
 
     Notes
     -----
-    A model is safe to use from several threads; what takes long runs without the interpreter's lock. Copies share its satellites.
-    Its pickle holds arguments, paths and hashes of files (below 10 kB), never the satellites: they are read again on first use.
+    A model can be used from several threads; long computations release the interpreter's lock. Copies share the
+    satellites. A pickle contains arguments, paths and hashes of files (below 10 kB), not the satellites: they are read
+    again on first use.
     """
 
     def __init__(
@@ -88,31 +92,31 @@ class StreakModel(Questions):
     ) -> None:
         if on_changed_file not in ("error", "warn"):
             raise ValueError(f"on_changed_file '{on_changed_file}'; allowed: error, warn")
-        said = dict(
+        given = dict(
             site=site, elements=elements, shells=shells, telescope=telescope, fov=fov, field=field, models=models,
             limit_mag=limit_mag, policy=policy, mjd_scale=mjd_scale, **more,
         )  # fmt: skip
-        moment = None
+        epoch_tai = None
         if epoch is not None:
             jd1, jd2 = to_tai(epoch, mjd_scale, "epoch")
             if jd1.shape != ():
-                raise ValueError(f"epoch has the shape {jd1.shape}; allowed: one moment")
-            moment = (float(jd1), float(jd2))
+                raise ValueError(f"epoch has the shape {jd1.shape}; allowed: one time")
+            epoch_tai = (float(jd1), float(jd2))
         state = {
-            "setup": document(said),
+            "setup": document(given),
             "config": None if config is None else absolute(config),
-            "epoch": moment,
+            "epoch": epoch_tai,
             "on_changed_file": on_changed_file,
             "files": None,
         }
         self._begin(state)
         self._open()
 
-    # What it knows ---------------------------------------------------------------------------------------------------
+    # Properties ------------------------------------------------------------------------------------------------------
 
     @property
     def site(self) -> Union[Site, None]:
-        """Where the telescope is; `None` for one in orbit."""
+        """Site of the telescope; `None` for a telescope in orbit."""
         site = self._open()[0].site
         return None if site is None else Site(*site)
 
@@ -137,12 +141,12 @@ class StreakModel(Questions):
         return self._open()[1].field_area_deg2
 
     def satellites(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
-        """How many satellites the sky of a night has.
+        """Returns the number of satellites loaded for a night.
 
         Parameters
         ----------
         time : time
-            A moment of the night.
+            A time within the night.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number.
 
@@ -153,29 +157,29 @@ class StreakModel(Questions):
         return self._open()[0].satellites(*self._moment(time, scale))
 
     def night(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
-        """Which night a moment belongs to: a number that grows by one from noon to noon (the site's mean Sun).
+        """Returns the number of the night that contains a time; it increases by one at each noon (the site's mean Sun).
 
         Parameters
         ----------
         time : time
-            The moment.
+            The time.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number.
 
         Returns
         -------
         int
-            The whole part of MJD at the site's noon before; 0 for all moments where the model has an ``epoch``.
+            Integer part of the MJD at the preceding noon of the site; 0 for all times if the model has an ``epoch``.
         """
         return self._open()[0].night(*self._moment(time, scale))
 
     def provenance(self, time: TimeLike, *, scale: Union[str, None] = None) -> dict[str, Any]:
-        """What the answers of a night rest on: files with hashes and epochs, site, models, the Earth's orientation.
+        """Returns the provenance of a night: files with hashes and epochs, site, models, the Earth's orientation.
 
         Parameters
         ----------
         time : time
-            A moment of the night.
+            A time within the night.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number.
 
@@ -183,9 +187,9 @@ class StreakModel(Questions):
         -------
         dict
         """
-        answer = json.loads(self._open()[0].provenance(*self._moment(time, scale)))
-        provenance: dict[str, Any] = answer.pop("provenance")
-        return {**provenance, **answer}
+        record = json.loads(self._open()[0].provenance(*self._moment(time, scale)))
+        provenance: dict[str, Any] = record.pop("provenance")
+        return {**provenance, **record}
 
     def inject(
         self,
@@ -197,14 +201,14 @@ class StreakModel(Questions):
         exposure: Any = None,
         **options: Any,
     ) -> Injected:
-        """Puts the streaks of the model's satellites into a frame.
+        """Adds the streaks of the model's satellites to a frame.
 
         Parameters
         ----------
         frame, output, header, start, exposure
             As for `streakcast.inject`.
         **options
-            The others of `streakcast.inject`; telescope and band are the model's where they are not said.
+            Other arguments of `streakcast.inject`; telescope and band default to those of the model.
 
         Returns
         -------

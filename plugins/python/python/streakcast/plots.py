@@ -1,4 +1,4 @@
-"""Pictures of what `StreakModel` answers: PNG and SVG for notebooks and files, the same charts as ``streakcast plot``.
+"""Charts of the results of `StreakModel`: PNG and SVG for notebooks and files, the same charts as ``streakcast plot``.
 
 >>> from streakcast import StreakModel, plots
 >>> model = StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
@@ -6,7 +6,8 @@
 >>> plots.field(passes, (198.9, 7.7), fov_deg=3.5).size
 (1440, 846)
 
-Each function takes tables as the model returns them (a `QTable` or a dictionary of arrays) and returns a `Picture`, which a notebook shows.
+Each function takes tables as the model returns them (a `QTable` or a dictionary of arrays) and returns a `Picture`,
+which notebooks display.
 """
 
 from __future__ import annotations
@@ -24,13 +25,13 @@ from ._times import TimeLike, is_time, to_tai
 
 __all__ = ["Picture", "field", "light_curve", "night", "sky_chart", "sky_rate", "sun_altitude"]
 
-#: MJD of 1970-01-01, where ``datetime64`` begins.
+#: MJD of 1970-01-01, the epoch of ``datetime64``.
 _UNIX_MJD = 40587.0
 _DAY_NS = 86_400e9
 
 
 class Picture:
-    """A finished picture. A notebook shows it by itself.
+    """A rendered chart, displayed by notebooks.
 
     Attributes
     ----------
@@ -47,25 +48,25 @@ class Picture:
         return self._core.size
 
     def png(self) -> bytes:
-        """The bytes of a PNG."""
+        """Returns the bytes of a PNG."""
         return self._core.png()
 
     def svg(self) -> str:
-        """The text of an SVG that brings its font along."""
+        """Returns the text of an SVG with embedded font."""
         return self._core.svg()
 
     def save(self, path: Union[str, os.PathLike[str]]) -> None:
-        """Writes a file, whole or not at all.
+        """Writes a file atomically.
 
         Parameters
         ----------
         path : str or path
-            Its name ends in ``.png`` or ``.svg``.
+            File name that ends in ``.png`` or ``.svg``.
 
         Raises
         ------
         ValueError
-            Any other end.
+            Any other file name extension.
         OSError
             The file cannot be written.
         """
@@ -91,20 +92,20 @@ def night(
     scale: Union[str, None] = None,
     title: str = "",
 ) -> Picture:
-    """Timeline of a night: which exposures are struck, how brightly, by how many.
+    """Timeline of a night: number and brightness of the streaks in each exposure.
 
     Parameters
     ----------
     flags : QTable or dict of arrays, ``(n_exposures,)``
-        What `StreakModel.flags` returned: ``n_streaks`` and ``brightest_mag`` are drawn.
+        Result of `StreakModel.flags`: ``n_streaks`` and ``brightest_mag`` are drawn.
     start, exposure, scale
-        As they were asked.
+        Arguments of that call.
     limit_mag : float, optional
-        A line at this magnitude.
+        Magnitude of a limit line.
     utc_offset : float, optional
-        Local clock of the upper side, hours ahead of UTC.
+        Offset of the local time on the upper axis from UTC, hours.
     title : str
-        Words above.
+        Title of the chart.
 
     Returns
     -------
@@ -113,7 +114,7 @@ def night(
     Raises
     ------
     StreakcastError
-        Nothing to draw, columns of unequal length, or more than one night.
+        No data, columns of unequal length, or more than one night.
     """
     brightest = _numbers(flags, "brightest_mag")
     streaks = _numbers(flags, "n_streaks")
@@ -131,13 +132,13 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
     Parameters
     ----------
     passes : QTable or dict of arrays, ``(n_passes,)``
-        What `StreakModel.passes` returned for one exposure.
+        Result of `StreakModel.passes` for one exposure.
     target : SkyCoord or (ra, dec)
-        Centre of the field, as it was asked, ICRS.
+        Centre of the field in that call, ICRS.
     fov_deg : float, optional
-        Full diameter of a circular field, degrees: its border.
+        Full diameter of a circular field for its outline, degrees.
     title : str
-        Words above.
+        Title of the chart.
 
     Returns
     -------
@@ -146,7 +147,8 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
     Raises
     ------
     StreakcastError
-        Neither streaks nor a border; a diameter of 0 or less, or of more than 180 degrees; places more than 75 degrees from the centre.
+        Neither streaks nor an outline; a diameter of 0 or less, or above 180 degrees; positions more than 75 degrees
+        from the centre.
     """
     ra, dec = (float(np.ravel(axis)[0]) for axis in directions(target))
     diameter = None if fov_deg is None else scalar(fov_deg, "deg", "fov_deg")
@@ -175,19 +177,20 @@ def light_curve(
     utc_offset: Union[float, None] = None,
     title: str = "",
 ) -> Picture:
-    """Magnitude along the track of one pass, with its error.
+    """Magnitude along the track of one pass, with its uncertainty.
 
     Parameters
     ----------
     samples : sequence of dict
-        A cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)`` (then all of it lies in the field) or of
-        ``StreakModel.forecast(..., samples=100).passes`` (from rise to set), with ``utc``, ``magnitude`` and ``magnitude_sigma``.
+        A cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)`` (all points lie in the field) or of
+        ``StreakModel.forecast(..., samples=100).passes`` (from rise to set), with ``utc``, ``magnitude`` and
+        ``magnitude_sigma``.
     limit_mag : float, optional
-        A line at this magnitude.
+        Magnitude of a limit line.
     utc_offset : float, optional
-        Local clock of the upper side, hours ahead of UTC.
+        Offset of the local time on the upper axis from UTC, hours.
     title : str
-        Words above.
+        Title of the chart.
 
     Returns
     -------
@@ -199,7 +202,7 @@ def light_curve(
         Fewer than two points, or none with a magnitude.
     """
     times = _sample_times(samples)
-    # What is from rise to set has places without any light too, and says so.
+    # Samples from rise to set include unlit points and have the column illumination.
     is_of_field = len(times) > 1 and "illumination" not in samples[0]
     return _drawn(
         "light_curve", title, limit_mag=limit_mag, utc_offset=utc_offset,
@@ -209,14 +212,14 @@ def light_curve(
 
 
 def sky_chart(passes: Any, *, title: str = "") -> Picture:
-    """Passes over the sky of a site: zenith in the middle, north up, east left, in the colours of their magnitudes.
+    """Passes over the sky of a site, coloured by magnitude: zenith in the centre, north up, east left.
 
     Parameters
     ----------
     passes : QTable or dict of arrays, ``(n_passes,)``
-        What ``StreakModel.forecast(..., samples=100).passes`` returned, or some of its rows; the 22 brightest are drawn.
+        ``StreakModel.forecast(..., samples=100).passes``, or some of its rows; the 22 brightest are drawn.
     title : str
-        Words above.
+        Title of the chart.
 
     Returns
     -------
@@ -225,13 +228,13 @@ def sky_chart(passes: Any, *, title: str = "") -> Picture:
     Raises
     ------
     StreakcastError
-        No pass, or passes without two points along them.
+        No passes, or passes with fewer than two points.
     ValueError
         A table without ``samples``.
     """
     names = passes.keys()
     if "samples" not in names:
-        raise ValueError("passes have no column samples; ask forecast(..., samples=100)")
+        raise ValueError("passes have no column samples; call forecast(..., samples=100)")
     tracks = [
         dict(
             name=str(name), time_mjd=_sample_times(samples).tolist(), azimuth_deg=_of_samples(samples, "azimuth_deg"),
@@ -252,7 +255,7 @@ def sky_rate(
     title: str = "Streaks per exposure",
     subtitle: str = "",
 ) -> Picture:
-    """Expected streaks an exposure over the sky of a site.
+    """Expected streaks per exposure over the sky of a site.
 
     Parameters
     ----------
@@ -261,11 +264,11 @@ def sky_rate(
     rate : array of float, ``(n_cells,)``
         Expected streaks, 0 or more.
     nside : int
-        Division of the sphere, 1 to 1024.
+        HEALPix resolution, 1 to 1024.
     sun_azimuth_deg : float
-        Where the Sun is marked, degrees from north through east.
+        Azimuth of the Sun, degrees from north through east.
     title, subtitle : str
-        Words above.
+        Title and subtitle of the chart.
 
     Returns
     -------
@@ -274,7 +277,7 @@ def sky_rate(
     Raises
     ------
     StreakcastError
-        No cell, a cell that there is not or that comes twice, a negative rate.
+        No cells, an invalid or repeated cell, a negative rate.
     """
     numbers = np.ravel(np.asarray(cells)).astype(np.uint64).tolist()
     values = np.ravel(np.asarray(rate, dtype=np.float64)).tolist()
@@ -292,20 +295,20 @@ def sun_altitude(
     bin_deg: float = 2.0,
     title: str = "Trails per exposure",
 ) -> Picture:
-    """Trails an exposure against the Sun's altitude.
+    """Trails per exposure against the Sun's altitude.
 
     Parameters
     ----------
     sun_altitude_deg : array of float or Quantity, ``(n_exposures,)``
-        Altitude of the Sun in the middle of each exposure.
+        Altitude of the Sun at the middle of each exposure.
     n_trails : array, ``(n_exposures,)``
-        Lit satellites that cross.
+        Number of lit satellites that cross.
     n_bright : array, optional
-        Those brighter than ``limit_mag``; both or neither.
+        Number of those brighter than ``limit_mag``; requires ``limit_mag``.
     bin_deg : float
         Width of the bins, 0.1 to 30 degrees.
     title : str
-        Words above.
+        Title of the chart.
 
     Returns
     -------
@@ -314,12 +317,12 @@ def sun_altitude(
     Raises
     ------
     StreakcastError
-        Nothing to draw, columns of unequal length, altitudes that are none.
+        No data, columns of unequal length, invalid altitudes.
     ValueError
-        One of ``n_bright`` and ``limit_mag`` without the other.
+        Only one of ``n_bright`` and ``limit_mag`` is given.
     """
     if (n_bright is None) != (limit_mag is None):
-        raise ValueError("n_bright and limit_mag belong together; say both or neither")
+        raise ValueError("n_bright and limit_mag require each other; specify both or neither")
     altitudes = np.ravel(number(sun_altitude_deg, "deg", "sun_altitude_deg")).tolist()
     trails = np.ravel(np.asarray(n_trails, dtype=np.float64)).tolist()
     bright = None if n_bright is None else np.ravel(np.asarray(n_bright, dtype=np.float64)).tolist()
@@ -337,16 +340,16 @@ def _drawn(
     utc_offset: Union[float, None] = None,
     **columns: Any,
 ) -> Picture:
-    """A chart by its name, of its words and its own columns."""
+    """Draws a chart by name from its labels and its columns."""
     local = None if utc_offset is None else (float(utc_offset), _clock_name(utc_offset))
-    words = {"title": title, "limit_mag": limit_mag, "local": local}
+    labels = {"title": title, "limit_mag": limit_mag, "local": local}
     plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in columns.items()}
-    return Picture(_core.draw(chart, words, plain))
+    return Picture(_core.draw(chart, labels, plain))
 
 
 def _sample_times(samples: Sequence[dict[str, Any]]) -> npt.NDArray[np.float64]:
-    """Moments along a pass, MJD (UTC)."""
-    # An empty list is a question like any other: the chart says what it lacks.
+    """Returns the times along a pass, MJD (UTC)."""
+    # An empty list is passed on: the chart reports what is missing.
     return _mjd(np.array([str(point["utc"]) for point in samples], dtype=str), None)
 
 
@@ -361,7 +364,7 @@ def _clock_name(utc_offset: float) -> str:
 
 
 def _numbers(table: Any, name: str) -> npt.NDArray[np.float64]:
-    """A column as plain numbers, not a number where it is masked."""
+    """Returns a column as plain numbers, NaN where it is masked."""
     cells = table[name]
     cells = getattr(cells, "value", cells)
     if isinstance(cells, np.ma.MaskedArray):
@@ -374,7 +377,7 @@ def _texts(table: Any, name: str) -> list[str]:
 
 
 def _mjd(times: Any, scale: Union[str, None]) -> npt.NDArray[np.float64]:
-    """Moments as MJD (UTC)."""
+    """Returns times as MJD (UTC)."""
     if not is_time(times):
         array = np.asarray(times)
         if np.issubdtype(array.dtype, np.datetime64):

@@ -1,4 +1,4 @@
-//! Arrays to exposures. What is not finite or out of range is told with its name, its place and what is allowed.
+//! Conversion of arrays to exposures. Errors name the argument, the index and the accepted range.
 
 use hifitime::{Duration, Epoch, TimeScale};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -15,7 +15,7 @@ use streakcast::schedule::ScheduledExposure;
 const ZERO_JD: f64 = 2_415_020.5;
 /// Nanoseconds in a day.
 const DAY_NS: f64 = 86_400e9;
-/// The longest exposure that is asked about, seconds.
+/// Longest accepted exposure, seconds.
 const LONGEST_S: f64 = 86_400.0;
 
 /// A column of numbers.
@@ -23,7 +23,7 @@ pub type Column<'py> = PyReadonlyArray1<'py, f64>;
 /// Two-part Julian dates, TAI.
 pub type TwoParts<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// The epoch of a two-part Julian date, TAI; the parts may be cut anywhere.
+/// Returns the epoch of a two-part Julian date, TAI, split at any point.
 pub fn epoch_of(jd1: f64, jd2: f64) -> Epoch {
     let days = jd1 - ZERO_JD;
     let whole = days.floor();
@@ -31,7 +31,7 @@ pub fn epoch_of(jd1: f64, jd2: f64) -> Epoch {
     Epoch::from_tai_duration(Duration::from_total_nanoseconds(whole as i128 * DAY_NS as i128 + fraction_ns as i128))
 }
 
-/// The two-part Julian date, TAI, of an epoch: midnights and halves in the first part.
+/// Returns the two-part Julian date, TAI, of an epoch; the first part is a midnight.
 pub fn two_parts(epoch: Epoch) -> (f64, f64) {
     let nanoseconds = epoch.to_tai_duration().total_nanoseconds();
     let day = nanoseconds.div_euclid(DAY_NS as i128);
@@ -43,11 +43,11 @@ fn parts<'py>(py: Python<'py>, epochs: impl Iterator<Item = Epoch>) -> TwoParts<
     (first.into_pyarray(py), second.into_pyarray(py))
 }
 
-/// ISO 8601 texts to two-part Julian dates, TAI.
+/// Converts ISO 8601 texts to two-part Julian dates, TAI.
 #[pyfunction]
 #[pyo3(signature = (texts, scale=None))]
 pub fn times_from_text<'py>(py: Python<'py>, texts: Vec<String>, scale: Option<&str>) -> PyResult<TwoParts<'py>> {
-    let scale = scale.map(parse_time_scale).transpose().map_err(crate::failure::asked)?;
+    let scale = scale.map(parse_time_scale).transpose().map_err(crate::failure::request)?;
     let epochs = texts.iter().enumerate().map(|(index, text)| {
         let bad = |error| PyValueError::new_err(format!("time[{index}]: {error}"));
         parse_moment(text, scale).map_err(|error| bad(crate::failure::as_arguments(&error.to_string())))
@@ -55,10 +55,10 @@ pub fn times_from_text<'py>(py: Python<'py>, texts: Vec<String>, scale: Option<&
     Ok(parts(py, epochs.collect::<PyResult<Vec<Epoch>>>()?.into_iter()))
 }
 
-/// Modified Julian dates of a scale to two-part Julian dates, TAI.
+/// Converts Modified Julian Dates in a time scale to two-part Julian dates, TAI.
 #[pyfunction]
 pub fn times_from_mjd<'py>(py: Python<'py>, mjd: Column<'py>, scale: &str) -> PyResult<TwoParts<'py>> {
-    let scale = parse_time_scale(scale).map_err(crate::failure::asked)?;
+    let scale = parse_time_scale(scale).map_err(crate::failure::request)?;
     let epochs = mjd
         .as_array()
         .iter()
@@ -70,7 +70,7 @@ pub fn times_from_mjd<'py>(py: Python<'py>, mjd: Column<'py>, scale: &str) -> Py
     Ok(parts(py, epochs.into_iter()))
 }
 
-/// Columns of one length that make exposures.
+/// Columns of exposures, of equal length.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Columns<'py> {
@@ -89,12 +89,12 @@ pub struct Columns<'py> {
 }
 
 impl Columns<'_> {
-    /// The exposures, called by their places.
-    pub fn exposures(&self) -> PyResult<Vec<Exposure>> {
+    /// Returns the exposures; their ids are their indices.
+    pub fn to_exposures(&self) -> PyResult<Vec<Exposure>> {
         let columns = [&self.ra_deg, &self.dec_deg, &self.jd1, &self.jd2, &self.exposure_s, &self.rotation_deg];
         let [ra, dec, jd1, jd2, exposure, rotation] = columns.map(|column| column.as_array());
         if columns.iter().any(|column| column.as_array().len() != ra.len()) {
-            return Err(PyValueError::new_err("columns of different lengths"));
+            return Err(PyValueError::new_err("columns differ in length"));
         }
         (0..ra.len())
             .map(|index| {
@@ -112,16 +112,16 @@ impl Columns<'_> {
     }
 }
 
-/// The moment of a two-part Julian date, TAI, within the years that are known.
+/// Returns the epoch of a two-part Julian date, TAI, within the supported years.
 pub fn start_of(index: usize, jd1: f64, jd2: f64) -> PyResult<Epoch> {
     let jd = jd1 + jd2;
-    // Far outside, the count of nanoseconds itself would not fit.
+    // Checked first: the count of nanoseconds would overflow far outside.
     let epoch =
         (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
     epoch.ok_or_else(|| PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099")))
 }
 
-/// A number within its range, or an error that names it.
+/// Returns a number if it is within its range, otherwise an error with name and index.
 pub fn within(what: &str, index: usize, value: f64, least: f64, most: f64, unit: &str) -> PyResult<f64> {
     if (least..=most).contains(&value) {
         return Ok(value);
@@ -129,12 +129,12 @@ pub fn within(what: &str, index: usize, value: f64, least: f64, most: f64, unit:
     Err(PyValueError::new_err(format!("{what}[{index}] is {value} {unit}; allowed: {least} to {most} {unit}")))
 }
 
-/// Exposures as rows of a schedule; `bands` is one for all or one for each.
+/// Converts exposures to rows of a schedule; `bands` has one entry for all or one for each.
 pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<ScheduledExposure>> {
     if bands.len() > 1 && bands.len() != exposures.len() {
-        let (given, wanted) = (bands.len(), exposures.len());
+        let (given, required) = (bands.len(), exposures.len());
         return Err(PyValueError::new_err(format!(
-            "{given} bands for {wanted} exposures; allowed: one, or one for each"
+            "{given} bands for {required} exposures; allowed: one, or one for each"
         )));
     }
     let band = |row: usize| bands.get(row).or(bands.first()).cloned();
@@ -150,7 +150,7 @@ pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<Schedule
         .collect())
 }
 
-/// A scale by its name, for who asks.
+/// Returns the lower-case name of a time scale.
 pub fn scale_name(scale: TimeScale) -> String {
     scale.to_string().to_ascii_lowercase()
 }

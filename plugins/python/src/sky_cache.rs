@@ -1,4 +1,4 @@
-//! The skies of a setup's satellites: read once, made ready night by night, shared by all who ask.
+//! Cache of prepared skies: satellites are read once and prepared night by night.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -9,69 +9,70 @@ use streakcast::config::{Config, ConfigError, LoadedInputs, PreparedSky};
 use streakcast::frames::{mjd_utc, seconds_after};
 use streakcast::output::{Section, write_json};
 
+use crate::exposures::start_of;
 use crate::failure;
-use crate::questions::start_of;
 
-/// Nights that are kept ready.
-const KEPT: usize = 3;
+/// Number of cached nights.
+const CACHED_NIGHTS: usize = 3;
 
-/// Satellites over a site, for any night.
+/// Satellites over a site, prepared for any night.
 #[pyclass(frozen, module = "streakcast._core", weakref)]
-pub struct Skies {
+pub struct SkyCache {
     inputs: LoadedInputs,
-    /// One moment for all questions, where the caller named one.
+    /// Fixed epoch for all calls, if given.
     epoch: Option<Epoch>,
     /// East longitude of the site, turns; 0 in orbit.
     longitude_turns: f64,
     site: Option<(String, f64, f64, f64)>,
-    kept: Mutex<Vec<(i64, Arc<PreparedSky>)>>,
-    /// Warnings of skies made since they were last asked for.
+    cached: Mutex<Vec<(i64, Arc<PreparedSky>)>>,
+    /// Warnings of skies prepared since the last call of `news`.
     news: Mutex<Vec<String>>,
 }
 
-impl Skies {
-    /// The sky of the night that holds a moment.
+impl SkyCache {
+    /// Returns the sky of the night that contains a time.
     pub fn of(&self, moment: Epoch) -> PyResult<Arc<PreparedSky>> {
         self.prepared(moment).map_err(failure::setup)
     }
 
-    /// The same, with the library's own error.
+    /// Like `of`, with the library's error.
     pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         let night = self.night_of(moment);
-        if let Some(prepared) = self.known(night) {
+        if let Some(prepared) = self.find_cached(night) {
             return Ok(prepared);
         }
-        // Made outside of the lock: a thread of the pool that waits for the others may take up another question, which would wait for this thread.
+        // Prepared without holding the lock: a waiting pool thread may start another request, which would wait for this
+        // lock.
         let (first, last) = self.bounds(night);
-        let prepared = self.made(first, last)?;
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, other)) = kept.iter().find(|(known, _)| *known == night) {
-            return Ok(other.clone());
+        let prepared = self.prepare(first, last)?;
+        let mut cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, existing)) = cached.iter().find(|(other, _)| *other == night) {
+            return Ok(existing.clone());
         }
-        kept.push((night, prepared.clone()));
-        let surplus = kept.len().saturating_sub(KEPT);
-        kept.drain(..surplus);
+        cached.push((night, prepared.clone()));
+        let surplus = cached.len().saturating_sub(CACHED_NIGHTS);
+        cached.drain(..surplus);
         Ok(prepared)
     }
 
-    fn known(&self, night: i64) -> Option<Arc<PreparedSky>> {
-        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.iter().find(|(known, _)| *known == night).map(|(_, prepared)| prepared.clone())
+    fn find_cached(&self, night: i64) -> Option<Arc<PreparedSky>> {
+        let cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
+        cached.iter().find(|(other, _)| *other == night).map(|(_, prepared)| prepared.clone())
     }
 
-    /// A sky for questions from one moment to another alone, as the command line makes it; that of the caller's one moment where there is one.
+    /// Returns the sky for one time span, as prepared by the command line; with a fixed epoch, the sky of that epoch.
     pub fn over(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
-        if self.epoch.is_some() { self.prepared(first) } else { self.made(first, last) }
+        if self.epoch.is_some() { self.prepared(first) } else { self.prepare(first, last) }
     }
 
-    fn made(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
+    fn prepare(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         let prepared = Arc::new(self.inputs.prepare(first, last)?);
         let warnings = prepared.warnings.iter().map(|warning| failure::as_arguments(warning));
         self.news.lock().unwrap_or_else(PoisonError::into_inner).extend(warnings);
         Ok(prepared)
     }
 
-    /// Nights go from noon to noon by the site's mean Sun; with a moment of the caller's own there is one only.
+    /// Returns the number of the night, from noon to noon by the site's mean Sun; always 0 with a fixed epoch.
     pub fn night_of(&self, moment: Epoch) -> i64 {
         if self.epoch.is_some() { 0 } else { (mjd_utc(moment) + self.longitude_turns - 0.5).floor() as i64 }
     }
@@ -89,8 +90,8 @@ impl Skies {
 }
 
 #[pymethods]
-impl Skies {
-    /// Reads what a setup (JSON) names.
+impl SkyCache {
+    /// Reads the files of a setup (JSON).
     #[new]
     #[pyo3(signature = (setup, config=None, epoch=None))]
     fn new(py: Python<'_>, setup: &str, config: Option<&str>, epoch: Option<(f64, f64)>) -> PyResult<Self> {
@@ -98,7 +99,7 @@ impl Skies {
         failure::without_lock(py, || {
             let setup = setup_of(setup, config)?;
             let inputs = setup.load().map_err(failure::setup)?;
-            // Elements of an orbit may be bad at any one time; a site is good or bad from the beginning.
+            // A site can be checked now; the orbit of an observer may become invalid at a particular time.
             let orbit = setup.is_in_orbit();
             let site = if orbit { None } else { Some(setup.site().map_err(failure::setup)?) };
             Ok(Self {
@@ -108,7 +109,7 @@ impl Skies {
                 site: site.map(|site| {
                     (site.name, site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees(), site.height_m)
                 }),
-                kept: Mutex::default(),
+                cached: Mutex::default(),
                 news: Mutex::default(),
             })
         })
@@ -120,41 +121,41 @@ impl Skies {
         self.site.clone()
     }
 
-    /// Which night a moment belongs to: a number that grows by one from noon to noon.
+    /// Returns the number of the night that contains a time.
     fn night(&self, jd1: f64, jd2: f64) -> PyResult<i64> {
         Ok(self.night_of(start_of(0, jd1, jd2)?))
     }
 
-    /// What the answers of a night rest on, as JSON.
+    /// Returns the provenance of a night's results as JSON.
     fn provenance(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<String> {
         let moment = start_of(0, jd1, jd2)?;
         failure::without_lock(py, || {
             let prepared = self.of(moment)?;
             let sections: &[Section<'_>] = &[];
             let mut text = Vec::new();
-            write_json(&mut text, sections, &prepared.provenance).map_err(failure::asked)?;
-            String::from_utf8(text).map_err(failure::asked)
+            write_json(&mut text, sections, &prepared.provenance).map_err(failure::request)?;
+            String::from_utf8(text).map_err(failure::request)
         })
     }
 
-    /// What the user should know of the skies made since this was last asked.
+    /// Returns the warnings of skies prepared since the last call.
     fn news(&self) -> Vec<String> {
         std::mem::take(&mut self.news.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Names and SHA-256 of the files of elements, as read.
+    /// Returns names and SHA-256 of the element files, as read.
     fn element_files(&self) -> Vec<(String, String)> {
         self.inputs.sources().iter().map(|source| (source.name.to_string(), source.sha256.clone())).collect()
     }
 
-    /// How many satellites a night's sky has.
+    /// Returns the number of satellites prepared for a night.
     fn satellites(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<usize> {
         let moment = start_of(0, jd1, jd2)?;
         failure::without_lock(py, || Ok(self.of(moment)?.sky.elements().len()))
     }
 }
 
-/// All files that a setup names.
+/// Returns all files named by a setup.
 #[pyfunction]
 #[pyo3(signature = (setup, config=None))]
 pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> {
@@ -163,11 +164,11 @@ pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> 
     Ok(files)
 }
 
-/// A setup from JSON, over that of a configuration file where there is one.
+/// Reads a setup from JSON, with defaults from a configuration file if given.
 pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Config> {
     let given: Config = serde_json::from_str(json).map_err(|error| {
         let text = error.to_string();
-        // The place within JSON that nobody wrote says nothing.
+        // The position within generated JSON is of no use to the user.
         let end = text.find(" at line ").unwrap_or(text.len());
         failure::SetupError::new_err(text[..end].to_owned())
     })?;

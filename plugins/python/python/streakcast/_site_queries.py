@@ -1,4 +1,4 @@
-"""What a model is asked without a field: the passes of nights, and whose streak one is."""
+"""Methods of `StreakModel` that need no field of view: forecasts, satellites overhead, identification of streaks."""
 
 from __future__ import annotations
 
@@ -10,10 +10,10 @@ from typing import Any, Union
 import numpy as np
 
 from . import _core
-from ._answers import Forecast, Identification, Overhead
+from ._results import Forecast, Identification, Overhead
 from ._quantities import number, scalar
 from ._state import ModelState
-from ._streak import streak
+from ._streak import streak_request
 from ._tables import TableLike, table_of
 from ._times import TimeLike
 
@@ -21,8 +21,8 @@ from ._times import TimeLike
 Numbers = Any
 
 
-class Sights(ModelState):
-    """The questions of `StreakModel` that need no field of view."""
+class SiteQueries(ModelState):
+    """Methods of `StreakModel` that need no field of view."""
 
     def forecast(
         self,
@@ -42,30 +42,31 @@ class Sights(ModelState):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> Forecast:
-        """Every pass that can be seen in a night, with its peak magnitude: what ``streakcast forecast`` prints.
+        """Returns the visible passes of one or several nights, as printed by ``streakcast forecast``.
 
-        Elements are chosen, and shells laid out, for the time asked about, as the command line does it.
+        Element sets are selected, and synthetic shells are generated, for the requested time, as on the command line.
 
         Parameters
         ----------
         night : str, date, or sequence of these
-            The evening's local date at the site, as ``"2026-08-14"``: from local mean noon to noon. Several are asked one after the other.
+            Local date of the evening at the site, for example ``"2026-08-14"``: from local mean noon to noon. Several
+            nights are computed one after the other.
         start, end : time
-            Instead of a night: from when to when, at most 31 days.
+            Time span instead of a night, at most 31 days.
         max_mag : float, optional
-            Passes whose peak is fainter are left out, those without a magnitude too.
+            Omits passes with a fainter peak and passes without a magnitude.
         min_altitude : float or `~astropy.units.Quantity`
-            What rise and set are counted from, degrees, without refraction; 0 to below 90.
+            Altitude at which a satellite rises and sets, degrees, without refraction; 0 to below 90.
         min_culmination : float or `~astropy.units.Quantity`
-            Passes that culminate lower are left out, degrees.
+            Omits passes that culminate below this altitude, degrees.
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
-            The Sun is lower than this at the site, degrees; `None` for day and night.
+            Maximum altitude of the Sun at the site, degrees; `None` for day and night.
         generation, name, norad : str, int, or sequences of these, optional
-            Satellites of these kinds (``"starlink-v2mini"``), with these parts of names, of these catalogue numbers alone.
+            Restricts the satellites to these generations (``"starlink-v2mini"``), parts of names, or catalogue numbers.
         include_dark : bool
-            Passes in the Earth's shadow and by daylight too.
+            Whether to include passes in the Earth's shadow and in daylight.
         samples : int
-            Points along each pass from rise to set, in a column ``samples`` of dictionaries; 0 to 10,000.
+            Number of points along each pass from rise to set, in a column ``samples`` of dictionaries; 0 to 10,000.
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers in ``start`` and ``end``.
         output : {"auto", "qtable", "dict"}
@@ -78,16 +79,17 @@ class Sights(ModelState):
         Raises
         ------
         StreakcastError
-            A night that is no date, a number out of range, nobody of that kind or name, a telescope in orbit.
+            An invalid date, a number out of range, no satellite of the given generation or name, a telescope in orbit.
         TypeError
-            A bare number of time without a scale.
+            A bare number as time without a scale.
 
         Warns
         -----
         StreakcastWarning
-            How many passes rest on a prior alone, for nothing is known of the satellite's brightness; satellites left out; old elements.
+            Number of passes with a magnitude from the prior only (unknown brightness); omitted satellites; old element
+            sets.
         """
-        said: dict[str, Any] = dict(
+        options: dict[str, Any] = dict(
             max_mag=None if max_mag is None else scalar(max_mag, "mag", "max_mag"),
             min_altitude=scalar(min_altitude, "deg", "min_altitude"),
             min_culmination=scalar(min_culmination, "deg", "min_culmination"),
@@ -95,23 +97,23 @@ class Sights(ModelState):
             generation=_texts(generation, "generation"), name=_texts(name, "name"), norad=_norad_ids(norad),
             include_dark=bool(include_dark), samples=_count(samples, "samples", 0),
         )  # fmt: skip
-        for what, value in said.items():
+        for what, value in options.items():
             if isinstance(value, float) and not np.isfinite(value):
                 raise ValueError(f"{what} is {value}; allowed: numbers")
         if (start is None) != (end is None):
-            raise ValueError("start and end belong together; say both or neither")
+            raise ValueError("start and end require each other; specify both or neither")
         if (night is None) == (start is None):
-            raise ValueError("say a night, or start and end")
+            raise ValueError("specify either night, or start and end")
         if start is None:
             times = [{"night": date} for date in _dates(night)]
         else:
             moments = [_core.utc_text(*self._moment(time, scale)) for time in (start, end)]
             times = [dict(zip(("start", "end"), moments))]
-        skies, _ = self._open()
+        sky_cache, _ = self._open()
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
-        answer = _core.forecast([json.dumps({**said, **time}) for time in times], setup, config, skies)
-        self._tell(skies, answer["warnings"])
-        return Forecast(table_of(answer["passes"], output), table_of(answer["nights"], output))
+        result = _core.forecast([json.dumps({**options, **time}) for time in times], setup, config, sky_cache)
+        self._warn_once(sky_cache, result["warnings"])
+        return Forecast(table_of(result["passes"], output), table_of(result["nights"], output))
 
     def visible_passes(
         self,
@@ -123,25 +125,25 @@ class Sights(ModelState):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> TableLike:
-        """The passes of `forecast` between two moments, by day and by night: another name for it, kept for what was written with it.
+        """Returns the passes of `forecast` between two times, by day and night; kept for compatibility.
 
         Parameters
         ----------
         start, end, min_altitude, scale, output
             As for `forecast`.
         lit_only : bool
-            False for passes in the Earth's shadow too.
+            Whether to omit passes in the Earth's shadow.
 
         Returns
         -------
         QTable or dict of arrays, ``(n_passes,)`` each
             ``forecast(start=start, end=end, max_sun_altitude=None, include_dark=not lit_only).passes``
         """
-        answer = self.forecast(
+        forecast = self.forecast(
             start=start, end=end, min_altitude=min_altitude, max_sun_altitude=None, include_dark=not lit_only, scale=scale,
             output=output,
         )  # fmt: skip
-        return answer.passes
+        return forecast.passes
 
     def overhead(
         self,
@@ -153,20 +155,20 @@ class Sights(ModelState):
         light: bool = True,
         scale: Union[str, None] = None,
     ) -> Overhead:
-        """Every satellite above the site at one or several moments: what maps of the sky are made of.
+        """Returns all satellites above the site at one or several times, for example for sky maps.
 
         Parameters
         ----------
         start : time
-            The first moment.
+            Reference time.
         seconds : float, array, ``(n_moments,)``, or `~astropy.units.Quantity`
-            The moments, seconds after ``start``: 0 to 3600, in the order of time.
+            Times in seconds after ``start``: 0 to 3600, ascending.
         min_altitude : float or `~astropy.units.Quantity`
-            Degrees, without refraction, 0 to 90.
+            Minimum altitude, degrees, without refraction, 0 to 90.
         include_dark : bool
-            Satellites in the Earth's shadow too.
+            Whether to include satellites in the Earth's shadow.
         light : bool
-            Whether magnitudes are asked for; models of panels take some microseconds each.
+            Whether to compute magnitudes; panel models take some microseconds each.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number (MJD) in ``start``.
 
@@ -177,22 +179,22 @@ class Sights(ModelState):
         Raises
         ------
         StreakcastError
-            Moments or an altitude out of range, a telescope in orbit.
+            Times or an altitude out of range, a telescope in orbit.
         TypeError
-            A bare number of time without a scale.
+            A bare number as time without a scale.
 
         Warns
         -----
         StreakcastWarning
-            Satellites were left out because they have no position at that time, or the elements are old.
+            Satellites were omitted because their position cannot be computed at that time, or the element sets are old.
         """
         jd1, jd2 = self._moment(start, scale)
         moments = np.atleast_1d(number(seconds, "s", "seconds"))
         lowest = scalar(min_altitude, "deg", "min_altitude")
-        skies, engine = self._open()
-        answer, told = engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light))
-        self._tell(skies, told)
-        return Overhead(**answer)
+        sky_cache, engine = self._open()
+        result, warnings = engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light))
+        self._warn_once(sky_cache, warnings)
+        return Overhead(**result)
 
     def identify(
         self,
@@ -218,51 +220,54 @@ class Sights(ModelState):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> Identification:
-        """Which satellite a measured streak is of, ranked: what ``streakcast identify`` prints.
+        """Returns the ranked candidate satellites for a measured streak, as printed by ``streakcast identify``.
 
-        The streak is said in one of four ways: ``ends`` (with ``times``, or in an exposure), ``place`` with ``position_angle``, ``pixels``
-        of a ``frame``, or a ``region``. Elements are chosen for that time, as the command line does it.
+        The streak is specified in one of four ways: ``ends`` (with ``times``, or in an exposure), ``place`` with
+        ``position_angle``, ``pixels`` of a ``frame``, or a ``region``. Element sets are selected for that time, as on
+        the command line.
 
         Parameters
         ----------
         ends : `~astropy.coordinates.SkyCoord` of two, or two pairs
             Both ends: any frame, or ``((ra, dec), (ra, dec))``, ICRS, degrees or `Quantity`.
         times : two times
-            When the satellite was at the first end and, later, at the second: the direction of motion is known.
+            Times at the first and, later, at the second end; they determine the direction of motion.
         place : `~astropy.coordinates.SkyCoord` or pair
-            The middle of the streak.
+            Midpoint of the streak.
         position_angle : float or `~astropy.units.Quantity`
-            Of the line there, in either of its directions, from north through east, degrees.
+            Position angle of the streak at the midpoint, in either direction, from north through east, degrees.
         length : float or `~astropy.units.Quantity`, optional
-            Of the whole streak, degrees, with ``place``.
+            Length of the whole streak, degrees, with ``place``.
         frame : path
-            A FITS file with the streak: its coordinates, and its times where none are said (for ``region`` and ``ends`` too).
+            A FITS file that contains the streak: provides world coordinates, and the exposure times unless given (also
+            for ``region`` and ``ends``).
         pixels : two pairs
             Both ends in the frame, ``((x, y), (x, y))``.
         origin : {0, 1}
-            What the first pixel is called in ``pixels``: 1 as FITS and DS9 count, 0 as arrays do.
+            Index of the first pixel in ``pixels``: 1 as in FITS and DS9, 0 as in arrays.
         hdu : int, optional
-            HDU of the frame, from 0; the only image where not said.
+            HDU of the frame, from 0; default: the only image.
         region : path
-            Regions of DS9 drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs.
+            File of DS9 regions drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs.
         start : time, optional
             Shutter opening.
         exposure : float or `~astropy.units.Quantity`, optional
             Length of the exposure, seconds.
         whole_streak : bool
-            Both ends are those of the streak, not of the frame: where the satellite was as the shutter opened and closed.
+            Whether both ends are inside the frame, i.e. mark the satellite at shutter opening and closing.
         place_sigma : float or `~astropy.units.Quantity`, optional
-            One sigma of an end, arcsec; 5 where not said, 3 pixels in a frame, half the half width of regions.
+            Standard deviation of an end's position, arcsec; default 5, 3 pixels in a frame, or a quarter of a region's
+            width.
         time_sigma : float or `~astropy.units.Quantity`, optional
-            One sigma of the clock, seconds; 0.5 where not said.
+            Standard deviation of the clock, seconds; default 0.5.
         angle_sigma : float or `~astropy.units.Quantity`, optional
-            One sigma of ``position_angle``, degrees; 1 where not said.
+            Standard deviation of ``position_angle``, degrees; default 1.
         include_dark : bool
-            Satellites in the Earth's shadow too.
+            Whether to include satellites in the Earth's shadow.
         top : int
-            The most candidates that are listed.
+            Maximum number of candidates listed.
         scale : {"utc", "tai", "tt"}, optional
-            Scale of bare numbers of time.
+            Scale of bare numbers as times.
         output : {"auto", "qtable", "dict"}
             As for `flags`.
 
@@ -273,43 +278,43 @@ class Sights(ModelState):
         Raises
         ------
         StreakcastError
-            What is no streak, and what is allowed: ends at one place, pixels outside of the frame, below the horizon, a broken file.
+            An invalid streak: coincident ends, pixels outside the frame, below the horizon, an invalid file.
         ValueError
-            Several ways at once, or none.
+            None or several of the four ways given.
         TypeError
-            A bare number of time without a scale.
+            A bare number as time without a scale.
         """
         scale = self._scale(scale)
-        said = streak(
+        request = streak_request(
             ends=ends, times=times, place=place, position_angle=position_angle, length=length, frame=frame, pixels=pixels,
             origin=origin, hdu=hdu, region=region, start=start, exposure=exposure, whole_streak=whole_streak,
             place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
         )  # fmt: skip
         listed = _count(top, "top", 1)
-        skies, _ = self._open()
+        sky_cache, _ = self._open()
         setup, config = json.dumps(self._state["setup"]), self._state["config"]
-        answer = _core.identify(json.dumps(said), setup, config, skies, bool(include_dark), listed)
-        self._tell(skies, answer["warnings"])
+        result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
+        self._warn_once(sky_cache, result["warnings"])
         return Identification(
-            table_of(answer["candidates"], output),
-            table_of(answer["streak"], output),
-            answer["n_candidates"],
-            answer["unknown_probability"],
+            table_of(result["candidates"], output),
+            table_of(result["streak"], output),
+            result["n_candidates"],
+            result["unknown_probability"],
         )
 
 
 def _texts(value: Any, what: str) -> list[str]:
-    """One text or several as a list; none for `None`."""
+    """Returns one or several strings as a list; empty for `None`."""
     if value is None:
         return []
     items = [value] if isinstance(value, str) else list(np.ravel(value)) if np.ndim(value) else [value]
     if not all(isinstance(item, str) for item in items):
-        raise TypeError(f"{what} is {value!r}; allowed: a text, or several")
+        raise TypeError(f"{what} is {value!r}; allowed: a string, or several")
     return [str(item) for item in items]
 
 
 def _norad_ids(value: Any) -> list[int]:
-    """One catalogue number or several; none for `None`."""
+    """Returns one or several catalogue numbers as a list; empty for `None`."""
     numbers = [] if value is None else [_count(one, "norad", 1) for one in np.ravel(value).tolist()]
     for one in numbers:
         if one > 999_999_999:
@@ -319,18 +324,18 @@ def _norad_ids(value: Any) -> list[int]:
 
 def _count(value: Any, what: str, least: int) -> int:
     try:
-        number_of = operator.index(value)
+        count = operator.index(value)
     except TypeError:
-        raise TypeError(f"{what} is {value!r}; allowed: whole numbers, {least} or more") from None
-    if number_of < least:
-        raise ValueError(f"{what} {number_of}; allowed: {least} or more")
-    return number_of
+        raise TypeError(f"{what} is {value!r}; allowed: integers, {least} or more") from None
+    if count < least:
+        raise ValueError(f"{what} {count}; allowed: {least} or more")
+    return count
 
 
 def _dates(night: Any) -> list[str]:
-    """Dates as texts; a text and what has a date's own words are one."""
+    """Returns one or several dates as strings."""
     is_one = isinstance(night, str) or not isinstance(night, Iterable)
     dates = [str(date) for date in ([night] if is_one else night)]
     if not dates:
-        raise ValueError("no night; allowed: one date or several")
+        raise ValueError("night is empty; allowed: one date or several")
     return dates

@@ -1,4 +1,4 @@
-"""What a model is asked: exposures and targets to verdicts, passes and windows."""
+"""Methods of `StreakModel` that need a field of view: verdicts, passes and clear windows."""
 
 from __future__ import annotations
 
@@ -7,20 +7,20 @@ from typing import Any, Union
 import numpy as np
 import numpy.typing as npt
 
-from ._answers import VERDICTS, Assessment, ClearWindows
+from ._results import VERDICTS, Assessment, ClearWindows
 from ._quantities import FloatArray, directions, number, scalar
-from ._sights import Sights
-from ._tables import TableLike, table_of, time_of, wants_qtable
+from ._site_queries import SiteQueries
+from ._tables import TableLike, table_of, time_of, is_qtable
 from ._times import TimeLike, to_tai
 
-#: Which satellites may keep an exposure from being clear.
+#: Accepted values of ``blocking``: the satellites that make an exposure not clear.
 BLOCKING = ("any", "avoid", "limits")
-#: One number, or an array in the shape of the question.
+#: One number or an array.
 Numbers = Any
 
 
-class Questions(Sights):
-    """The questions of `StreakModel`."""
+class ExposureQueries(SiteQueries):
+    """Methods of `StreakModel` that need a field of view."""
 
     def assess(
         self,
@@ -32,7 +32,7 @@ class Questions(Sights):
         band: Any = None,
         scale: Union[str, None] = None,
     ) -> Assessment:
-        """Verdicts as plain numbers: the fast question, once a visit or for a million exposures.
+        """Returns verdicts as plain numbers: the fast call, for one visit or a million exposures.
 
         Parameters
         ----------
@@ -47,7 +47,7 @@ class Questions(Sights):
         band : str or sequence of str, optional
             Band of the exposure, for limits by band: one for all, or one for each.
         scale : {"utc", "tai", "tt"}, optional
-            Scale of bare numbers (MJD) in ``start``; the model's ``mjd_scale`` where not said.
+            Scale of bare numbers (MJD) in ``start``; default: the model's ``mjd_scale``.
 
         Returns
         -------
@@ -57,17 +57,18 @@ class Questions(Sights):
         Raises
         ------
         TypeError
-            A bare number of time without a scale.
+            A bare number as time without a scale.
         ValueError
-            A number that is not finite or out of range, by name and index; shapes that do not fit.
+            A number that is not finite or out of range (the message has name and index); shapes that cannot be
+            broadcast.
         """
-        asked, bands, shape = self._question(target, start, exposure, rotation, band, scale)
-        skies, engine = self._open()
-        answer, told = engine.judge(asked, bands)
-        self._tell(skies, told)
-        verdict, streaks = VERDICTS[answer["verdict"]], answer["n_streaks"]
-        numbers = (answer["brightest_mag"], answer["lost_fraction"], answer["p_any"], answer["streak_length_deg"])
-        is_lower_limit = answer["p_any_is_lower_limit"]
+        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
+        sky_cache, engine = self._open()
+        result, warnings = engine.judge(exposures, bands)
+        self._warn_once(sky_cache, warnings)
+        verdict, streaks = VERDICTS[result["verdict"]], result["n_streaks"]
+        numbers = (result["brightest_mag"], result["lost_fraction"], result["p_any"], result["streak_length_deg"])
+        is_lower_limit = result["p_any_is_lower_limit"]
         if shape == ():
             count = int(streaks[0])
             brightest_mag, lost_fraction, p_any, length_deg = (float(one[0]) for one in numbers)
@@ -88,27 +89,28 @@ class Questions(Sights):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> TableLike:
-        """Verdicts with their reasons and the next clear start: what ``streakcast flag`` prints.
+        """Returns verdicts with reasons and the next clear start, as printed by ``streakcast flag``.
 
         Parameters
         ----------
         target, start, exposure, rotation, band, scale
             As for `assess`.
         output : {"auto", "qtable", "dict"}
-            A `~astropy.table.QTable`, or a dictionary of arrays (times as ``datetime64[ns]``, UTC); by itself the first where
-            astropy is there.
+            A `~astropy.table.QTable` or a dictionary of arrays (times as ``datetime64[ns]``, UTC); ``auto``: the former
+            if astropy is installed.
 
         Returns
         -------
         QTable or dict of arrays, ``(n_exposures,)`` each
-            ``exposure_id`` (place in the question), ``verdict``, ``n_streaks``, ``brightest_mag``, ``expected_lost_pixel_fraction``,
-            ``p_any``, ``streak_length_deg``, ``reasons``, ``next_clear_start_utc``, ``delay_s``, ``norad_ids``.
+            ``exposure_id`` (flat index of the exposure), ``verdict``, ``n_streaks``, ``brightest_mag``,
+            ``expected_lost_pixel_fraction``, ``p_any``, ``streak_length_deg``, ``reasons``, ``next_clear_start_utc``,
+            ``delay_s``, ``norad_ids``.
         """
-        asked, bands, _ = self._question(target, start, exposure, rotation, band, scale)
-        skies, engine = self._open()
-        columns, told = engine.flags(asked, bands)
-        self._tell(skies, told)
-        return table_of(_by_place(columns), output)
+        exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
+        sky_cache, engine = self._open()
+        columns, warnings = engine.flags(exposures, bands)
+        self._warn_once(sky_cache, warnings)
+        return table_of(_with_integer_ids(columns), output)
 
     def next_clear_start(
         self,
@@ -119,22 +121,24 @@ class Questions(Sights):
         rotation: Numbers = 0.0,
         scale: Union[str, None] = None,
     ) -> Numbers:
-        """How long each exposure has to wait for a clear field.
+        """Returns the delay of each exposure until its field is clear.
 
         Parameters
         ----------
         target, start, exposure, rotation, scale
-            As for `assess`. The longest wait is the policy's ``max_delay_s`` (600 s unless it says otherwise), its ``margin_s`` is kept.
+            As for `assess`. The search ends at the policy's ``max_delay_s`` (default 600 s); its ``margin_s`` is
+            respected.
 
         Returns
         -------
         float or array
-            Delay, seconds, to the millisecond; 0 where the field is clear at once, NaN where no start in time is clear.
+            Delay, seconds, to the millisecond; 0 if the field is clear at once, NaN if no start within the limit is
+            clear.
         """
-        asked, bands, shape = self._question(target, start, exposure, rotation, None, scale)
-        skies, engine = self._open()
-        columns, told = engine.flags(asked, bands)
-        self._tell(skies, told)
+        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        sky_cache, engine = self._open()
+        columns, warnings = engine.flags(exposures, bands)
+        self._warn_once(sky_cache, warnings)
         (delay,) = (column["values"] for column in columns if column["name"] == "delay_s")
         return float(delay[0]) if shape == () else delay.reshape(shape)
 
@@ -150,30 +154,30 @@ class Questions(Sights):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> TableLike:
-        """Every satellite that crosses the field in each exposure: what ``streakcast passes`` prints.
+        """Returns all satellites that cross the field in each exposure, as printed by ``streakcast passes``.
 
         Parameters
         ----------
         target, start, exposure, rotation, scale
             As for `assess`.
         include_dark : bool
-            Crossings that are in the Earth's shadow all along too.
+            Whether to include crossings entirely inside the Earth's shadow.
         samples : int
-            Points along each track, in a column ``samples`` of dictionaries.
+            Number of points along each track, in a column ``samples`` of dictionaries.
         output : {"auto", "qtable", "dict"}
             As for `flags`.
 
         Returns
         -------
         QTable or dict of arrays, ``(n_passes,)`` each
-            ``exposure_id`` is the place in the question; magnitudes with sigma and source, entry and exit, length, width, surface
-            brightness, probability, age of the elements, chords.
+            ``exposure_id`` is the flat index of the exposure; magnitudes with sigma and source, entry and exit, length,
+            width, surface brightness, probability, age of the element set, chords.
         """
-        asked, _, _ = self._question(target, start, exposure, rotation, None, scale)
-        skies, engine = self._open()
-        columns, told = engine.passes(asked, include_dark, samples)
-        self._tell(skies, told)
-        return table_of(_by_place(columns), output)
+        exposures, _, _ = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        sky_cache, engine = self._open()
+        columns, warnings = engine.passes(exposures, include_dark, samples)
+        self._warn_once(sky_cache, warnings)
+        return table_of(_with_integer_ids(columns), output)
 
     def clear_windows(
         self,
@@ -190,27 +194,29 @@ class Questions(Sights):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> ClearWindows:
-        """From when to when exposures of a target may start so that they are clear throughout.
+        """Returns the intervals in which an exposure of a target may start and remain clear throughout.
 
         Parameters
         ----------
         target : `~astropy.coordinates.SkyCoord` or pair
             One or many, as for `assess`.
         start, end : time
-            No shutter opens before the one or closes after the other, at most a day later.
+            Earliest shutter opening and latest shutter closing, at most one day apart.
         exposure : float or `~astropy.units.Quantity`
             Length of the exposure, seconds.
         min_altitude : float or `~astropy.units.Quantity`
-            The pointing stands as high while the shutter is open, degrees, without refraction.
+            Minimum altitude of the pointing while the shutter is open, degrees, without refraction.
         rotation, band, scale
             As for `assess`.
         blocking : {"any", "avoid", "limits"}
-            Every lit satellite blocks; or only those that break a limit of magnitude of the policy; or those brighter than a limit, however
-            improbable unless the policy says, and every lit one where no limit applies to the band.
+            ``any``: every lit satellite blocks. ``avoid``: only satellites that exceed a magnitude limit of the policy.
+            ``limits``:
+            satellites brighter than a limit at any probability (unless the policy sets a minimum), and every lit
+            satellite if no limit applies to the band.
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
-            The Sun stands no higher while the shutter is open, degrees; day and night where not said.
+            Maximum altitude of the Sun while the shutter is open, degrees; default: no limit.
         output : {"auto", "qtable", "dict"}
-            As for `flags`: starts as an astropy `Time`, or as ``datetime64[ns]``, UTC, which is several times faster.
+            As for `flags`: starts as an astropy `Time`, or as ``datetime64[ns]``, UTC (several times faster).
 
         Returns
         -------
@@ -219,7 +225,7 @@ class Questions(Sights):
         Warns
         -----
         StreakcastWarning
-            Satellites were left out because they have no position at that time, or the elements are old.
+            Satellites were omitted because their position cannot be computed at that time, or the element sets are old.
         """
         if blocking not in BLOCKING:
             raise ValueError(f"blocking '{blocking}'; allowed: {', '.join(BLOCKING)}")
@@ -230,17 +236,17 @@ class Questions(Sights):
         if np.any(span_s < 0.0):
             raise ValueError(f"end[{int(np.flatnonzero(np.ravel(span_s) < 0.0)[0])}] is before the start")
         length_s = scalar(exposure, "s", "exposure")
-        asked, bands, _ = self._question(target, start, span_s, rotation, band, scale)
-        skies, engine = self._open()
+        exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale)
+        sky_cache, engine = self._open()
         lowest = scalar(min_altitude, "deg", "min_altitude")
-        answer, told = engine.clear_windows(asked, bands, length_s, lowest, blocking, sun)
-        self._tell(skies, told)
-        first, last = answer["first_start"], answer["last_start"]
+        result, warnings = engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
+        self._warn_once(sky_cache, warnings)
+        first, last = result["first_start"], result["last_start"]
         length = (last[0] - first[0] + (last[1] - first[1])) * 86_400.0
-        if wants_qtable(output):
-            return ClearWindows(answer["target"], time_of(*first[:2]), time_of(*last[:2]), length)
+        if is_qtable(output):
+            return ClearWindows(result["target"], time_of(*first[:2]), time_of(*last[:2]), length)
         moments = [one[2].view("datetime64[ns]") for one in (first, last)]
-        return ClearWindows(answer["target"], moments[0], moments[1], length)
+        return ClearWindows(result["target"], moments[0], moments[1], length)
 
     def check_pointings(
         self,
@@ -251,14 +257,15 @@ class Questions(Sights):
         *,
         scale: Union[str, None] = None,
     ) -> tuple[FloatArray, npt.NDArray[np.int64]]:
-        """How much streak each pointing has, in the way that users of rubin_sim's satellite constellations know.
+        """Returns length and number of streaks per pointing; has the signature of rubin_sim's satellite constellations.
 
         Parameters
         ----------
         pointing_ras, pointing_decs : array, ``(n,)``
             Right ascension and declination of the pointings, ICRS, degrees.
         mjds : array, ``(n,)``
-            Start of each visit, MJD. The scale must be said, here or by the model's ``mjd_scale``; times of any other kind as well.
+            Start of each visit, MJD, or times of any other kind. Numbers need a scale, here or as the model's
+            ``mjd_scale``.
         visit_time : float or array
             Length of a visit, seconds.
         scale : {"utc", "tai", "tt"}, optional
@@ -267,14 +274,15 @@ class Questions(Sights):
         Returns
         -------
         lengths_deg : array, ``(n,)``
-            Length of all lit streaks in the field of each visit, degrees; 0 for pointings below the horizon, as there (`assess` says NaN).
+            Total length of the lit streaks in the field of each visit, degrees; 0 for pointings below the horizon, as
+            in rubin_sim (`assess` returns NaN).
         n_streaks : array, ``(n,)``
-            How many there are.
+            Number of lit streaks.
         """
         answer = self.assess((pointing_ras, pointing_decs), mjds, visit_time, scale=scale)
         return np.nan_to_num(np.atleast_1d(answer.streak_length_deg)), np.atleast_1d(answer.n_streaks)
 
-    def _question(
+    def _exposure_columns(
         self, target: Any, start: TimeLike, exposure: Numbers, rotation: Numbers, band: Any, scale: Union[str, None]
     ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
         ra, dec = directions(target)
@@ -286,18 +294,18 @@ class Questions(Sights):
             shape = np.broadcast_shapes(*(part.shape for part in parts))
         except ValueError:
             shapes = f"ra {ra.shape}, dec {dec.shape}, start {jd1.shape}, exposure {length.shape}, rotation {angle.shape}"
-            raise ValueError(f"shapes that do not fit together: {shapes}") from None
-        asked = {
+            raise ValueError(f"shapes cannot be broadcast together: {shapes}") from None
+        exposures = {
             name: np.ascontiguousarray(np.broadcast_to(part, shape).reshape(-1)) for name, part in zip(names, parts)
         }
         bands = [] if band is None else [band] if isinstance(band, str) else [str(one) for one in np.ravel(band)]
-        return asked, bands, shape
+        return exposures, bands, shape
 
 
-def _by_place(columns: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Exposures are called by their places in the question: numbers, not texts."""
+def _with_integer_ids(columns: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Returns the columns with the exposure ids as integers: flat indices of the exposures."""
     first = columns[0]
-    places = np.array([int(text) for text in first["values"]], dtype=np.int64)
-    description = "Place of the exposure in the question (flat, from 0)."
-    missing = np.zeros(len(places), dtype=bool)
-    return [{**first, "kind": "integer", "values": places, "missing": missing, "description": description}, *columns[1:]]
+    indices = np.array([int(text) for text in first["values"]], dtype=np.int64)
+    description = "Flat index of the exposure, from 0."
+    missing = np.zeros(len(indices), dtype=bool)
+    return [{**first, "kind": "integer", "values": indices, "missing": missing, "description": description}, *columns[1:]]

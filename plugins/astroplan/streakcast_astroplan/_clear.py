@@ -1,4 +1,7 @@
-"""What satellites do to exposures of one length, for many targets and starts at once. Times are UTC seconds of 1970."""
+"""Clear starts and lost pixels of exposures of one length, for many targets and starts.
+
+Times are UTC seconds since 1970.
+"""
 
 from __future__ import annotations
 
@@ -17,38 +20,40 @@ BoolArray = npt.NDArray[np.bool_]
 DAY_S = 86_400.0
 _UNIX_EPOCH_JD = 2_440_587.5
 _UNIX_EPOCH_MJD = 40_587.0
-#: A model answers for up to a day at once; a night is shorter, and has one set of elements.
+#: Longest time span of one call of the model, seconds (the model accepts a day); a night has one selection of element
+#: sets.
 CHUNK_S = 43_200.0
-#: Windows are told to the millisecond, and keep one or two from a satellite's entry.
+#: Tolerance at the ends of windows, seconds: windows are rounded to milliseconds and end 1 to 2 ms before a satellite
+#: enters.
 TICK_S = 2e-3
-#: The brightest limit that a policy takes; the Sun is fainter.
-NOTHING_IS_AS_BRIGHT_MAG = -30.0
-NO_TELESCOPE = "score 'pixels', but the model has no telescope that says how wide a streak is; give StreakModel(telescope=...), or score 'clear'"
+#: Brightest limit accepted by a policy; no satellite exceeds it.
+BRIGHTEST_LIMIT_MAG = -30.0
+NO_TELESCOPE = "score 'pixels' requires the width of streaks, but the model has no telescope; specify StreakModel(telescope=...), or score 'clear'"
 
 
 def unix_s(times: Time) -> FloatArray:
-    """Moments as UTC seconds of 1970, to a microsecond; leap seconds are not counted, as in Unix time.
+    """Converts times to UTC seconds since 1970, to a microsecond; leap seconds are not counted, as in Unix time.
 
     Raises
     ------
     ValueError
-        A masked moment.
+        A masked time.
     """
     if np.any(times.mask):
-        raise ValueError("a time is masked; allowed: moments")
+        raise ValueError("a time is masked; allowed: unmasked times")
     utc = times.utc
     return np.asarray((utc.jd1 - _UNIX_EPOCH_JD) * DAY_S + utc.jd2 * DAY_S, dtype=np.float64)
 
 
 def times_of(unix: Any) -> Time:
-    """The way back."""
+    """Converts UTC seconds since 1970 to times."""
     return Time(_UNIX_EPOCH_MJD, np.asarray(unix) / DAY_S, format="mjd", scale="utc")
 
 
 def icrs_deg(coordinates: SkyCoord) -> tuple[FloatArray, FloatArray]:
-    """Right ascension and declination, ICRS, degrees, in the shape of the coordinates.
+    """Returns right ascension and declination, ICRS, degrees, in the shape of the coordinates.
 
-    Distances are left away: seen from the Solar System's barycentre a near body would stand elsewhere than from the site.
+    Distances are ignored, because the barycentric direction of a near body differs from that seen at the site.
     """
     frame = coordinates.frame
     if frame.name != "icrs":
@@ -61,18 +66,18 @@ def icrs_deg(coordinates: SkyCoord) -> tuple[FloatArray, FloatArray]:
 def clear_on_grid(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
 ) -> BoolArray:
-    """Whether an exposure that begins then is clear: ``(n_targets, n_starts)``. False below the horizon.
+    """Whether exposures with these starts are clear: ``(n_targets, n_starts)``. False below the horizon.
 
-    One question a target and night, whatever the number of starts.
+    Calls the model once per target and night, independent of the number of starts.
 
     Parameters
     ----------
     model : StreakModel
-        What is asked.
+        The model.
     ra_deg, dec_deg : array, ``(n_targets,)``
         ICRS, degrees.
     starts_s : array, ``(n_starts,)``
-        Shutter openings, UTC seconds of 1970, rising.
+        Shutter openings, UTC seconds since 1970, ascending.
     length_s : float
         Length of each exposure, seconds.
     blocking : {"any", "avoid"}
@@ -92,7 +97,7 @@ def clear_on_grid(
 def clear_one_by_one(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
 ) -> BoolArray:
-    """The same for exposures that have nothing in common but their length: ``(n,)``, all arrays ``(n,)``."""
+    """Like `clear_on_grid` for independent exposures of one length: ``(n,)``, all arrays ``(n,)``."""
     clear = np.zeros(len(ra_deg), dtype=bool)
     clear[windows_of(model, ra_deg, dec_deg, starts_s, starts_s + length_s, length_s, blocking)[0]] = True
     return clear
@@ -101,14 +106,15 @@ def clear_one_by_one(
 def lost_on_grid(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float
 ) -> FloatArray:
-    """Share of the field's pixels that each exposure loses to lit satellites, [0, 1]: ``(n_targets, n_starts)``; arguments as above.
+    """Fraction of the field's pixels lost to lit satellites, [0, 1]: ``(n_targets, n_starts)``; arguments as above.
 
-    An exposure that sees only a part of a crossing loses that part of its streak; one below the horizon loses all.
+    If a crossing is only partly inside an exposure, that part of the streak counts; below the horizon all pixels are
+    lost.
 
     Raises
     ------
     ValueError
-        Where the model has no telescope, which alone knows how wide a streak is.
+        If the model has no telescope, which defines the width of streaks.
     """
     lost = np.zeros((len(ra_deg), len(starts_s)))
     for begin, end in _chunks(starts_s):
@@ -127,22 +133,22 @@ def lost_on_grid(
             seen_s = np.minimum(exit_s[row], starts + length_s) - np.maximum(enter_s[row], starts)
             part = seen_s / max(exit_s[row] - enter_s[row], TICK_S)
             lost[passes["exposure_id"][row], begin + first[row] : begin + last[row]] += pixels[row] * np.clip(part, 0.0, 1.0)
-    return np.where(_up_on_grid(model, ra_deg, dec_deg, starts_s, length_s), np.minimum(lost, 1.0), 1.0)
+    return np.where(_above_horizon(model, ra_deg, dec_deg, starts_s, length_s), np.minimum(lost, 1.0), 1.0)
 
 
-def _up_on_grid(model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> BoolArray:
-    """Whether an exposure that begins then stays above the horizon: what is clear where no satellite counts."""
-    blind = model.with_options(fov="1arcsec", field=None, policy={"limit_mag": NOTHING_IS_AS_BRIGHT_MAG}, limit_mag=None)
-    return clear_on_grid(blind, ra_deg, dec_deg, starts_s, length_s, "avoid")
+def _above_horizon(model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> BoolArray:
+    """Whether exposures stay above the horizon: clear starts of a model in which no satellite counts."""
+    unlimited = model.with_options(fov="1arcsec", field=None, policy={"limit_mag": BRIGHTEST_LIMIT_MAG}, limit_mag=None)
+    return clear_on_grid(unlimited, ra_deg, dec_deg, starts_s, length_s, "avoid")
 
 
-def refuse_without_telescope(model: StreakModel) -> None:
-    """Says at once that a model cannot tell lost pixels.
+def require_telescope(model: StreakModel) -> None:
+    """Raises an error if the model cannot compute lost pixels.
 
     Raises
     ------
     ValueError
-        Where neither its arguments nor a configuration file can have named a telescope.
+        If neither the arguments nor a configuration file can specify a telescope.
     """
     setup, config = json.loads(model.key())[:2]
     if config is None and "telescope" not in setup:
@@ -152,8 +158,8 @@ def refuse_without_telescope(model: StreakModel) -> None:
 def windows_of(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: Any, end_s: Any, length_s: float, blocking: str
 ) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
-    """Targets, first and last clear starts, ``(n_windows,)`` each."""
-    # MJD is good to a microsecond: without the tick the last start could fall off the end.
+    """Returns targets, first and last clear starts, ``(n_windows,)`` each."""
+    # MJD has a precision of a microsecond: without the tolerance the last start could be after the end.
     windows = model.clear_windows(
         (ra_deg, dec_deg), _mjd(start_s), _mjd(end_s + TICK_S), length_s, blocking=blocking, scale="utc", output="dict"
     )
@@ -161,7 +167,7 @@ def windows_of(
 
 
 def _chunks(starts_s: FloatArray) -> list[tuple[int, int]]:
-    """Places from and to, of stretches of half a day at most."""
+    """Index ranges of groups of starts that span at most half a day."""
     if len(starts_s) == 0:
         return []
     number = np.floor((starts_s - starts_s[0]) / CHUNK_S)

@@ -1,0 +1,118 @@
+"""Result types of `StreakModel`."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ._quantities import FloatArray
+
+#: The verdicts in the order of their codes.
+VERDICTS = np.array(["clear", "streaked", "avoid", "invalid"])
+
+
+class Site(NamedTuple):
+    """Location of an observer on the Earth."""
+
+    #: Name.
+    name: str
+    #: Geodetic latitude (WGS84), degrees, north positive.
+    latitude_deg: float
+    #: Longitude, degrees, east positive.
+    longitude_deg: float
+    #: Height above the ellipsoid, metres.
+    height_m: float
+
+
+class Assessment(NamedTuple):
+    """Effect of satellites on exposures: scalars for one exposure, arrays in the broadcast shape for many."""
+
+    #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded) or ``invalid`` (the pointing is below the
+    #: horizon).
+    verdict: Any
+    #: Whether a lit satellite crosses the field.
+    crosses: Any
+    #: Number of lit satellites that cross the field.
+    n_streaks: Any
+    #: Brightest magnitude of these satellites inside the field; NaN if there are none.
+    brightest_mag: Any
+    #: Expected fraction of the field's pixels lost, [0, 1], including near misses weighted by their probability; NaN
+    #: without a telescope.
+    lost_fraction: Any
+    #: Probability that at least one lit satellite crosses, given the errors of the element sets; NaN where invalid.
+    p_any: Any
+    #: Total length of the lit streaks in the field, degrees; NaN where invalid.
+    streak_length_deg: Any
+    #: Whether ``p_any`` and ``lost_fraction`` are lower limits: with old element sets, delays beyond 300 s are probable
+    #: but not searched.
+    p_any_is_lower_limit: Any = False
+
+    @property
+    def avoid(self) -> Any:
+        """Whether a limit of the policy is exceeded."""
+        return self.verdict == "avoid"
+
+    @property
+    def clear(self) -> Any:
+        """Whether no lit satellite crosses."""
+        return self.verdict == "clear"
+
+
+class ClearWindows(NamedTuple):
+    """Intervals of clear exposure starts, ordered by target and time; each field has the shape ``(n_windows,)``."""
+
+    #: Flat index of the target.
+    target: npt.NDArray[np.int64]
+    #: First clear start: `astropy.time.Time` if astropy is installed, otherwise ``datetime64[ns]``, UTC.
+    first_start: Any
+    #: Last clear start.
+    last_start: Any
+    #: Time from the first to the last start, seconds.
+    length_s: FloatArray
+
+
+class Overhead(NamedTuple):
+    """Satellites above a site: one row per satellite and time, ordered by both; ``(n_rows,)`` unless noted."""
+
+    #: Index of the time, from 0.
+    moment: npt.NDArray[np.int64]
+    #: NORAD catalogue number.
+    norad_id: npt.NDArray[np.int64]
+    #: Direction as a unit vector, ICRS, astrometric topocentric, ``(n_rows, 3)``.
+    direction: FloatArray
+    #: Distance, km. This and the following columns are computed at the middle row of each satellite and repeated in its
+    #: other rows.
+    range_km: FloatArray
+    #: Angular rate relative to the stars, degrees per second.
+    angular_rate_deg_s: FloatArray
+    #: Width of the pixels lost to its streak, arcseconds; NaN without a telescope.
+    lost_width_arcsec: FloatArray
+    #: Magnitude; NaN in the umbra, where the model predicts no light, and with ``light=False``.
+    magnitude: FloatArray
+
+
+class Forecast(NamedTuple):
+    """The visible passes of one or several nights."""
+
+    #: One row per pass, ordered by the start of visibility: ``night`` (row of ``nights``), rise, culmination and set,
+    #: shadow entry and exit, the visible part (``begin``, ``highest``, ``end`` and the reasons why it begins and ends),
+    #: peak magnitude with sigma, source, position and range, age of the element set, and ``samples`` if requested.
+    passes: Any
+    #: One row per night: hours of darkness, lowest Sun altitude, number of omitted passes by reason, and ``why_empty``.
+    nights: Any
+
+
+class Identification(NamedTuple):
+    """Candidate satellites for a measured streak."""
+
+    #: One row per candidate, most probable first: along-track and cross-track offsets with sigmas, angle, length, chi
+    #: square, probability, position, magnitude, age of the element set.
+    candidates: Any
+    #: The streak as parsed, one row.
+    streak: Any
+    #: Number of candidates, including those not listed.
+    n_candidates: int
+    #: Probability that the streak belongs to a satellite missing from the element sets.
+    unknown_probability: float

@@ -1,0 +1,77 @@
+"""Dispatched and deferred visits, shared by all copies of a queue manager.
+
+`SummitWrapper` requests a visit from a copy, discards the copy, and continues with the next one. It marks visits as
+taken by their numbers, in ascending order. A deferred visit is dispatched after one with a higher number, so the next
+copy would see it as available and not as deferred. Therefore copies share this state.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+#: Time after which a dispatched visit that was not completed is available again, days.
+EXPIRY_DAY = 10.0 / 1440.0
+#: Time after which deferrals are no longer counted, days; queues are never that old.
+DEFERRAL_EXPIRY_DAY = 0.25
+#: Number of entries above which expired ones are deleted; queues are shorter.
+MAX_ENTRIES = 1000
+
+#: Number, field and band; numbers are not unique if two copies have filled their queues.
+Key = tuple[int, float, float, str]
+
+
+class Owner:
+    """Identity of the copy that dispatched a visit; a new object in every copy."""
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Owner:
+        return Owner()
+
+
+class DispatchedVisits:
+    """Visits in progress and numbers of deferrals; a deep copy returns the same object."""
+
+    def __init__(self, deferred: dict[Key, tuple[int, float]] | None = None) -> None:
+        self._in_progress: dict[Key, tuple[Owner, float]] = {}
+        self._deferred: dict[Key, tuple[int, float]] = {} if deferred is None else deferred
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> DispatchedVisits:
+        return self
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # A pickle is used in another process, which has dispatched nothing; deferrals are kept.
+        return (DispatchedVisits, (dict(self._deferred),))
+
+    def add(self, visit: Any, owner: Owner, mjd: float) -> None:
+        """Records a dispatched visit."""
+        self._in_progress[key_of(visit)] = (owner, mjd)
+        if len(self._in_progress) > MAX_ENTRIES:
+            self._in_progress = {key: one for key, one in self._in_progress.items() if abs(mjd - one[1]) < EXPIRY_DAY}
+
+    def complete(self, visit: Any) -> None:
+        """Removes a completed visit."""
+        self._in_progress.pop(key_of(visit), None)
+
+    def defer(self, visit: Any, mjd: float) -> None:
+        """Counts a deferral of a visit."""
+        self._deferred[key_of(visit)] = (self.deferred(visit, mjd) + 1, mjd)
+        if len(self._deferred) > MAX_ENTRIES:
+            self._deferred = {key: one for key, one in self._deferred.items() if abs(mjd - one[1]) < DEFERRAL_EXPIRY_DAY}
+
+    def deferred(self, visit: Any, mjd: float) -> int:
+        """Returns the number of deferrals of a visit by all copies."""
+        count, last = self._deferred.get(key_of(visit), (0, mjd))
+        return count if abs(mjd - last) < DEFERRAL_EXPIRY_DAY else 0
+
+    def clear_deferrals(self, visit: Any) -> None:
+        """Deletes the deferrals of a visit that was taken."""
+        self._deferred.pop(key_of(visit), None)
+
+    def is_with_another(self, visit: Any, owner: Owner, mjd: float) -> bool:
+        """Whether another copy dispatched the visit recently."""
+        dispatched = self._in_progress.get(key_of(visit))
+        return dispatched is not None and dispatched[0] is not owner and abs(mjd - dispatched[1]) < EXPIRY_DAY
+
+
+def key_of(visit: Any) -> Key:
+    """Returns the key of a visit."""
+    return (int(visit["target_id"]), float(visit["RA"]), float(visit["dec"]), str(visit["band"]))
