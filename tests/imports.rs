@@ -69,7 +69,6 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("colorous", &["plot"]),
     ("base64", &["plot"]),
     ("pulp", &["math"]),
-    ("prefetch_index", &["images"]),
     ("statrs", &["fit"]),
     ("npyz", &["fit"]),
     ("zip", &["fit"]),

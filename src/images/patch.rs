@@ -2,31 +2,28 @@
 
 use std::ops::Range;
 
-use prefetch_index::prefetch_index;
-
 use super::light_area::LightArea;
 use super::pixel::PixelPosition;
 use super::plane::Plane;
-use crate::math::vectors::{NullaryFnOnce, widest};
 
-/// One row of a patch: neighbouring pixels and what is in them.
+/// Neighbouring pixels in one row of a patch.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PatchSpan<'a> {
     /// Row of the frame, counted from 0.
     pub row: usize,
     /// Column of the first pixel, counted from 0.
     pub first_column: usize,
-    /// What is in this pixel and those right of it.
+    /// Values of this pixel and of those right of it.
     pub values: &'a [f32],
 }
 
-/// Light on a part of a frame of `rows` by `columns`, one stretch of pixels in each row, all within the frame.
+/// Light on a part of a frame of `rows` by `columns`: one range of columns in each row, all within the frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
     rows: usize,
     columns: usize,
     first_row: usize,
-    /// Of each row from the first: its columns, and where its values begin.
+    /// Columns of each row from the first, and the index of its first value.
     spans: Vec<(Range<usize>, usize)>,
     values: Vec<f32>,
 }
@@ -42,19 +39,19 @@ impl Patch {
         self.columns
     }
 
-    /// True where no pixel is touched.
+    /// True if the patch has no pixels.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// How many pixels are touched.
+    /// Number of pixels.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
     /// Sum of all light on the frame.
     pub fn sum(&self) -> f64 {
-        // Eight sums side by side: one after the other would wait for each addition.
+        // Eight sums at a time: a single one would wait for each addition.
         let (blocks, rest) = self.values.as_chunks::<8>();
         let mut sums = [0.0; 8];
         for block in blocks {
@@ -65,7 +62,7 @@ impl Patch {
         sums.iter().sum::<f64>() + rest.iter().map(|value| f64::from(*value)).sum::<f64>()
     }
 
-    /// Mean place of the light, weighted by it; none where there is none.
+    /// Mean position weighted by the light, unless that is 0.
     pub fn centroid(&self) -> Option<PixelPosition> {
         let mut sums = [0.0; 3];
         for span in self.iter() {
@@ -77,7 +74,7 @@ impl Patch {
         (sums[0] != 0.0).then(|| PixelPosition { x: sums[1] / sums[0], y: sums[2] / sums[0] })
     }
 
-    /// All rows that have pixels, from the first.
+    /// Rows with pixels, from the first.
     pub fn iter(&self) -> impl Iterator<Item = PatchSpan<'_>> {
         self.spans.iter().enumerate().filter(|(_, (columns, _))| !columns.is_empty()).map(|(number, (columns, at))| {
             PatchSpan {
@@ -106,14 +103,13 @@ impl Patch {
     }
 
     /// Sets values row after row: `(row, first_column, values)`.
-    #[inline(always)]
     pub fn fill(&mut self, mut set: impl FnMut(usize, usize, &mut [f32])) {
         for (number, (columns, at)) in self.spans.iter().enumerate() {
             set(self.first_row + number, columns.start, &mut self.values[*at..*at + columns.len()]);
         }
     }
 
-    /// Pixels of one row within `columns`, which must lie within the patch; empty otherwise.
+    /// Pixels of one row within `columns`; empty unless all of them are in the patch.
     pub fn stretch_mut(&mut self, row: usize, columns: Range<usize>) -> &mut [f32] {
         let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
         let place = span.and_then(|(own, at)| {
@@ -128,12 +124,19 @@ impl Patch {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
 
-    /// Adds it to a plane; what lies outside of the plane is left out.
+    /// Adds the light to a plane; pixels outside of the plane are omitted.
     pub fn add_to(&self, plane: &mut Plane) {
-        widest(Addition { patch: self, plane });
+        for (row, (columns, at)) in (self.first_row..).zip(&self.spans) {
+            // Slices, not iterators that skip: many pixels at a time.
+            let values = &self.values[*at..*at + columns.len()];
+            let Some(pixels) = plane.row_mut(row).get_mut(columns.start..) else { continue };
+            for (pixel, value) in pixels.iter_mut().zip(values) {
+                *pixel += value;
+            }
+        }
     }
 
-    /// The light in pixels of `x` columns by `y` rows of this one's, whose frame has whole numbers of them.
+    /// Sums `x` columns by `y` rows into one pixel; the frame has a whole number of these.
     pub fn summed(&self, x: usize, y: usize) -> Self {
         let mut extents = PatchRows::new(self.rows / y, self.columns / x);
         for span in self.iter() {
@@ -152,7 +155,7 @@ impl Patch {
         summed
     }
 
-    /// The light on an area of the frame alone.
+    /// Part of the patch within an area of the frame.
     pub fn within(self, area: &LightArea) -> Self {
         if *area == LightArea::whole(self.rows, self.columns) {
             return self;
@@ -196,40 +199,7 @@ impl Patch {
     }
 }
 
-/// Rows that are asked of memory before they are needed: they lie far apart there, and nothing else foresees them.
-const ROWS_AHEAD: usize = 2;
-/// Pixels that come from memory together.
-const LINE_PIXELS: usize = 64 / size_of::<f32>();
-
-/// A patch and what it is added to.
-struct Addition<'a> {
-    patch: &'a Patch,
-    plane: &'a mut Plane,
-}
-
-impl NullaryFnOnce for Addition<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        for (number, (columns, at)) in self.patch.spans.iter().enumerate() {
-            if let Some((columns, _)) = self.patch.spans.get(number + ROWS_AHEAD) {
-                let row = self.plane.row(self.patch.first_row + number + ROWS_AHEAD);
-                columns.clone().step_by(LINE_PIXELS).for_each(|column| prefetch_index(row, column));
-            }
-            // Slices, not iterators that skip: many pixels at a time.
-            let values = &self.patch.values[*at..*at + columns.len()];
-            let Some(row) = self.plane.row_mut(self.patch.first_row + number).get_mut(columns.start..) else {
-                continue;
-            };
-            for (pixel, value) in row.iter_mut().zip(values) {
-                *pixel += value;
-            }
-        }
-    }
-}
-
-/// The pixels that a patch will have, before there is light in them: one stretch a row, within the frame.
+/// Builder of a patch: a range of columns in each row, within the frame.
 #[derive(Clone, Debug)]
 pub struct PatchRows {
     rows: usize,
@@ -239,7 +209,7 @@ pub struct PatchRows {
 }
 
 impl PatchRows {
-    /// None yet, in a frame of `rows` by `columns`.
+    /// Returns an empty one for a frame of `rows` by `columns`.
     pub fn new(rows: usize, columns: usize) -> Self {
         Self { rows, columns, first_row: 0, extents: Vec::new() }
     }
@@ -254,17 +224,7 @@ impl PatchRows {
         self.columns
     }
 
-    /// Pixel columns of the frame whose centres lie from `least` to `greatest`.
-    pub fn columns_within(&self, least: f64, greatest: f64) -> Range<usize> {
-        whole_within(least, greatest, self.columns)
-    }
-
-    /// Pixel rows of the frame whose centres lie from `least` to `greatest`.
-    pub fn rows_within(&self, least: f64, greatest: f64) -> Range<usize> {
-        whole_within(least, greatest, self.rows)
-    }
-
-    /// Adds columns of one row, and all between them and those that the row already has.
+    /// Adds columns of one row, and all between them and those already added.
     pub fn add(&mut self, row: usize, columns: Range<usize>) {
         if columns.is_empty() || row >= self.rows || columns.end > self.columns {
             return;
@@ -285,16 +245,7 @@ impl PatchRows {
         *own = if own.start >= own.end { columns } else { own.start.min(columns.start)..own.end.max(columns.end) };
     }
 
-    /// Adds all pixels whose centres lie within a distance of a place.
-    pub fn add_disc(&mut self, at: PixelPosition, radius_pix: f64) {
-        for row in self.rows_within(at.y - radius_pix, at.y + radius_pix) {
-            let dy = row as f64 - at.y;
-            let half = (radius_pix * radius_pix - dy * dy).max(0.0).sqrt();
-            self.add(row, self.columns_within(at.x - half, at.x + half));
-        }
-    }
-
-    /// The patch, dark.
+    /// Returns the patch, filled with zeros.
     pub fn into_patch(self) -> Patch {
         let mut total = 0;
         let spans = self.extents.into_iter().map(|columns| {
@@ -303,23 +254,11 @@ impl PatchRows {
             (columns, at)
         });
         let spans: Vec<_> = spans.collect();
-        // Written, not asked for as zeros: such memory costs a fault when it is first read and another, felt by all threads, when it is then written.
+        // Written, not allocated as zeroed pages: these cost a fault at the first read and another at the first write.
         let mut values = Vec::with_capacity(total);
         values.resize(total, 0.0);
         Patch { rows: self.rows, columns: self.columns, first_row: self.first_row, spans, values }
     }
-}
-
-/// Whole numbers from `least` to `greatest` among those below `count`; a bound that is not a number is 0 below and none above.
-fn whole_within(least: f64, greatest: f64, count: usize) -> Range<usize> {
-    // In 32 bits: a conversion to 64 and back costs many times as much. A cast cuts what is behind the point: many machines are not trusted to have an
-    // instruction that rounds upwards.
-    let count = i32::try_from(count).unwrap_or(i32::MAX);
-    let least = least.max(0.0).min(f64::from(count));
-    let cut = least as i32;
-    let start = cut + i32::from(f64::from(cut) < least);
-    let end = if greatest >= 0.0 { (greatest.min(f64::from(count)) as i32).saturating_add(1).min(count) } else { 0 };
-    start as usize..end as usize
 }
 
 #[cfg(test)]
@@ -328,7 +267,7 @@ mod tests {
 
     #[test]
     fn verif_light_within_an_area_is_the_same_there_and_none_elsewhere() {
-        // A way that bows out of the area and back.
+        // A path that leaves the area and returns.
         let mut extents = PatchRows::new(8, 20);
         [(2, 6..9), (3, 2..4), (4, 3..9), (6, 0..20)].into_iter().for_each(|(row, columns)| extents.add(row, columns));
         let mut patch = extents.into_patch();

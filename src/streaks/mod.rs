@@ -41,8 +41,9 @@ pub use light::{
     satellites,
 };
 pub use optics::{Optics, OpticsError, SeeingForm};
-pub use psf::{Blur, BlurError, EdgeTable, Lanes, Lattice, Parts, ProfileTables, RadialProfile, Seeing, draw_point};
-pub use render::{PathError, PathNode, StreakPath, draw, draw_summed};
+pub use psf::{Blur, BlurError, RadialProfile, Seeing, draw_point};
+pub(crate) use psf::{PointLight, draw_points};
+pub use render::{PathError, PathNode, StreakPath, draw};
 pub use tracking::Tracking;
 pub use truth::{
     MaskError, MaskPlanes, MaskPreset, MaskSpan, TruthRow, changed_spans, mask_spans, noise_of, points_table,

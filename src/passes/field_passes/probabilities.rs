@@ -15,6 +15,8 @@
 //! revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit the passes and near
 //! misses of [`Sky::field_passes`] are summed.
 
+use std::cell::OnceCell;
+
 use super::super::candidates::PlacedCone;
 use super::super::crossing::{Crossing, cross};
 use super::super::error::SkyError;
@@ -33,8 +35,8 @@ use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
 
 /// Length of a piece of an exposure, seconds: the site moves by 5 km at most in it, a share of a field of degrees.
 const PIECE_S: f64 = 10.0;
-/// Pieces that are searched together.
-const SEARCHED_PIECES: usize = 6;
+/// Pieces are searched together over this time, seconds.
+const SEARCHED_S: f64 = 60.0;
 /// Below this error along the track the exposure is not cut into pieces, seconds.
 const ON_TIME_S: f64 = 3.0;
 /// Steps along a path in the search for light.
@@ -149,20 +151,21 @@ impl ExposedField<'_> {
     /// All satellites that may be in the exposure. `seen` is a buffer.
     fn probabilities(&self, observer: &Observer, seen: &mut Vec<Candidate>) -> Vec<CrossingProbability> {
         // From the opening on, so that a longer exposure begins with the same pieces.
-        let count = (self.exposure.duration_s / PIECE_S).ceil().max(1.0) as u32;
-        let pieces: Vec<Piece> = (0..count)
-            .map(|number| {
-                let start_s = self.opened_s + PIECE_S * f64::from(number);
-                self.piece(observer, start_s, self.closed_s.min(start_s + PIECE_S), number > 0)
-            })
-            .collect();
-        let searched: Vec<(&[Piece], Piece)> = pieces
-            .chunks(SEARCHED_PIECES)
-            .map(|part| (part, self.piece(observer, part[0].start_s, part[part.len() - 1].end_s, false)))
-            .collect();
+        let cut = |start_s: f64, end_s: f64, length_s: f64| -> Vec<Piece> {
+            let count = ((end_s - start_s) / length_s).ceil().max(1.0) as u32;
+            (0..count)
+                .map(|number| {
+                    let from_s = start_s + length_s * f64::from(number);
+                    self.piece(observer, from_s, end_s.min(from_s + length_s), from_s > self.opened_s)
+                })
+                .collect()
+        };
+        let parts = cut(self.opened_s, self.closed_s, SEARCHED_S);
+        // Only late satellites need the pieces.
+        let pieces: Vec<OnceCell<Vec<Piece>>> = parts.iter().map(|_| OnceCell::new()).collect();
         let shadow = self.sky.dark_cone(self.scene, self.exposure);
         seen.clear();
-        for (first, (_, part)) in (0..).zip(&searched) {
+        for (first, part) in (0..).zip(&parts) {
             let times_s = (part.mid_s(), 0.5 * (part.end_s - part.start_s));
             let near = (&part.site, &part.orientation);
             let Some(PlacedCone { window, cone, teme_to_gcrs }) =
@@ -182,7 +185,7 @@ impl ExposedField<'_> {
             let element_index = candidates[0].element_index as usize;
             let sigma = self.sky.uncertainty_at(element_index, mid);
             let near_s = |candidate: &Candidate| {
-                let mid_s = searched[candidate.cone as usize].1.mid_s();
+                let mid_s = parts[candidate.cone as usize].mid_s();
                 candidate.near_s.map(|time_s| mid_s + f64::from(time_s))
             };
             if sigma.along_track_s < ON_TIME_S {
@@ -191,7 +194,9 @@ impl ExposedField<'_> {
                 return self.probability_in(std::slice::from_ref(&whole), observer, element_index, all_s?, sigma);
             }
             let of_parts = candidates.iter().filter_map(|one| {
-                self.probability_in(searched[one.cone as usize].0, observer, element_index, near_s(one), sigma)
+                let part = one.cone as usize;
+                let pieces = pieces[part].get_or_init(|| cut(parts[part].start_s, parts[part].end_s, PIECE_S));
+                self.probability_in(pieces, observer, element_index, near_s(one), sigma)
             });
             of_parts.reduce(CrossingProbability::plus)
         };

@@ -1,10 +1,12 @@
-//! Frames on file: `target_frame` (one that streaks are to be put into), `synthetic` (one made from nothing) with `star_trails`, `write` (a copy with streaks in it).
+//! Frames in files: `target_frame` (a frame to receive streaks), `synthetic` (a simulated frame, its exposure in `synthetic_shot`) with `star_trails`, `write` (a copy with streaks).
 
 mod star_trails;
 mod synthetic;
+mod synthetic_shot;
 mod target_frame;
 mod write;
 
-pub use synthetic::{StarField, SyntheticError, SyntheticFrame, SyntheticShot};
+pub use synthetic::{StarField, SyntheticFrame};
+pub use synthetic_shot::{SyntheticError, SyntheticShot};
 pub use target_frame::{FrameOverrides, TargetChip, TargetError, TargetFrame};
 pub use write::{InjectError, InjectOptions, Injected, inject};

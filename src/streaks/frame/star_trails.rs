@@ -6,7 +6,7 @@ use super::super::chip::Chip;
 use super::super::light::{SkyPoint, SkyTrack};
 use super::super::render::draw;
 use super::super::tracking::Tracking;
-use super::synthetic::{SyntheticError, SyntheticShot};
+use super::synthetic_shot::{SyntheticError, SyntheticShot};
 use crate::frames::{Direction, Gcrs};
 use crate::images::{Patch, PixelPosition, Plane};
 use crate::streaks::{BRIGHTEST_E, BackgroundError, RadialProfile, RandomStars, Star};

@@ -2,23 +2,20 @@
 
 use std::path::Path;
 
-use hifitime::{Epoch, TimeScale};
+use hifitime::TimeScale;
 use serde::Deserialize;
-use thiserror::Error;
 
 use super::super::chip::Chip;
 use super::super::count_scale::{CountScale, CountScaleError};
-use super::super::optics::{Optics, OpticsError};
-use super::super::render::PathError;
 use super::super::tracking::Tracking;
 use super::star_trails::{SkyStar, add_trails, draw_stars};
-use crate::frames::{Direction, Gcrs, mjd_utc};
+use super::synthetic_shot::{SyntheticError, SyntheticShot};
+use crate::frames::{Direction, mjd_utc};
 use crate::images::{
-    Card, CardValue, Detector, DetectorError, FrameError, ImageValues, LightArea, NewImage, Pixels, Plane, Rice, Wcs,
-    WcsError, write_frame,
+    Card, CardValue, Detector, ImageValues, LightArea, NewImage, Pixels, Plane, Rice, Wcs, write_frame,
 };
 use crate::output::format_utc;
-use crate::streaks::{BackgroundError, Blur, BlurError, RadialProfile, RandomStars, Star, background, flux_e};
+use crate::streaks::{Blur, RadialProfile, RandomStars, Star, background, flux_e};
 
 /// A synthetic frame, as a TOML file describes it.
 ///
@@ -78,80 +75,6 @@ pub struct StarField {
     pub brightest_mag: f64,
     /// No star is fainter, mag.
     pub faintest_mag: f64,
-}
-
-/// When, where to and through what it is taken.
-#[derive(Copy, Clone, Debug)]
-pub struct SyntheticShot<'a> {
-    /// When the shutter opened.
-    pub opened: Epoch,
-    /// For how long, seconds.
-    pub exposure_s: f64,
-    /// The frame's centre.
-    pub centre: Direction<Gcrs>,
-    /// What the telescope follows; stars trail where it is not they.
-    pub tracking: Tracking,
-    /// Air and telescope.
-    pub optics: &'a Optics,
-    /// Filter, for the header.
-    pub filter: &'a str,
-    /// The same seed gives the same stars and the same noise.
-    pub seed: u64,
-}
-
-/// Why there is no frame.
-#[derive(Debug, Error)]
-pub enum SyntheticError {
-    /// Not TOML, a key missing, unknown or of the wrong type.
-    #[error("synthetic frame {origin}: {message}")]
-    Toml {
-        /// The file.
-        origin: String,
-        /// What and where.
-        message: String,
-    },
-    /// A number outside what is allowed.
-    #[error("synthetic frame: {key} is {given} (allowed: {allowed})")]
-    OutOfRange {
-        /// The key.
-        key: &'static str,
-        /// As given.
-        given: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// A list of stars that cannot be read.
-    #[error("star list {path}: {problem} (allowed: CSV with ra_deg, dec_deg, magnitude)")]
-    StarList {
-        /// The file.
-        path: String,
-        /// What is wrong, with the line.
-        problem: String,
-    },
-    /// Its place on the sky.
-    #[error("synthetic frame: {0}")]
-    Wcs(#[from] WcsError),
-    /// Its stars' images.
-    #[error("synthetic frame: {0}")]
-    Optics(#[from] OpticsError),
-    /// The same.
-    #[error("synthetic frame: {0}")]
-    Blur(#[from] BlurError),
-    /// The ways of its stars.
-    #[error("synthetic frame: {0}")]
-    Path(#[from] PathError),
-    /// Its exposure.
-    #[error("synthetic frame: {0}")]
-    Scale(#[from] CountScaleError),
-    /// Its sky or stars.
-    #[error(transparent)]
-    Background(#[from] BackgroundError),
-    /// Its detector.
-    #[error("synthetic frame: {0}")]
-    Detector(#[from] DetectorError),
-    /// The file.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
 }
 
 impl SyntheticFrame {

@@ -1,69 +1,21 @@
-//! Seeing, defocus and size: what together spreads a point's light.
+//! Blur of a point: seeing, defocus, and the size of the body.
 
 use serde::Deserialize;
-use thiserror::Error;
 
+use super::error::BlurError;
 use super::seeing::Seeing;
 
-/// Radii of defocus and size above this are not drawn, pixels.
-pub(super) const GREATEST_RADIUS_PIX: f64 = 200.0;
-/// Profiles that reach farther are refused, pixels.
-pub(super) const GREATEST_REACH_PIX: f64 = 4000.0;
+/// Greatest radius of defocus and of the body, pixels.
+const GREATEST_RADIUS_PIX: f64 = 200.0;
 
-/// Why a profile cannot be made.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum BlurError {
-    /// A number outside its range, or not finite.
-    #[error("{name} is {given}, allowed is {least} to {greatest}")]
-    OutOfRange {
-        /// The field.
-        name: &'static str,
-        /// As given.
-        given: f64,
-        /// Least allowed value.
-        least: f64,
-        /// Greatest allowed value.
-        greatest: f64,
-    },
-    /// A ring without an area.
-    #[error(
-        "the hole in the pupil's image has a radius of {inner_pix} pixels, the image one of {outer_pix}: the hole must be smaller (at most 0.99)"
-    )]
-    Hole {
-        /// Radius of the hole.
-        inner_pix: f64,
-        /// Radius of the image.
-        outer_pix: f64,
-    },
-    /// Wings too far out.
-    #[error(
-        "all but 1e-4 of the light reaches {reach_pix:.0} pixels from its centre, allowed are {GREATEST_REACH_PIX}"
-    )]
-    Reach {
-        /// As found.
-        reach_pix: f64,
-    },
-}
-
-impl BlurError {
-    /// Holds a number to its range.
-    pub(super) fn hold(name: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
-        if (least..=greatest).contains(&given) {
-            return Ok(());
-        }
-        Err(Self::OutOfRange { name, given, least, greatest })
-    }
-}
-
-/// What spreads a point's light: seeing, convolved with the ring that is the pupil's image out of focus, convolved with a uniform disk for
-/// the size of the body itself.
+/// Seeing, convolved with the ring that is the image of the pupil out of focus, convolved with a uniform disk for the body.
 ///
-/// At range d a telescope focused on the stars, of outer and inner radius r_o and r_i, sees a ring of angular radii r_o/d and r_i/d
+/// Through a telescope focused on the stars, of outer and inner radius r_o and r_i, a point at range d is a ring of angular radii r_o/d and r_i/d
 /// (Tyson et al. 2020, AJ 160, 226, section 4.2; Ragazzoni 2020, PASP 132, 114502).
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Blur {
-    /// Of the air.
+    /// Profile of a star's image.
     pub seeing: Seeing,
     /// Outer radius of the ring, \[0, 200\] pixels; 0 in focus.
     #[serde(default)]
@@ -71,27 +23,19 @@ pub struct Blur {
     /// Inner radius of the ring, pixels, at most 0.99 of the outer one.
     #[serde(default)]
     pub inner_radius_pix: f64,
-    /// Radius of the body, seen as a uniform disk, \[0, 200\] pixels; 0 for a point.
+    /// Radius of the body, a uniform disk, \[0, 200\] pixels; 0 for a point.
     #[serde(default)]
     pub body_radius_pix: f64,
 }
 
 impl Blur {
-    /// Seeing alone: a star, or anything far away.
+    /// Seeing alone: a star.
     pub fn seeing(seeing: Seeing) -> Self {
         Self { seeing, outer_radius_pix: 0.0, inner_radius_pix: 0.0, body_radius_pix: 0.0 }
     }
 
-    /// The same in parts of a pixel, so many a side.
-    pub(super) fn magnified(&self, parts: f64) -> Self {
-        Self {
-            seeing: self.seeing.magnified(parts),
-            outer_radius_pix: parts * self.outer_radius_pix,
-            inner_radius_pix: parts * self.inner_radius_pix,
-            body_radius_pix: parts * self.body_radius_pix,
-        }
-    }
-
+    /// Rejects numbers outside their ranges.
+    ///
     /// # Errors
     /// As in [`BlurError`].
     pub(super) fn validate(&self) -> Result<(), BlurError> {

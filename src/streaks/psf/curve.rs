@@ -1,40 +1,40 @@
-//! A function of a radius, by its values at nodes.
+//! Tables of functions of a radius: dense in the core of a profile, sparse in its wings.
 
-use super::radii::Radii;
+/// Nodes in σ of the seeing (a Gaussian's, of the same full width) at the centre, and e-folds of the radius between nodes at the end.
+const NODES_PER_SIGMA: f64 = 48.0;
+const END_STEP: f64 = 0.1;
 
-/// Values at the nodes of [`Radii`], cubic in between, 0 beyond the last.
+/// Values at equal steps of t = r / (r + core), cubic in between, 0 beyond the end.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
-    radii: Radii,
+    core_pix: f64,
+    end_pix: f64,
+    /// Number of steps that t = 1, an infinite radius, would be.
+    scale: f64,
     values: Vec<f64>,
 }
 
 impl Curve {
-    /// From a function of the radius in pixels.
-    pub fn of(radii: Radii, function: impl FnMut(f64) -> f64) -> Self {
-        Self { radii, values: (0..=radii.intervals()).map(|node| radii.radius(node)).map(function).collect() }
+    /// Tabulates a function of the radius in pixels that has edges as wide as seeing of `fwhm_pix` up to about `core_pix`, and is smooth beyond.
+    pub fn of(core_pix: f64, end_pix: f64, fwhm_pix: f64, function: impl FnMut(f64) -> f64) -> Self {
+        let intervals = (NODES_PER_SIGMA * core_pix / (0.425 * fwhm_pix)).max(end_pix / (END_STEP * core_pix));
+        let intervals = intervals.ceil().clamp(256.0, 8192.0) as usize;
+        let scale = intervals as f64 * (end_pix + core_pix) / end_pix;
+        let radius = |node: usize| core_pix * node as f64 / (scale - node as f64);
+        Self { core_pix, end_pix, scale, values: (0..=intervals).map(radius).map(function).collect() }
     }
 
-    /// From one value a node.
-    pub fn from_values(radii: Radii, values: Vec<f64>) -> Self {
-        Self { radii, values }
+    /// Radius of the last node, pixels.
+    pub fn end_pix(&self) -> f64 {
+        self.end_pix
     }
 
-    pub fn radii(&self) -> Radii {
-        self.radii
+    /// Greatest value at a node.
+    pub fn greatest(&self) -> f64 {
+        self.values.iter().copied().fold(0.0, f64::max)
     }
 
-    pub fn values(&self) -> &[f64] {
-        &self.values
-    }
-
-    /// Weighted sum of curves over the same radii.
-    pub fn sum(parts: &[(f64, &Self)]) -> Self {
-        let radii = parts[0].1.radii;
-        let value = |node: usize| parts.iter().map(|(weight, curve)| weight * curve.values[node]).sum();
-        Self { radii, values: (0..=radii.intervals()).map(value).collect() }
-    }
-
+    /// Multiplies all values.
     pub fn scale(&mut self, factor: f64) {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
@@ -42,42 +42,16 @@ impl Curve {
     /// Value at a radius of at least 0, pixels.
     #[inline]
     pub fn at(&self, r_pix: f64) -> f64 {
-        if r_pix > self.radii.end_pix() {
+        const SIXTH: f64 = 1.0 / 6.0;
+        if r_pix > self.end_pix {
             return 0.0;
         }
-        let place = self.radii.place(r_pix);
-        let first = (place as usize).clamp(1, self.radii.intervals() - 2) - 1;
-        let weights = cubic(place - first as f64);
-        let [a, b, c, d] = self.values[first..first + 4] else { return 0.0 };
-        weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d
+        let place = r_pix / (r_pix + self.core_pix) * self.scale;
+        let first = (place as usize).clamp(1, self.values.len() - 3) - 1;
+        let [p, q, r, s] = self.values[first..first + 4] else { return 0.0 };
+        // Lagrange's weights of the nodes 0, 1, 2, 3.
+        let a = place - first as f64;
+        let (b, c, d) = (a - 1.0, a - 2.0, a - 3.0);
+        -SIXTH * b * c * d * p + 0.5 * a * c * d * q - 0.5 * a * b * d * r + SIXTH * a * b * c * s
     }
-
-    /// Values at `PER` times as many nodes, single precision, `(intervals * PER + 1)`.
-    pub fn finer<const PER: usize>(&self) -> Vec<f32> {
-        let intervals = self.radii.intervals();
-        // Of each of four nodes at all parts of the interval before the second of them, between this and the third, and after that.
-        let weights: [[[f64; PER]; 4]; 3] = std::array::from_fn(|before| {
-            let at: [[f64; 4]; PER] = std::array::from_fn(|part| cubic(before as f64 + part as f64 / PER as f64));
-            std::array::from_fn(|node| at.map(|weights| weights[node]))
-        });
-        let mut fine = Vec::with_capacity(intervals * PER + 1);
-        for interval in 0..intervals {
-            let first = interval.clamp(1, intervals - 2) - 1;
-            let near = &self.values[first..first + 4];
-            let [a, b, c, d] = &weights[interval - first];
-            let value = |part: usize| a[part] * near[0] + b[part] * near[1] + c[part] * near[2] + d[part] * near[3];
-            let values: [f32; PER] = std::array::from_fn(|part| value(part) as f32);
-            fine.extend_from_slice(&values);
-        }
-        fine.push(self.values[intervals] as f32);
-        fine
-    }
-}
-
-/// Lagrange's weights of the nodes 0, 1, 2, 3.
-#[inline]
-pub(super) fn cubic(x: f64) -> [f64; 4] {
-    const SIXTH: f64 = 1.0 / 6.0;
-    let (a, b, c, d) = (x, x - 1.0, x - 2.0, x - 3.0);
-    [-SIXTH * b * c * d, 0.5 * a * c * d, -0.5 * a * b * d, SIXTH * a * b * c]
 }

@@ -1,16 +1,16 @@
-//! What the air makes of a point: a Gaussian, a Moffat profile, or two Gaussians.
+//! Seeing: a Gaussian, a Moffat profile, or two Gaussians.
 
 use std::f64::consts::{LN_2, PI};
 
 use serde::Deserialize;
 
-use super::blur::BlurError;
+use super::error::BlurError;
 
-/// Narrowest profile that is allowed, full width at half maximum, pixels. Drawing takes time with the inverse square of it, and a tenth of a pixel is as good as a
-/// point: what a narrower one would move from pixel to pixel lies within a tenth of a pixel from their borders.
+/// Least full width at half maximum, pixels. Drawing time grows with its inverse square, and the light of a narrower profile
+/// changes only within a tenth of a pixel from the borders of pixels.
 const LEAST_FWHM_PIX: f64 = 0.1;
 const GREATEST_FWHM_PIX: f64 = 100.0;
-/// Below 2 a Moffat profile has a hundredth of its light beyond 50 widths, where no camera has measured it.
+/// Below 2 a Moffat profile has a hundredth of its light beyond 50 widths, far outside what was measured.
 const LEAST_BETA: f64 = 2.0;
 const GREATEST_BETA: f64 = 100.0;
 
@@ -27,7 +27,7 @@ pub enum Seeing {
     Moffat {
         /// Width, \[0.1, 100\] pixels.
         fwhm_pix: f64,
-        /// Steepness of the wings, \[2, 100\]; 4.765 is turbulence (Trujillo et al. 2001), telescopes have 2.5 to 4.
+        /// Steepness of the wings, \[2, 100\]; 4.765 for turbulence (Trujillo et al. 2001), 2.5 to 4 at telescopes.
         beta: f64,
     },
     /// A narrow and a wide Gaussian about the same centre.
@@ -36,7 +36,7 @@ pub enum Seeing {
         fwhm_pix: f64,
         /// Width of the wide one, from that of the narrow one to 100 pixels.
         wide_fwhm_pix: f64,
-        /// What the wide one has of the flux, \[0, 1\].
+        /// Share of the wide one in the flux, \[0, 1\].
         wide_share: f64,
     },
 }
@@ -51,19 +51,8 @@ impl Seeing {
         }
     }
 
-    /// The same in parts of a pixel, so many a side.
-    pub(super) fn magnified(&self, parts: f64) -> Self {
-        let mut finer = *self;
-        match &mut finer {
-            Self::Gaussian { fwhm_pix } | Self::Moffat { fwhm_pix, .. } => *fwhm_pix *= parts,
-            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, .. } => {
-                *fwhm_pix *= parts;
-                *wide_fwhm_pix *= parts;
-            }
-        }
-        finer
-    }
-
+    /// Rejects widths and shares outside their ranges.
+    ///
     /// # Errors
     /// [`BlurError::OutOfRange`] for a number outside its range or not finite.
     pub(super) fn validate(&self) -> Result<(), BlurError> {
@@ -93,7 +82,7 @@ impl Seeing {
         }
     }
 
-    /// Share of the flux that lies beyond a radius.
+    /// Share of the flux beyond a radius.
     pub(super) fn beyond(&self, r_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp();
         match *self {
@@ -105,7 +94,7 @@ impl Seeing {
         }
     }
 
-    /// Brightness of a long line at a distance from it, in a unit of its own.
+    /// Brightness of a long line at a distance from it, in an arbitrary unit.
     pub(super) fn line(&self, v_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (v_pix / sigma).powi(2)).exp() / sigma;
         match *self {
@@ -117,7 +106,7 @@ impl Seeing {
         }
     }
 
-    /// The radius from which on something is true, pixels.
+    /// Radius beyond which a condition is true, pixels.
     pub(super) fn radius_where(&self, is_true: impl Fn(f64) -> bool) -> f64 {
         let mut bounds = [0.0, self.narrowest_fwhm_pix()];
         while !is_true(bounds[1]) {
@@ -128,26 +117,6 @@ impl Seeing {
             bounds[usize::from(is_true(middle))] = middle;
         }
         bounds[1]
-    }
-
-    /// Longest stretch that eight nodes of Gauss's rule sum at any distance from it, pixels: good to 3·10⁻⁶ of the peak. A Moffat profile of the same width is
-    /// narrower in its middle.
-    pub(super) fn panel_pix(&self) -> f64 {
-        match *self {
-            Self::Gaussian { fwhm_pix } | Self::DoubleGaussian { fwhm_pix, .. } => 2.0 * fwhm_pix,
-            Self::Moffat { fwhm_pix, .. } => 1.5 * fwhm_pix,
-        }
-    }
-
-    /// The same of what passes at least half as far away.
-    ///
-    /// The wings of a Moffat profile become smoother with distance; a Gaussian stays what it is.
-    pub(super) fn longest_panel_pix(&self) -> f64 {
-        match *self {
-            Self::Gaussian { .. } => self.panel_pix(),
-            Self::Moffat { .. } => f64::INFINITY,
-            Self::DoubleGaussian { wide_fwhm_pix, .. } => 1.5 * wide_fwhm_pix,
-        }
     }
 }
 

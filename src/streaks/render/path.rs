@@ -1,83 +1,82 @@
-//! The track of a light over a frame: where it is, and how bright, while the shutter is open.
+//! Path of a light over a frame: position and brightness during the exposure.
 
 use thiserror::Error;
 
 use crate::images::PixelPosition;
 use crate::math::quadrature::gauss_legendre;
-use crate::streaks::Parts;
 
 use super::spline::{Cubic, held_slopes, smooth_slopes};
 
-/// Places farther out than this are refused, pixels: there is no frame of such a size.
+/// Greatest coordinate, pixels: no frame has such a size.
 const FARTHEST_PIX: f64 = 1e9;
 
-/// Nodes follow one another by at least so much, seconds.
+/// Least time between nodes, seconds.
 const LEAST_STEP_S: f64 = 1e-9;
 
-/// Why nodes do not make a path.
+/// Errors in the nodes of a path.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PathError {
-    /// Fewer than two.
+    /// Fewer than two nodes.
     #[error("a path needs at least 2 nodes, {given} given")]
     TooFew {
-        /// How many there are.
+        /// Number of nodes.
         given: usize,
     },
-    /// Time does not go on.
+    /// Times that do not increase.
     #[error("node {node} is at {time_s} s, not after the one before it at {before_s} s (by at least {LEAST_STEP_S} s)")]
     Order {
-        /// Its number, from 0.
+        /// Number of the node, from 0.
         node: usize,
-        /// Its time.
+        /// Time of the node.
         time_s: f64,
-        /// That of the one before.
+        /// Time of the node before.
         before_s: f64,
     },
-    /// A number that is not finite, or a place too far from any frame.
+    /// A number that is not finite, or a position too far from any frame.
     #[error("node {node}: {name} is {given}, allowed are finite numbers (places within 1e9 pixels)")]
     NotFinite {
-        /// Its number, from 0.
+        /// Number of the node, from 0.
         node: usize,
-        /// The field.
+        /// Name of the field.
         name: &'static str,
-        /// As given.
+        /// Value given.
         given: f64,
     },
-    /// Light below zero.
+    /// A negative rate.
     #[error("node {node}: the rate is {given} per second, allowed are 0 and more")]
     Negative {
-        /// Its number, from 0.
+        /// Number of the node, from 0.
         node: usize,
-        /// As given.
+        /// Value given.
         given: f64,
     },
 }
 
-/// A moment of a track.
+/// Position and brightness at a time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PathNode {
     /// Seconds after the shutter opened.
     pub time_s: f64,
-    /// Where the light is.
+    /// Position on the frame.
     pub at: PixelPosition,
-    /// How bright, frame counts or electrons per second: whatever is drawn is in this unit times seconds. At least 0.
+    /// Frame counts or electrons per second, at least 0; drawn light is in this unit times seconds.
     pub rate: f64,
-    /// How bright from now on, where brightness jumps here (a glint's edge, a lamp switched on); none where it does not.
+    /// Rate from this time on where brightness jumps (edge of a glint, lamp switched on).
     pub rate_after: Option<f64>,
 }
 
 impl PathNode {
-    /// A node without a jump.
+    /// Returns a node without a jump.
     pub fn new(time_s: f64, at: PixelPosition, rate: f64) -> Self {
         Self { time_s, at, rate, rate_after: None }
     }
 }
 
-/// A light's track over a frame and its brightness along it, smooth between nodes.
+/// Position and brightness of a light in time, smooth between nodes.
 ///
-/// Places follow the cubic spline through the nodes, with continuous speed and curvature: 2 nodes make a line, 3 a parabola. Rates follow the
-/// same kind of spline, held back where it would swing between steps of brightness, never below 0, broken at jumps. The path begins with the first node and ends with the
-/// last: nothing is drawn beyond.
+/// Positions follow the cubic spline through the nodes, with continuous speed and curvature: 2 nodes make a line, 3 a parabola. Rates follow the
+/// same kind of spline, limited where it would overshoot between steps of brightness, never below 0, broken at jumps. The path begins at the first node and ends at the
+/// last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreakPath {
     nodes: Vec<PathNode>,
@@ -92,12 +91,10 @@ pub(super) struct Piece {
     pub x: Cubic,
     pub y: Cubic,
     pub rate: Cubic,
-    /// True where the rate jumps at its end.
-    pub ends_in_jump: bool,
 }
 
 impl StreakPath {
-    /// Through nodes in the order of their times.
+    /// Builds the path through nodes in the order of their times.
     ///
     /// # Errors
     /// [`PathError`]: fewer than two nodes, times that do not increase, numbers that are not finite, rates below 0.
@@ -116,14 +113,13 @@ impl StreakPath {
             let cubic = |(values, slopes): &(Vec<f64>, Vec<f64>)| {
                 Cubic::between([values[i], values[i + 1]], [slopes[i], slopes[i + 1]], duration_s)
             };
-            let ends_in_jump = nodes[i + 1].rate_after.is_some();
-            Piece { start_s: times[i], duration_s, x: cubic(&x), y: cubic(&y), rate: rates[i], ends_in_jump }
+            Piece { start_s: times[i], duration_s, x: cubic(&x), y: cubic(&y), rate: rates[i] }
         });
         let pieces = pieces.collect();
         Ok(Self { nodes, pieces })
     }
 
-    /// As they were given.
+    /// Nodes as given.
     pub fn nodes(&self) -> &[PathNode] {
         &self.nodes
     }
@@ -132,28 +128,18 @@ impl StreakPath {
         &self.pieces
     }
 
-    /// The same path over the parts into which pixels are cut.
-    pub(super) fn in_parts(&self, parts: Parts) -> Self {
-        let nodes = self.nodes.iter().map(|node| PathNode { at: parts.place(node.at), ..*node });
-        let pieces = self.pieces.iter().map(|piece| {
-            let PixelPosition { x, y } = parts.place(PixelPosition { x: 0.0, y: 0.0 });
-            Piece { x: piece.x.scaled(parts.x as f64, x), y: piece.y.scaled(parts.y as f64, y), ..*piece }
-        });
-        Self { nodes: nodes.collect(), pieces: pieces.collect() }
-    }
-
     /// ∫ rate dt: all the light of the path, on the frame or not.
     pub fn total(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.rate.integral(piece.duration_s)).sum()
     }
 
-    /// Where the light is at a time, seconds after the shutter opened; before the first and after the last node, where those are.
+    /// Position at a time, seconds after the shutter opened; that of the first node before it, that of the last node after it.
     pub fn point_at(&self, time_s: f64) -> PixelPosition {
         let (piece, since_s) = self.piece_at(time_s);
         PixelPosition { x: piece.x.at(since_s), y: piece.y.at(since_s) }
     }
 
-    /// How bright the light is at a time, the unit of the nodes; 0 before the first and after the last node.
+    /// Rate at a time, in the unit of the nodes; 0 before the first and after the last node.
     pub fn rate_at(&self, time_s: f64) -> f64 {
         let (first, last) = (self.nodes[0].time_s, self.nodes[self.nodes.len() - 1].time_s);
         if !(first..=last).contains(&time_s) {
@@ -166,46 +152,20 @@ impl StreakPath {
     /// Length of the whole path, pixels.
     pub fn length_pix(&self) -> f64 {
         let rule = gauss_legendre(8);
-        self.pieces.iter().map(|piece| piece.length_pix(0.0, piece.duration_s, &rule)).sum()
+        let way = |piece: &Piece| {
+            let speed = |(share, weight): &(f64, f64)| {
+                let since_s = share * piece.duration_s;
+                weight * piece.x.slope(since_s).hypot(piece.y.slope(since_s))
+            };
+            piece.duration_s * rule.iter().map(speed).sum::<f64>()
+        };
+        self.pieces.iter().map(way).sum()
     }
 
     fn piece_at(&self, time_s: f64) -> (&Piece, f64) {
         let after = self.pieces.partition_point(|piece| piece.start_s <= time_s);
         let piece = &self.pieces[after.saturating_sub(1)];
         (piece, (time_s - piece.start_s).clamp(0.0, piece.duration_s))
-    }
-}
-
-impl Piece {
-    /// Place `since_s` after its start.
-    pub fn at(&self, since_s: f64) -> [f64; 2] {
-        [self.x.at(since_s), self.y.at(since_s)]
-    }
-
-    /// Motion, pixels per second.
-    pub fn motion(&self, since_s: f64) -> [f64; 2] {
-        [self.x.slope(since_s), self.y.slope(since_s)]
-    }
-
-    /// Second derivative of the rate by the way along the path, of the rate, per square pixel.
-    pub fn bend(&self, since_s: f64) -> f64 {
-        let [u, v] = self.motion(since_s);
-        self.rate.bend(since_s) / (self.rate.at(since_s) * (u * u + v * v))
-    }
-
-    /// Third derivative of the rate by the way, of the rate, per cubic pixel; the speed taken as even.
-    pub fn third(&self, since_s: f64) -> f64 {
-        let [u, v] = self.motion(since_s);
-        self.rate.third() / (self.rate.at(since_s) * u.hypot(v).powi(3))
-    }
-
-    /// Way between two of its times, pixels; the `rule` is Gauss's.
-    pub fn length_pix(&self, from_s: f64, to_s: f64, rule: &[(f64, f64)]) -> f64 {
-        let speed = |(x, weight): &(f64, f64)| {
-            let [u, v] = self.motion(from_s + x * (to_s - from_s));
-            weight * (u * u + v * v).sqrt()
-        };
-        (to_s - from_s) * rule.iter().map(speed).sum::<f64>()
     }
 }
 
@@ -233,7 +193,7 @@ fn check(nodes: &[PathNode]) -> Result<(), PathError> {
     Ok(())
 }
 
-/// The rate from node to node: runs between jumps are curves of their own.
+/// Rate between nodes: a separate curve between jumps.
 fn rates(nodes: &[PathNode], times: &[f64]) -> Vec<Cubic> {
     let mut cubics = Vec::with_capacity(nodes.len() - 1);
     let mut start = 0;

@@ -1,4 +1,4 @@
-//! Curves through nodes in time: places by a smooth spline, brightness by one that is held back from swinging.
+//! Curves through nodes in time: a smooth spline for positions, one without overshoot for brightness.
 
 /// Slopes at the nodes of the cubic spline with continuous second derivatives; ends as in the cubic through the first (last) four nodes, a
 /// parabola through three nodes, a line through two.
@@ -53,15 +53,15 @@ fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
     sum
 }
 
-/// Slopes of the smooth spline, held back where it would swing (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq. 3.29: as Hyman's rule, but that
-/// smooth extremes keep their shape), and never so steep that a cubic between values of at least 0 falls below 0.
+/// Slopes of the smooth spline, limited where it would overshoot (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq. 3.29: Hyman's rule that keeps
+/// smooth extremes), and never so steep that a cubic between values of at least 0 falls below 0.
 ///
 /// `times` increase; both have the same length of at least 2.
 pub(super) fn held_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = times.len();
     let step = |i: usize| times[i + 1] - times[i];
     let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
-    // Second divided differences, those of the ends from their neighbours.
+    // Second divided differences; the ends take those of their neighbours.
     let bend = |i: usize| {
         let i = i.clamp(1, count - 2);
         (rise(i) - rise(i - 1)) / (step(i - 1) + step(i))
@@ -113,12 +113,6 @@ impl Cubic {
         Self { powers: [values[0], slopes[0], second, third] }
     }
 
-    /// `factor` times it, and `offset` more.
-    pub fn scaled(&self, factor: f64, offset: f64) -> Self {
-        let [a, b, c, d] = self.powers.map(|power| factor * power);
-        Self { powers: [a + offset, b, c, d] }
-    }
-
     #[inline]
     pub fn at(&self, time: f64) -> f64 {
         let [a, b, c, d] = self.powers;
@@ -131,28 +125,16 @@ impl Cubic {
         b + time * (2.0 * c + time * 3.0 * d)
     }
 
-    /// Second derivative.
-    pub fn bend(&self, time: f64) -> f64 {
-        let [_, _, c, d] = self.powers;
-        2.0 * c + 6.0 * time * d
-    }
-
-    /// Third derivative, everywhere the same.
-    pub fn third(&self) -> f64 {
-        6.0 * self.powers[3]
-    }
-
     /// ∫ from 0 to `time`.
     pub fn integral(&self, time: f64) -> f64 {
         let [a, b, c, d] = self.powers;
         time * (a + time * (b / 2.0 + time * (c / 3.0 + time * d / 4.0)))
     }
 
-    /// Bounds of the values between two times: those of its Bézier points.
-    pub fn bounds(&self, from: f64, to: f64) -> [f64; 2] {
+    /// Bézier points of the curve between two times: it lies between the least and the greatest of them.
+    pub fn control_points(&self, from: f64, to: f64) -> [f64; 4] {
         let third = (to - from) / 3.0;
         let (first, last) = (self.at(from), self.at(to));
-        let points = [first, first + third * self.slope(from), last - third * self.slope(to), last];
-        [points.into_iter().fold(f64::INFINITY, f64::min), points.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+        [first, first + third * self.slope(from), last - third * self.slope(to), last]
     }
 }
