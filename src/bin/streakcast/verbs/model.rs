@@ -36,7 +36,7 @@ pub enum ModelVerb {
 pub struct ModelCheckArguments {
     /// Model files; a name that begins with that of a shipped model (visorsat-mine) sets the satellites
     pub files: Vec<PathBuf>,
-    /// Folder of published photometry (see docs/models.md); without it only published means and curves are used
+    /// Folder of published photometry (see docs/explanation/models.md); without it only published means and curves are used
     #[arg(long, value_name = "FOLDER")]
     pub data: Option<PathBuf>,
     /// Only errors on standard error
