@@ -12,20 +12,18 @@ The lateness of a class at age t (days) is a mixture of three Gaussians about 0:
 with D = |ndot/2| P in s/day^2: s and r are the core, m is the share of satellites that manoeuvred. The shape (r, m0, m1, v) has the greatest
 likelihood; the scale (s_0, k, c) brings the share within one sigma, the half width of 68.27 %, to 68.27 % at each age and drag.
 
-    STREAKCAST_DATA=... python tests/reference/calibrate_station_keeping.py tests/data/station_keeping.csv
+    STREAKCAST_DATA=... python tests/reference/calibrate_station_keeping.py docs/tables/lateness.md
 
 Needs numpy, scipy, sgp4. Takes about ten minutes.
 """
 
 import argparse
-import datetime
 import gzip
 import os
 import re
 from pathlib import Path
 
 import numpy as np
-import sgp4
 from scipy.optimize import minimize
 from scipy.special import erf
 from sgp4.api import WGS72, Satrec
@@ -37,6 +35,7 @@ EVEN_STARTS, ODD_STARTS = (2, 9, 16, 23), (5, 12, 19, 26)
 AGES_DAY = (1, 2, 3, 5, 7, 10, 14, 21)
 CLASSES = ("Starlink15", "Starlink", "StarlinkStrongDrag", "DirectToCell")
 EARTH_RADIUS_KM, MU_KM3_S2 = 6378.135, 398600.8
+LABELS = {"Starlink15": "V1.5", "Starlink": "VisorSat, V2 Mini", "StarlinkStrongDrag": "V2 Mini, strong drag", "DirectToCell": "Direct-to-Cell"}
 CORE_WEIGHT = 0.7
 # Twice the lag in days, rounded, between the value with the least half width and the one with the median at 0 (both are printed).
 LAG2_DAY = {"Starlink15": 0.75, "Starlink": 0.75, "StarlinkStrongDrag": 0.45, "DirectToCell": 0.33}
@@ -228,8 +227,7 @@ def main():
     fitted, held = pairs(EVEN_STARTS, 0), pairs(ODD_STARTS, 1)
     print(len(fitted["age"]), "pairs fitted,", len(held["age"]), "held out", flush=True)
     pick = lambda c, mask: {name: values[mask] for name, values in c.items()}
-    random = np.random.default_rng(21)
-    lines = []
+    rows = []
     for index, name in enumerate(CLASSES):
         c, h = pick(fitted, fitted["class"] == index), pick(held, held["class"] == index)
         ours = lambda c: c["plain"] - LAG2_DAY[name] * c["drag"] * c["age"]
@@ -250,16 +248,13 @@ def main():
             both_axes = np.concatenate([h["plane"][a], h["radius"][a]]) / np.tile(across[a], 2)
             print(f"  {age:3d} d {a.sum():6d} | {np.median(h['published'][a]):8.2f} {q(h['published'][a]):8.2f} | {q(h['plain'][a]):8.2f} | {np.median(y):7.2f} {q(y):7.2f} {q(y, 0.9545):8.1f}"
                   f" {np.median(sigma[a]):7.2f} {100 * np.mean(np.abs(y) <= sigma[a]):4.0f} % | {q(h['plane'][a]):5.2f} {q(h['radius'][a]):5.2f} {np.median(across[a]):5.2f} {100 * np.mean(np.abs(both_axes) <= 1):4.0f} %")  # fmt: skip
-            for i in random.permutation(np.flatnonzero(a))[:60]:
-                lines.append((name, age, f"{h['half_ndot'][i]:.3e}", f"{h['period'][i] / 60:.3f}", f"{h['age'][i]:.3f}", f"{h['published'][i]:.3f}", f"{ours(h)[i]:.3f}"))
+            rows.append(
+                f"| {LABELS[name]} | {age} | {a.sum():,} | {np.median(h['published'][a]):.1f}, {q(h['published'][a]):.1f} | {q(h['plain'][a]):.1f} |"
+                f" {np.median(y):.1f}, {q(y):.1f} | {np.median(sigma[a]):.1f} | {100 * np.mean(np.abs(y) <= sigma[a]):.0f} % |"
+            )
     with open(output, "w") as file:
-        file.write(
-            f"# origin: tests/reference/calibrate_station_keeping.py, {datetime.date.today()}; python-sgp4 {sgp4.__version__}, WGS72\n"
-            "# lateness of element sets at the epoch of later ones of the same Starlink, June 2026: objects and dates held out of the fit\n"
-            "class,nominal_age_days,mean_motion_dot_rev_day2,period_min,age_days,published_s,station_keeping_s\n"
-        )
-        file.writelines(",".join(map(str, line)) + "\n" for line in lines)
-    print(f"\n{len(lines)} held-out residuals written")
+        file.write("| class | age, days | pairs | published: median, 68 % | B* = 0: 68 % | used: median, 68 % | stated sigma, median | inside |\n|---|---|---|---|---|---|---|---|\n")
+        file.writelines(row + "\n" for row in rows)
 
 
 if __name__ == "__main__":
