@@ -137,7 +137,7 @@ impl StationKeeping {
         let manoeuvred = (c.manoeuvring + c.manoeuvring_a_day * age).min(LARGEST_MANOEUVRING);
         Lateness::core_and_manoeuvres(
             [(CORE_WEIGHT, core_s), (1.0 - CORE_WEIGHT, outer_s)],
-            (manoeuvred, (MANOEUVRE_S_DAY * age).clamp(outer_s, cap_s)),
+            (manoeuvred, (MANOEUVRE_S_DAY * age).max(outer_s).min(cap_s)),
         )
     }
 

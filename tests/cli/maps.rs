@@ -230,6 +230,7 @@ fn verif_file_name_extensions() {
     fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["pictures are made by --picture"]);
     fails(&[SKY, &["-o", &path("a.csv"), "--format", "fits"]], &["format fits in a file", "should end in .fits"]);
     fails(&[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]], &["format ecsv in a file", "should end in .ecsv"]);
+    #[cfg(not(feature = "parquet"))]
     fails(
         &[SKY, &["--format", "parquet"]],
         &["'parquet' is not known; allowed: table, csv, ecsv, json, jsonl, votable, fits"],
