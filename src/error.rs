@@ -1,45 +1,83 @@
-//! The error of the crate's front door.
+//! The error of the crate's root.
 
 use thiserror::Error as ThisError;
 
-use crate::elements::{CatalogueError, ShellError};
-use crate::frames::{FramesError, InstantError};
+use crate::config::ConfigError;
+use crate::elements::ElementsError;
+#[cfg(feature = "fit")]
+use crate::fit::FitError;
+use crate::forecast::ForecastError;
+use crate::frames::FramesError;
 use crate::geometry::GeometryError;
-use crate::passes::{ExposureTextError, FieldError, SkyError};
-use crate::schedule::{PolicyError, ScheduleError};
+use crate::identify::IdentifyError;
+use crate::images::ImagesError;
+use crate::maps::MapError;
+use crate::orbit::OrbitError;
+use crate::passes::{FieldError, SkyError};
+use crate::photometry::PhotometryError;
+#[cfg(feature = "plot")]
+use crate::plot::PlotError;
+use crate::schedule::ScheduleError;
+#[cfg(feature = "fits")]
+use crate::streaks::InjectionError;
+use crate::streaks::StreaksError;
 
-/// Errors of the names at the crate's root: wraps the errors of their modules, with their messages.
+/// Errors of all modules, with their messages.
 #[derive(Debug, ThisError)]
 #[non_exhaustive]
 pub enum Error {
-    /// Files of element sets.
+    /// Element sets and synthetic constellations.
     #[error(transparent)]
-    Satellites(#[from] CatalogueError),
-    /// A synthetic constellation.
-    #[error(transparent)]
-    Constellation(#[from] ShellError),
-    /// A site.
-    #[error(transparent)]
-    Site(#[from] GeometryError),
-    /// An angle or a time scale.
+    Elements(#[from] ElementsError),
+    /// Times, angles, Earth orientation.
     #[error(transparent)]
     Frames(#[from] FramesError),
-    /// A time from text.
+    /// Sites.
     #[error(transparent)]
-    Time(#[from] InstantError),
-    /// An exposure from text.
+    Geometry(#[from] GeometryError),
+    /// Propagation.
     #[error(transparent)]
-    Exposure(#[from] ExposureTextError),
-    /// A field of view.
+    Orbit(#[from] OrbitError),
+    /// Brightness models and bands.
     #[error(transparent)]
-    Field(#[from] FieldError),
-    /// A policy.
-    #[error(transparent)]
-    Policy(#[from] PolicyError),
-    /// A schedule.
-    #[error(transparent)]
-    Schedule(#[from] ScheduleError),
-    /// Crossings that cannot be computed.
+    Photometry(#[from] PhotometryError),
+    /// Exposures, crossings and passes.
     #[error(transparent)]
     Sky(#[from] SkyError),
+    /// Fields of view.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Schedules and policies.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
+    /// Forecasts.
+    #[error(transparent)]
+    Forecast(#[from] ForecastError),
+    /// Measured streaks.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// Frames, detectors and telescopes.
+    #[error(transparent)]
+    Images(#[from] ImagesError),
+    /// Streaks in frames.
+    #[error(transparent)]
+    Streaks(#[from] StreaksError),
+    /// Injection into frames.
+    #[cfg(feature = "fits")]
+    #[error(transparent)]
+    Injection(#[from] InjectionError),
+    /// Maps.
+    #[error(transparent)]
+    Maps(#[from] MapError),
+    /// Charts.
+    #[cfg(feature = "plot")]
+    #[error(transparent)]
+    Plot(#[from] PlotError),
+    /// Photometry and fits.
+    #[cfg(feature = "fit")]
+    #[error(transparent)]
+    Fit(#[from] FitError),
+    /// Configurations.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
 }

@@ -1,6 +1,7 @@
-//! Module imports: modules import only from the modules below them; the table of ARCHITECTURE.md is checked against
-//! every line of `src/`.
+//! Module imports: modules import only from the modules below them, and files never in a circle; ARCHITECTURE.md is
+//! checked against every line of `src/`.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -9,7 +10,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("math", &[]),
     ("elements", &[]),
-    ("frames", &[]),
+    ("frames", &["math"]),
     ("output", &[]),
     ("geometry", &["frames", "math"]),
     ("images", &["frames", "math", "output"]),
@@ -263,6 +264,113 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
     found
 }
 
+/// Path of names from the crate's root, as `["images", "fits", "hdu"]`.
+type Names = Vec<String>;
+
+/// A source file for the search for circles.
+#[derive(Default)]
+struct Imports {
+    path: String,
+    is_mod: bool,
+    /// Absolute paths of names that the file imports.
+    used: Vec<Names>,
+    /// Of these the ones that it re-exports.
+    exported: Vec<Names>,
+}
+
+/// Returns the paths of a `use` tree: `a::{b, c::d}` has `a::b` and `a::c::d`.
+fn leaves(tree: &str) -> Vec<String> {
+    let tree = tree.trim();
+    let Some((prefix, rest)) = tree.split_once('{') else {
+        return vec![tree.split(" as ").next().unwrap_or_default().trim().to_owned()];
+    };
+    let (mut level, mut parts) = (0, vec![String::new()]);
+    for one in rest[..rest.rfind('}').unwrap_or(rest.len())].chars() {
+        level += i32::from(one == '{') - i32::from(one == '}');
+        match parts.last_mut() {
+            Some(part) if one != ',' || level > 0 => part.push(one),
+            _ => parts.push(String::new()),
+        }
+    }
+    let parts = parts.iter().filter(|part| !part.trim().is_empty());
+    parts.flat_map(|part| leaves(part)).map(|leaf| format!("{prefix}{leaf}")).collect()
+}
+
+/// Returns module and imports of a file; the crate's root is `src/`, or the folder of the command line.
+fn imports(path: &Path, text: &str) -> (Names, Imports) {
+    let mut module: Names =
+        path.with_extension("").components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
+    let is_mod = module.pop_if(|name| name == "mod").is_some();
+    let root = if module[0] == "bin" { &module[..2] } else { &[] };
+    let (mut used, mut exported) = (Vec::new(), Vec::new());
+    let text: String =
+        text.lines().take_while(|line| !line.starts_with("mod tests")).map(|line| code(line) + " ").collect();
+    for statement in text.split(';') {
+        let words = format!(" {}", statement.split_whitespace().collect::<Vec<_>>().join(" "));
+        let Some((before, tree)) = words.split_once(" use ") else { continue };
+        for leaf in leaves(tree) {
+            let mut names: Vec<&str> = leaf.split("::").collect();
+            let supers = names.iter().take_while(|name| **name == "super").count();
+            let base = match names[0] {
+                "crate" => root,
+                "super" => &module[..module.len().saturating_sub(supers)],
+                // A name of the same folder in a mod.rs, or of another crate.
+                _ => &module[..],
+            };
+            names.drain(..supers.max(usize::from(["crate", "self"].contains(&names[0]))));
+            let names = base.iter().cloned().chain(names.into_iter().map(str::to_owned));
+            let names: Names = names.collect();
+            if before.ends_with("pub") || before.ends_with(')') {
+                exported.push(names.clone());
+            }
+            used.push(names);
+        }
+    }
+    (module, Imports { path: path.to_string_lossy().replace('\\', "/"), is_mod, used, exported })
+}
+
+/// Returns the file that defines a name, found through the re-exports of modules.
+fn definer(files: &BTreeMap<Names, Imports>, names: &[String], depth: usize) -> Option<Names> {
+    for end in (1..=names.len()).rev() {
+        let Some(file) = files.get(&names[..end]) else { continue };
+        let next = names.get(end).and_then(|name| file.exported.iter().find(|path| path.last() == Some(name)));
+        return match next.filter(|path| depth < 9 && **path != names) {
+            Some(path) => definer(files, &[path, &names[end + 1..]].concat(), depth + 1),
+            None => Some(names[..end].to_vec()).filter(|_| !file.is_mod),
+        };
+    }
+    None
+}
+
+/// Returns all files that a file imports, directly or by others.
+fn reach<'a>(below: &'a BTreeMap<&Names, BTreeSet<Names>>, from: &'a Names) -> BTreeSet<&'a Names> {
+    let (mut reached, mut open) = (BTreeSet::new(), vec![from]);
+    while let Some(next) = open.pop() {
+        open.extend(below.get(next).into_iter().flatten().filter(|one| reached.insert(*one)));
+    }
+    reached
+}
+
+/// Returns groups of files that import one another, directly or by others: the strongly connected components.
+fn circles(files: &BTreeMap<Names, Imports>) -> Vec<Vec<String>> {
+    let below: BTreeMap<&Names, BTreeSet<Names>> = files
+        .iter()
+        .filter(|(_, file)| !file.is_mod)
+        .map(|(module, file)| (module, file.used.iter().filter_map(|names| definer(files, names, 0)).collect()))
+        .collect();
+    let reached: BTreeMap<&Names, BTreeSet<&Names>> =
+        below.keys().map(|module| (*module, reach(&below, module))).collect();
+    let mut found = BTreeSet::new();
+    for (module, all) in &reached {
+        let circle = all.iter().filter(|other| reached.get(**other).is_some_and(|back| back.contains(module)));
+        let circle: Vec<String> = circle.map(|other| files[*other].path.clone()).collect();
+        if circle.len() > 1 {
+            found.insert(circle);
+        }
+    }
+    found.into_iter().collect()
+}
+
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).expect("src is there") {
         let path = entry.expect("an entry of src").path();
@@ -296,6 +404,46 @@ fn verif_modules_import_only_from_modules_below_them() {
     for (module, _) in MAY_IMPORT {
         assert!(src.join(module).is_dir() || src.join(module).with_extension("rs").is_file(), "no module {module}");
     }
+}
+
+#[test]
+fn verif_no_files_import_one_another_in_a_circle() {
+    let src = root().join("src");
+    let mut paths = Vec::new();
+    rust_files(&src, &mut paths);
+    let files: BTreeMap<Names, Imports> = paths
+        .iter()
+        .map(|path| {
+            let text = fs::read_to_string(path).expect("a source file");
+            imports(path.strip_prefix(&src).expect("below src"), &text)
+        })
+        .collect();
+    let found = circles(&files);
+    assert!(found.is_empty(), "files that import one another: {found:?}");
+}
+
+#[test]
+fn verif_the_search_for_circles_can_fail() {
+    let circles_of =
+        |texts: &[(&str, &str)]| circles(&texts.iter().map(|(path, text)| imports(Path::new(path), text)).collect());
+    let orbit = ("orbit/mod.rs", "mod arc;\nmod index;\npub use arc::Arc;");
+    let arc = ("orbit/arc.rs", "use super::index::{Index, Other as Another};");
+    for (path, text) in [
+        ("orbit/index.rs", "use super::arc::Arc;"),
+        ("orbit/index.rs", "use super::Arc;"),
+        ("orbit/index.rs", "use crate::{frames::Epoch, orbit::{Arc, Kepler}};"),
+        ("orbit/index.rs", "pub(super) use crate::{\n    orbit::Arc,\n};"),
+    ] {
+        assert_eq!(circles_of(&[orbit, arc, (path, text)]), [["orbit/arc.rs", "orbit/index.rs"]], "{text}");
+    }
+    for text in
+        ["// use super::arc::Arc;", "use super::kepler::Arc;", "#[cfg(test)]\nmod tests {\n    use super::arc::Arc;\n}"]
+    {
+        assert!(circles_of(&[orbit, arc, ("orbit/index.rs", text)]).is_empty(), "{text}");
+    }
+    let three = [("a.rs", "use crate::b::B;"), ("b.rs", "use crate::c::C;"), ("c.rs", "use crate::a::A;")];
+    assert_eq!(circles_of(&three), [["a.rs", "b.rs", "c.rs"]]);
+    assert!(circles_of(&three[..2]).is_empty());
 }
 
 #[test]

@@ -1,28 +1,31 @@
-//! Errors of a configuration, and of the requests beside it.
+//! Errors of a configuration and of what it requests.
 
 use std::io;
 
 use thiserror::Error;
 
-use crate::elements::{CatalogueError, ShellError};
+use crate::elements::ElementsError;
 use crate::forecast::ForecastError;
-use crate::frames::{FramesError, InstantError};
+use crate::frames::FramesError;
 use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
 #[cfg(feature = "fits")]
 use crate::images::FrameError;
-use crate::images::TelescopeError;
+use crate::images::ImagesError;
 use crate::orbit::OrbitError;
-use crate::passes::{FieldError, SkyError, UnknownModel};
-use crate::photometry::{BandError, ModelFileError, StandardMagnitudesError};
-use crate::schedule::{PolicyError, ScheduleError};
+use crate::passes::{FieldError, SkyError};
+use crate::photometry::PhotometryError;
+use crate::schedule::ScheduleError;
 #[cfg(feature = "fits")]
 use crate::streaks::InjectionError;
 
-/// Errors of a configuration: what was given, and what is accepted.
+/// Errors of a configuration, or of a forecast, an identification or an injection that it requests: what was given, and what is accepted.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ConfigError {
+    /// A request is incomplete, contradicts itself, or is out of range: what, and what is accepted.
+    #[error("{0}")]
+    Invalid(String),
     /// A file of the configuration cannot be read.
     #[error("{what} {path}: {source}")]
     Io {
@@ -164,87 +167,66 @@ pub enum ConfigError {
         /// All names.
         known: String,
     },
-    /// A model that is not in the library.
+    /// Element sets and synthetic shells.
     #[error(transparent)]
-    UnknownModel(#[from] UnknownModel),
-    /// Elements.
+    Elements(#[from] ElementsError),
+    /// Times, Earth orientation, angles of the configuration.
     #[error(transparent)]
-    Satellites(#[from] CatalogueError),
-    /// Synthetic shells.
+    Frames(#[from] FramesError),
+    /// Angle of a request.
     #[error(transparent)]
-    Shell(#[from] ShellError),
+    Angle(FramesError),
     /// Site.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// Dates, angles, Earth orientation.
-    #[error(transparent)]
-    Frames(#[from] FramesError),
-    /// A time that is invalid or names no scale.
-    #[error(transparent)]
-    Instant(#[from] InstantError),
-    /// Field of view.
-    #[error(transparent)]
-    Field(#[from] FieldError),
     /// Telescope.
     #[error(transparent)]
-    Telescope(#[from] TelescopeError),
-    /// Policy.
-    #[error(transparent)]
-    Policy(#[from] PolicyError),
-    /// Band or magnitude system.
-    #[error(transparent)]
-    Band(#[from] BandError),
-    /// A model file.
-    #[error(transparent)]
-    Model(#[from] ModelFileError),
-    /// Standard magnitudes.
-    #[error(transparent)]
-    StandardMagnitudes(#[from] StandardMagnitudesError),
-    /// The sky.
-    #[error(transparent)]
-    Sky(#[from] SkyError),
-}
-
-/// Errors of a forecast, an identification or an injection that is requested.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum RequestError {
-    /// The request is incomplete, contradicts itself, or is out of range: what, and what is accepted.
-    #[error("{0}")]
-    Invalid(String),
-    /// Site, times, units.
-    #[error(transparent)]
-    Config(#[from] ConfigError),
-    /// An angle.
-    #[error(transparent)]
-    Angle(#[from] FramesError),
-    /// A number of a forecast.
-    #[error(transparent)]
-    Forecast(#[from] ForecastError),
-    /// A measured streak.
-    #[error(transparent)]
-    Streak(#[from] IdentifyError),
-    /// A schedule.
-    #[error(transparent)]
-    Schedule(#[from] ScheduleError),
-    /// A frame that cannot be read.
+    Images(#[from] ImagesError),
+    /// Frame of a request.
     #[cfg(feature = "fits")]
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// An injection.
+    /// Bands, model files, standard magnitudes.
+    #[error(transparent)]
+    Photometry(#[from] PhotometryError),
+    /// Models of satellites, and the sky.
+    #[error(transparent)]
+    Sky(#[from] SkyError),
+    /// Field of view.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// Policy.
+    #[error(transparent)]
+    Policy(ScheduleError),
+    /// Schedule of a request.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
+    /// Forecast.
+    #[error(transparent)]
+    Forecast(#[from] ForecastError),
+    /// Measured streak.
+    #[error(transparent)]
+    Identify(#[from] IdentifyError),
+    /// Injection.
     #[cfg(feature = "fits")]
     #[error(transparent)]
     Injection(#[from] InjectionError),
 }
 
-impl RequestError {
+impl ConfigError {
     pub(super) fn invalid(message: impl Into<String>) -> Self {
         Self::Invalid(message.into())
     }
-}
 
-impl From<InstantError> for RequestError {
-    fn from(error: InstantError) -> Self {
-        Self::Config(error.into())
+    /// True for errors of a forecast, an identification or an injection, false for those of the configuration that they use.
+    pub fn is_of_request(&self) -> bool {
+        let is_general = matches!(
+            self,
+            Self::Invalid(_) | Self::Angle(_) | Self::Schedule(_) | Self::Forecast(_) | Self::Identify(_)
+        );
+        #[cfg(feature = "fits")]
+        return is_general || matches!(self, Self::Frame(_) | Self::Injection(_));
+        #[cfg(not(feature = "fits"))]
+        is_general
     }
 }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::document::Config;
 #[cfg(feature = "cli")]
 use super::document::norad_id;
-use super::error::RequestError;
+use super::error::ConfigError;
 use crate::constants::DAY_S;
 use crate::elements::Generation;
 use crate::forecast::{ForecastRequest, Selection};
@@ -117,11 +117,11 @@ impl ForecastConfig {
         &self,
         config: &Config,
         default_samples: usize,
-    ) -> Result<(ForecastRequest, Selection), RequestError> {
+    ) -> Result<(ForecastRequest, Selection), ConfigError> {
         let kind = |name: &String| {
             Generation::by_name(name).ok_or_else(|| {
                 let known = Generation::ALL.map(Generation::name).join(", ");
-                RequestError::invalid(format!("generation '{name}' is not known; allowed: {known}"))
+                ConfigError::invalid(format!("generation '{name}' is not known; allowed: {known}"))
             })
         };
         let selection = Selection {
@@ -156,27 +156,27 @@ pub fn time_range(
     start: Option<&str>,
     end: Option<&str>,
     config: &Config,
-) -> Result<(Epoch, Epoch), RequestError> {
+) -> Result<(Epoch, Epoch), ConfigError> {
     let (from, to) = match (night, start, end) {
         (Some(night), None, None) => {
             let evening = parse_instant(&format!("{night}T12:00:00Z"), None).map_err(|_| {
-                RequestError::invalid(format!(
+                ConfigError::invalid(format!(
                     "night '{night}' is not a date; allowed: the evening's local date, as 2024-08-14"
                 ))
             })?;
             night_of(evening, config.site()?.longitude_rad)
         }
-        (Some(_), ..) => return Err(RequestError::invalid("a night and two moments; allowed: one of them")),
+        (Some(_), ..) => return Err(ConfigError::invalid("a night and two moments; allowed: one of them")),
         (None, Some(start), Some(end)) => {
             let scale = config.time_scale()?;
             (parse_moment(start, scale)?, parse_moment(end, scale)?)
         }
-        _ => return Err(RequestError::invalid("no time; say --night 2024-08-14, or --start and --end")),
+        _ => return Err(ConfigError::invalid("no time; say --night 2024-08-14, or --start and --end")),
     };
     let days = seconds_between(from, to) / DAY_S;
     if !(0.0..=LONGEST_DAYS).contains(&days) {
         let (from, to) = (format_utc(from, 0), format_utc(to, 0));
-        return Err(RequestError::invalid(format!(
+        return Err(ConfigError::invalid(format!(
             "{from} to {to}: allowed 0 to 31 days, the end not before the start"
         )));
     }

@@ -6,9 +6,9 @@ use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::Config;
-use super::error::RequestError;
+use super::error::ConfigError;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s};
-use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_moment, parse_right_ascension_deg, seconds_between};
+use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
 use crate::passes::Exposure;
 
@@ -132,7 +132,7 @@ impl IdentifyPlan {
             id: String::new(),
             start: self.streak.start(),
             duration_s: self.streak.duration_s(),
-            pointing: self.streak.place(),
+            pointing: self.streak.middle(),
             rotation_rad: 0.0,
         }
     }
@@ -149,7 +149,7 @@ impl IdentifyConfig {
     ///
     /// # Errors
     /// No streak or several, no time, a file that cannot be read, a position outside of the frame, numbers out of range.
-    pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, RequestError> {
+    pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, ConfigError> {
         let has_middle = self.position_angle.is_some() || self.ra.is_some() || self.dec.is_some();
         let mut ways = vec![
             ("--end", !self.end.is_empty()),
@@ -160,14 +160,14 @@ impl IdentifyConfig {
         ways.retain(|(_, is_given)| *is_given);
         let ways: Vec<&'static str> = ways.into_iter().map(|(way, _)| way).collect();
         let (source, (line, sigma_arcsec)) = match (ways.as_slice(), &self.region) {
-            ([], _) => return Err(RequestError::invalid(format!("no streak; say {WAYS}"))),
+            ([], _) => return Err(ConfigError::invalid(format!("no streak; say {WAYS}"))),
             (["--end"], _) => ("--end", (self.ends()?, PLACE_SIGMA_ARCSEC)),
             (["--position-angle"], _) => ("--position-angle", (self.middle()?, PLACE_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
             (["--region"], Some(path)) => ("--region", in_regions(path)?),
             (several, _) => {
                 let several = several.join(" and ");
-                return Err(RequestError::invalid(format!("{several} exclude each other; say {WAYS}")));
+                return Err(ConfigError::invalid(format!("{several} exclude each other; say {WAYS}")));
             }
         };
         let (start, duration_s, timing) = self.timing(config)?;
@@ -181,7 +181,7 @@ impl IdentifyConfig {
         let time = (start, duration_s);
         let streak = match line {
             Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
-            Line::Middle { place, angle_deg, length_deg } => MeasuredStreak::from_place(
+            Line::Middle { place, angle_deg, length_deg } => MeasuredStreak::from_middle(
                 place,
                 (angle_deg.to_radians(), angle_sigma_rad),
                 length_deg.map(f64::to_radians),
@@ -194,17 +194,17 @@ impl IdentifyConfig {
         Ok(IdentifyPlan { streak, source })
     }
 
-    fn ends(&self) -> Result<Line, RequestError> {
+    fn ends(&self) -> Result<Line, ConfigError> {
         let [one, other] = self.end.as_slice() else {
             let times = match self.end.len() {
                 1 => "once".to_owned(),
                 count => format!("{count} times"),
             };
-            return Err(RequestError::invalid(format!("--end was said {times}; allowed: twice, both ends")));
+            return Err(ConfigError::invalid(format!("--end was said {times}; allowed: twice, both ends")));
         };
         let end = |text: &str| {
             let (ra, dec) = text.split_once(',').ok_or_else(|| {
-                RequestError::invalid(format!(
+                ConfigError::invalid(format!(
                     "end '{text}' is no place; allowed: RA,DEC as 188.5,-30.5 or 12h34m,-30d30m"
                 ))
             })?;
@@ -213,31 +213,31 @@ impl IdentifyConfig {
         Ok(Line::Ends([end(one)?, end(other)?]))
     }
 
-    fn middle(&self) -> Result<Line, RequestError> {
+    fn middle(&self) -> Result<Line, ConfigError> {
         let (Some(ra), Some(dec), Some(angle_deg)) = (&self.ra, &self.dec, self.position_angle) else {
-            return Err(RequestError::invalid("no middle of the streak; say --ra, --dec and --position-angle"));
+            return Err(ConfigError::invalid("no middle of the streak; say --ra, --dec and --position-angle"));
         };
         let length_deg = self.length.as_deref().map(|length| parse_angle_deg("length", length)).transpose()?;
         Ok(Line::Middle { place: direction(ra, dec)?, angle_deg, length_deg })
     }
 
     #[cfg(not(feature = "fits"))]
-    fn in_frame(&self) -> Result<(Line, f64), RequestError> {
-        Err(RequestError::invalid("this build reads no frames (cargo feature fits)"))
+    fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
+        Err(ConfigError::invalid("this build reads no frames (cargo feature fits)"))
     }
 
     #[cfg(feature = "fits")]
-    fn in_frame(&self) -> Result<(Line, f64), RequestError> {
+    fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
         use super::identify_frame::{ends, pixel};
         let (Some(path), Some(from), Some(to)) = (&self.image, &self.from_pix, &self.to_pix) else {
-            return Err(RequestError::invalid("no streak in the frame; say --image, --from-pix and --to-pix"));
+            return Err(ConfigError::invalid("no streak in the frame; say --image, --from-pix and --to-pix"));
         };
         let (ends, pixel_arcsec) = ends(path, self.hdu, [pixel(from)?, pixel(to)?])?;
         Ok((Line::Ends(ends), PLACE_SIGMA_PIX * pixel_arcsec))
     }
 
     /// Returns beginning, length and kind of the time.
-    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), RequestError> {
+    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), ConfigError> {
         let scale = config.time_scale()?;
         match self.times.as_slice() {
             [] => {
@@ -249,18 +249,18 @@ impl IdentifyConfig {
                 let (first, second) = (parse_moment(first, scale)?, parse_moment(second, scale)?);
                 let duration_s = seconds_between(first, second);
                 if duration_s <= 0.0 {
-                    return Err(RequestError::invalid(format!(
+                    return Err(ConfigError::invalid(format!(
                         "times: the second is {duration_s} s after the first; allowed: that of the first --end first, then that of the second, later"
                     )));
                 }
                 Ok((first, duration_s, Timing::FirstToSecond))
             }
-            other => Err(RequestError::invalid(format!("times: {}; allowed: two, one for each --end", other.len()))),
+            other => Err(ConfigError::invalid(format!("times: {}; allowed: two, one for each --end", other.len()))),
         }
     }
 
     /// Returns shutter opening and length: those given, else those of the configuration or the frame.
-    fn exposed(&self, config: &Config) -> Result<(Epoch, f64), RequestError> {
+    fn exposed(&self, config: &Config) -> Result<(Epoch, f64), ConfigError> {
         let given = |given: &Option<String>, configured: &Option<Quantity>| {
             given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
         };
@@ -275,25 +275,22 @@ impl IdentifyConfig {
         }
         match (start, duration_s) {
             (Some(start), Some(duration_s)) => Ok((start, duration_s)),
-            (None, _) => Err(RequestError::invalid(
+            (None, _) => Err(ConfigError::invalid(
                 "no start of the exposure; say --start 2024-08-14T00:30:00.000Z, or --times with both --end",
             )),
-            (_, None) => Err(RequestError::invalid("no length of the exposure; say --exposure 30s")),
+            (_, None) => Err(ConfigError::invalid("no length of the exposure; say --exposure 30s")),
         }
     }
 }
 
-fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, RequestError> {
-    Ok(Direction::from_lon_lat_rad(
-        parse_right_ascension_deg(ra)?.to_radians(),
-        parse_declination_deg(dec)?.to_radians(),
-    ))
+fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, ConfigError> {
+    parse_direction(ra, dec).map_err(ConfigError::Angle)
 }
 
 /// Returns the line through regions drawn around a streak, and one sigma of its ends, arcsec.
-fn in_regions(path: &Path) -> Result<(Line, f64), RequestError> {
+fn in_regions(path: &Path) -> Result<(Line, f64), ConfigError> {
     let shown = path.display().to_string();
-    let fail = |error: &dyn std::fmt::Display| RequestError::invalid(format!("{shown}: {error}"));
+    let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{shown}: {error}"));
     let text = std::fs::read_to_string(path).map_err(|error| fail(&error))?;
     let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
     // A box is drawn around a streak: its middle is better known than its sides.

@@ -4,31 +4,31 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
-use super::error::RequestError;
+use super::error::ConfigError;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{ExposureTime, FrameFile, Header, PixelPosition, Wcs};
 
 /// Reads a pixel `1024.5,2048`, counted from 1.
-pub(super) fn pixel(text: &str) -> Result<PixelPosition, RequestError> {
+pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
     let numbers = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
     numbers
         .filter(|(x, y): &(f64, f64)| x.is_finite() && y.is_finite())
         .map(|(x, y)| PixelPosition::from_fits(x, y))
-        .ok_or_else(|| RequestError::invalid(format!("pixel '{text}'; allowed: X,Y counted from 1, as 1024.5,2048")))
+        .ok_or_else(|| ConfigError::invalid(format!("pixel '{text}'; allowed: X,Y counted from 1, as 1024.5,2048")))
 }
 
 /// Opens the image given, else the only one.
-fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), RequestError> {
+fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
     let file = FrameFile::open(path)?;
     let images = file.images();
     let shown = path.display();
     let hdu = match (hdu, images.as_slice()) {
         (Some(hdu), _) => hdu,
         (None, [one]) => *one,
-        (None, []) => return Err(RequestError::invalid(format!("{shown}: holds no image of two axes"))),
+        (None, []) => return Err(ConfigError::invalid(format!("{shown}: holds no image of two axes"))),
         (None, several) => {
             let (count, first, last) = (several.len(), several[0], several[several.len() - 1]);
-            return Err(RequestError::invalid(format!(
+            return Err(ConfigError::invalid(format!(
                 "{shown}: holds {count} images; say which: --hdu {first} to {last}"
             )));
         }
@@ -42,9 +42,9 @@ pub(super) fn ends(
     path: &Path,
     hdu: Option<usize>,
     pixels: [PixelPosition; 2],
-) -> Result<([Direction<Gcrs>; 2], f64), RequestError> {
+) -> Result<([Direction<Gcrs>; 2], f64), ConfigError> {
     let (file, hdu) = image(path, hdu)?;
-    let fail = |error: String| RequestError::invalid(format!("{}: HDU {hdu}: {error}", path.display()));
+    let fail = |error: String| ConfigError::invalid(format!("{}: HDU {hdu}: {error}", path.display()));
     let [rows, columns] = file.image_size(hdu)?;
     let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| fail(error.to_string()))?;
     let place = |pixel: PixelPosition| {
@@ -71,13 +71,13 @@ pub(super) fn exposure(
     hdu: Option<usize>,
     start: Option<Epoch>,
     duration_s: Option<f64>,
-) -> Result<(Epoch, f64), RequestError> {
+) -> Result<(Epoch, f64), ConfigError> {
     if let (Some(start), Some(duration_s)) = (start, duration_s) {
         return Ok((start, duration_s));
     }
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
-    let fail = |error: &dyn std::fmt::Display| RequestError::invalid(format!("{}: {error}", path.display()));
+    let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{}: {error}", path.display()));
     let duration_s =
         duration_s.map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok).map_err(|error| fail(&error))?;
     let start = start

@@ -14,6 +14,8 @@ mod identify;
 mod identify_frame;
 #[cfg(feature = "fits")]
 mod injection;
+#[cfg(feature = "fits")]
+mod injection_plan;
 mod inputs;
 mod observation;
 mod prepared;
@@ -24,12 +26,14 @@ mod warnings;
 #[cfg(feature = "cli")]
 pub use document::norad_id;
 pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, SiteConfig};
-pub use error::{ConfigError, RequestError};
+pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
 pub use identify::{IdentifyConfig, IdentifyPlan};
 #[cfg(feature = "fits")]
-pub use injection::{InjectionConfig, SkyOf, inject_frames, inject_into_array};
+pub use injection::InjectionConfig;
+#[cfg(feature = "fits")]
+pub use injection_plan::{SkyOf, inject_frames, inject_into_array};
 pub use inputs::LoadedInputs;
 pub use observation::{MOST_SAMPLES, ObservationPlan};
 pub use prepared::{PreparedSky, state_scales};

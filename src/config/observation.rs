@@ -4,18 +4,17 @@ use std::path::Path;
 
 use hifitime::TimeScale;
 
-use crate::frames::{Direction, is_covered, parse_declination_deg, parse_moment, parse_right_ascension_deg};
-use crate::images::{FieldOfView, Telescope};
-use crate::passes::{Exposure, Field, Sky, SkyError};
-use crate::photometry::{Band, Earthshine, PhotometryOptions};
-use crate::schedule::{FlagRequest, Policy, PolicyError, ScheduleOptions};
-
 use super::document::Config;
 use super::error::ConfigError;
 use super::inputs::read_text;
 use super::values::{
     NameOrTable, Quantity, in_range, is_file_name, parse_angle_deg, parse_duration_s, parse_time_scale,
 };
+use crate::frames::{is_covered, parse_direction, parse_moment};
+use crate::images::{FieldOfView, Telescope};
+use crate::passes::{Exposure, Field, Sky, SkyError};
+use crate::photometry::{Band, Earthshine, PhotometryOptions};
+use crate::schedule::{FlagRequest, Policy, ScheduleError, ScheduleOptions};
 
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
@@ -121,7 +120,7 @@ impl Config {
         if let Some(delay) = &self.rules.max_delay {
             policy.max_delay_s = Some(parse_duration_s("max-delay", delay.as_str())?);
         }
-        policy.validate()?;
+        policy.validate().map_err(ConfigError::Policy)?;
         if policy.max_lost_fraction.is_some() && self.telescope()?.is_none() {
             let what = "telescope, without whose pixels nothing can be said of the policy's max_lost_fraction";
             return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
@@ -224,10 +223,7 @@ impl Config {
             id: "1".to_owned(),
             start,
             duration_s: parse_duration_s("exposure", duration)?,
-            pointing: Direction::from_lon_lat_rad(
-                parse_right_ascension_deg(right_ascension)?.to_radians(),
-                parse_declination_deg(declination)?.to_radians(),
-            ),
+            pointing: parse_direction(right_ascension, declination)?,
             rotation_rad: self.rotation_rad()?,
         })
     }
@@ -237,9 +233,11 @@ impl Config {
 fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
     Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
         let message = match error {
-            PolicyError::Syntax(what) => what,
-            PolicyError::Limit { .. } | PolicyError::Twice { .. } => error.to_string(),
-            PolicyError::OutOfRange { field, value, allowed } => format!("{field} is {value}, allowed {allowed}"),
+            ScheduleError::PolicySyntax(what) => what,
+            ScheduleError::PolicyOutOfRange { field, value, allowed } => {
+                format!("{field} is {value}, allowed {allowed}")
+            }
+            other => other.to_string(),
         };
         ConfigError::PolicyFile { path: path.display().to_string(), message }
     })

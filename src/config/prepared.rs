@@ -5,6 +5,10 @@ use std::collections::BTreeSet;
 use hifitime::Epoch;
 use serde_json::json;
 
+use super::document::Config;
+use super::error::ConfigError;
+use super::inputs::LoadedInputs;
+use super::warnings;
 use crate::elements::{Constellation, ElementSet, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
@@ -13,11 +17,6 @@ use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::schedule::lowest_altitudes_rad;
-
-use super::document::Config;
-use super::error::{ConfigError, RequestError};
-use super::inputs::LoadedInputs;
-use super::warnings;
 
 /// Largest number of rejected records listed in JSON; the count beside them is of all.
 const LISTED: usize = 1000;
@@ -103,10 +102,13 @@ impl LoadedInputs {
                 provenance.state("frame", "ICRS astrometric, from the observer's orbit");
             }
         }
+        provenance.state("drag", self.drag.name());
         provenance.state("shadow", self.shadow.name());
 
         let eop = self.eop.clone();
-        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice).with_shadow(self.shadow);
+        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice)
+            .with_drag(self.drag)
+            .with_shadow(self.shadow);
         if sky.left_out().len() == sky.elements().len() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }
@@ -139,10 +141,10 @@ impl PreparedSky {
     ///
     /// # Errors
     /// An altitude below 0°.
-    pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), RequestError> {
+    pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), ConfigError> {
         let viewpoint = self.sky.viewpoint();
         match lowest_altitudes_rad(&[exposure], viewpoint, &self.eop).first() {
-            Some(altitude_rad) if *altitude_rad < 0.0 => Err(RequestError::invalid(format!(
+            Some(altitude_rad) if *altitude_rad < 0.0 => Err(ConfigError::invalid(format!(
                 "the {what} is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
                 viewpoint.border_name(),
                 viewpoint.name(),

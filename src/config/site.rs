@@ -2,15 +2,14 @@
 
 use hifitime::Epoch;
 
+use super::document::{Config, SiteConfig};
+use super::error::ConfigError;
+use super::values::{NameOrTable, SiteTable, in_range};
 use crate::elements::{ElementSet, Keep, Satellites};
 use crate::frames::Orientation;
 use crate::geometry::{EarthLimb, GeometryError, Observer, Site};
 use crate::orbit::Propagator;
 use crate::passes::{OrbitingObserver, Viewpoint};
-
-use super::document::{Config, SiteConfig};
-use super::error::ConfigError;
-use super::values::{NameOrTable, SiteTable, in_range};
 
 const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
 

@@ -2,7 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{ElementSet, RecordError, Rejected, Satellites};
+use crate::elements::{ElementSet, RejectReason, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::orbit::LeftOut;
 use crate::output::{counted, format_utc};
@@ -42,7 +42,7 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
             warning +=
                 ", more than half: the answer is incomplete, the satellites of these records are missing from it";
         }
-        let is_checksum = |one: &&Rejected| matches!(one.reason, RecordError::BadChecksum { .. });
+        let is_checksum = |one: &&Rejected| matches!(one.reason, RejectReason::BadChecksum { .. });
         let checksums = catalogue.rejected.iter().filter(is_checksum).count();
         if checksums > 0 {
             warning += &format!(" ({checksums} for a wrong checksum; --accept-bad-checksums takes those)");

@@ -1,7 +1,8 @@
-//! Element sets in all formats in use, their history, simulated shells, and kinds of satellites.
+//! Element sets in all common formats, their history, simulated shells, and kinds of satellites.
 
 mod element_set;
 mod epoch;
+mod error;
 mod generation;
 mod history;
 mod omm;
@@ -21,11 +22,12 @@ mod tle_file;
 pub use element_set::{ElementSet, NoradId, Origin, share_of_stale};
 #[cfg(feature = "fit")]
 pub(crate) use epoch::parse_iso;
+pub use error::ElementsError;
 pub use generation::{Certainty, Generation, GenerationTable};
 pub use history::History;
 pub use on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km};
-pub use record::{RecordError, Rejected};
+pub use record::{ElementFormat, RejectReason, Rejected};
 pub use satellites::{Keep, ReadOptions, Satellites};
-pub use shell::{Constellation, FIRST_SYNTHETIC_ID, Shell, ShellError};
-pub use source::{CatalogueError, ElementFormat, SourceFile};
-pub use tle_file::{TleFormatError, format_tle};
+pub use shell::{Constellation, FIRST_SYNTHETIC_ID, Shell};
+pub use source::SourceFile;
+pub use tle_file::format_tle;

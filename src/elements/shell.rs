@@ -7,34 +7,34 @@
 //! u_ps = u₀ + 360° · s / S + 360° · F · p / T                 s = 0 … S−1
 //! ```
 //!
-//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are circular,
-//! without drag (B* = 0), and SGP4 flies them at a mean radius of the Earth's equatorial radius (6378.137 km) plus the
-//! shell's altitude. Ω₀ and u₀ belong to 2000-01-01T12:00:00 UTC; from there the planes turn and the satellites go as
-//! SGP4's own secular rates say, so element sets of one constellation for two epochs are the same satellites: propagated
-//! from the one epoch to the other they meet within kilometres.
+//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are
+//! circular, without drag (B* = 0), and their mean radius in SGP4 is the Earth's equatorial radius (6378.137 km) plus
+//! the shell's altitude. Ω₀ and u₀ are those of 2000-01-01T12:00:00 UTC; the angles change with SGP4's secular rates,
+//! so element sets of one constellation for two epochs describe the same satellites: propagated to a common time they
+//! agree within kilometres.
 //!
-//! What this is not: a forecast of where anything is. Counts and statistics mean something, single crossings do not.
+//! Positions do not correspond to real satellites: counts and statistics are meaningful, single crossings are not.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use hifitime::{Duration, Epoch, TimeScale};
 use serde::Deserialize;
-use thiserror::Error;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
+use super::error::ElementsError;
 use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
-/// The constellations that come with the library, with their sources.
+/// Constellations of the library, with their sources.
 const EMBEDDED: &str = include_str!("shells.toml");
 
-/// Catalogue numbers from here on are synthetic: a block of a million for each constellation.
+/// First catalogue number of synthetic satellites: a block of a million for each constellation.
 pub const FIRST_SYNTHETIC_ID: u32 = 900_000_000;
-/// Constellations of one's own begin here.
+/// First catalogue number of constellations defined by the user.
 const FIRST_OWN_ID: u32 = 950_000_000;
-/// Catalogue numbers set aside for one constellation.
+/// Catalogue numbers reserved for one constellation.
 const ID_BLOCK: u32 = 1_000_000;
 
 /// One shell: circular orbits of one altitude and inclination in evenly spaced planes.
@@ -77,53 +77,12 @@ fn full_circle() -> f64 {
 pub struct Constellation {
     /// Name, such as `starlink-gen1`.
     pub name: String,
-    /// Where the numbers come from.
+    /// Source of the numbers.
     pub source: String,
     /// The shells.
     pub shells: Vec<Shell>,
     /// Catalogue number of the first satellite.
     pub first_id: NoradId,
-}
-
-/// Errors of constellations.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ShellError {
-    /// No constellation of this name comes with the library.
-    #[error("unknown shells {name:?}; known are {known}")]
-    UnknownName {
-        /// Requested value.
-        name: String,
-        /// The names there are.
-        known: String,
-    },
-    /// The TOML is invalid.
-    #[error("constellation file: {0}")]
-    Syntax(String),
-    /// A number outside what can be.
-    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: {allowed}")]
-    OutOfRange {
-        /// Name of the constellation.
-        name: String,
-        /// Which shell, from 1.
-        shell: usize,
-        /// The key.
-        field: &'static str,
-        /// The number.
-        value: f64,
-        /// What is allowed, with its unit.
-        allowed: &'static str,
-    },
-    /// The stated total is not what the shells add up to.
-    #[error("constellation {name:?} states {stated} satellites, its shells add up to {sum} (1 to 999999 are allowed)")]
-    WrongTotal {
-        /// Name of the constellation.
-        name: String,
-        /// The number stated, or the sum where none is.
-        stated: u64,
-        /// What planes times satellites add up to.
-        sum: u64,
-    },
 }
 
 #[derive(Deserialize)]
@@ -143,28 +102,28 @@ struct Entry {
 }
 
 impl Constellation {
-    /// The constellations that come with the library.
+    /// Returns the constellations of the library.
     pub fn embedded() -> Vec<Self> {
-        // The text is part of the library, and a test reads it.
+        // The text is part of the library and covered by a test.
         parse(EMBEDDED, FIRST_SYNTHETIC_ID).unwrap_or_default()
     }
 
-    /// The constellation of this name, in any case.
+    /// Returns the constellation of this name, in any case.
     ///
     /// # Errors
-    /// The name is unknown; the error lists the known ones.
-    pub fn by_name(name: &str) -> Result<Self, ShellError> {
+    /// An unknown name; the error lists the known ones.
+    pub fn by_name(name: &str) -> Result<Self, ElementsError> {
         let mut all = Self::embedded();
         match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {
             Some(at) => Ok(all.swap_remove(at)),
             None => {
                 let known: Vec<_> = all.into_iter().map(|constellation| constellation.name).collect();
-                Err(ShellError::UnknownName { name: name.into(), known: known.join(", ") })
+                Err(ElementsError::UnknownShells { name: name.into(), known: known.join(", ") })
             }
         }
     }
 
-    /// Reads constellations of one's own from TOML.
+    /// Reads constellations from TOML.
     ///
     /// ```
     /// use streakcast::elements::Constellation;
@@ -172,31 +131,37 @@ impl Constellation {
     /// let mine = Constellation::from_toml(r#"
     ///     [[constellation]]
     ///     name = "mine"
-    ///     source = "a thought"
-    ///     shell = [{ altitude_km = 800, inclination_deg = 86.4, planes = 6, satellites_per_plane = 11, phasing = 2, node_spread_deg = 180 }]
+    ///     source = "example"
+    ///     [[constellation.shell]]
+    ///     altitude_km = 800
+    ///     inclination_deg = 86.4
+    ///     planes = 6
+    ///     satellites_per_plane = 11
+    ///     phasing = 2
+    ///     node_spread_deg = 180
     /// "#)?;
     /// assert_eq!(mine[0].satellites(), 66);
-    /// # Ok::<(), streakcast::elements::ShellError>(())
+    /// # Ok::<(), streakcast::elements::ElementsError>(())
     /// ```
     ///
     /// Keys are those of [`Shell`]; `satellites` in a `[[constellation]]` states the total and is checked.
     ///
     /// # Errors
-    /// * the text is not TOML, or a key is missing or unknown;
-    /// * a number is out of range, or the stated total is not the sum.
-    pub fn from_toml(text: &str) -> Result<Vec<Self>, ShellError> {
+    /// * invalid TOML, or a missing or unknown key;
+    /// * a number out of range, or a stated total that is not the sum.
+    pub fn from_toml(text: &str) -> Result<Vec<Self>, ElementsError> {
         parse(text, FIRST_OWN_ID)
     }
 
-    /// How many satellites the shells hold.
+    /// Returns the number of satellites of all shells.
     pub fn satellites(&self) -> usize {
         self.shells.iter().map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
     }
 
-    /// The element sets of every satellite for an epoch, in the order of shells, planes and satellites.
+    /// Returns the element sets of every satellite for an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers run from [`first_id`](Self::first_id); names read `STARLINK-GEN1-S1 P03-07 (synthetic)`, shell,
-    /// plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
+    /// Catalogue numbers start at [`first_id`](Self::first_id); names have the form `STARLINK-GEN1-S1 P03-07
+    /// (synthetic)`, with shell, plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
         let epoch = epoch.to_time_scale(TimeScale::UTC);
         let days = days_since_reference(epoch);
@@ -244,19 +209,23 @@ impl Constellation {
     }
 }
 
-/// Days of 86,400 s UTC since 2000-01-01T12:00:00, as SGP4 counts time between element sets.
+/// Returns the days of 86,400 s UTC since 2000-01-01T12:00:00, as SGP4 counts time between element sets.
 fn days_since_reference(epoch: Epoch) -> f64 {
-    // 36,524.5 days lie between 1900-01-01T00:00:00, where UTC is counted from, and the reference.
+    // 36,524.5 days from 1900-01-01T00:00:00, the zero of hifitime's UTC, to the reference.
     let reference = i128::from(DAY_NS) * 73_049 / 2;
     Duration::from_total_nanoseconds(epoch.to_utc_duration().total_nanoseconds() - reference)
         .to_unit(hifitime::Unit::Day)
 }
 
-fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ShellError> {
-    let file: File = toml::from_str(text).map_err(|error| ShellError::Syntax(error.to_string().trim().to_string()))?;
-    // As many as there are blocks of numbers up to 999,999,999.
+fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ElementsError> {
+    let file: File =
+        toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(error.to_string().trim().to_string()))?;
+    // The number of blocks up to catalogue number 999,999,999.
     if file.constellation.len() > 49 {
-        return Err(ShellError::Syntax(format!("{} constellations; 49 are allowed", file.constellation.len())));
+        return Err(ElementsError::ShellSyntax(format!(
+            "{} constellations; allowed: at most 49",
+            file.constellation.len()
+        )));
     }
     file.constellation
         .into_iter()
@@ -265,7 +234,7 @@ fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ShellError> {
         .collect()
 }
 
-fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
+fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> {
     for (at, shell) in entry.shell.iter().enumerate() {
         let ranges = [
             ("altitude_km", shell.altitude_km, 120.0..=5500.0, "120 to 5500 km"),
@@ -278,7 +247,7 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
         ];
         for (field, value, range, allowed) in ranges {
             if !range.contains(&value) {
-                return Err(ShellError::OutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
+                return Err(ElementsError::ShellOutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
             }
         }
     }
@@ -286,7 +255,7 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
         entry.shell.iter().map(|shell| u64::from(shell.planes) * u64::from(shell.satellites_per_plane)).sum();
     let stated = entry.satellites.unwrap_or(sum);
     if stated != sum || sum == 0 || sum >= u64::from(ID_BLOCK) {
-        return Err(ShellError::WrongTotal { name: entry.name, stated, sum });
+        return Err(ElementsError::ShellTotal { name: entry.name, stated, sum });
     }
     Ok(Constellation { name: entry.name, source: entry.source, shells: entry.shell, first_id: NoradId(first_id) })
 }
@@ -315,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_errors_say_what_is_allowed() {
+    fn verif_errors_contain_the_allowed_values() {
         let shell = |text: &str| {
             Constellation::from_toml(&format!("[[constellation]]\nname = \"x\"\nshell = [{{ {text} }}]"))
                 .unwrap_err()
@@ -323,7 +292,7 @@ mod tests {
         };
         assert_eq!(
             shell("altitude_km = 50, inclination_deg = 53, planes = 1, satellites_per_plane = 1"),
-            "constellation \"x\", shell 1: altitude_km 50 is out of range: 120 to 5500 km"
+            "constellation \"x\", shell 1: altitude_km 50 is out of range: allowed 120 to 5500 km"
         );
         assert!(
             shell("altitude_km = 550, inclination_deg = 53, planes = 0, satellites_per_plane = 1").contains("planes")
@@ -331,7 +300,7 @@ mod tests {
         assert!(shell("altitude = 550").contains("unknown field `altitude`"));
         assert_eq!(
             Constellation::by_name("starling").unwrap_err().to_string(),
-            "unknown shells \"starling\"; known are starlink-gen1, starlink-gen2, oneweb, kuiper, qianfan, guowang"
+            "unknown shells \"starling\": expected one of starlink-gen1, starlink-gen2, oneweb, kuiper, qianfan, guowang"
         );
     }
 }

@@ -1,68 +1,39 @@
-//! One file of element sets: unpacked, its format sniffed from the content, every record read or named.
+//! Reading one file of element sets: decompression, detection of the format, valid and rejected records.
 
 use std::borrow::Cow;
-use std::fmt;
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 use flate2::read::MultiGzDecoder;
 use hifitime::Epoch;
 use sha2::{Digest, Sha256};
-use thiserror::Error;
 
 use super::element_set::ElementSet;
-use super::record::{Parsed, RecordError, Rejected, excerpt};
+use super::error::ElementsError;
+use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
 
-/// The syntax of a file of element sets.
-#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum ElementFormat {
-    /// Two-line element sets, with or without a line for the name.
-    Tle,
-    /// Orbit mean-elements messages as JSON (CelesTrak, Space-Track, JSON lines).
-    OmmJson,
-    /// Orbit mean-elements messages as CSV, and tables with the two lines in columns.
-    OmmCsv,
-    /// Orbit mean-elements messages as XML (CCSDS 505.0-B).
-    OmmXml,
-    /// Orbit mean-elements messages as lines of `KEYWORD = value` (CCSDS 502.0-B).
-    OmmKvn,
-}
-
-impl fmt::Display for ElementFormat {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Tle => "TLE",
-            Self::OmmJson => "OMM JSON",
-            Self::OmmCsv => "OMM CSV",
-            Self::OmmXml => "OMM XML",
-            Self::OmmKvn => "OMM KVN",
-        })
-    }
-}
-
-/// Where element sets came from, for the provenance of every answer.
+/// Source of element sets, for the provenance of every result.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SourceFile {
-    /// Name as it was given.
+    /// Given name.
     pub name: Arc<str>,
     /// SHA-256 of the bytes on disk in lower-case hex, as `sha256sum` prints it.
     pub sha256: String,
     /// Syntax.
     pub format: ElementFormat,
-    /// Whether the file was compressed with gzip.
+    /// True if the file was compressed with gzip.
     pub gzipped: bool,
-    /// Good records, duplicates included.
+    /// Number of valid records, including duplicates.
     pub records: usize,
-    /// Records left out.
+    /// Number of rejected records.
     pub rejected: usize,
-    /// Whether the last record is one of those: the file may have been cut short, or is still being written.
+    /// True if the last record was rejected: the file may have been cut short, or is still being written.
     pub cut_short: bool,
-    /// Records taken in spite of a wrong checksum.
+    /// Number of records accepted with a wrong checksum.
     pub bad_checksums_accepted: usize,
     /// Earliest epoch.
     pub first_epoch: Epoch,
@@ -70,74 +41,7 @@ pub struct SourceFile {
     pub last_epoch: Epoch,
 }
 
-/// Why a whole file could not be used.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum CatalogueError {
-    /// No file was named.
-    #[error("no file of element sets was named")]
-    NoFiles,
-    /// The operating system refused.
-    #[error("cannot read {file}: {source}")]
-    Unreadable {
-        /// Name as it was given.
-        file: String,
-        /// Its words.
-        source: io::Error,
-    },
-    /// A directory was named.
-    #[error("{file} is a directory; name the files of element sets in it")]
-    Directory {
-        /// Name as it was given.
-        file: String,
-    },
-    /// Nothing in it, or blanks only.
-    #[error("{file} is empty; it should hold element sets as {ALLOWED}")]
-    Empty {
-        /// Name as it was given.
-        file: String,
-    },
-    /// A gzip file cut short or damaged.
-    #[error("{file} is a broken gzip file ({source}): it may have been cut short; fetch it again")]
-    BrokenGzip {
-        /// Name as it was given.
-        file: String,
-        /// Error of the decoder.
-        source: io::Error,
-    },
-    /// None of the formats.
-    #[error("{file} holds no element sets ({what}); allowed are {ALLOWED}")]
-    UnknownFormat {
-        /// Name as it was given.
-        file: String,
-        /// What it looks like.
-        what: String,
-    },
-    /// A known format in which no record is good. Going on would call every exposure clear.
-    #[error("{file} ({format}) holds no usable element set{}", rejected_words(*.rejected, .first))]
-    NothingUsable {
-        /// Name as it was given.
-        file: String,
-        /// Its format.
-        format: ElementFormat,
-        /// How many records were rejected.
-        rejected: usize,
-        /// The first of them.
-        first: Option<Box<Rejected>>,
-    },
-}
-
-/// What a file may be, for messages.
-const ALLOWED: &str = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
-
-fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
-    match first {
-        Some(first) => format!(": {rejected} rejected, the first at line {}: {}", first.line, first.reason),
-        None => ": it has no records".into(),
-    }
-}
-
-/// What came out of one file.
+/// Content of one file.
 pub(super) struct FileReading {
     pub source: SourceFile,
     pub sets: Vec<ElementSet>,
@@ -145,28 +49,28 @@ pub(super) struct FileReading {
 }
 
 /// Reads a file from disk.
-pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, CatalogueError> {
+pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, ElementsError> {
     let file = || path.display().to_string();
     if path.is_dir() {
-        return Err(CatalogueError::Directory { file: file() });
+        return Err(ElementsError::Directory { file: file() });
     }
-    let bytes = std::fs::read(path).map_err(|source| CatalogueError::Unreadable { file: file(), source })?;
+    let bytes = std::fs::read(path).map_err(|source| ElementsError::Unreadable { file: file(), source })?;
     read_bytes(&file(), &bytes, checksums)
 }
 
 /// Reads the content of a file.
-pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, CatalogueError> {
-    // Hashing and reading take about as long as each other.
+pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, ElementsError> {
+    // Hashing and parsing take about the same time and run in parallel.
     let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
     let Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted } = content?;
     let name: Arc<str> = Arc::from(name);
     let rejected: Vec<Rejected> =
         rejected.into_iter().map(|(line, reason)| Rejected { file: name.clone(), line, reason }).collect();
-    // All are UTC here: comparing what they hold spares the leap seconds.
+    // All are UTC here: comparing the raw durations avoids leap seconds.
     let epochs = || sets.iter().map(|set| set.epoch);
     let duration = |epoch: &Epoch| epoch.duration;
     let (Some(first_epoch), Some(last_epoch)) = (epochs().min_by_key(duration), epochs().max_by_key(duration)) else {
-        return Err(CatalogueError::NothingUsable {
+        return Err(ElementsError::NothingUsable {
             file: name.to_string(),
             format,
             rejected: rejected.len(),
@@ -188,26 +92,26 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
     Ok(FileReading { source, sets, rejected })
 }
 
-/// What a file holds, bad records by line.
+/// Content of a file, with rejected records by line.
 struct Content {
     format: ElementFormat,
     gzipped: bool,
     sets: Vec<ElementSet>,
-    rejected: Vec<(usize, RecordError)>,
+    rejected: Vec<(usize, RejectReason)>,
     cut_short: bool,
     bad_checksums_accepted: usize,
 }
 
-fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, CatalogueError> {
+fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, ElementsError> {
     let gzipped = bytes.starts_with(&[0x1f, 0x8b]);
     let unpacked = unpack(name, bytes)?;
     let decoded = decode(&unpacked);
     let text = String::from_utf8_lossy(&decoded);
     if text.bytes().all(|byte| byte.is_ascii_whitespace() || byte == 0) {
-        return Err(CatalogueError::Empty { file: name.into() });
+        return Err(ElementsError::Empty { file: name.into() });
     }
     let format = sniff(&decoded, &text)
-        .map_err(|what| CatalogueError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
+        .map_err(|what| ElementsError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
     let mut parsed = match format {
         ElementFormat::Tle => tle_file::parse(&text, checksums),
         ElementFormat::OmmJson => omm_json::parse(&text, checksums),
@@ -222,9 +126,9 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
     Ok(Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted })
 }
 
-/// Byte offsets in rising order to line numbers from 1.
+/// Converts increasing byte offsets to line numbers from 1.
 fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
-    // Files of the classic Macintosh end their lines with a lone carriage return.
+    // Classic Macintosh files end their lines with a lone carriage return.
     let line_end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
     let (mut at, mut line) = (0, 1);
     rejected
@@ -238,18 +142,18 @@ fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
         .collect()
 }
 
-fn unpack<'a>(name: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, CatalogueError> {
+fn unpack<'a>(name: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, ElementsError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
     let mut unpacked = Vec::with_capacity(bytes.len() * 4);
     MultiGzDecoder::new(bytes)
         .read_to_end(&mut unpacked)
-        .map_err(|source| CatalogueError::BrokenGzip { file: name.into(), source })?;
+        .map_err(|source| ElementsError::BrokenGzip { file: name.into(), source })?;
     Ok(Cow::Owned(unpacked))
 }
 
-/// Without byte order mark; UTF-16 (what a Windows shell writes) as UTF-8.
+/// Removes a byte order mark and converts UTF-16 (as written by Windows shells) to UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf16 = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
@@ -263,7 +167,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// The format, or what the text looks like instead.
+/// Detects the format; the error describes other content.
 fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     let packed: &[(&[u8], &str)] = &[
         (b"PK\x03\x04", "it is a zip archive; unpack it"),
@@ -278,7 +182,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     let body = text.trim_start();
     match body.as_bytes().first() {
         Some(b'{') => return Ok(ElementFormat::OmmJson),
-        // A lone bracket opens tables of TOML and INI as well.
+        // A lone bracket also starts tables of TOML and INI.
         Some(b'[') if matches!(body[1..].trim_start().as_bytes().first(), None | Some(b'{' | b'[' | b']' | b'"')) => {
             return Ok(ElementFormat::OmmJson);
         }
@@ -286,7 +190,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
         Some(b'<') => return Err("it is a web page or another kind of XML".into()),
         _ => {}
     }
-    // A CSV file may carry its two lines in columns: ask before TLE.
+    // A CSV file may contain the two lines in columns, so it is tested before TLE.
     if omm_kvn::looks_like(body) {
         Ok(ElementFormat::OmmKvn)
     } else if omm_csv::looks_like(body) {
@@ -299,7 +203,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     }
 }
 
-/// Lower-case hex.
+/// Returns lower-case hex.
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

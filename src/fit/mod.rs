@@ -1,13 +1,12 @@
 //! Photometry to brightness models: readers, selection, reduction, fits, posteriors, and checks of models.
 //!
 //! `measurements` reads photometry and reduces it; `point` makes points of a fit from it. A `form` is a brightness law with free parameters:
-//! `two_panel` the paper's, `panels_form` any panels, `phase` the baselines. `objective` is the cost of a form under a loss function, `solve` its
-//! least squares from several starts (`linear_starts`), with the errors of `covariance` or, for pixels, `jackknife`. `soundness` lists the faults
-//! of a fit, `cross_validation` compares forms on unseen points, `paper_tests` repeats the paper's tests, `posterior` draws with walkers
-//! (`chain_file` stores them), `model_of_fit` makes the model file, `report` and `tables` the output. `inference` contains the numerical
+//! `two_panel_form` the paper's (evaluated by `two_panel_kernel`), `panels_form` any panels, `phase` the baselines. `objective` is the cost of a
+//! form under a loss function, `solve` its least squares from several starts (`linear_starts`), with the errors of `covariance` or, for pixels,
+//! `jackknife`. `soundness` lists the faults of a fit, `cross_validation` compares forms on unseen points, `paper_tests` repeats the paper's tests, `posterior` draws with walkers
+//! and stores their chains, `model_of_fit` makes the model file, `report` the output. `inference` contains the numerical
 //! methods, `checks` the comparison of models with published results.
 
-mod chain_file;
 pub mod checks;
 mod covariance;
 mod cross_validation;
@@ -20,7 +19,6 @@ mod log_nodes;
 pub mod measurements;
 mod model_of_fit;
 mod objective;
-mod panel_earth;
 mod panels_form;
 mod paper_tests;
 mod phase;
@@ -30,10 +28,9 @@ mod report;
 mod solve;
 mod soundness;
 mod statistics;
-mod tables;
-mod two_panel;
+mod two_panel_form;
+mod two_panel_kernel;
 
-pub use chain_file::{ChainAbout, read_chain, write_chain};
 pub use covariance::{CovarianceKind, FitUncertainty};
 pub use cross_validation::{CompetingForm, FormScore, baseline_forms, compare_forms, predict};
 pub use error::FitError;
@@ -46,10 +43,9 @@ pub use panels_form::PanelsForm;
 pub use paper_tests::{COEFFICIENTS, LayerOffset, PairedModels, PaperTests, paper_tests};
 pub use phase::{PhaseForm, SphereForm};
 pub use point::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
-pub use posterior::{Marginal, Posterior, PosteriorSettings, draw, posterior};
-pub use report::Report;
+pub use posterior::{ChainAbout, Marginal, Posterior, PosteriorSettings, draw, posterior, read_chain, write_chain};
+pub use report::{Report, form_score_table, marginal_table, offset_table, paired_model_table, parameter_table};
 pub use solve::{Fit, FitSettings, Problem};
 pub use soundness::{Fault, PoorAxis, faults, points_behind};
 pub use statistics::{PairedTest, ResidualStatistics, rms, sigma_68_mag};
-pub use tables::{form_score_table, marginal_table, offset_table, paired_model_table, parameter_table};
-pub use two_panel::TwoPanelForm;
+pub use two_panel_form::TwoPanelForm;

@@ -1,18 +1,29 @@
-//! Posterior of the free parameters, drawn by walkers that start at a fit.
+//! Posterior of a fit by an ensemble of walkers, and the file that stores its chains.
+//!
+//! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the
+//! bytes of a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
 
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+
+use npyz::{NpyFile, WriterBuilder};
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-
-use crate::math::quantile::quantile;
+use serde::{Deserialize, Serialize};
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
 
 use super::error::FitError;
 use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times};
 use super::objective::Objective;
 use super::solve::Fit;
+use crate::math::quantile::quantile;
+use crate::output::AtomicFile;
 
-/// Distinguishes the seed of the starting places from that of the walk.
+/// Distinguishes the seed of the starting positions from that of the walk.
 const START_SALT: u64 = 0x5354_4152_5453;
-/// Half width of the starting places of a parameter without sigma, as a share of the interval between its bounds.
+/// Half width of the starting positions of a parameter without sigma, as a fraction of the interval between its bounds.
 const UNKNOWN_SPREAD: f64 = 1e-3;
 
 /// Settings of a posterior.
@@ -57,17 +68,17 @@ pub struct Posterior {
     pub marginals: Vec<Marginal>,
     /// `(n_free, n_free)`.
     pub covariance: Vec<Vec<f64>>,
-    /// Share of accepted proposals.
+    /// Fraction of accepted proposals.
     pub acceptance: f64,
     /// Steps after burn-in.
     pub steps: usize,
 }
 
-/// Starting places of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
-fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
+/// Starting positions of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
+fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(settings.seed ^ START_SALT);
     let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-    let mut place = |_| {
+    let mut start = |_| {
         let one = |&i: &usize| {
             let p = &fit.parameters[i];
             let width = p.greatest - p.least;
@@ -79,10 +90,11 @@ fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
         };
         fit.free.iter().map(one).collect()
     };
-    (0..settings.walkers).map(&mut place).collect()
+    (0..settings.walkers).map(&mut start).collect()
 }
 
-/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every step and may save the chain.
+/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every
+/// step and may save the chain.
 ///
 /// # Errors
 /// [`FitError::Ensemble`] for an invalid number of walkers, and every error that `each` returns.
@@ -95,7 +107,7 @@ pub fn draw(
 ) -> Result<Chain, FitError> {
     let mut ensemble = match resumed {
         Some(chain) if chain.steps() > 0 => Ensemble::resume(objective, chain, settings.seed)?,
-        _ => Ensemble::new(objective, starting_places(fit, settings), settings.seed)?,
+        _ => Ensemble::new(objective, starting_positions(fit, settings), settings.seed)?,
     };
     while ensemble.chain().steps() < settings.steps {
         ensemble.step();
@@ -127,9 +139,11 @@ pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
 }
 
 impl Posterior {
-    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each with its factor.
+    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each
+    /// with its factor.
     ///
-    /// The draws take points as independent, while the fit allows for errors that tracks share; for these parameters the draws are overconfident.
+    /// The draws treat points as independent, while the fit allows for errors shared within tracks; for these
+    /// parameters the draws are overconfident.
     pub fn overconfident(&self, fit: &Fit, times: f64) -> Vec<(String, f64)> {
         let ratio = |(marginal, &i): (&Marginal, &usize)| {
             let ratio = fit.uncertainty.sigma(i)? / marginal.sigma;
@@ -137,4 +151,87 @@ impl Posterior {
         };
         self.marginals.iter().zip(&fit.free).filter_map(ratio).collect()
     }
+}
+
+/// Identification of the fit of a chain.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChainAbout {
+    /// Version of the program.
+    pub software: String,
+    /// Names of the parameters, in the order of the last index.
+    pub parameters: Vec<String>,
+    /// Seed of the walkers.
+    pub seed: u64,
+    /// Hash of points, form and settings; a chain can only be continued with the same hash.
+    pub fingerprint: String,
+}
+
+/// Writes a chain.
+///
+/// # Errors
+/// [`FitError::ChainFile`] for any error of the system; an older file is then unchanged.
+pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), FitError> {
+    let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
+    let io = |error: std::io::Error| failed(error.to_string());
+    let file = AtomicFile::new(path).map_err(io)?;
+    let mut archive = ZipWriter::new(file.file());
+    let [steps, walkers, parameters] = [chain.steps(), chain.walkers(), chain.parameters()].map(|n| n as u64);
+    let text = serde_json::to_vec(about).map_err(|error| failed(error.to_string()))?;
+    write_array(&mut archive, "chain", &[steps, walkers, parameters], chain.positions()).map_err(io)?;
+    write_array(&mut archive, "log_prob", &[steps, walkers], chain.log_probabilities()).map_err(io)?;
+    write_array(&mut archive, "accepted", &[walkers], chain.accepted()).map_err(io)?;
+    write_array(&mut archive, "about", &[text.len() as u64], &text).map_err(io)?;
+    archive.finish().map_err(|error| failed(error.to_string()))?;
+    file.finish().map_err(io)
+}
+
+fn write_array<T: npyz::AutoSerialize + Copy>(
+    archive: &mut ZipWriter<&File>,
+    name: &str,
+    shape: &[u64],
+    values: &[T],
+) -> std::io::Result<()> {
+    // Random digits do not compress.
+    let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored).large_file(true);
+    archive.start_file(format!("{name}.npy"), options)?;
+    let mut bytes = Vec::with_capacity(128 + size_of_val(values));
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
+    writer.extend(values.iter().copied())?;
+    writer.finish()?;
+    archive.write_all(&bytes)
+}
+
+/// Reads a chain.
+///
+/// # Errors
+/// [`FitError::ChainFile`] if the file is missing, truncated or invalid.
+pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
+    let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
+    let file = File::open(path).map_err(|error| failed(error.to_string()))?;
+    let mut archive = ZipArchive::new(file)
+        .map_err(|_| failed("invalid .npz file; expected a chain written by fit run --mcmc".to_owned()))?;
+    let (positions, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
+    let (log_probabilities, _) = read_array::<f64>(&mut archive, "log_prob").map_err(failed)?;
+    let (accepted, _) = read_array::<u64>(&mut archive, "accepted").map_err(failed)?;
+    let (about, _) = read_array::<u8>(&mut archive, "about").map_err(failed)?;
+    let about: ChainAbout = serde_json::from_slice(&about).map_err(|error| failed(format!("about: {error}")))?;
+    let &[_, walkers, parameters] = &shape[..] else {
+        return Err(failed(format!("chain has {} axes, expected 3: steps, walkers, parameters", shape.len())));
+    };
+    if parameters as usize != about.parameters.len() {
+        return Err(failed(format!("{parameters} parameters, but {} names", about.parameters.len())));
+    }
+    let chain = Chain::from_parts(walkers as usize, parameters as usize, positions, log_probabilities, accepted)?;
+    Ok((chain, about))
+}
+
+fn read_array<T: npyz::Deserialize>(archive: &mut ZipArchive<File>, name: &str) -> Result<(Vec<T>, Vec<u64>), String> {
+    let wrong = |error: String| format!("array {name}: {error}");
+    let mut entry = archive.by_name(&format!("{name}.npy")).map_err(|error| wrong(error.to_string()))?;
+    let mut bytes = Vec::new();
+    entry.read_to_end(&mut bytes).map_err(|error| wrong(error.to_string()))?;
+    let array = NpyFile::new(&bytes[..]).map_err(|error| wrong(error.to_string()))?;
+    let shape = array.shape().to_vec();
+    Ok((array.into_vec::<T>().map_err(|error| wrong(error.to_string()))?, shape))
 }

@@ -1,63 +1,34 @@
-//! Times from text. A time without `Z` needs a time scale, and so does a number.
+//! Parsing of times. A time without `Z` or a bare number requires a time scale.
 
 use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
-use thiserror::Error;
 
 use super::error::FramesError;
 use super::time::{epoch_from_jd, epoch_from_mjd};
-
-/// Errors of parsing a time.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum InstantError {
-    /// The text is not ISO 8601.
-    #[error("'{0}' is not a time; allowed: ISO 8601 like 2024-08-14T00:30:00.000Z")]
-    NotATime(String),
-    /// A field is out of range.
-    #[error("'{text}': {field} {value} is out of range")]
-    OutOfRange {
-        /// Given text.
-        text: String,
-        /// `month`, `day`, `hour`, `minute` or `second`.
-        field: &'static str,
-        /// The value of the field.
-        value: u32,
-    },
-    /// A second 60 is given for a minute without a leap second.
-    #[error("'{0}': there was no leap second at that moment")]
-    NoLeapSecond(String),
-    /// The time has no scale.
-    #[error(
-        "'{0}' names no time scale: end it with Z (UTC) or say --time-scale utc, tai or tt \
-         (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
-    )]
-    NoScale(String),
-    /// A Julian date out of range.
-    #[error(transparent)]
-    Date(#[from] FramesError),
-}
 
 /// First supported year: that of the first satellite.
 pub const FIRST_YEAR: i32 = 1957;
 /// Last supported year (SOFA's Earth ephemeris `epv00` holds for 1900-2100).
 pub const LAST_YEAR: i32 = 2099;
 
-/// Below this a bare number is a modified Julian date, from it on a Julian date (MJD 10^6 is the year 4596, JD 10^6 1976 BC).
+/// Smallest bare number that is read as a Julian date; smaller ones are modified Julian dates (MJD 10^6 is the year
+/// 4596, JD 10^6 is 1976 BC).
 const FIRST_JD: f64 = 1e6;
 
-/// Returns the time of an ISO 8601 text, or, with a scale, of a bare MJD or JD.
+/// Parses an ISO 8601 time or, with a scale, a bare MJD or JD.
 ///
 /// # Errors
-/// As [`parse_instant`]; a number out of the range of Julian dates.
-pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, InstantError> {
+/// Same as [`parse_instant`], and a number outside the range of Julian dates.
+pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, FramesError> {
     match (text.trim().parse::<f64>(), scale) {
         (Ok(number), Some(scale)) if number < FIRST_JD => Ok(epoch_from_mjd(number, scale)?),
         (Ok(number), Some(scale)) => Ok(epoch_from_jd(number, scale)?),
-        (Ok(_), None) => Err(InstantError::NoScale(text.to_owned())),
+        (Ok(_), None) => Err(FramesError::NoScale(text.to_owned())),
         (Err(_), _) => parse_instant(text, scale),
     }
 }
 
-/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00` for the `Z`.
+/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00`
+/// for the `Z`.
 ///
 /// Without `Z` or offset the text is in `scale`. A second 60 is valid if UTC has one.
 ///
@@ -65,7 +36,7 @@ pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Insta
 /// - The text has another form, or a field is out of range.
 /// - A second 60 is given without a leap second.
 /// - There is no `Z`, no offset and no `scale`.
-pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, InstantError> {
+pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, FramesError> {
     let text = text.trim();
     let (body, offset_minutes) = split_zone(text)?;
     let scale = match (offset_minutes, scale) {
@@ -76,7 +47,7 @@ pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Inst
             if body.parse::<f64>().is_err() {
                 calendar(text, body)?;
             }
-            return Err(InstantError::NoScale(text.to_owned()));
+            return Err(FramesError::NoScale(text.to_owned()));
         }
     };
     let fields = calendar(text, body)?;
@@ -88,8 +59,8 @@ pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Inst
 }
 
 /// Returns the time one second after second 59 of a minute with a leap second.
-fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, InstantError> {
-    let missing = || InstantError::NoLeapSecond(text.to_owned());
+fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, FramesError> {
+    let missing = || FramesError::NoLeapSecond(text.to_owned());
     if second_59.time_scale != TimeScale::UTC {
         return Err(missing());
     }
@@ -100,7 +71,7 @@ fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, InstantError> {
 }
 
 /// Returns the text without `Z` or offset, and the offset in minutes; `None` without a zone.
-fn split_zone(text: &str) -> Result<(&str, Option<i32>), InstantError> {
+fn split_zone(text: &str) -> Result<(&str, Option<i32>), FramesError> {
     if let Some(body) = text.strip_suffix(['Z', 'z']) {
         return Ok((body.trim_end(), Some(0)));
     }
@@ -108,7 +79,7 @@ fn split_zone(text: &str) -> Result<(&str, Option<i32>), InstantError> {
     let Some(time_at) = text.find(['T', 't', ' ']) else { return Ok((text, None)) };
     let Some(sign_at) = text[time_at..].find(['+', '-']).map(|at| at + time_at) else { return Ok((text, None)) };
     let digits: String = text[sign_at + 1..].chars().filter(|c| *c != ':').collect();
-    let not_a_time = || InstantError::NotATime(text.to_owned());
+    let not_a_time = || FramesError::NotATime(text.to_owned());
     if !matches!(digits.len(), 2 | 4) || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(not_a_time());
     }
@@ -126,8 +97,8 @@ struct Calendar {
     second: u32,
 }
 
-fn calendar(text: &str, body: &str) -> Result<Calendar, InstantError> {
-    let not_a_time = || InstantError::NotATime(text.to_owned());
+fn calendar(text: &str, body: &str) -> Result<Calendar, FramesError> {
+    let not_a_time = || FramesError::NotATime(text.to_owned());
     let (date, time) = body.split_once(['T', 't', ' ']).unwrap_or((body, "00:00:00"));
     let mut date_parts = date.split('-');
     let year = number(date_parts.next(), 4).ok_or_else(not_a_time)?;
@@ -148,7 +119,7 @@ fn calendar(text: &str, body: &str) -> Result<Calendar, InstantError> {
     if !fraction.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(not_a_time());
     }
-    let out_of_range = |field, value| InstantError::OutOfRange { text: text.to_owned(), field, value };
+    let out_of_range = |field, value| FramesError::TimeField { text: text.to_owned(), field, value };
     if !(1..=12).contains(&month) {
         return Err(out_of_range("month", month));
     }
@@ -222,7 +193,7 @@ mod tests {
     #[test]
     fn bare_dates_need_a_scale() {
         for text in ["60536.25", "2460536.75"] {
-            assert!(matches!(parse_moment(text, None), Err(InstantError::NoScale(_))), "{text}");
+            assert!(matches!(parse_moment(text, None), Err(FramesError::NoScale(_))), "{text}");
             let moment = parse_moment(text, Some(TimeScale::TAI)).unwrap();
             assert!((moment - at(5, 59, 23, 0)).abs() < Unit::Microsecond * 1_i64, "{moment}");
         }
@@ -230,10 +201,10 @@ mod tests {
     }
 
     #[test]
-    fn a_time_without_scale_is_refused_with_the_reason() {
+    fn a_time_without_scale_is_rejected_with_the_reason() {
         for text in ["2024-08-14T00:30:00", "60536.02", "2460536.52"] {
             let error = parse_instant(text, None).unwrap_err();
-            assert_eq!(error, InstantError::NoScale(text.to_owned()));
+            assert_eq!(error, FramesError::NoScale(text.to_owned()));
             assert!(error.to_string().contains("37 s"), "{error}");
         }
     }
@@ -245,13 +216,13 @@ mod tests {
         let after = parse_instant("2017-01-01T00:00:00.25Z", None).unwrap().to_time_scale(TimeScale::TAI);
         assert_eq!((sixty - before, after - sixty), (Unit::Second * 1_i64, Unit::Second * 1_i64));
         for text in ["2024-08-14T23:59:60Z", "2016-12-31T22:59:60Z"] {
-            assert_eq!(parse_instant(text, None).unwrap_err(), InstantError::NoLeapSecond(text.to_owned()));
+            assert_eq!(parse_instant(text, None).unwrap_err(), FramesError::NoLeapSecond(text.to_owned()));
         }
         assert!(parse_instant("2016-12-31T23:59:60", Some(TimeScale::TAI)).is_err());
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_times_are_rejected() {
         for text in [
             "",
             "now",

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::header::Header;
-use super::pixel::PixelPosition;
+use super::plane::PixelPosition;
 
 /// Pixels of a frame that light falls on, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]

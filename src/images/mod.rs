@@ -1,18 +1,19 @@
-//! The pixel plane: frames, their geometry on the sky, and what optics and detector make of light. It has never heard of satellites.
+//! Frames: files, headers, their geometry on the sky, detectors and telescopes. No satellites.
 
 mod card;
 mod detector;
+mod error;
 mod exposure;
 #[cfg(feature = "fits")]
 mod fits;
 mod header;
 mod light_area;
 mod patch;
-mod pixel;
 mod plane;
 #[cfg(feature = "plot")]
 mod preview;
 mod telescope;
+mod telescope_streak;
 mod wcs;
 
 pub use card::{CARD_LENGTH, Card, CardValue};
@@ -20,6 +21,7 @@ pub use detector::{
     AddedLight, Amplifier, Bleeding, Crosstalk, Detector, DetectorError, NonLinearity, Quantisation, ReadoutCorner,
     Saturated, Saturation, Vignetting,
 };
+pub use error::ImagesError;
 pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, PixelUnit, Stated, ZeroPoint};
 #[cfg(feature = "fits")]
 pub use fits::{
@@ -29,12 +31,11 @@ pub use fits::{
 pub use header::Header;
 pub use light_area::LightArea;
 pub use patch::{Patch, PatchRows, PatchSpan};
-pub use pixel::PixelPosition;
-pub use plane::{Plane, PlaneError};
+pub use plane::{PixelPosition, Plane};
 #[cfg(feature = "plot")]
-pub use preview::{Overlay, PreviewError, preview_png};
+pub use preview::{Overlay, preview_png};
 pub use telescope::{
-    ARCSEC_PER_RAD, BandLimits, FieldOfView, Telescope, TelescopeError, effective_magnitude,
-    expected_lost_pixel_fraction, satcon1_limit_mag, surface_brightness_mag_arcsec2, time_on_pixel_s,
+    ARCSEC_PER_RAD, BandLimits, FieldOfView, Telescope, effective_magnitude, expected_lost_pixel_fraction,
+    satcon1_limit_mag, surface_brightness_mag_arcsec2, time_on_pixel_s,
 };
 pub use wcs::{Wcs, WcsError};

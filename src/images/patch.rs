@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::light_area::LightArea;
-use super::pixel::PixelPosition;
+use super::plane::PixelPosition;
 use super::plane::Plane;
 
 /// Neighbouring pixels in one row of a patch.

@@ -1,26 +1,9 @@
 //! A frame as a picture, to look at.
 
 use image::{ImageFormat, Rgb, RgbImage};
-use thiserror::Error;
 
-use super::pixel::PixelPosition;
-use super::plane::Plane;
-
-/// Why no picture came.
-#[derive(Debug, Error)]
-pub enum PreviewError {
-    /// A frame without rows or columns.
-    #[error("a frame of {rows} rows by {columns} columns has no picture")]
-    Empty {
-        /// Rows.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-    },
-    /// The encoder failed.
-    #[error("the picture cannot be encoded: {0}")]
-    Encode(#[from] image::ImageError),
-}
+use super::error::ImagesError;
+use super::plane::{PixelPosition, Plane};
 
 /// A line to be drawn over a preview.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,11 +32,11 @@ const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
 /// Frames beyond 1600 pixels are averaged down, those below 400 enlarged. Pixels that are no number are dark blue.
 ///
 /// # Errors
-/// [`PreviewError`] for a frame without pixels.
-pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, PreviewError> {
+/// [`ImagesError`] for a frame without pixels.
+pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, ImagesError> {
     let (rows, columns) = (plane.rows(), plane.columns());
     if rows == 0 || columns == 0 {
-        return Err(PreviewError::Empty { rows, columns });
+        return Err(ImagesError::EmptyPreview { rows, columns });
     }
     let scale = Scale::of(rows, columns);
     let [black, white] = limits(plane);

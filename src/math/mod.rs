@@ -1,7 +1,8 @@
-//! Numerical routines without astronomy: elementary functions, quadrature, minima, quantiles, HEALPix, vector loops.
+//! Numerical routines without astronomy: elementary functions, interpolation, quadrature, minima, quantiles, HEALPix, vector loops.
 
 pub(crate) mod elementary;
 pub mod healpix;
+pub(crate) mod interpolation;
 pub(crate) mod minimum;
 pub(crate) mod quadrature;
 pub mod quantile;

@@ -3,6 +3,9 @@
 use hifitime::Epoch;
 use thiserror::Error;
 
+use super::field::FieldError;
+
+use crate::frames::FramesError;
 use crate::orbit::OrbitError;
 
 /// First and last year of the ephemeris of Sun and Earth.
@@ -38,6 +41,23 @@ pub enum SkyError {
         id: String,
         /// What is wrong, and what is allowed.
         problem: String,
+    },
+    /// Invalid start of an exposure from text.
+    #[error("start: {0}")]
+    Start(FramesError),
+    /// Invalid right ascension or declination of an exposure from text.
+    #[error(transparent)]
+    Direction(FramesError),
+    /// Invalid field of view.
+    #[error(transparent)]
+    Field(#[from] FieldError),
+    /// A brightness model that the library does not have.
+    #[error("unknown brightness model {name:?} (allowed: {})", known.join(", "))]
+    UnknownModel {
+        /// The requested name.
+        name: String,
+        /// The names in the library.
+        known: Vec<String>,
     },
 }
 

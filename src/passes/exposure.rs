@@ -1,13 +1,9 @@
 //! One exposure: start, length and pointing.
 
 use hifitime::Epoch;
-use thiserror::Error;
 
 use super::error::{SkyError, check_epoch};
-use crate::frames::{
-    Direction, FramesError, Gcrs, InstantError, parse_declination_deg, parse_instant, parse_right_ascension_deg,
-    seconds_between,
-};
+use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
 
 /// An exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction
@@ -26,30 +22,19 @@ pub struct Exposure {
     pub rotation_rad: f64,
 }
 
-/// Errors of an exposure from text.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum ExposureTextError {
-    /// The start.
-    #[error("start: {0}")]
-    Start(#[from] InstantError),
-    /// The right ascension or the declination.
-    #[error(transparent)]
-    Direction(#[from] FramesError),
-}
-
 impl Exposure {
     /// An exposure from text: the start as ISO 8601 with `Z` or an offset, right ascension (`14h53m36s`, `14:53:36` or degrees) and
     /// declination (`-08d54m`, `-08:54:00` or degrees) as ICRS astrometric. The rotation is 0, the identifier empty.
     ///
     /// # Errors
-    /// [`ExposureTextError`] for a text of another form or out of range. A negative length is found when the exposure is used.
-    pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, ExposureTextError> {
-        let (ra_deg, dec_deg) = (parse_right_ascension_deg(ra)?, parse_declination_deg(dec)?);
+    /// [`SkyError`] for a text of another form or out of range. A negative length is found when the exposure is used.
+    pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, SkyError> {
+        let pointing = parse_direction(ra, dec).map_err(SkyError::Direction)?;
         Ok(Self {
             id: String::new(),
-            start: parse_instant(start, None)?,
+            start: parse_instant(start, None).map_err(SkyError::Start)?,
             duration_s,
-            pointing: Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()),
+            pointing,
             rotation_rad: 0.0,
         })
     }

@@ -1,11 +1,12 @@
 //! Satellites that cross a field while the shutter is open, that pass over a site, or that are above it at a time.
 //!
 //! [`Sky`] is the entry type: a catalogue seen from one viewpoint. `field_passes` computes crossings, their probability
-//! and their light, `visible` the visible passes of a night, `snapshots` all satellites at given times, `delayed_track`
+//! and their light, `visible_passes` the visible passes of a night (`above_horizon` their intervals), `snapshots` all satellites at given times, `delayed_track`
 //! tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the search), `track`
 //! (lines of sight), `crossing` (chords through a field), `probability`, and `evaluator` (positions and light along a
 //! line of sight).
 
+mod above_horizon;
 mod altaz;
 mod candidates;
 mod crossing;
@@ -22,19 +23,19 @@ mod sky;
 mod snapshots;
 mod track;
 mod viewpoint;
-mod visible;
+mod visible_passes;
 
 pub use altaz::AltAz;
 pub use delayed_track::{DelayedTrack, ExposureInterval, Sighting};
 pub use error::SkyError;
-pub use exposure::{Exposure, ExposureTextError};
+pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
 pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
 };
-pub use models::{ModelChoice, UnknownModel};
+pub use models::ModelChoice;
 pub use sky::Sky;
 pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 pub use track::{Chord, Pass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
-pub use visible::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
+pub use visible_passes::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};

@@ -3,20 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use thiserror::Error;
-
+use super::error::SkyError;
 use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
-
-/// A brightness model that the library does not have.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[error("unknown brightness model {name:?} (allowed: {})", known.join(", "))]
-pub struct UnknownModel {
-    /// The requested name.
-    pub name: String,
-    /// The names in the library.
-    pub known: Vec<String>,
-}
 
 /// Brightness model of an element set: by generation, else by the object's own standard magnitude, else a prior for a
 /// rocket body or for any object.
@@ -56,8 +45,8 @@ impl ModelChoice {
     /// The default models of a library.
     ///
     /// # Errors
-    /// [`UnknownModel`] where the library lacks one of them; the embedded one has all.
-    pub fn new(library: &ModelLibrary) -> Result<Self, UnknownModel> {
+    /// [`SkyError`] where the library lacks one of them; the embedded one has all.
+    pub fn new(library: &ModelLibrary) -> Result<Self, SkyError> {
         let mut by_generation = BTreeMap::new();
         for generation in Generation::ALL {
             if let Some(name) = default_model(generation) {
@@ -75,13 +64,8 @@ impl ModelChoice {
     /// With another model for one generation.
     ///
     /// # Errors
-    /// [`UnknownModel`] where the library does not have it.
-    pub fn with_model(
-        mut self,
-        generation: Generation,
-        name: &str,
-        library: &ModelLibrary,
-    ) -> Result<Self, UnknownModel> {
+    /// [`SkyError`] where the library does not have it.
+    pub fn with_model(mut self, generation: Generation, name: &str, library: &ModelLibrary) -> Result<Self, SkyError> {
         self.by_generation.insert(generation, find(library, name)?);
         Ok(self)
     }
@@ -110,10 +94,11 @@ impl ModelChoice {
     }
 }
 
-fn find(library: &ModelLibrary, name: &str) -> Result<Arc<BrightnessModel>, UnknownModel> {
-    library
-        .get(name)
-        .ok_or_else(|| UnknownModel { name: name.to_owned(), known: library.names().map(str::to_owned).collect() })
+fn find(library: &ModelLibrary, name: &str) -> Result<Arc<BrightnessModel>, SkyError> {
+    library.get(name).ok_or_else(|| SkyError::UnknownModel {
+        name: name.to_owned(),
+        known: library.names().map(str::to_owned).collect(),
+    })
 }
 
 /// Catalogues mark rocket bodies as `R/B`, with or without a number or bracket around it.

@@ -1,13 +1,13 @@
-//! From geometry to magnitude: laws of reflection, panels, phase functions, and models of satellites by name.
+//! From geometry to magnitude: reflection laws, panels, phase functions, and models of satellites by name.
 
 mod band;
 pub mod brdf;
 mod brightness;
 pub mod earthshine;
+mod error;
 mod library;
 mod magnitude;
 mod model;
-mod model_error;
 mod model_file;
 pub mod panels;
 mod parameter_sigma;
@@ -15,15 +15,15 @@ mod phase;
 mod standard_magnitudes;
 pub(crate) mod two_panel;
 
-pub use band::{Band, BandError, MagSystem};
+pub use band::{Band, MagSystem};
 pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
+pub use error::PhotometryError;
 pub use library::ModelLibrary;
 pub use magnitude::{Magnitude, StandardMagnitude, airmass};
 pub use model::BrightnessModel;
-pub use model_error::ModelFileError;
 pub use model_file::{
     Coefficients, GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, PhasePolynomial, Provenance, SatelliteShape,
 };
 pub use phase::{DiffuseSphere, PhaseFunction};
-pub use standard_magnitudes::{StandardMagnitudes, StandardMagnitudesError};
+pub use standard_magnitudes::StandardMagnitudes;
 pub use two_panel::{Blocked, BodyAngles, ChassisAndSail, SatelliteModel, SatellitePositions, Terms};

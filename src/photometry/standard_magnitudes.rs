@@ -1,34 +1,20 @@
-//! Standard magnitudes by object, from the amateurs' table for QuickSat (`qs.mag`).
+//! Standard magnitudes by object, from the table for QuickSat (`qs.mag`).
 //!
-//! Mike McCants' intrinsic magnitude is stated for 1000 km, *full* phase, and the brightest aspect that is likely. Here
-//! magnitudes are means at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase
-//! and about 0.7 mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half
-//! phase; merged lists in circulation add a round 1.0.) Rows without a magnitude are skipped.
+//! Mike McCants' intrinsic magnitude is for 1000 km, *full* phase, and the brightest likely aspect. Here magnitudes are
+//! means at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase and about 0.7
+//! mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half phase; merged
+//! lists in circulation add a round 1.0.) Rows without a magnitude are skipped.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
 use std::collections::BTreeMap;
 
-use thiserror::Error;
-
+use super::error::PhotometryError;
 use super::magnitude::StandardMagnitude;
 
-/// Full phase, brightest likely, to half phase, average: 2.5 log10 2 + 0.7 mag (McCants, "Intrinsic magnitude
-/// definitions").
+/// Offset from full phase and brightest likely aspect to half phase and average aspect: 2.5 log10 2 + 0.7 mag (McCants,
+/// "Intrinsic magnitude definitions").
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
-
-/// Errors of tables of standard magnitudes.
-#[derive(Debug, Error, PartialEq)]
-pub enum StandardMagnitudesError {
-    /// No line has an id and a magnitude in their columns.
-    #[error(
-        "none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37: is this a qs.mag table?"
-    )]
-    NothingRead {
-        /// Number of lines.
-        lines: usize,
-    },
-}
 
 /// Magnitudes at 1000 km and phase angle 90°, by NORAD id.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -40,8 +26,8 @@ impl StandardMagnitudes {
     /// Reads a `qs.mag` table; magnitudes are converted to half phase and mean aspect.
     ///
     /// # Errors
-    /// [`StandardMagnitudesError::NothingRead`] where no line has an id and a magnitude.
-    pub fn from_qs_mag(text: &str) -> Result<Self, StandardMagnitudesError> {
+    /// [`PhotometryError::NoStandardMagnitudes`] where no line has an id and a magnitude.
+    pub fn from_qs_mag(text: &str) -> Result<Self, PhotometryError> {
         let half_lit: BTreeMap<u32, StandardMagnitude> = text
             .lines()
             .filter_map(|line| {
@@ -54,27 +40,22 @@ impl StandardMagnitudes {
             })
             .collect();
         if half_lit.is_empty() {
-            return Err(StandardMagnitudesError::NothingRead { lines: text.lines().count() });
+            return Err(PhotometryError::NoStandardMagnitudes { lines: text.lines().count() });
         }
         Ok(Self { half_lit })
     }
 
-    /// Takes pairs of NORAD id and magnitude at 1000 km and phase angle 90°; the last of equal ids counts.
-    pub fn from_half_lit(pairs: impl IntoIterator<Item = (u32, StandardMagnitude)>) -> Self {
-        Self { half_lit: pairs.into_iter().collect() }
-    }
-
-    /// Magnitude at 1000 km and phase angle 90°, if the object is listed.
+    /// Returns the magnitude at 1000 km and phase angle 90°, if the object is listed.
     pub fn get(&self, norad_id: u32) -> Option<StandardMagnitude> {
         self.half_lit.get(&norad_id).copied()
     }
 
-    /// Number of objects.
+    /// Returns the number of objects.
     pub fn len(&self) -> usize {
         self.half_lit.len()
     }
 
-    /// True for an empty table.
+    /// Returns true for an empty table.
     pub fn is_empty(&self) -> bool {
         self.half_lit.is_empty()
     }
@@ -93,7 +74,7 @@ mod tests {
 ";
 
     #[test]
-    fn verif_rows_are_read_and_brought_to_half_phase() {
+    fn verif_rows_are_read_and_converted_to_half_phase() {
         let table = StandardMagnitudes::from_qs_mag(ROWS).unwrap();
         assert_eq!(table.len(), 2);
         assert!((table.get(11).unwrap().0 - 8.9526).abs() < 1e-4);
@@ -102,9 +83,9 @@ mod tests {
     }
 
     #[test]
-    fn verif_another_kind_of_text_is_refused() {
+    fn verif_other_text_is_rejected() {
         let error = StandardMagnitudes::from_qs_mag("a,b,c\n1,2,3\n").unwrap_err();
-        assert_eq!(error, StandardMagnitudesError::NothingRead { lines: 2 });
+        assert!(matches!(error, PhotometryError::NoStandardMagnitudes { lines: 2 }));
         assert!(error.to_string().contains("qs.mag"));
         assert!(StandardMagnitudes::from_qs_mag("").is_err());
     }

@@ -1,4 +1,4 @@
-//! Errors of reading and annotating schedules.
+//! Errors of schedules and policies.
 
 use std::io;
 
@@ -10,7 +10,7 @@ pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, 
      start_mjd_utc, start_mjd_tai, start_mjd_tt and the like), duration_s, ra_deg, dec_deg and, if known, rotation_deg, band; \
      the names of Rubin's opsim and ConsDB and of ObsLocTAP are understood too";
 
-/// Errors of reading a schedule. An invalid row keeps its place, with its reason.
+/// Errors of schedules and policies. An invalid row of a schedule keeps its place, with its reason.
 #[derive(Debug, Error)]
 pub enum ScheduleError {
     /// The file cannot be opened or read.
@@ -129,17 +129,9 @@ pub enum ScheduleError {
         /// Error of SQLite.
         source: rusqlite::Error,
     },
-}
-
-/// Errors of annotating a schedule. Nothing is written then.
-#[derive(Debug, Error)]
-pub enum AnnotateError {
-    /// The schedule cannot be read.
-    #[error(transparent)]
-    Schedule(#[from] ScheduleError),
     /// The format cannot be written.
     #[error("schedule {path} is {format}, which this build cannot write; allowed: CSV, ECSV, JSON and VOTable")]
-    Format {
+    AnnotateFormat {
         /// The file.
         path: String,
         /// Its format.
@@ -174,7 +166,7 @@ pub enum AnnotateError {
     /// Parquet reported an error.
     #[cfg(feature = "parquet")]
     #[error("cannot write {path}: {what}")]
-    Parquet {
+    AnnotateParquet {
         /// The file.
         path: String,
         /// Error of Parquet.
@@ -183,10 +175,39 @@ pub enum AnnotateError {
     /// SQLite reported an error.
     #[cfg(feature = "sqlite")]
     #[error("cannot write {path}: {source}")]
-    Sqlite {
+    AnnotateSqlite {
         /// The file.
         path: String,
         /// Error of SQLite.
         source: rusqlite::Error,
+    },
+    /// The text is not TOML, or has an unknown key or a value of the wrong type.
+    #[error(
+        "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s"
+    )]
+    PolicySyntax(String),
+    /// The magnitude limit is neither a number nor numbers by band.
+    #[error("'{given}' is no magnitude limit; allowed: a number, or numbers by band as g=7,y=5,default=6")]
+    PolicyLimit {
+        /// Given value.
+        given: String,
+    },
+    /// A band has two limits.
+    #[error("band {band} has two limits in '{given}'; allowed: one number for each band, as g=7,y=5,default=6")]
+    PolicyBand {
+        /// The band.
+        band: String,
+        /// Given value.
+        given: String,
+    },
+    /// A number is out of range.
+    #[error("policy: {field} is {value}, allowed {allowed}")]
+    PolicyOutOfRange {
+        /// The key.
+        field: &'static str,
+        /// Given value.
+        value: f64,
+        /// Allowed range.
+        allowed: &'static str,
     },
 }

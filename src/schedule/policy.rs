@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
+use super::error::ScheduleError;
 use crate::images::Telescope;
 
 /// Magnitude limit: one for all bands, one for each band, or that of the telescope.
@@ -32,10 +32,10 @@ pub enum OfTelescope {
 }
 
 impl FromStr for MagnitudeLimit {
-    type Err = PolicyError;
+    type Err = ScheduleError;
 
     /// Parses `7`, or limits by band, `g=7,y=5,default=6`.
-    fn from_str(text: &str) -> Result<Self, PolicyError> {
+    fn from_str(text: &str) -> Result<Self, ScheduleError> {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         if let Some(limit) = number(text) {
             return Ok(MagnitudeLimit::All(limit));
@@ -46,9 +46,9 @@ impl FromStr for MagnitudeLimit {
         });
         let mut limits = BTreeMap::new();
         for pair in pairs {
-            let (band, limit) = pair.ok_or_else(|| PolicyError::Limit { given: text.to_owned() })?;
+            let (band, limit) = pair.ok_or_else(|| ScheduleError::PolicyLimit { given: text.to_owned() })?;
             if limits.insert(band.clone(), limit).is_some() {
-                return Err(PolicyError::Twice { band, given: text.to_owned() });
+                return Err(ScheduleError::PolicyBand { band, given: text.to_owned() });
             }
         }
         Ok(MagnitudeLimit::PerBand(limits))
@@ -123,40 +123,6 @@ pub struct Policy {
     pub max_delay_s: Option<f64>,
 }
 
-/// Errors in a policy.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum PolicyError {
-    /// The text is not TOML, or has an unknown key or a value of the wrong type.
-    #[error(
-        "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s"
-    )]
-    Syntax(String),
-    /// The magnitude limit is neither a number nor numbers by band.
-    #[error("'{given}' is no magnitude limit; allowed: a number, or numbers by band as g=7,y=5,default=6")]
-    Limit {
-        /// Given value.
-        given: String,
-    },
-    /// A band has two limits.
-    #[error("band {band} has two limits in '{given}'; allowed: one number for each band, as g=7,y=5,default=6")]
-    Twice {
-        /// The band.
-        band: String,
-        /// Given value.
-        given: String,
-    },
-    /// A number is out of range.
-    #[error("policy: {field} is {value}, allowed {allowed}")]
-    OutOfRange {
-        /// The key.
-        field: &'static str,
-        /// Given value.
-        value: f64,
-        /// Allowed range.
-        allowed: &'static str,
-    },
-}
-
 impl Policy {
     /// Default probability from which a crossing makes an exposure one to avoid.
     pub const DEFAULT_MIN_PROBABILITY: f64 = 0.5;
@@ -174,8 +140,9 @@ impl Policy {
     ///
     /// # Errors
     /// The syntax is invalid, a key is unknown, or a number is out of range.
-    pub fn from_toml(text: &str) -> Result<Self, PolicyError> {
-        let policy: Policy = toml::from_str(text).map_err(|error| PolicyError::Syntax(one_line(&error, text)))?;
+    pub fn from_toml(text: &str) -> Result<Self, ScheduleError> {
+        let policy: Policy =
+            toml::from_str(text).map_err(|error| ScheduleError::PolicySyntax(one_line(&error, text)))?;
         policy.validate()?;
         Ok(policy)
     }
@@ -184,10 +151,10 @@ impl Policy {
     ///
     /// # Errors
     /// A number is out of range.
-    pub fn validate(&self) -> Result<(), PolicyError> {
+    pub fn validate(&self) -> Result<(), ScheduleError> {
         if matches!(self.limit_mag, Some(MagnitudeLimit::OfTelescope(_))) {
             let what = "limit_mag needs a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
-            return Err(PolicyError::Syntax(what.to_owned()));
+            return Err(ScheduleError::PolicySyntax(what.to_owned()));
         }
         let magnitudes = [
             ("limit_mag", &self.limit_mag),
@@ -197,21 +164,21 @@ impl Policy {
         for (field, limit) in magnitudes {
             for value in limit.iter().flat_map(MagnitudeLimit::numbers) {
                 if !(-30.0..=40.0).contains(&value) {
-                    return Err(PolicyError::OutOfRange { field, value, allowed: "-30 to 40 mag" });
+                    return Err(ScheduleError::PolicyOutOfRange { field, value, allowed: "-30 to 40 mag" });
                 }
             }
         }
         let fractions = [("max_lost_fraction", self.max_lost_fraction), ("min_probability", self.min_probability)];
         for (field, value) in fractions {
             if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= 1.0)) {
-                return Err(PolicyError::OutOfRange { field, value, allowed: "above 0, at most 1" });
+                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed: "above 0, at most 1" });
             }
         }
         let times = [("margin_s", self.margin_s, 3600.0), ("max_delay_s", self.max_delay_s, Self::LONGEST_DELAY_S)];
         for (field, value, longest) in times {
             if let Some(value) = value.filter(|value| !(0.0..=longest).contains(value)) {
                 let allowed = if field == "margin_s" { "0 to 3600 s" } else { "0 to 86400 s" };
-                return Err(PolicyError::OutOfRange { field, value, allowed });
+                return Err(ScheduleError::PolicyOutOfRange { field, value, allowed });
             }
         }
         Ok(())

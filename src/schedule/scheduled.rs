@@ -5,14 +5,14 @@ use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
 
-use crate::frames::{Direction, epoch_from_jd, epoch_from_mjd};
-use crate::output::format_utc;
-use crate::passes::Exposure;
-
 use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
 use super::policy::MagnitudeLimit;
-use crate::frames::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant};
+use crate::frames::{
+    Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
+};
+use crate::output::format_utc;
+use crate::passes::Exposure;
 
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +142,7 @@ fn start_scale(
                 .iter()
                 .flatten()
                 .filter_map(|cells| cells.get(start.index)?.text())
-                .all(|text| !matches!(parse_instant(&text, None), Err(InstantError::NoScale(_))))
+                .all(|text| !matches!(parse_instant(&text, None), Err(FramesError::NoScale(_))))
     };
     if let (Some(named), Some(said)) = (start.scale.or(of_header), options.time_scale)
         && named != said

@@ -4,13 +4,12 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
-use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
-use crate::passes::Exposure;
-
 use super::error::ScheduleError;
 use super::formats::{Cell, display, read_raw};
 use super::scheduled::LONGEST_EXPOSURE_S;
 use super::windows::WindowTarget;
+use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
+use crate::passes::Exposure;
 
 const NAME: &[&str] = &["name", "target_name", "starname", "target"];
 const UNIQUE_ID: &[&str] = &["unique_id", "id"];

@@ -247,7 +247,7 @@ impl<'a> ObservabilityConstraint<'a> {
     fn new(request: &WindowRequest<'a>, from: Epoch, span_s: f64) -> Result<Self, SkyError> {
         let viewpoint = request.against.sky.viewpoint();
         let end = seconds_after(from, span_s);
-        let limit = |most_rad: f64| {
+        let limit = |most_rad: f64| -> Result<_, SkyError> {
             let no_horizon = || SkyError::NoHorizon { observer: viewpoint.name().to_string() };
             let observer = viewpoint.site().ok_or_else(no_horizon)?;
             Ok(SunLimit { observer, sun: SunTable::new(from, end), most_rad })

@@ -1,32 +1,16 @@
 //! A source drawn on a chip: its light in pixels, and the truth about it.
 
 use hifitime::Epoch;
-use thiserror::Error;
 
 use super::chip::{Chip, ChipPath};
+use super::error::StreaksError;
 use super::light::{SkyPoint, Source, SourcePart};
-use super::optics::{Optics, OpticsError};
-use super::render::{PathError, draw};
+use super::optics::Optics;
+use super::render::draw;
 use super::tracking::Tracking;
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::images::{Patch, PixelPosition};
 use crate::streaks::RadialProfile;
-
-/// Why a source cannot be drawn.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum DrawError {
-    /// Its image has no form.
-    #[error(transparent)]
-    Optics(#[from] OpticsError),
-    /// Its way is none.
-    #[error("the way over HDU {hdu}: {source}")]
-    Path {
-        /// The chip's HDU.
-        hdu: usize,
-        /// What is wrong.
-        source: PathError,
-    },
-}
 
 /// What all chips of an exposure share.
 #[derive(Copy, Clone, Debug)]
@@ -102,12 +86,12 @@ pub struct StreakPoint {
 /// The image of a light keeps one width along a chip: that at the distance where it passes nearest to the chip's middle.
 ///
 /// # Errors
-/// [`DrawError`] where a width is out of range or the way is none.
+/// [`StreaksError`] where a width is out of range or the way is none.
 pub fn draw_on_chip<'a>(
     source: &'a Source,
     chip: &'a Chip,
     shot: &Shot<'_>,
-) -> Result<Vec<DrawnStreak<'a>>, DrawError> {
+) -> Result<Vec<DrawnStreak<'a>>, StreaksError> {
     let mut drawn = Vec::new();
     let Some((middle, _)) = chip.circle() else { return Ok(drawn) };
     let farthest_rad = shot.optics.farthest_rad();
@@ -119,7 +103,7 @@ pub fn draw_on_chip<'a>(
         let profile = shot.optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
         let paths = chip
             .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
-            .map_err(|source| DrawError::Path { hdu: chip.hdu, source })?;
+            .map_err(|source| StreaksError::Path { hdu: chip.hdu, source })?;
         for way in paths.iter().filter(|way| way.path.total() > 0.0) {
             let patch = draw(&way.path, &profile, chip.rows, chip.columns).within(&chip.light_area);
             if !patch.is_empty() && patch.sum() > 0.0 {

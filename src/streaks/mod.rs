@@ -8,6 +8,7 @@ mod background;
 mod chip;
 mod count_scale;
 mod drawn;
+mod error;
 #[cfg(feature = "fits")]
 mod frame;
 #[cfg(feature = "fits")]
@@ -24,7 +25,8 @@ pub(crate) use background::BRIGHTEST_E;
 pub use background::{BackgroundError, RandomStars, Star, background, flux_e};
 pub use chip::{Chip, ChipPath, circle_of, direction_on};
 pub use count_scale::{CountScale, CountScaleError};
-pub use drawn::{DrawError, DrawnStreak, Shot, StreakPoint, draw_on_chip};
+pub use drawn::{DrawnStreak, Shot, StreakPoint, draw_on_chip};
+pub use error::StreaksError;
 #[cfg(feature = "fits")]
 pub use frame::{
     FrameOverrides, InjectError, InjectOptions, Injected, StarField, SyntheticError, SyntheticFrame, SyntheticShot,
@@ -36,9 +38,8 @@ pub use injection::{
     RandomPlan, SyntheticPlan,
 };
 pub use light::{
-    Glint, LightCurve, Modulation, ModulationError, RandomStreakError, RandomStreaks, ResolvedPanels, SatelliteError,
-    SatelliteExposure, SatelliteLight, SkyPoint, SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling,
-    satellites,
+    Glint, LightCurve, Modulation, RandomStreaks, ResolvedPanels, SatelliteExposure, SatelliteLight, SkyPoint,
+    SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,
 };
 pub use optics::{Optics, OpticsError, SeeingForm};
 pub use psf::{Blur, BlurError, RadialProfile, Seeing, draw_point};
@@ -46,6 +47,6 @@ pub(crate) use psf::{PointLight, draw_points};
 pub use render::{PathError, PathNode, StreakPath, draw};
 pub use tracking::Tracking;
 pub use truth::{
-    MaskError, MaskPlanes, MaskPreset, MaskSpan, TruthRow, changed_spans, mask_spans, noise_of, points_table,
-    trail_table, truth_rows, truth_table,
+    MaskPlanes, MaskPreset, MaskSpan, TruthRow, changed_spans, mask_spans, noise_of, points_table, trail_table,
+    truth_rows, truth_table,
 };

@@ -199,7 +199,7 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (FIT.replace("--height-km 550", "") + " -o m.json", vec!["no geometry", "--height-km"]),
         (FIT.replace("fit run", "fit compare") + " --folds 1", vec!["folds 1", "2 or more"]),
         (FIT.replace("starlink-v1.5", "v2mini") + " -o m.json", vec!["v2mini", "two_panel or panels"]),
-        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "known are"]),
+        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "expected one of"]),
         (FIT.replace("mmt.csv", "missing.csv") + " -o m.json", vec!["missing.csv"]),
         (FIT.replace("mmt.csv", "empty.csv") + " -o m.json", vec!["empty.csv has no rows"]),
         (FIT.replace("mmt.csv", "unknown.csv") + " -o m.json", vec!["unknown.csv"]),
@@ -308,7 +308,7 @@ fn verif_poor_fits_are_reported_and_not_dropped() {
     let folder = folder();
     let (code, _, stderr) = run(folder.path(), &format!("{FIT} --free c3 --hold c5=1 --folds 0 -o bound.json"));
     assert_eq!(code, 1, "{stderr}");
-    assert!(stderr.contains("not sound: c3 stands at its bound 0"), "{stderr}");
+    assert!(stderr.contains("not sound: c3 is at its bound 0"), "{stderr}");
     let (code, _, stderr) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
     assert!(code < 2 && stderr.contains("cannot be held out in 5000 folds"), "{stderr}");
     assert!(folder.path().join("m.json").is_file());

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use streakcast::elements::{CatalogueError, Keep, NoradId, ReadOptions, Satellites, format_tle};
+use streakcast::elements::{ElementsError, Keep, NoradId, ReadOptions, Satellites, format_tle};
 
 /// The invented satellite in one syntax.
 pub fn sample(name: &str) -> Vec<u8> {
@@ -13,7 +13,7 @@ pub fn sample(name: &str) -> Vec<u8> {
 }
 
 /// Reads the text as one file.
-pub fn read(bytes: &[u8]) -> Result<Satellites, CatalogueError> {
+pub fn read(bytes: &[u8]) -> Result<Satellites, ElementsError> {
     Satellites::from_bytes("test", bytes, &ReadOptions::default())
 }
 

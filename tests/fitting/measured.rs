@@ -10,9 +10,10 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use proptest::prelude::*;
 use streakcast::elements::{Constellation, ElementSet, History, NoradId, StationRule};
+use streakcast::fit::FitError;
 use streakcast::fit::measurements::{
-    ColumnMap, DensityMode, DropReason, Format, Measurement, MeasurementError, Measurements, PhotometryOptions, Place,
-    Placement, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode,
+    ColumnMap, DensityMode, DropReason, Format, Measurement, Measurements, PhotometryOptions, Placement,
+    PositionSource, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode,
     kernel_sigma, measure, reduce,
 };
 use streakcast::frames::seconds_after;
@@ -65,7 +66,7 @@ fn valid_cells_against_healpy() {
 const HEADER: &str = "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track,NORAD\n";
 const GOOD: &str = "2021-01-01 15:18:04.795000,8.167,7.18581,Clear,0,697.324,78.267,7,18903315,46056\n";
 
-fn read(text: &str, options: &PhotometryOptions) -> Result<Records, MeasurementError> {
+fn read(text: &str, options: &PhotometryOptions) -> Result<Records, FitError> {
     let mut reader = RecordReader::from_reader("t.csv", Box::new(Cursor::new(text.to_owned())), options)?;
     Records::collect(&mut reader)
 }
@@ -220,20 +221,23 @@ fn verif_invalid_measurements() {
     let history = History::new(Vec::new());
     let without_history = Placement { history: None, ..Placement::elements(&history) };
     let error = measure(&mut records.source(), &without_history, &Selection::default()).unwrap_err();
-    assert!(matches!(error, MeasurementError::NoHistory { .. }));
+    assert!(matches!(error, FitError::NoHistory { .. }));
     let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
     assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &station).is_err());
     let negative = Selection { max_range_difference_km: Some(-1.0), ..Selection::default() };
     assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &negative).is_err());
     assert!(measure(&mut records.source(), &Placement::recorded(Some(-5.0)), &Selection::default()).is_err());
-    let fit = Placement { place: Place::Elements { fit_offset_s: Some(f64::NAN) }, ..Placement::elements(&history) };
+    let fit = Placement {
+        source: PositionSource::Elements { fit_offset_s: Some(f64::NAN) },
+        ..Placement::elements(&history)
+    };
     assert!(measure(&mut records.source(), &fit, &Selection::default()).is_err());
     for options in [
         ReduceOptions { nside: 0, ..ReduceOptions::default() },
         ReduceOptions { layer_width_rad: 0.0, ..ReduceOptions::default() },
         ReduceOptions { most_iqr_mag: f64::NAN, ..ReduceOptions::default() },
     ] {
-        assert!(matches!(reduce(&[], options), Err(MeasurementError::Setting { .. })), "{options:?}");
+        assert!(matches!(reduce(&[], options), Err(FitError::Setting { .. })), "{options:?}");
     }
     assert!(reduce(&[], ReduceOptions::default()).unwrap().pixels.is_empty());
 }
@@ -244,15 +248,15 @@ fn verif_files_that_cannot_be_read() {
     let plain = PhotometryOptions::default();
     assert!(error_of("", &plain).contains("has no rows"));
     assert!(error_of(HEADER, &plain).contains("has no rows"));
-    assert!(error_of("a,b\n1,2\n", &plain).contains("belongs to no known format"));
+    assert!(error_of("a,b\n1,2\n", &plain).contains("unknown format"));
     let named = |format: Format| PhotometryOptions { format: Some(format), ..PhotometryOptions::default() };
     assert!(error_of("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
-    assert!(error_of("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
+    assert!(error_of("a,b\n1,2\n", &named(Format::Csv)).contains("requires a column map"));
     assert!(Format::by_name("fits").unwrap_err().to_string().contains("pomenis, mmt, score, slingshot, csv"));
     assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
     let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();
     assert!(missing.to_string().starts_with("cannot read no such file"));
-    assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(MeasurementError::NoFiles));
+    assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(FitError::NoFiles));
     // A truncated gzip file.
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(format!("{HEADER}{}", GOOD.repeat(1000)).as_bytes()).unwrap();
@@ -260,7 +264,7 @@ fn verif_files_that_cannot_be_read() {
     packed.truncate(packed.len() - 20);
     let reader = RecordReader::from_reader("cut.gz", Box::new(Cursor::new(packed)), &plain);
     let error = reader.and_then(|mut reader| Records::collect(&mut reader)).unwrap_err();
-    assert!(matches!(error, MeasurementError::Unreadable { .. }), "{error}");
+    assert!(matches!(error, FitError::Unreadable { .. }), "{error}");
 }
 
 #[test]
@@ -271,10 +275,7 @@ fn verif_mixed_filters_are_rejected_unless_named() {
     let text = "t,m,f,d,p\n2021-01-01T15:18:04Z,7.1,V,700,80\n2021-01-01T15:18:05Z,7.2,B,700,80\n2021-01-01T15:18:06Z,7.3,v,700,80\n";
     let options = PhotometryOptions { columns: columns.clone(), ..PhotometryOptions::default() };
     let error = read(text, &options).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "t.csv data row 2: filter 'B' after rows of filter 'V'; name the filters that are wanted"
-    );
+    assert_eq!(error.to_string(), "t.csv data row 2: filter 'B' after rows of filter 'V'; specify the filters");
     let options = PhotometryOptions { filters: vec!["V".into()], ..options };
     let records = read(text, &options).unwrap();
     assert_eq!((records.records.len(), records.dropped.count(DropReason::WrongFilter)), (2, 1));
@@ -402,7 +403,7 @@ fn verif_simulated_photometry_survives_a_file() {
     }
     // From distance and phase, with the true radius from SGP4, up to the mirror image.
     let by_radius = Placement {
-        place: Place::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
+        source: PositionSource::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
         ..Placement::elements(&history)
     };
     let other = measure(&mut records.source(), &by_radius, &Selection::everything()).unwrap();
@@ -481,8 +482,10 @@ fn verif_a_late_satellite_is_detected_by_its_ranges() {
     let late =
         history.element_sets().iter().map(|set| ElementSet { epoch: seconds_after(set.epoch, 6.0), ..set.clone() });
     let late = History::new(late.collect());
-    let with =
-        |fit_offset_s: Option<f64>| Placement { place: Place::Elements { fit_offset_s }, ..Placement::elements(&late) };
+    let with = |fit_offset_s: Option<f64>| Placement {
+        source: PositionSource::Elements { fit_offset_s },
+        ..Placement::elements(&late)
+    };
     let worst_km = |placement: &Placement| {
         let measured = measure(&mut simulation.records.source(), placement, &Selection::everything()).unwrap();
         let ranges = measured.points.iter().zip(&simulation.records.records);

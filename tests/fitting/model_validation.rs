@@ -5,9 +5,9 @@
 
 use std::collections::BTreeMap;
 
+use streakcast::fit::FitError;
 use streakcast::fit::checks::{
-    CheckError, Comparison, DataSet, OFFSET_TOLERANCE_MAG, Photometry, ReferenceKind, ReferenceMeasurement, Verdict,
-    compare,
+    Comparison, DataSet, OFFSET_TOLERANCE_MAG, Photometry, ReferenceKind, ReferenceMeasurement, Verdict, compare,
 };
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BrightnessModel, ModelLibrary, StandardMagnitude, StandardMagnitudes};
@@ -246,7 +246,7 @@ fn valid_the_amateur_table_is_read_completely() {
 fn verif_an_invalid_folder_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let nothing = Photometry::read(folder.path()).unwrap_err();
-    assert!(matches!(nothing, CheckError::Nothing { .. }));
+    assert!(matches!(nothing, FitError::NoPhotometry { .. }));
     assert!(nothing.to_string().contains(DataSet::Pomenis.path()));
     let path = folder.path().join(DataSet::SlingshotV2.path());
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();

@@ -1,7 +1,7 @@
 //! Bundled model files and their schema, and errors for invalid files.
 
 use serde_json::{Value, json};
-use streakcast::photometry::{BrightnessModel, ModelFile, ModelFileError, ModelLibrary};
+use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary, PhotometryError};
 
 const SCHEMA: &str = include_str!("../../src/photometry/models/model.schema.json");
 
@@ -194,10 +194,10 @@ fn verif_invalid_files_give_one_clear_error() {
         (|v| v["coefficients"]["c2"] = json!(null), &["invalid type: null"]),
         (|v| v["coefficients"]["c2"] = json!("0.1"), &["invalid type: string"]),
         (|v| v["kind"] = json!("three_panel"), &["unknown variant `three_panel`", "two_panel"]),
-        (|v| drop(v.as_object_mut().unwrap().remove("shape")), &["kind two_panel needs the key \"shape\""]),
-        (|v| v["mean_mag"] = json!(6.0), &["kind two_panel has no use for the key \"mean_mag\""]),
-        (|v| v["schema"] = json!(2), &["schema is 2", "reads 1"]),
-        (|v| v["band"] = json!("W"), &["band is \"W\"", "allowed is B V R"]),
+        (|v| drop(v.as_object_mut().unwrap().remove("shape")), &["kind two_panel requires the key \"shape\""]),
+        (|v| v["mean_mag"] = json!(6.0), &["kind two_panel does not use the key \"mean_mag\""]),
+        (|v| v["schema"] = json!(2), &["unsupported schema 2", "expected 1"]),
+        (|v| v["band"] = json!("W"), &["band is \"W\"", "allowed: B V R"]),
         (|v| v["mag_system"] = json!("ST"), &["mag_system", "Vega or AB"]),
         (|v| v["name"] = json!("My Model"), &["name is \"My Model\"", "lower-case"]),
         (|v| v["sigma_outside_mag"] = json!(0.1), &["sigma_outside_mag is 0.1", "0.417 to 5"]),
@@ -220,7 +220,7 @@ fn verif_invalid_files_give_one_clear_error() {
         &changed_file(|_| {}).replace("0.0329233", "NaN"),
         &changed_file(|_| {}).replace("0.0329233", "1e999"),
     ] {
-        assert!(matches!(BrightnessModel::from_json(text, "x"), Err(ModelFileError::Json { .. })), "{text}");
+        assert!(matches!(BrightnessModel::from_json(text, "x"), Err(PhotometryError::ModelJson { .. })), "{text}");
     }
 }
 

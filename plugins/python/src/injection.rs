@@ -7,7 +7,7 @@ use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use streakcast::config::{Config, InjectionConfig, RequestError, SkyOf, inject_frames, inject_into_array};
+use streakcast::config::{Config, InjectionConfig, ConfigError, SkyOf, inject_frames, inject_into_array};
 use streakcast::images::{Header, ImageValues, Pixels};
 use streakcast::output::format_utc;
 use streakcast::streaks::{ArrayInjected, Injections};
@@ -66,9 +66,9 @@ pub fn inject<'py>(
 }
 
 /// Converts an error of the library; setup errors become `SetupError`.
-fn exception(error: RequestError) -> PyErr {
+fn exception(error: ConfigError) -> PyErr {
     match error {
-        RequestError::Config(error) => failure::setup(error),
+        error if !error.is_of_request() => failure::setup(error),
         other => failure::request(failure::as_arguments(&other.to_string())),
     }
 }

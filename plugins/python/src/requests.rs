@@ -3,7 +3,7 @@
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use streakcast::config::{Config, ForecastConfig, IdentifyConfig, RequestError};
+use streakcast::config::{Config, ForecastConfig, IdentifyConfig, ConfigError};
 use streakcast::forecast::{
     ForecastError, ForecastRequest, PassRow, Selection, forecast as compute_forecast, night_table, pass_table,
 };
@@ -125,10 +125,10 @@ pub fn identify<'py>(
 }
 
 /// Converts an error of the library; uses the names of Python arguments.
-fn exception(error: RequestError) -> PyErr {
+fn exception(error: ConfigError) -> PyErr {
     match error {
-        RequestError::Config(error) => failure::setup(error),
-        RequestError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
+        error if !error.is_of_request() => failure::setup(error),
+        ConfigError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
             let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
             failure::request(format!("{name} {given}{unit}; allowed: {allowed}"))
         }

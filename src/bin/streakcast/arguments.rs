@@ -1,93 +1,15 @@
-//! Verbs, and the flags that several of them share beside those of [`Config`].
+//! Flags that several verbs share beside those of [`Config`].
 
 use std::path::PathBuf;
 
 use anyhow::anyhow;
-use clap::{Args, Parser, Subcommand};
+use clap::Args;
 use streakcast::config::Config;
 
 use crate::output::Output;
-use crate::verbs::annotate::AnnotateArguments;
-use crate::verbs::doctor::DoctorArguments;
-#[cfg(feature = "fetch")]
-use crate::verbs::fetch::FetchArguments;
-#[cfg(feature = "fit")]
-use crate::verbs::fit::FitArguments;
-use crate::verbs::flag::FlagArguments;
-use crate::verbs::forecast::ForecastArguments;
-use crate::verbs::gate::GateArguments;
-use crate::verbs::identify::IdentifyArguments;
-#[cfg(feature = "fits")]
-use crate::verbs::inject::InjectArguments;
-use crate::verbs::lists::ListArguments;
-use crate::verbs::map::MapArguments;
-use crate::verbs::model::ModelArguments;
-use crate::verbs::passes::PassesArguments;
-#[cfg(feature = "plot")]
-use crate::verbs::plot::PlotArguments;
-use crate::verbs::reproduce::ReproduceArguments;
-#[cfg(feature = "serve")]
-use crate::verbs::serve::ServeArguments;
-use crate::verbs::statistics::StatisticsArguments;
-use crate::verbs::windows::WindowsArguments;
 
 /// Largest offset of a clock from UTC, hours.
 const FARTHEST_CLOCK_H: f64 = 14.0;
-
-/// Satellites crossing astronomers' exposures: which, when, where and how bright.
-#[derive(Parser)]
-#[command(name = "streakcast", version, arg_required_else_help = true, propagate_version = true)]
-pub struct Arguments {
-    #[command(subcommand)]
-    pub verb: Verb,
-}
-
-#[derive(Subcommand)]
-pub enum Verb {
-    /// Every satellite that crosses the field during one exposure, with times, track and magnitude
-    Passes(Box<PassesArguments>),
-    /// One verdict for each exposure of a schedule, with reasons and the next clear start
-    Flag(Box<FlagArguments>),
-    /// The schedule file with all its cells unchanged, and flags and streaks beside them
-    Annotate(Box<AnnotateArguments>),
-    /// Time windows in which targets can be exposed without any satellite that matters
-    Windows(Box<WindowsArguments>),
-    /// Every visible pass of a night: rise, culmination, set, shadow, peak magnitude
-    Forecast(Box<ForecastArguments>),
-    /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
-    Gate(Box<GateArguments>),
-    /// Satellites that may have made a measured streak: ranked candidates
-    Identify(Box<IdentifyArguments>),
-    /// Maps of magnitude over a satellite's own sky and over that of a site
-    Map(MapArguments),
-    /// Pictures: nights, fields, light curves, skies, fits, as PNG and SVG with their data beside
-    #[cfg(feature = "plot")]
-    Plot(Box<PlotArguments>),
-    /// Streaks of satellites, or random ones, put into frames, with masks and their truth
-    #[cfg(feature = "fits")]
-    Inject(Box<InjectArguments>),
-    /// Element sets from CelesTrak, Space-Track or SatChecker into a cache, politely
-    #[cfg(feature = "fetch")]
-    Fetch(Box<FetchArguments>),
-    /// From photometry to a brightness model
-    #[cfg(feature = "fit")]
-    Fit(Box<FitArguments>),
-    /// A web page and an HTTP API on this machine: the night of a schedule, and the effect of other start times
-    #[cfg(feature = "serve")]
-    Serve(Box<ServeArguments>),
-    /// How many satellites are lit over a site, how bright, and how many trails an exposure gets
-    Statistics(Box<StatisticsArguments>),
-    /// Counts of a paper beside ours
-    Reproduce(ReproduceArguments),
-    /// The brightness models: list, show, check
-    Model(ModelArguments),
-    /// Config check for tonight: element ages, Earth orientation, clock, site, models, cache
-    Doctor(Box<DoctorArguments>),
-    /// The observatories known by name and MPC code
-    Sites(ListArguments),
-    /// The synthetic constellations for --shells
-    Shells(ListArguments),
-}
 
 #[derive(Args)]
 pub struct OutputArguments {

@@ -1,19 +1,17 @@
-//! How it ends: exit codes, and errors on one line of standard error.
+//! Exit codes, and errors on one line of standard error.
 
 use std::io;
 use std::process::ExitCode;
 
-use clap::CommandFactory;
+use clap::Command;
 use clap::error::ErrorKind;
 
-use crate::arguments::Arguments;
-
-/// What a verb comes back with when nothing went wrong.
+/// Result of a verb without an error.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Exit code 0.
     Done,
-    /// Exit code 1: what a script asked about is not so (no passes, a streaked schedule).
+    /// Exit code 1: the answer to the question of a script is no (no passes, a streaked schedule).
     No,
 }
 
@@ -37,14 +35,14 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe))
 }
 
-/// Standard error may be closed; there is then nobody left to tell.
+/// Writes a message on one line; standard error may be closed.
 fn report(message: &str) {
     let message: Vec<&str> = message.split_whitespace().collect();
     let _ = io::Write::write_all(&mut io::stderr(), format!("error: {}\n", message.join(" ")).as_bytes());
 }
 
-/// Help and version go to standard output; what was typed wrongly is told on one line.
-pub fn report_usage(error: &clap::Error) -> ExitCode {
+/// Prints help and version on standard output, an error of usage on one line of standard error.
+pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
             let _ = error.print();
@@ -56,35 +54,33 @@ pub fn report_usage(error: &clap::Error) -> ExitCode {
         }
         _ => {
             let text = error.render().to_string();
-            let told: Vec<&str> = text
+            let message: Vec<&str> = text
                 .lines()
                 .take_while(|line| !line.starts_with("Usage:") && !line.starts_with("For more information"))
                 .map(str::trim)
                 .filter(|line| !line.is_empty())
                 .collect();
-            let mut told = told.join("; ").replace(":; ", ": ");
-            // Of an unknown word clap tells at most what it is like; a user wants to know what there is.
-            if let Some(names) = names_beside(error) {
-                told += &format!("; allowed: {names}");
+            let mut message = message.join("; ").replace(":; ", ": ");
+            // clap lists similar names only; all of them are more useful.
+            if let Some(names) = allowed_names(error, command) {
+                message += &format!("; allowed: {names}");
             }
-            report(&format!("{} (see streakcast --help)", told.trim_start_matches("error: ")));
+            report(&format!("{} (see streakcast --help)", message.trim_start_matches("error: ")));
             ExitCode::from(2)
         }
     }
 }
 
-/// The subcommands where an unknown one was typed: those of the command that its words lead to.
-fn names_beside(error: &clap::Error) -> Option<String> {
+/// Returns the names of subcommands that are allowed in place of an unknown one.
+fn allowed_names(error: &clap::Error, mut command: Command) -> Option<String> {
     if error.kind() != ErrorKind::InvalidSubcommand {
         return None;
     }
-    // Verbs stand first: the first word that is none is the unknown one.
-    let mut command = Arguments::command();
+    // Verbs stand first: the first other word is the unknown one.
     for word in std::env::args_os().skip(1) {
         let Some(inner) = command.find_subcommand(word) else { break };
         command = inner.clone();
     }
-    let names: Vec<&str> =
-        command.get_subcommands().filter(|one| !one.is_hide_set()).map(clap::Command::get_name).collect();
+    let names: Vec<&str> = command.get_subcommands().filter(|one| !one.is_hide_set()).map(Command::get_name).collect();
     Some(names.join(", "))
 }

@@ -38,6 +38,15 @@ impl fmt::Display for Severity {
     }
 }
 
+/// Source of the moment.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum MomentSource {
+    /// This machine's clock, which may be wrong.
+    Clock,
+    /// The user.
+    Asked,
+}
+
 /// One finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {

@@ -8,6 +8,6 @@ mod elements;
 mod finding;
 mod surroundings;
 
-pub use check::{Health, MomentSource};
+pub use check::Health;
 pub use elements::{AgeBin, ElementState, Unmatched};
-pub use finding::{Finding, Severity, finding_table};
+pub use finding::{Finding, MomentSource, Severity, finding_table};

@@ -2,9 +2,8 @@
 
 use hifitime::Epoch;
 
-use super::check::MomentSource;
 use super::elements::ElementState;
-use super::finding::{Finding, Severity};
+use super::finding::{Finding, MomentSource, Severity};
 use crate::config::document::Config;
 use crate::constants::DAY_S;
 use crate::frames::{EopStatus, EopTable, leap_seconds_known_until, seconds_between};

@@ -2,16 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
-
+use super::super::error::FitError;
+use super::super::measurements::{DropReason, Format, PhotometryOptions, Placement, RecordReader, Selection, measure};
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude, StandardMagnitudes};
-
-use super::super::measurements::{
-    DropExample, DropReason, Format, MeasurementError, PhotometryOptions, Placement, RecordReader, Selection, measure,
-};
 
 /// A published set of measurements.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -68,11 +64,11 @@ impl DataSet {
         }
     }
 
-    fn read(self, path: &Path) -> Result<Vec<ReferenceMeasurement>, CheckError> {
+    fn read(self, path: &Path) -> Result<Vec<ReferenceMeasurement>, FitError> {
         match self {
             Self::Pomenis => read_survey(path, Format::Pomenis, None),
             Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
-            // Without element sets: circular orbits at the height that was used in the fit.
+            // Without element sets: circular orbits at the height used in the fit.
             Self::Mmt9VisorSat => read_survey(path, Format::Mmt, Some(540.0)),
             Self::Mmt9OneWeb => read_survey(path, Format::Mmt, Some(1200.0)),
             Self::Mmt9IridiumNext => read_survey(path, Format::Mmt, Some(780.0)),
@@ -82,38 +78,10 @@ impl DataSet {
     }
 }
 
-/// Errors in a folder of published photometry.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum CheckError {
-    /// The folder contains none of the known files.
-    #[error("no photometry in {}: looked for {looked_for}", folder.display())]
-    Nothing {
-        /// The folder.
-        folder: PathBuf,
-        /// Paths of the known files in it.
-        looked_for: String,
-    },
-    /// A file cannot be read.
-    #[error("photometry {}: {problem}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Message of the system or of the table's reader.
-        problem: String,
-    },
-    /// A survey's table cannot be read.
-    #[error("photometry {0}")]
-    Survey(#[from] MeasurementError),
-    /// A row is invalid. Published sets are complete, so that every row is required.
-    #[error("photometry {0}")]
-    Row(DropExample),
-}
-
 /// One published magnitude to compare a model with.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ReferenceMeasurement {
-    /// At 1000 km, taken as V (Vega), although some surveys are unfiltered.
+    /// Magnitude at 1000 km, taken as V (Vega), although some surveys are unfiltered.
     pub magnitude: StandardMagnitude,
     /// Angle Sun-satellite-observer, [0, π], radians.
     pub phase_rad: f64,
@@ -122,7 +90,8 @@ pub struct ReferenceMeasurement {
 }
 
 impl ReferenceMeasurement {
-    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the model needs unknown angles.
+    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the
+    /// model requires unknown angles.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
@@ -130,26 +99,27 @@ impl ReferenceMeasurement {
     }
 }
 
-/// Magnitude of a model in full sunlight at 1000 km, brought from its own band to V (Vega).
+/// Magnitude of a model in full sunlight at 1000 km, converted from its own band to V (Vega).
 pub(super) fn in_v(model: &BrightnessModel, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
     let colour_mag = model.colour_to_mag(Band::V, MagSystem::Vega);
     model.standard_magnitude(geometry).map(|magnitude| StandardMagnitude(magnitude.0 + colour_mag))
 }
 
-/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to 90°, opposite beyond.
+/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to
+/// 90°, opposite beyond.
 fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     let (longitude, latitude) = if phase_rad <= FRAC_PI_2 { (0.0, -phase_rad) } else { (PI, phase_rad - PI) };
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// All rows through the survey's usual filter in full sunlight (100 km rule of the paper).
-fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, CheckError> {
+/// All rows in the survey's usual filter in full sunlight (100 km rule of the paper).
+fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, FitError> {
     let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
     let mut reader = RecordReader::open(&[path], &options)?;
     let measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::default())?;
     let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
     if let Some(example) = broken.iter().find_map(|reason| measured.dropped.example(*reason)) {
-        return Err(CheckError::Row(example.clone()));
+        return Err(FitError::CheckRow(example.clone()));
     }
     let points = measured.points.iter().map(|point| ReferenceMeasurement {
         magnitude: point.magnitude,
@@ -159,19 +129,19 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Ve
     Ok(points.collect())
 }
 
-/// Amateurs' standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
+/// Standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
 ///
-/// The name decides: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
-fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, CheckError> {
-    let unreadable = |problem: String| CheckError::Unreadable { path: path.to_owned(), problem };
+/// Selection by name: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
+fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, FitError> {
+    let unreadable = |problem: String| FitError::CheckUnreadable { path: path.to_owned(), problem };
     let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
     // Names are Latin-1; the numbers are ASCII.
     let text = String::from_utf8_lossy(&bytes);
     let table = StandardMagnitudes::from_qs_mag(&text).map_err(|error| unreadable(error.to_string()))?;
     let listed = text.lines().filter_map(|line| {
         let (id, name) = (line.get(0..5)?.trim().parse().ok()?, line.get(18..33)?);
-        let wanted = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
-        let magnitude = table.get(id).filter(|_| wanted)?;
+        let selected = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
+        let magnitude = table.get(id).filter(|_| selected)?;
         Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None })
     });
     Ok(listed.collect())
@@ -187,9 +157,9 @@ impl Photometry {
     /// Reads every known file in the folder.
     ///
     /// # Errors
-    /// * [`CheckError::Nothing`] if none of the files exists;
+    /// * [`FitError::NoPhotometry`] if none of the files exists;
     /// * the other variants for a file that exists and is invalid.
-    pub fn read(folder: &Path) -> Result<Self, CheckError> {
+    pub fn read(folder: &Path) -> Result<Self, FitError> {
         let mut sets = BTreeMap::new();
         for set in DataSet::ALL {
             let path = folder.join(set.path());
@@ -200,12 +170,12 @@ impl Photometry {
         if sets.is_empty() {
             let mut looked_for = DataSet::ALL.map(DataSet::path).to_vec();
             looked_for.dedup();
-            return Err(CheckError::Nothing { folder: folder.to_owned(), looked_for: looked_for.join(", ") });
+            return Err(FitError::NoPhotometry { folder: folder.to_owned(), looked_for: looked_for.join(", ") });
         }
         Ok(Self { sets })
     }
 
-    /// The measurements of one set; `None` if its file was missing.
+    /// The measurements of one set; `None` if its file is missing.
     pub fn get(&self, set: DataSet) -> Option<&[ReferenceMeasurement]> {
         self.sets.get(&set).map(Vec::as_slice)
     }

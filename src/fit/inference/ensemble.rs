@@ -1,18 +1,14 @@
-//! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010, CAMCoS 5, 65).
+//! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010,
+//! CAMCoS 5, 65).
 //!
-//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on [1/a, a]; the move is
-//! accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013). Half of the walkers move at a time, so that
-//! their probabilities are computed together ([`LogProbability::of_many`]). Each walker and step has its own random numbers, so that the chain
-//! does not depend on the number of threads, and a continued chain equals an uninterrupted one.
+//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on
+//! [1/a, a]; the move is accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013).
+//! Half of the walkers move at a time, so that their probabilities are computed together ([`LogProbability::of_many`]).
+//! Each walker and step has its own random numbers, so that the chain does not depend on the number of threads, and a
+//! continued chain equals an uninterrupted one.
 //!
-//! The stretch move of Goodman and Weare (2010, CAMCoS 5, 65), as emcee makes it (Foreman-Mackey et al. 2013).
-//!
-//! A walker is moved along the line to another one of the other half: y = c + z (x - c), z drawn from g(z) ∝ 1/√z on [1/a, a],
-//! and the move accepted with the probability min(1, z^(n-1) p(y)/p(x)).
-//!
-//! How many steps of a chain make one independent draw.
-//!
-//! The integrated autocorrelation time by Sokal's windows (1989 lectures, section 3), averaged over walkers as emcee does:
+//! The integrated autocorrelation time of a chain follows Sokal's windows (1989 lectures, section 3), averaged over
+//! walkers as in emcee:
 //!
 //! ```text
 //! τ(M) = 1 + 2 Σ_{t=1..M} ρ(t),   M the least with M ≥ 5 τ(M)
@@ -20,51 +16,13 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use thiserror::Error;
+
+use super::super::error::FitError;
 
 /// Logarithm of a probability density, up to a constant.
 pub trait LogProbability: Sync {
-    /// Values at several places; -∞ or NaN where the probability is zero.
-    fn of_many(&self, places: &[Vec<f64>]) -> Vec<f64>;
-}
-
-/// Errors of an ensemble of walkers.
-#[derive(Debug, Error, PartialEq)]
-pub enum EnsembleError {
-    /// Too few walkers or an odd number of them.
-    #[error("{walkers} walkers for {parameters} parameters: an even number of at least {least} is needed")]
-    Walkers {
-        /// Given number of walkers.
-        walkers: usize,
-        /// Number of parameters.
-        parameters: usize,
-        /// Least number of walkers.
-        least: usize,
-    },
-    /// A starting place with probability zero.
-    #[error("walker {walker} starts at a place of zero or invalid probability: {place:?}")]
-    Impossible {
-        /// Number of the walker.
-        walker: usize,
-        /// Its starting place.
-        place: Vec<f64>,
-    },
-    /// All walkers start in a plane, which the stretch move cannot leave.
-    #[error("the walkers' starting places do not differ in parameter {parameter}")]
-    Flat {
-        /// Index of the constant parameter.
-        parameter: usize,
-    },
-    /// A chain whose length does not match the numbers of walkers and parameters.
-    #[error("the chain has {given} numbers, not those of {walkers} walkers and {parameters} parameters at each step")]
-    Shape {
-        /// Length of the chain.
-        given: usize,
-        /// Number of walkers.
-        walkers: usize,
-        /// Number of parameters.
-        parameters: usize,
-    },
+    /// Values at several positions; -∞ or NaN where the probability is zero.
+    fn of_many(&self, positions: &[Vec<f64>]) -> Vec<f64>;
 }
 
 /// Samples of an ensemble.
@@ -73,7 +31,7 @@ pub struct Chain {
     walkers: usize,
     parameters: usize,
     /// `(n_step, n_walker, n_param)`, the last index fastest.
-    places: Vec<f64>,
+    positions: Vec<f64>,
     /// `(n_step, n_walker)`.
     log_probabilities: Vec<f64>,
     /// Accepted proposals, `(n_walker)`.
@@ -84,23 +42,23 @@ impl Chain {
     /// Chain from its arrays.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] if their lengths do not match.
+    /// [`FitError::ChainShape`] if their lengths do not match.
     pub fn from_parts(
         walkers: usize,
         parameters: usize,
-        places: Vec<f64>,
+        positions: Vec<f64>,
         log_probabilities: Vec<f64>,
         accepted: Vec<u64>,
-    ) -> Result<Self, EnsembleError> {
+    ) -> Result<Self, FitError> {
         let fits = walkers > 0
             && parameters > 0
             && accepted.len() == walkers
             && log_probabilities.len().is_multiple_of(walkers)
-            && places.len() == log_probabilities.len() * parameters;
+            && positions.len() == log_probabilities.len() * parameters;
         if !fits {
-            return Err(EnsembleError::Shape { given: places.len(), walkers, parameters });
+            return Err(FitError::ChainShape { given: positions.len(), walkers, parameters });
         }
-        Ok(Self { walkers, parameters, places, log_probabilities, accepted })
+        Ok(Self { walkers, parameters, positions, log_probabilities, accepted })
     }
 
     /// Number of steps.
@@ -118,15 +76,15 @@ impl Chain {
         self.parameters
     }
 
-    /// Place of a walker after a step.
+    /// Position of a walker after a step.
     pub fn at(&self, step: usize, walker: usize) -> &[f64] {
         let from = (step * self.walkers + walker) * self.parameters;
-        &self.places[from..from + self.parameters]
+        &self.positions[from..from + self.parameters]
     }
 
-    /// All places, `(n_step, n_walker, n_param)`, the last index fastest.
-    pub fn places(&self) -> &[f64] {
-        &self.places
+    /// All positions, `(n_step, n_walker, n_param)`, the last index fastest.
+    pub fn positions(&self) -> &[f64] {
+        &self.positions
     }
 
     /// All log probabilities, `(n_step, n_walker)`.
@@ -139,7 +97,7 @@ impl Chain {
         &self.accepted
     }
 
-    /// Share of accepted proposals.
+    /// Fraction of accepted proposals.
     pub fn acceptance(&self) -> f64 {
         let proposals = self.log_probabilities.len().max(1);
         self.accepted.iter().sum::<u64>() as f64 / proposals as f64
@@ -147,8 +105,8 @@ impl Chain {
 
     /// Samples of one parameter after `burn_in` steps, all walkers, step by step.
     pub fn column(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
-        let from = (burn_in * self.places.len() / self.steps().max(1)).min(self.places.len());
-        self.places[from..].iter().skip(parameter).step_by(self.parameters).copied().collect()
+        let from = (burn_in * self.positions.len() / self.steps().max(1)).min(self.positions.len());
+        self.positions[from..].iter().skip(parameter).step_by(self.parameters).copied().collect()
     }
 
     /// Sorted samples of one parameter after `burn_in` steps.
@@ -178,11 +136,11 @@ impl Chain {
 /// Checks the number of walkers: even, and at least twice the number of parameters.
 ///
 /// # Errors
-/// [`EnsembleError::Walkers`].
-pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), EnsembleError> {
+/// [`FitError::Walkers`].
+pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), FitError> {
     let least = (2 * parameters).max(4);
     if walkers < least || walkers % 2 == 1 {
-        return Err(EnsembleError::Walkers { walkers, parameters, least });
+        return Err(FitError::Walkers { walkers, parameters, least });
     }
     Ok(())
 }
@@ -191,37 +149,37 @@ pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), EnsembleEr
 pub(in crate::fit) struct Ensemble<'a, P> {
     posterior: &'a P,
     seed: u64,
-    places: Vec<Vec<f64>>,
+    positions: Vec<Vec<f64>>,
     log_probabilities: Vec<f64>,
     chain: Chain,
 }
 
 impl<'a, P: LogProbability> Ensemble<'a, P> {
-    /// Ensemble with one walker at each starting place.
+    /// Ensemble with one walker at each starting position.
     ///
     /// # Errors
-    /// [`EnsembleError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
-    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, EnsembleError> {
+    /// [`FitError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
+    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, FitError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
         if let Some(parameter) = (0..parameters).find(|&i| starts.iter().all(|place| place[i] == starts[0][i])) {
-            return Err(EnsembleError::Flat { parameter });
+            return Err(FitError::FlatWalkers { parameter });
         }
         let log_probabilities = posterior.of_many(&starts);
         if let Some(walker) = log_probabilities.iter().position(|value| !value.is_finite()) {
-            return Err(EnsembleError::Impossible { walker, place: starts[walker].clone() });
+            return Err(FitError::WalkerStart { walker, place: starts[walker].clone() });
         }
         let chain = Chain { walkers, parameters, accepted: vec![0; walkers], ..Chain::default() };
-        Ok(Self { posterior, seed, places: starts, log_probabilities, chain })
+        Ok(Self { posterior, seed, positions: starts, log_probabilities, chain })
     }
 
     /// Continues a chain of the same posterior and seed.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] if the chain is empty; those of [`Self::new`] if its last places are invalid.
-    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, EnsembleError> {
+    /// [`FitError::ChainShape`] if the chain is empty; those of [`Self::new`] if its last places are invalid.
+    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, FitError> {
         let Some(last) = chain.steps().checked_sub(1) else {
-            return Err(EnsembleError::Shape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
+            return Err(FitError::ChainShape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
         };
         let starts = (0..chain.walkers).map(|walker| chain.at(last, walker).to_vec()).collect();
         Ok(Self { chain, ..Self::new(posterior, starts, seed)? })
@@ -229,7 +187,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
 
     /// Moves every walker once.
     pub fn step(&mut self) {
-        let walkers = self.places.len();
+        let walkers = self.positions.len();
         let step = self.chain.steps();
         for half in 0..2 {
             // Even walkers against odd ones, then odd against even.
@@ -240,7 +198,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
             for &walker in &moved {
                 let [uniform, other, decision] = draws(self.seed, walker, step);
                 let other = 1 - half + 2 * ((other * (walkers / 2) as f64) as usize);
-                let proposal = propose(&self.places[walker], &self.places[other], uniform);
+                let proposal = propose(&self.positions[walker], &self.positions[other], uniform);
                 factors.push(proposal.log_factor);
                 proposals.push(proposal.to);
                 decisions.push(decision);
@@ -249,13 +207,13 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
             for (k, (walker, to)) in moved.into_iter().zip(proposals).enumerate() {
                 // ln q = (n - 1) ln z + ln p(y) - ln p(x); a comparison with NaN is false
                 if decisions[k].ln() < factors[k] + values[k] - self.log_probabilities[walker] {
-                    self.places[walker] = to;
+                    self.positions[walker] = to;
                     self.log_probabilities[walker] = values[k];
                     self.chain.accepted[walker] += 1;
                 }
             }
         }
-        self.places.iter().for_each(|place| self.chain.places.extend_from_slice(place));
+        self.positions.iter().for_each(|place| self.chain.positions.extend_from_slice(place));
         self.chain.log_probabilities.extend_from_slice(&self.log_probabilities);
     }
 
@@ -291,7 +249,7 @@ struct Proposal {
     log_factor: f64,
 }
 
-/// Proposal from a walker's place and one of the other half, by a uniform number from [0, 1).
+/// Proposal from a walker's position and one of the other half, by a uniform number from [0, 1).
 fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
     // z = ((a - 1) u + 1)² / a
     let z = ((SCALE - 1.0) * uniform + 1.0).powi(2) / SCALE;
@@ -301,7 +259,7 @@ fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
 
 /// c of the window M ≥ c τ(M).
 const WINDOW: f64 = 5.0;
-/// Least number of τ in a chain whose τ is reliable.
+/// Least number of τ in a chain with a reliable τ.
 const TRUSTED: f64 = 50.0;
 
 /// Integrated autocorrelation time of one parameter.
@@ -313,8 +271,8 @@ pub struct AutocorrelationTime {
     pub is_trusted: bool,
 }
 
-/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window (1989 lectures,
-/// section 3).
+/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window
+/// (1989 lectures, section 3).
 pub fn autocorrelation_times(chain: &Chain, burn_in: usize) -> Vec<AutocorrelationTime> {
     let steps = chain.steps().saturating_sub(burn_in);
     (0..chain.parameters())

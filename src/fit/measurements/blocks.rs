@@ -6,9 +6,8 @@ use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
+use super::super::error::FitError;
 use crate::elements::NoradId;
-
-use super::error::MeasurementError;
 
 /// Bytes per block.
 const BLOCK: usize = 1 << 20;
@@ -45,17 +44,15 @@ pub(super) struct Blocks {
 
 impl Blocks {
     /// Opens a file and reads its head.
-    pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), MeasurementError> {
-        let unreadable =
-            |error: io::Error| MeasurementError::Unreadable { file: name.to_owned(), problem: error.to_string() };
+    pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), FitError> {
+        let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let file = File::open(path).map_err(unreadable)?;
         Self::of(Box::new(file), name)
     }
 
     /// Decompresses if needed and reads the head.
-    pub(super) fn of(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), MeasurementError> {
-        let unreadable =
-            |error: io::Error| MeasurementError::Unreadable { file: name.to_owned(), problem: error.to_string() };
+    pub(super) fn of(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), FitError> {
+        let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let mut raw = BufReader::with_capacity(BLOCK, source);
         let is_gzipped = raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
         let mut source: Box<dyn BufRead + Send> = if is_gzipped {
@@ -68,7 +65,7 @@ impl Blocks {
             let mut line = Vec::new();
             let length = source.by_ref().take(LONGEST_ROW as u64).read_until(b'\n', &mut line).map_err(unreadable)?;
             if length == 0 {
-                return Err(MeasurementError::Empty { file: name.to_owned() });
+                return Err(FitError::EmptyFile { file: name.to_owned() });
             }
             let text = String::from_utf8_lossy(&line);
             let text = text.trim_start_matches('\u{feff}').trim();
@@ -105,8 +102,8 @@ impl Blocks {
         let mut block = std::mem::take(&mut self.rest);
         block.reserve(BLOCK);
         loop {
-            let wanted = BLOCK as u64;
-            let read = self.source.by_ref().take(wanted).read_to_end(&mut block)?;
+            let length = BLOCK as u64;
+            let read = self.source.by_ref().take(length).read_to_end(&mut block)?;
             if read == 0 {
                 self.is_at_end = true;
                 return Ok((!block.is_empty()).then_some(block));

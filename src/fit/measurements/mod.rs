@@ -4,8 +4,8 @@
 //! file ── RecordReader ── Record ── Placement ── Selection ── Measurement ── Reducer ── Pixel
 //! ```
 //!
-//! `format` describes the published tables, `column_map` any other table. `blocks` cuts files into whole rows, `rows` parses them into `record`s,
-//! and `reader` does so in parallel in bounded memory; `filters` counts rows by filter. `placement` computes the viewing geometry with
+//! `format` describes the published tables and counts rows by filter, `column_map` any other table. `blocks` cuts files into whole rows, `rows` parses them into `record`s,
+//! and `reader` does so in parallel in bounded memory. `placement` computes the viewing geometry with
 //! `ephemeris`, by element sets (`offset`: along-track delay), recorded angles, or distance and phase (`triangle`); `identify` finds the satellites
 //! of tracks. `selection` decides which records are used, `dropped` counts the others by reason, `measure` does both. `reduce` makes pixels
 //! with the `density_mode` of their magnitudes.
@@ -25,7 +25,7 @@
 //! let dropped = measure_each(&mut reader, &placement, &Selection::default(), |points| reducer.add(points))?;
 //! assert_eq!(reducer.finish().kept().count(), 1);
 //! assert_eq!(dropped.total(), 1);
-//! # Ok::<(), streakcast::fit::measurements::MeasurementError>(())
+//! # Ok::<(), streakcast::fit::measurements::FitError>(())
 //! ```
 
 mod blocks;
@@ -33,8 +33,6 @@ mod column_map;
 mod density_mode;
 mod dropped;
 mod ephemeris;
-mod error;
-mod filters;
 mod format;
 mod identify;
 mod measure;
@@ -50,15 +48,13 @@ mod triangle;
 pub use column_map::ColumnMap;
 pub use density_mode::{DensityMode, half_sample_mode, kernel_mode, kernel_sigma};
 pub use dropped::{DropCounts, DropExample, DropReason};
-pub use error::MeasurementError;
-pub use filters::{BandMismatch, FilterCounts};
-pub use format::Format;
+pub use format::{BandMismatch, FilterCounts, Format};
 pub use identify::{
     AcceptanceLimits, AssociationOptions, Candidate, TrackIdentification, associate, identification_table,
     identify_tracks,
 };
 pub use measure::{Measurement, Measurements, measure, measure_each};
-pub use placement::{OrbitRadius, Place, Placed, Placement, Placer};
+pub use placement::{OrbitRadius, Placed, Placement, Placer, PositionSource};
 pub use reader::{PhotometryOptions, RecordReader};
 pub use record::{Record, RecordSource, Records, RecordsSource, Sighting};
 pub use reduce::{Pixel, ReduceOptions, Reducer, Reduction, reduce};

@@ -7,16 +7,14 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::geometry::Site;
-
+use super::super::error::FitError;
 use super::blocks::{Blocks, Head};
 use super::column_map::ColumnMap;
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::error::MeasurementError;
-use super::filters::FilterCounts;
-use super::format::Format;
+use super::format::{FilterCounts, Format};
 use super::record::{Record, RecordSource};
 use super::rows::{Layout, Parsed};
+use crate::geometry::Site;
 
 /// Options for reading photometry.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -27,9 +25,9 @@ pub struct PhotometryOptions {
     pub columns: Option<ColumnMap>,
     /// Site of all rows; `None`: that of the format or the columns.
     pub site: Option<Site>,
-    /// Wanted filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
+    /// Selected filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
     pub filters: Vec<String>,
-    /// Keeps rows whose cells equal those of an earlier row.
+    /// Keeps rows with the same cells as an earlier row.
     pub keep_duplicates: bool,
 }
 
@@ -69,8 +67,8 @@ struct OpenFile {
 
 /// Reader of the records of several files, in their order.
 ///
-/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if they are kept), and the
-/// names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
+/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if
+/// they are kept), and the names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
 pub struct RecordReader {
     queue: VecDeque<PathBuf>,
     open: Option<OpenFile>,
@@ -88,10 +86,10 @@ impl RecordReader {
     /// Reader of files, which are opened one after the other.
     ///
     /// # Errors
-    /// [`MeasurementError::NoFiles`].
-    pub fn open<P: AsRef<Path>>(paths: &[P], options: &PhotometryOptions) -> Result<Self, MeasurementError> {
+    /// [`FitError::NoFiles`].
+    pub fn open<P: AsRef<Path>>(paths: &[P], options: &PhotometryOptions) -> Result<Self, FitError> {
         if paths.is_empty() {
-            return Err(MeasurementError::NoFiles);
+            return Err(FitError::NoFiles);
         }
         let queue = paths.iter().map(|path| path.as_ref().to_owned()).collect();
         Ok(Self::empty(queue, options))
@@ -105,7 +103,7 @@ impl RecordReader {
         name: &str,
         source: Box<dyn Read + Send>,
         options: &PhotometryOptions,
-    ) -> Result<Self, MeasurementError> {
+    ) -> Result<Self, FitError> {
         let mut reader = Self::empty(VecDeque::new(), options);
         let (head, blocks) = Blocks::of(source, name)?;
         reader.begin(name.to_owned(), &head, blocks)?;
@@ -132,9 +130,9 @@ impl RecordReader {
         &self.filters
     }
 
-    fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), MeasurementError> {
+    fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), FitError> {
         let sniffed = || {
-            Format::sniff(&head.header).ok_or_else(|| MeasurementError::UnknownFormat {
+            Format::sniff(&head.header).ok_or_else(|| FitError::UnknownFormat {
                 file: name.clone(),
                 header: head.header.join(",").chars().take(100).collect(),
             })
@@ -143,11 +141,11 @@ impl RecordReader {
             (Some(map), None | Some(Format::Csv)) => (Format::Csv, map.clone()),
             (Some(_), Some(format)) => {
                 let problem = format!("format {} has fixed columns; a column map requires csv", format.name());
-                return Err(MeasurementError::ColumnMap { problem });
+                return Err(FitError::ColumnMap { problem });
             }
             (None, Some(Format::Csv)) => {
-                let problem = "csv needs a column map".to_owned();
-                return Err(MeasurementError::ColumnMap { problem });
+                let problem = "csv requires a column map".to_owned();
+                return Err(FitError::ColumnMap { problem });
             }
             (None, Some(format)) => (format, format.columns()),
             (None, None) => sniffed().map(|format| (format, format.columns()))?,
@@ -156,7 +154,7 @@ impl RecordReader {
             Some(site) => Some(site.clone()),
             None => format
                 .site()
-                .map_err(|error| MeasurementError::Unreadable { file: name.clone(), problem: error.to_string() })?,
+                .map_err(|error| FitError::Unreadable { file: name.clone(), problem: error.to_string() })?,
         };
         let mut filters = self.options.filters.clone();
         if filters.is_empty() {
@@ -174,13 +172,13 @@ impl RecordReader {
     }
 
     /// Appends the contents of a parsed block.
-    fn take(&mut self, open: &mut OpenFile, parsed: Parsed, records: &mut Vec<Record>) -> Result<(), MeasurementError> {
+    fn take(&mut self, open: &mut OpenFile, parsed: Parsed, records: &mut Vec<Record>) -> Result<(), FitError> {
         let name = self.name();
         for (row, filter) in parsed.first_filter.into_iter().chain(parsed.other_filter) {
             let first = open.filter.get_or_insert_with(|| filter.clone());
             if *first != filter {
                 let (first, row) = (first.clone(), open.rows + row);
-                return Err(MeasurementError::MixedFilters { file: name, row, first, other: filter });
+                return Err(FitError::MixedFilters { file: name, row, first, other: filter });
             }
         }
         let groups: Vec<u32> = parsed
@@ -241,7 +239,7 @@ fn read_some(blocks: &mut Blocks) -> std::io::Result<Vec<Vec<u8>>> {
 }
 
 impl RecordSource for RecordReader {
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasurementError> {
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, FitError> {
         let Some(mut open) = self.open.take() else {
             let Some(path) = self.queue.pop_front() else { return Ok(None) };
             let name = path.display().to_string();
@@ -251,13 +249,13 @@ impl RecordSource for RecordReader {
         };
         let name = self.name();
         let unreadable =
-            |error: std::io::Error| MeasurementError::Unreadable { file: name.clone(), problem: error.to_string() };
+            |error: std::io::Error| FitError::Unreadable { file: name.clone(), problem: error.to_string() };
         if open.read.is_empty() {
             open.read = read_some(&mut open.blocks).map_err(unreadable)?;
         }
         if open.read.is_empty() {
             if open.rows == 0 {
-                return Err(MeasurementError::Empty { file: name });
+                return Err(FitError::EmptyFile { file: name });
             }
             return Ok(Some(Vec::new()));
         }

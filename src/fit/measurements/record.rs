@@ -2,19 +2,18 @@
 
 use hifitime::Epoch;
 
+use super::super::error::FitError;
+use super::dropped::DropCounts;
 use crate::elements::NoradId;
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
-
-use super::dropped::DropCounts;
-use super::error::MeasurementError;
 
 /// Recorded position of the satellite. Angles in radians.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Sighting {
     /// Distance and phase angle.
     Distance {
-        /// Observer to satellite, km.
+        /// Distance from observer to satellite, km.
         range_km: f64,
         /// Angle Sun-satellite-observer, [0, π], if recorded.
         phase_rad: Option<f64>,
@@ -45,10 +44,10 @@ pub enum Sighting {
         right_ascension_rad: f64,
         /// Declination, ICRS, astrometric topocentric.
         declination_rad: f64,
-        /// Observer to satellite, km.
+        /// Distance from observer to satellite, km.
         range_km: f64,
     },
-    /// No position; element sets are needed.
+    /// No position; element sets are required.
     Nothing,
 }
 
@@ -94,7 +93,7 @@ pub trait RecordSource {
     ///
     /// # Errors
     /// Errors that make the rest of a file unusable.
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasurementError>;
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, FitError>;
 
     /// Names of the groups (tracks, satellites, nights or files) so far.
     fn groups(&self) -> &[String];
@@ -129,7 +128,7 @@ impl Records {
     ///
     /// # Errors
     /// Those of the source.
-    pub fn collect(source: &mut impl RecordSource) -> Result<Self, MeasurementError> {
+    pub fn collect(source: &mut impl RecordSource) -> Result<Self, FitError> {
         let mut records = Vec::new();
         while let Some(chunk) = source.next_chunk()? {
             records.extend(chunk);
@@ -171,7 +170,7 @@ pub struct RecordsSource<'a> {
 const CHUNK: usize = 1 << 16;
 
 impl RecordSource for RecordsSource<'_> {
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasurementError> {
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, FitError> {
         let rest = &self.of.records[self.at..];
         let chunk = &rest[..rest.len().min(CHUNK)];
         self.at += chunk.len();

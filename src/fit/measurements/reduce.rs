@@ -1,5 +1,5 @@
-//! Reduction to pixels: layers of the Sun's latitude, HEALPix cells of the observer's direction, and the mode of the magnitudes in each
-//! (Lu 2024, section 3).
+//! Reduction to pixels: layers of the Sun's latitude, HEALPix cells of the observer's direction, and the mode of the
+//! magnitudes in each (Lu 2024, section 3).
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -7,13 +7,12 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::super::error::FitError;
+use super::density_mode::{DensityMode, interquartile_range};
+use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
 use crate::math::healpix::{MOST_NSIDE, ring_cell};
 use crate::math::quantile::quantile;
 use crate::output::{Column, Kind, Table};
-
-use super::density_mode::{DensityMode, interquartile_range};
-use super::error::MeasurementError;
-use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
 
 const PIXELS: [Column; 12] = [
     Column::new("layer", Kind::Integer, "Layer of the Sun's latitude: latitude over width, rounded down."),
@@ -22,10 +21,10 @@ const PIXELS: [Column; 12] = [
     LONGITUDE,
     LATITUDE,
     HEIGHT,
-    Column::real("mode_mag", "mag", 4, "Densest magnitude at 1000 km."),
+    Column::real("mode_mag", "mag", 4, "Mode of the magnitude at 1000 km."),
     Column::real("median_mag", "mag", 4, "Median magnitude at 1000 km."),
     Column::real("iqr_mag", "mag", 4, "Interquartile range."),
-    Column::new("count", Kind::Integer, "Points in the cell."),
+    Column::new("count", Kind::Integer, "Number of points in the cell."),
     Column::new("tracks", Kind::Integer, "Number of tracks (or satellites, nights, files) of these points."),
     Column::new(
         "kept",
@@ -47,8 +46,9 @@ pub struct ReduceOptions {
     pub mode: DensityMode,
     /// Least number of points of a kept cell.
     pub least_count: u32,
-    /// Least number of tracks (or other groups) of a kept cell. The points of a single track do not reveal a misidentification or the
-    /// differences among satellites; their spread is small, so that such a cell would have a large weight.
+    /// Least number of tracks (or other groups) of a kept cell. The points of a single track do not reveal a
+    /// misidentification or the differences among satellites; their spread is small, so that such a cell would have a
+    /// large weight.
     pub least_tracks: u32,
     /// Largest interquartile range of a kept cell, mag.
     pub most_iqr_mag: f64,
@@ -165,10 +165,10 @@ impl Reducer {
     /// Empty reducer.
     ///
     /// # Errors
-    /// [`MeasurementError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not
+    /// [`FitError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not
     /// positive.
-    pub fn new(options: ReduceOptions) -> Result<Self, MeasurementError> {
-        let setting = |name, given: String, allowed| Err(MeasurementError::Setting { name, given, allowed });
+    pub fn new(options: ReduceOptions) -> Result<Self, FitError> {
+        let setting = |name, given: String, allowed| Err(FitError::Setting { name, given, allowed });
         let width_deg = options.layer_width_rad.to_degrees();
         if !(0.01..=180.0).contains(&width_deg) {
             return setting("layer width", format!("{width_deg} deg"), "0.01 to 180 deg");
@@ -253,7 +253,7 @@ fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sum
 ///
 /// # Errors
 /// Those of [`Reducer::new`].
-pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, MeasurementError> {
+pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, FitError> {
     let mut reducer = Reducer::new(options)?;
     reducer.add(points);
     Ok(reducer.finish())

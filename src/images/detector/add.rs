@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::images::{Patch, Plane};
 
+use super::conversion::{Purpose, electrons, fraction, stream};
 use super::error::DetectorError;
-use super::noise::{Purpose, electrons, fraction, stream};
 use super::saturation::{Bleeding, Saturated, Saturation};
 use super::settings::Detector;
 

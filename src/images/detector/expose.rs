@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::images::Plane;
 
+use super::conversion::{Purpose, electrons, gaussian, stream};
 use super::error::DetectorError;
-use super::noise::{Purpose, electrons, gaussian, stream};
 use super::saturation::Saturated;
 use super::settings::Detector;
 

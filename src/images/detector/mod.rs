@@ -1,12 +1,11 @@
-//! What a detector makes of light: `vignetting`, `noise`, `saturation` with bleeding, `non_linearity`, `crosstalk`, `conversion` (gain,
-//! bias, whole numbers); `settings` (which of them there are), `expose` (a synthetic frame), `add` (light added to a frame that exists).
+//! Effects of a detector on light: `vignetting`, `saturation` with bleeding, `non_linearity`, `crosstalk`, `conversion` (gain,
+//! bias, whole numbers, noise); `settings` (the stages in use), `expose` (a synthetic frame), `add` (light added to a frame that exists).
 
 mod add;
 mod conversion;
 mod crosstalk;
 mod error;
 mod expose;
-mod noise;
 mod non_linearity;
 mod saturation;
 mod settings;

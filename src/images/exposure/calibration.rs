@@ -1,7 +1,7 @@
 //! What a count is worth: zero point, gain, read noise, saturation, band.
 
 use super::super::header::Header;
-use super::keywords::Keywords;
+use super::moment::Keywords;
 
 /// A value and the keyword that said it.
 #[derive(Clone, Debug, PartialEq)]

@@ -5,8 +5,8 @@ use hifitime::{Epoch, TimeScale, TimeUnits};
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
 use super::super::header::Header;
-use super::keywords::{Keywords, resolution};
 use super::moment::{DateText, at, parse_date, parse_time};
+use super::moment::{Keywords, resolution};
 
 /// Keywords with date and time of the beginning, in the order in which they count.
 const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];

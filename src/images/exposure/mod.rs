@@ -1,11 +1,10 @@
-//! What a header says of its exposure: when, how long, and what a count is worth.
+//! Exposure of a header: start, length, and calibration of counts.
 //!
-//! `keywords` finds values under their many names, `moment` reads dates and times, `exposure_time` puts start and length together and `calibration`
+//! `moment` finds values under their many keywords and reads dates and times, `exposure_time` combines start and length, `calibration`
 //! gathers zero point, gain, noise and band.
 
 mod calibration;
 mod exposure_time;
-mod keywords;
 mod moment;
 
 pub use calibration::{Calibration, CountBasis, PixelUnit, Stated, ZeroPoint};

@@ -1,4 +1,4 @@
-//! The random numbers of subtractive dithering.
+//! Random numbers for rounding: those of subtractive dithering in compressed images, and those of added light.
 //!
 //! FITS standard 4.0, appendix I: a table of 10000 numbers by the minimal standard generator of Park and Miller (1988, Comm. ACM 31, 1192).
 
@@ -39,6 +39,21 @@ impl Dither {
             f64::from(number)
         })
     }
+}
+
+/// A fraction of the step between two values that a pixel can take, from minus to plus half of it: with it light of less than half a step
+/// is not rounded away everywhere, but makes a whole step in as many pixels as it should. The same in every run, and another one for
+/// every pixel.
+pub(super) fn between_steps(pixel: usize, step: f64) -> f64 {
+    if step == 0.0 {
+        return 0.0;
+    }
+    // SplitMix64 (Steele, Lea & Flood 2014) of the pixel's number.
+    let mut z = (pixel as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let share = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+    (share - 0.5) * step
 }
 
 #[cfg(test)]

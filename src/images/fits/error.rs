@@ -3,7 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
-use super::tile_table::Refused;
+/// A value of a header that is refused: keyword, value, and what is allowed.
+pub(super) type Refused = (String, String, String);
 
 /// A file that is no frame, or cannot be read or written. Every one names the file; whatever happens, the input stays as it is and no half output appears.
 #[derive(Debug, thiserror::Error)]

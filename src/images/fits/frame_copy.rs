@@ -9,7 +9,6 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use crate::output::{AtomicFile, ScratchFolder};
@@ -17,13 +16,14 @@ use crate::output::{AtomicFile, ScratchFolder};
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice, checksum_text};
-use super::changed::{Changed, Outcome};
 use super::deltas::Deltas;
+use super::deltas::{Changed, Outcome};
+use super::dither::between_steps;
 use super::error::FrameError;
 use super::frame_file::FrameFile;
-use super::hdu::{BLOCK, HduInfo, HduKind, padded};
-use super::image_values::ImageValues;
+use super::hdu::{BLOCK, HduInfo, HduKind, copy_range, header_bytes, padded};
 use super::new_hdu::{NewHdu, TableColumn, create, folder_of};
+use super::pixel_format::ImageValues;
 use super::tiles::{Repacked, repack};
 
 /// Bytes that are changed and written at once: whole pixels of every type.
@@ -253,27 +253,8 @@ fn entry_of<'a>(
     Ok(headers.entry(hdu).or_insert_with(|| header.clone()))
 }
 
-/// A header as it stands in a file: with END, filled up with blanks.
-pub(super) fn header_bytes(header: &Header) -> Vec<u8> {
-    let mut bytes: Vec<u8> = header.cards().iter().flat_map(Card::bytes).copied().collect();
-    bytes.extend_from_slice(b"END");
-    bytes.resize(padded(bytes.len() as u64) as usize, b' ');
-    bytes
-}
-
 fn has_sums(header: &Header) -> bool {
     header.contains("CHECKSUM") || header.contains("DATASUM")
-}
-
-/// Copies a range of a file to where another one stands; by the kernel where it can.
-pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>) -> io::Result<()> {
-    input.seek(SeekFrom::Start(range.start))?;
-    let length = range.end - range.start;
-    let copied = io::copy(&mut input.take(length), &mut output)?;
-    if copied < length {
-        return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
-    }
-    Ok(())
 }
 
 /// Writes the data of an image that is not compressed, with light added.
@@ -310,19 +291,4 @@ fn write_changed(input: &mut impl Read, mut output: &File, info: &HduInfo, light
         from += length;
     }
     Ok(changed)
-}
-
-/// A fraction of the step between two values that a pixel can take, from minus to plus half of it: with it light of less than half a step
-/// is not rounded away everywhere, but makes a whole step in as many pixels as it should. The same in every run, and another one for
-/// every pixel.
-pub(super) fn between_steps(pixel: usize, step: f64) -> f64 {
-    if step == 0.0 {
-        return 0.0;
-    }
-    // SplitMix64 (Steele, Lea & Flood 2014) of the pixel's number.
-    let mut z = (pixel as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    let share = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
-    (share - 0.5) * step
 }

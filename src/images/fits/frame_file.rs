@@ -9,7 +9,8 @@ use super::super::plane::Plane;
 use super::cfitsio::{CPixel, Handle};
 use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind, scan};
-use super::tile_table::{TileTable, columns};
+use super::tile_header::columns;
+use super::tile_table::TileTable;
 
 /// A FITS file of known structure: single images, mosaics, compressed tiles (`.fz`), tables.
 ///

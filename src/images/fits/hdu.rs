@@ -1,14 +1,15 @@
 //! The parts of a FITS file: where each header and its data lie, and what they are.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
+use std::io::{self, Read, Seek, SeekFrom};
+use std::ops::Range;
 use std::path::Path;
 
 use super::super::card::{CARD_LENGTH, Card};
 use super::super::header::{Header, is_end};
 use super::error::FrameError;
 use super::pixel_format::{Bitpix, PixelFormat};
-use super::tile_table::check_compressed;
+use super::tile_header::check_compressed;
 
 /// FITS files are made of blocks of this many bytes.
 pub(super) const BLOCK: usize = 2880;
@@ -91,6 +92,25 @@ pub(super) fn padded(length: u64) -> u64 {
     length.div_ceil(BLOCK as u64) * BLOCK as u64
 }
 
+/// A header as it stands in a file: with END, filled up with blanks.
+pub(super) fn header_bytes(header: &Header) -> Vec<u8> {
+    let mut bytes: Vec<u8> = header.cards().iter().flat_map(Card::bytes).copied().collect();
+    bytes.extend_from_slice(b"END");
+    bytes.resize(padded(bytes.len() as u64) as usize, b' ');
+    bytes
+}
+
+/// Copies a range of a file to where another one stands; by the kernel where it can.
+pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>) -> io::Result<()> {
+    input.seek(SeekFrom::Start(range.start))?;
+    let length = range.end - range.start;
+    let copied = io::copy(&mut input.take(length), &mut output)?;
+    if copied < length {
+        return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
+    }
+    Ok(())
+}
+
 /// All HDUs of a file with their headers. Bytes behind the last one that are all zero or blank are let be.
 pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, FrameError> {
     let io = FrameError::io(path);
@@ -153,7 +173,7 @@ fn readable(bytes: &[u8]) -> String {
 }
 
 /// Whether nothing but zeros or blanks follows.
-fn is_padding(file: &mut File, mut chunk: Vec<u8>) -> std::io::Result<bool> {
+fn is_padding(file: &mut File, mut chunk: Vec<u8>) -> io::Result<bool> {
     loop {
         if chunk.iter().any(|byte| !matches!(byte, 0 | b' ')) {
             return Ok(false);

@@ -1,29 +1,28 @@
 //! Frames in FITS files: reading, copies with changes, new files.
 //!
-//! `hdu` finds headers and data, `tile_table` checks compressed images, both before CFITSIO (`cfitsio`) sees a file. `frame_file` reads.
-//! `frame_copy` copies with changes: `deltas` holds the light to be added, `pixel_format` the meaning of stored numbers, `tiles` changes
-//! compressed images (`dither` their random numbers), `changed` counts. `new_hdu` makes images (`image_values`) and tables.
+//! `hdu` finds headers and data, `tile_header` and `tile_table` check compressed images, both before CFITSIO (`cfitsio`) sees a file.
+//! `frame_file` reads. `frame_copy` copies with changes: `deltas` holds the light to be added and counts changes, `pixel_format` the
+//! meaning of stored numbers, `tiles` changes compressed images, `dither` holds the random numbers of rounding. `new_hdu` makes images and
+//! tables.
 
 mod cfitsio;
-mod changed;
 mod deltas;
 mod dither;
 mod error;
 mod frame_copy;
 mod frame_file;
 mod hdu;
-mod image_values;
 mod new_hdu;
 mod pixel_format;
+mod tile_header;
 mod tile_table;
 mod tiles;
 
 pub use cfitsio::Rice;
-pub use changed::Changed;
+pub use deltas::Changed;
 pub use error::FrameError;
 pub use frame_copy::FrameCopy;
 pub use frame_file::FrameFile;
 pub use hdu::{HduInfo, HduKind};
-pub use image_values::{ImageValues, Pixels};
 pub use new_hdu::{Cells, NewImage, TableColumn, write_frame, write_table};
-pub use pixel_format::{Bitpix, PixelFormat};
+pub use pixel_format::{Bitpix, ImageValues, PixelFormat, Pixels};

@@ -9,7 +9,7 @@ use super::super::card::{Card, CardValue, plain};
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice};
 use super::error::FrameError;
-use super::image_values::ImageValues;
+use super::pixel_format::ImageValues;
 
 /// Keywords of the structure of a file: given by the data themselves, not by a caller.
 const STRUCTURE: &[&str] = &[

@@ -19,15 +19,15 @@ use fitsio::images::{ReadImage, WriteImage};
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
 use super::cfitsio::Handle;
-use super::changed::{Changed, Outcome};
 use super::deltas::Deltas;
-use super::dither::Dither;
+use super::deltas::{Changed, Outcome};
+use super::dither::{Dither, between_steps};
 use super::error::FrameError;
-use super::frame_copy::{between_steps, copy_range, header_bytes};
-use super::hdu::{BLOCK, HduInfo, HduKind, scan};
+use super::hdu::{BLOCK, HduInfo, HduKind, copy_range, header_bytes, scan};
 use super::new_hdu::empty_primary;
 use super::pixel_format::{Bitpix, PixelFormat, Stored};
-use super::tile_table::{COMPRESSED, GZIPPED, TileTable};
+use super::tile_header::{COMPRESSED, GZIPPED};
+use super::tile_table::TileTable;
 
 /// Number of a quantised pixel without a value (ZBLANK), and of one that is exactly 0 (SUBTRACTIVE_DITHER_2).
 const QUANTISED_BLANK: f64 = -2_147_483_648.0;

@@ -3,8 +3,8 @@
 use super::super::header::Header;
 use super::distortion::{Distortion, attribute};
 use super::error::WcsError;
+use super::projection::NativePole;
 use super::projection::{Projection, Zpn};
-use super::sphere::NativePole;
 
 /// Codes of projections that are read.
 pub(super) const KNOWN_PROJECTIONS: &str = "TAN (with SIP or PVi_m), TPV, TNX, ZPX, SIN, STG, ARC, ZEA, ZPN, CAR";

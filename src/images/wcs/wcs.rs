@@ -6,11 +6,11 @@ use crate::frames::{Direction, Gcrs};
 
 use super::super::card::Card;
 use super::super::header::Header;
-use super::super::pixel::PixelPosition;
 use super::error::WcsError;
 use super::header_terms::HeaderTerms;
+use super::projection::NativePole;
 use super::projection::Projection;
-use super::sphere::NativePole;
+use crate::images::plane::PixelPosition;
 
 /// Arcseconds in a radian.
 const ARCSEC: f64 = 648_000.0 / std::f64::consts::PI;

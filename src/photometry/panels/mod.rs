@@ -4,15 +4,11 @@ mod assembly;
 mod attitude;
 mod build;
 mod panel_file;
-mod polygon;
-mod rectangle;
-mod sphere;
+mod shapes;
 
 pub use assembly::{Face, LitFace, PanelAssembly, Part};
 pub use attitude::{Attitude, PanelOffset};
 pub use panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
-pub use polygon::PanelPolygon;
-pub use rectangle::PlacedRectangle;
-pub use sphere::{Sphere, SpherePhase};
+pub use shapes::{PanelPolygon, PlacedRectangle, Sphere, SpherePhase};

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::super::error::{AnnotateError, ScheduleError};
+use super::super::error::ScheduleError;
 use super::super::formats::{ID, display};
 use crate::output::{AtomicFile, Provenance, Table};
 
@@ -32,12 +32,12 @@ impl Annotation<'_> {
     }
 
     /// Checks that the file still has as many rows as were judged.
-    pub(super) fn check_rows(&self, input: &Path, rows: usize) -> Result<(), AnnotateError> {
+    pub(super) fn check_rows(&self, input: &Path, rows: usize) -> Result<(), ScheduleError> {
         let expected = self.keep.map_or(self.flags.rows.len(), <[bool]>::len);
         if rows == expected {
             return Ok(());
         }
-        Err(AnnotateError::Changed { path: display(input), rows, flags: expected })
+        Err(ScheduleError::Changed { path: display(input), rows, flags: expected })
     }
 
     /// Returns the flags, without the exposure identifier if a column of the schedule has it.
@@ -54,20 +54,20 @@ impl Annotation<'_> {
         input: &Path,
         names: &[String],
         flags: &Table,
-    ) -> Result<Vec<usize>, AnnotateError> {
+    ) -> Result<Vec<usize>, ScheduleError> {
         let is_flag = |name: &String| flags.columns.iter().any(|column| column.name == name);
         let earlier: Vec<usize> = (0..names.len()).filter(|&index| is_flag(&names[index])).collect();
         if earlier.is_empty() || self.replace {
             return Ok(earlier);
         }
         let shown: Vec<&str> = earlier.iter().map(|&index| names[index].as_str()).collect();
-        Err(AnnotateError::AlreadyThere { path: display(input), what: format!("columns {}", shown.join(", ")) })
+        Err(ScheduleError::AlreadyThere { path: display(input), what: format!("columns {}", shown.join(", ")) })
     }
 }
 
 /// Returns the text of a schedule.
-pub(super) fn read_text(input: &Path) -> Result<String, AnnotateError> {
-    Ok(std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })?)
+pub(super) fn read_text(input: &Path) -> Result<String, ScheduleError> {
+    std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
 }
 
 /// Insertions into a text and removals from it; all other bytes stay.
@@ -113,8 +113,8 @@ pub(super) fn streaks_path(output: &Path, extension: &str) -> PathBuf {
 pub(super) fn write_new(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<AtomicFile, AnnotateError> {
-    let error = |source| AnnotateError::Write { path: display(path), source };
+) -> Result<AtomicFile, ScheduleError> {
+    let error = |source| ScheduleError::Write { path: display(path), source };
     let file = AtomicFile::new(path).map_err(error)?;
     let mut out = io::BufWriter::new(file.file());
     write(&mut out).and_then(|()| out.flush()).map_err(error)?;
@@ -123,10 +123,10 @@ pub(super) fn write_new(
 }
 
 /// Renames files to their paths, the annotated schedule last. Returns the paths, the schedule first.
-pub(super) fn finish(files: Vec<(AtomicFile, PathBuf)>) -> Result<Vec<PathBuf>, AnnotateError> {
+pub(super) fn finish(files: Vec<(AtomicFile, PathBuf)>) -> Result<Vec<PathBuf>, ScheduleError> {
     let mut written = Vec::new();
     for (file, path) in files {
-        file.finish().map_err(|source| AnnotateError::Write { path: display(&path), source })?;
+        file.finish().map_err(|source| ScheduleError::Write { path: display(&path), source })?;
         written.push(path);
     }
     written.reverse();

@@ -4,7 +4,7 @@ use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use super::super::error::{AnnotateError, ScheduleError};
+use super::super::error::ScheduleError;
 use super::super::formats::{csv_layout, display, ecsv_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, streaks_path, write_new};
 use crate::output::{Table, ecsv_column, write_csv, write_ecsv};
@@ -13,7 +13,7 @@ pub(super) fn annotate_csv(
     input: &Path,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, AnnotateError> {
+) -> Result<Vec<PathBuf>, ScheduleError> {
     let text = read_text(input)?;
     // The byte order mark stays, but does not belong to the first name.
     let (mark, body) = match text.strip_prefix('\u{feff}') {
@@ -54,7 +54,7 @@ pub(super) fn annotate_ecsv(
     input: &Path,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, AnnotateError> {
+) -> Result<Vec<PathBuf>, ScheduleError> {
     let text = read_text(input)?;
     let layout = ecsv_layout(input, &text)?;
     annotation.check_rows(input, layout.rows.len())?;
@@ -103,14 +103,14 @@ fn trailing_columns(
     names: &[String],
     flags: &Table,
     annotation: &Annotation<'_>,
-) -> Result<usize, AnnotateError> {
+) -> Result<usize, ScheduleError> {
     let earlier = annotation.earlier_columns(input, names, flags)?;
     if earlier.iter().rev().zip((0..names.len()).rev()).all(|(index, last)| *index == last) {
         return Ok(earlier.len());
     }
     let earlier: Vec<&str> = earlier.iter().map(|&index| names[index].as_str()).collect();
     let what = format!("columns among its own {}", earlier.join(", "));
-    Err(AnnotateError::AlreadyThere { path: display(input), what })
+    Err(ScheduleError::AlreadyThere { path: display(input), what })
 }
 
 /// Lines with the flags as their last cells, in the place of those of an earlier annotation.
@@ -131,7 +131,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Appends the names of the flags to the line of names.
-    fn append_names(&mut self, line: Range<usize>) -> Result<(), AnnotateError> {
+    fn append_names(&mut self, line: Range<usize>) -> Result<(), ScheduleError> {
         let names = self.flags.columns.iter().map(|column| column.name.to_owned());
         let names = cells(names, self.delimiter)?;
         self.append(line, self.earlier, names);
@@ -139,7 +139,7 @@ impl<'a> Lines<'a> {
     }
 
     /// Appends the next row of the flags to a line, after a number of empty cells.
-    fn append_flags(&mut self, line: Range<usize>, earlier: usize, empty: usize) -> Result<(), AnnotateError> {
+    fn append_flags(&mut self, line: Range<usize>, earlier: usize, empty: usize) -> Result<(), ScheduleError> {
         let row = self.flag_rows.next().into_iter().flat_map(|row| self.flags.columns.iter().zip(row));
         let texts = cells(row.map(|(column, value)| column.text(value)), self.delimiter)?;
         let filled = char::from(self.delimiter).to_string().repeat(empty) + &texts;
@@ -170,7 +170,7 @@ fn before_record(piece: &str) -> &str {
 }
 
 /// Returns the separator and the cells that follow it, quoted if necessary.
-fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, AnnotateError> {
+fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, ScheduleError> {
     if delimiter == b' ' {
         // An empty cell between blanks would be invisible.
         let quoted = |text: String| {
@@ -179,7 +179,7 @@ fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, A
         };
         return Ok(texts.map(quoted).collect());
     }
-    let error = |source| AnnotateError::Write { path: "cells".to_owned(), source };
+    let error = |source| ScheduleError::Write { path: "cells".to_owned(), source };
     let mut writer = csv::WriterBuilder::new().delimiter(delimiter).from_writer(vec![delimiter]);
     writer.write_record(texts).map_err(|source| error(source.into()))?;
     let bytes = writer.into_inner().map_err(|source| error(io::Error::other(source.to_string())))?;
@@ -218,11 +218,11 @@ mod tests {
         }
     }
 
-    fn run(text: &str, verdicts: &[&str], replace: bool) -> Result<String, AnnotateError> {
+    fn run(text: &str, verdicts: &[&str], replace: bool) -> Result<String, ScheduleError> {
         run_rows(text, verdicts, replace, None)
     }
 
-    fn run_rows(text: &str, verdicts: &[&str], replace: bool, keep: Option<&[bool]>) -> Result<String, AnnotateError> {
+    fn run_rows(text: &str, verdicts: &[&str], replace: bool, keep: Option<&[bool]>) -> Result<String, ScheduleError> {
         let folder = tempfile::tempdir().unwrap();
         let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
         std::fs::write(&input, text).unwrap();
@@ -277,6 +277,6 @@ mod tests {
     #[test]
     fn a_file_that_grew_is_left_alone() {
         let answer = run("id,n\n1,2\n", &["clear", "clear"], false);
-        assert!(matches!(answer, Err(AnnotateError::Changed { rows: 1, flags: 2, .. })));
+        assert!(matches!(answer, Err(ScheduleError::Changed { rows: 1, flags: 2, .. })));
     }
 }

@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::AnnotateError;
+use super::super::error::ScheduleError;
 use super::super::formats::{Members, display, json_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, streaks_path, write_new};
 use crate::output::{Section, json_members, json_rows, write_json};
@@ -15,7 +15,7 @@ pub(super) fn annotate(
     input: &Path,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, AnnotateError> {
+) -> Result<Vec<PathBuf>, ScheduleError> {
     let text = read_text(input)?;
     let layout = json_layout(input, &text)?;
     annotation.check_rows(input, layout.rows.len())?;
@@ -26,7 +26,7 @@ pub(super) fn annotate(
         || layout.document.iter().flat_map(|document| document.keys()).any(|key| ADDED.contains(&key));
     if is_annotated && !annotation.replace {
         let what = "members verdict, streaks and so on".to_owned();
-        return Err(AnnotateError::AlreadyThere { path: display(input), what });
+        return Err(ScheduleError::AlreadyThere { path: display(input), what });
     }
 
     let mut edits = Edits::default();

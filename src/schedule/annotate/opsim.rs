@@ -7,11 +7,10 @@ use rusqlite::backup::Backup;
 use rusqlite::types::Value as SqlValue;
 use rusqlite::{Connection, params, params_from_iter};
 
-use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
-
-use super::super::error::AnnotateError;
+use super::super::error::ScheduleError;
 use super::super::formats::{ID, display, open_read_only};
 use super::annotation::Annotation;
+use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 const STREAKS: &str = "streaks";
 const FLAGS: &str = "streak_flags";
@@ -25,18 +24,18 @@ pub(super) fn annotate(
     input: &Path,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, AnnotateError> {
+) -> Result<Vec<PathBuf>, ScheduleError> {
     let source = open_read_only(input)?;
-    let sqlite = |source| AnnotateError::Sqlite { path: display(output), source };
+    let sqlite = |source| ScheduleError::AnnotateSqlite { path: display(output), source };
     let earlier = earlier_tables(&source).map_err(sqlite)?;
     if !annotation.replace && !earlier.is_empty() {
         let names: Vec<&str> = earlier.iter().map(|(_, name)| name.as_str()).collect();
         let what = format!("tables {}", names.join(", "));
-        return Err(AnnotateError::AlreadyThere { path: display(input), what });
+        return Err(ScheduleError::AlreadyThere { path: display(input), what });
     }
     let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(sqlite)?;
     annotation.check_rows(input, usize::try_from(rows).unwrap_or(0))?;
-    let write_error = |source| AnnotateError::Write { path: display(output), source };
+    let write_error = |source| ScheduleError::Write { path: display(output), source };
     let file = AtomicFile::new(output).map_err(write_error)?;
     write_copy(&source, file.path(), &earlier, annotation).map_err(sqlite)?;
     drop(source);

@@ -11,7 +11,7 @@ use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::WriterProperties;
 
-use super::super::error::{AnnotateError, ScheduleError};
+use super::super::error::ScheduleError;
 use super::super::formats::{batches, display};
 use super::annotation::{Annotation, finish, streaks_path};
 use crate::output::{AtomicFile, parquet_columns, parquet_fields, write_parquet};
@@ -23,7 +23,7 @@ pub(super) fn annotate(
     input: &Path,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, AnnotateError> {
+) -> Result<Vec<PathBuf>, ScheduleError> {
     let (reader, metadata) = batches(input)?;
     let schema = reader.schema();
     let names: Vec<String> = schema.fields().iter().map(|field| field.name().clone()).collect();
@@ -36,9 +36,11 @@ pub(super) fn annotate(
         own.iter().map(|&index| schema.fields()[index].clone()).chain(parquet_fields(&flags).map(Arc::new)).collect();
     // The metadata of the schema goes into the metadata of the file, where pyarrow reads it.
     let new_schema: SchemaRef = Arc::new(Schema::new(fields));
-    let file = AtomicFile::new(output).map_err(|source| AnnotateError::Write { path: display(output), source })?;
-    let broken =
-        |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(output), what: error.to_string() };
+    let file = AtomicFile::new(output).map_err(|source| ScheduleError::Write { path: display(output), source })?;
+    let broken = |error: &dyn std::fmt::Display| ScheduleError::AnnotateParquet {
+        path: display(output),
+        what: error.to_string(),
+    };
     let mut writer = ArrowWriter::try_new(file.file(), new_schema.clone(), Some(properties(&metadata, &schema)))
         .map_err(|error| broken(&error))?;
     let (mut row, mut flag_row) = (0, 0);
@@ -92,10 +94,10 @@ fn properties(metadata: &ParquetMetaData, of_schema: &Schema) -> WriterPropertie
         .build()
 }
 
-fn write_streaks(path: &Path, annotation: &Annotation<'_>) -> Result<AtomicFile, AnnotateError> {
+fn write_streaks(path: &Path, annotation: &Annotation<'_>) -> Result<AtomicFile, ScheduleError> {
     let broken =
-        |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(path), what: error.to_string() };
-    let file = AtomicFile::new(path).map_err(|source| AnnotateError::Write { path: display(path), source })?;
+        |error: &dyn std::fmt::Display| ScheduleError::AnnotateParquet { path: display(path), what: error.to_string() };
+    let file = AtomicFile::new(path).map_err(|source| ScheduleError::Write { path: display(path), source })?;
     write_parquet(file.file(), annotation.streaks, annotation.provenance).map_err(|error| broken(&error))?;
     Ok(file)
 }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::{AnnotateError, ScheduleError};
+use super::super::error::ScheduleError;
 use super::super::formats::{Span, display, votable_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, write_new};
 use crate::output::{votable_cells, votable_fields, votable_table};
@@ -13,7 +13,7 @@ pub(super) fn annotate(
     input: &Path,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, AnnotateError> {
+) -> Result<Vec<PathBuf>, ScheduleError> {
     let text = read_text(input)?;
     let layout = votable_layout(input, &text)?;
     annotation.check_rows(input, layout.rows.len())?;
@@ -21,12 +21,12 @@ pub(super) fn annotate(
     let earlier_columns = annotation.earlier_columns(input, &layout.names, &flags)?;
     let earlier_tables = || layout.others.iter().filter(|(name, _)| name == STREAKS).map(|(_, span)| span);
     if earlier_tables().next().is_some() && !annotation.replace {
-        return Err(AnnotateError::AlreadyThere { path: display(input), what: format!("a table {STREAKS}") });
+        return Err(ScheduleError::AlreadyThere { path: display(input), what: format!("a table {STREAKS}") });
     }
     if let Some(short) = layout.rows.iter().position(|row| row.cells.len() != layout.names.len()) {
         let (cells, fields) = (layout.rows[short].cells.len(), layout.names.len());
         let what = format!("row {} has {cells} cells, the header {fields}", short + 1);
-        return Err(ScheduleError::Format { path: display(input), what }.into());
+        return Err(ScheduleError::Format { path: display(input), what });
     }
 
     let mut edits = Edits::default();

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::super::error::AnnotateError;
+use super::super::error::ScheduleError;
 use super::super::formats::ScheduleFormat;
 #[cfg(not(all(feature = "sqlite", feature = "parquet")))]
 use super::super::formats::display;
@@ -36,7 +36,7 @@ pub fn annotate(
     format: ScheduleFormat,
     output: &Path,
     annotation: &Annotation<'_>,
-) -> Result<Vec<PathBuf>, AnnotateError> {
+) -> Result<Vec<PathBuf>, ScheduleError> {
     match format {
         ScheduleFormat::Csv => delimited::annotate_csv(input, output, annotation),
         ScheduleFormat::Ecsv => delimited::annotate_ecsv(input, output, annotation),
@@ -47,6 +47,6 @@ pub fn annotate(
         #[cfg(feature = "parquet")]
         ScheduleFormat::Parquet => super::parquet::annotate(input, output, annotation),
         #[cfg(not(all(feature = "sqlite", feature = "parquet")))]
-        unwritten => Err(AnnotateError::Format { path: display(input), format: unwritten.to_string() }),
+        unwritten => Err(ScheduleError::AnnotateFormat { path: display(input), format: unwritten.to_string() }),
     }
 }

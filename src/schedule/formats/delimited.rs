@@ -7,7 +7,7 @@ use hifitime::TimeScale;
 use saphyr::{LoadableYamlNode, YamlOwned};
 
 use super::super::error::ScheduleError;
-use super::raw::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
 /// Byte positions of the header and the rows of a CSV file.
 #[derive(Clone, Debug, PartialEq)]

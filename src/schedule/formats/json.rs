@@ -8,7 +8,7 @@ use serde_json::Value;
 use serde_json::value::RawValue;
 
 use super::super::error::ScheduleError;
-use super::raw::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
 /// Names of the array of rows in a document that is an object.
 const ARRAYS: [&str; 2] = ["exposures", "targets"];

@@ -7,18 +7,16 @@ mod json;
 mod opsim;
 #[cfg(feature = "parquet")]
 mod parquet;
-mod raw;
 mod read;
 mod votable;
 
-pub(super) use columns::{ColumnMap, ID, StartColumn, StartForm};
+pub use columns::ScheduleFormat;
+pub(super) use columns::{Cell, ColumnMap, ID, RawTable, StartColumn, StartForm, display};
 pub(super) use delimited::{csv_layout, ecsv_layout};
 pub(super) use json::{Members, json_layout};
 #[cfg(feature = "sqlite")]
 pub(super) use opsim::open_read_only;
 #[cfg(feature = "parquet")]
 pub(super) use parquet::batches;
-pub use raw::ScheduleFormat;
-pub(super) use raw::{Cell, RawTable, display};
 pub(super) use read::read_raw;
 pub(super) use votable::{Span, votable_layout};

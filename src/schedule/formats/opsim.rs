@@ -6,8 +6,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags};
 
 use super::super::error::ScheduleError;
-use super::columns::ColumnMap;
-use super::raw::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, ColumnMap, RawTable, ScheduleFormat, display};
 
 /// Opens a database read-only.
 ///

@@ -12,7 +12,7 @@ use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchR
 use parquet::file::metadata::ParquetMetaData;
 
 use super::super::error::ScheduleError;
-use super::raw::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
 /// Returns the rows of a file in batches, with the metadata of its footer.
 ///

@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use super::super::error::ScheduleError;
-use super::raw::{RawTable, display};
+use super::columns::{RawTable, display};
 use super::{delimited, json, votable};
 
 /// Reads a file into a raw table.

@@ -9,8 +9,8 @@ use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
 use super::super::error::ScheduleError;
+use super::columns::{Cell, RawTable, ScheduleFormat, display};
 use super::delimited::cells;
-use super::raw::{Cell, RawTable, ScheduleFormat, display};
 
 /// Length of the beginning searched for the root element, bytes: it follows a declaration, comments and instructions.
 const HEAD: usize = 4096;

@@ -4,10 +4,8 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use super::super::drawn::DrawError;
+use super::super::error::StreaksError;
 use super::super::frame::{InjectError, SyntheticError, TargetError};
-use super::super::light::{ModulationError, RandomStreakError, SatelliteError};
-use super::super::truth::MaskError;
 use crate::images::FrameError;
 
 /// Errors of an injection.
@@ -22,27 +20,15 @@ pub enum InjectionError {
     /// A synthetic frame.
     #[error(transparent)]
     Synthetic(#[from] SyntheticError),
-    /// Changes of brightness along a streak.
-    #[error(transparent)]
-    Modulation(#[from] ModulationError),
-    /// Random streaks.
-    #[error(transparent)]
-    Random(#[from] RandomStreakError),
-    /// Bits of the mask.
-    #[error(transparent)]
-    Mask(#[from] MaskError),
-    /// Light of satellites.
-    #[error(transparent)]
-    Satellites(#[from] SatelliteError),
-    /// Streaks in pixels.
-    #[error(transparent)]
-    Draw(#[from] DrawError),
     /// The frame with streaks.
     #[error(transparent)]
     Write(#[from] InjectError),
     /// A file of pixels.
     #[error(transparent)]
     Frame(#[from] FrameError),
+    /// Light, images and masks of streaks.
+    #[error(transparent)]
+    Streaks(#[from] StreaksError),
     /// One frame.
     #[error("{path}: {source}")]
     File {
@@ -73,12 +59,14 @@ impl InjectionError {
 
     /// Returns the error with the file that it is about, if its own words do not name it.
     pub(super) fn of_file(self, path: &Path) -> Self {
-        match self {
-            Self::Mask(_) | Self::Satellites(_) | Self::Draw(_) | Self::Write(InjectError::Detector { .. }) => {
-                Self::File { path: path.display().to_string(), source: Box::new(self) }
-            }
-            other => other,
-        }
+        let is_of_frame = match &self {
+            Self::Streaks(error) => !matches!(
+                error,
+                StreaksError::Modulation { .. } | StreaksError::LightCurve { .. } | StreaksError::RandomStreaks { .. }
+            ),
+            error => matches!(error, Self::Write(InjectError::Detector { .. })),
+        };
+        if is_of_frame { Self::File { path: path.display().to_string(), source: Box::new(self) } } else { self }
     }
 
     /// Returns the error with the number of frames that were written before it, if any.

@@ -8,9 +8,9 @@ mod satellites;
 mod sky_track;
 mod source;
 
-pub use modulation::{Glint, LightCurve, Modulation, ModulationError, Tumbling};
-pub use random_streaks::{RandomStreakError, RandomStreaks, StreakNumber};
+pub use modulation::{Glint, LightCurve, Modulation, Tumbling};
+pub use random_streaks::{RandomStreaks, StreakNumber};
 pub use resolved::ResolvedPanels;
-pub use satellites::{SatelliteError, SatelliteExposure, SatelliteLight, satellites};
+pub use satellites::{SatelliteExposure, SatelliteLight, satellites};
 pub use sky_track::{SkyPoint, SkyTrack};
 pub use source::{Source, SourceName, SourcePart};

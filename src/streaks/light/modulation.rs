@@ -1,6 +1,6 @@
 //! Light that changes along the track for reasons that no model of a steady satellite knows: tumbling, glints, a light curve of one's own.
 
-use thiserror::Error;
+use super::super::error::StreaksError;
 
 use super::sky_track::{SkyPoint, SkyTrack};
 
@@ -32,36 +32,13 @@ pub struct LightCurve {
     points: Vec<(f64, f64)>,
 }
 
-/// Why light cannot change so.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum ModulationError {
-    /// A number that is out of range or none.
-    #[error("{what} is {given} (allowed: {allowed})")]
-    OutOfRange {
-        /// Which number.
-        what: &'static str,
-        /// As given.
-        given: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-    /// A light curve whose times do not grow, or of fewer than two points.
-    #[error("light curve, point {point}: {problem}")]
-    Curve {
-        /// Counted from 1.
-        point: usize,
-        /// What is wrong, and what is allowed.
-        problem: &'static str,
-    },
-}
-
 impl LightCurve {
     /// From (seconds after the shutter opened, magnitudes to add), straight lines between, the end values beyond the ends.
     ///
     /// # Errors
     /// Fewer than two points, numbers that are none, times that do not grow.
-    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, ModulationError> {
-        let wrong = |point, problem| Err(ModulationError::Curve { point, problem });
+    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, StreaksError> {
+        let wrong = |point, problem| Err(StreaksError::LightCurve { point, problem });
         if points.len() < 2 {
             return wrong(points.len(), "too few points (allowed: 2 or more)");
         }
@@ -115,10 +92,10 @@ impl Modulation {
     /// Refuses periods, durations and amplitudes that are none.
     ///
     /// # Errors
-    /// [`ModulationError::OutOfRange`].
-    pub fn check(&self) -> Result<(), ModulationError> {
+    /// [`StreaksError::Modulation`].
+    pub fn check(&self) -> Result<(), StreaksError> {
         let held = |what, given: f64, allowed, right: bool| {
-            if right { Ok(()) } else { Err(ModulationError::OutOfRange { what, given, allowed }) }
+            if right { Ok(()) } else { Err(StreaksError::Modulation { what, given, allowed }) }
         };
         if let Some(Tumbling { period_s, amplitude_mag, phase }) = self.tumbling {
             held("tumbling period, s", period_s, "0.02 to 1e5", (0.02..=1e5).contains(&period_s))?;

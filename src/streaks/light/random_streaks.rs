@@ -4,8 +4,8 @@ use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson};
-use thiserror::Error;
 
+use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::frames::{Direction, Gcrs};
 
@@ -29,23 +29,6 @@ pub enum StreakNumber {
     OnAverage(f64),
 }
 
-/// Why nothing can be drawn.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum RandomStreakError {
-    /// A number out of range.
-    #[error("random streaks: {what} of {from} to {to} (allowed: {allowed})")]
-    OutOfRange {
-        /// Which numbers.
-        what: &'static str,
-        /// The lower end as given.
-        from: f64,
-        /// The upper end as given.
-        to: f64,
-        /// What is allowed.
-        allowed: &'static str,
-    },
-}
-
 /// The speed of low satellites past an observer, km/s: with the rate it sets the distance, and so the defocus.
 const PASSING_KM_S: f64 = 7.6;
 
@@ -62,11 +45,11 @@ impl RandomStreaks {
     /// Refuses ranges that are none.
     ///
     /// # Errors
-    /// [`RandomStreakError::OutOfRange`].
-    pub fn check(&self) -> Result<(), RandomStreakError> {
+    /// [`StreaksError::RandomStreaks`].
+    pub fn check(&self) -> Result<(), StreaksError> {
         let held = |what, [from, to]: [f64; 2], allowed, [least, most]: [f64; 2]| {
             let right = from >= least && to <= most && from <= to;
-            if right { Ok(()) } else { Err(RandomStreakError::OutOfRange { what, from, to, allowed }) }
+            if right { Ok(()) } else { Err(StreaksError::RandomStreaks { what, from, to, allowed }) }
         };
         let number = match self.number {
             StreakNumber::Exactly(number) => number as f64,

@@ -1,32 +1,21 @@
 //! The satellites that cross an exposure, as lights to be drawn.
 
+use super::super::error::StreaksError;
 use super::modulation::Modulation;
 use super::resolved::ResolvedPanels;
 use super::sky_track::{SkyPoint, SkyTrack};
 use super::source::{Source, SourceName};
 use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Field, FieldError, Pass, PassOptions, Sky, SkyError, Viewpoint};
+use crate::passes::{Exposure, Field, Pass, PassOptions, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::streaks::tracking::Tracking;
-use thiserror::Error;
 
 /// Points along a pass: the light changes by less than a thousandth from one to the next but in the penumbra, which has dozens of its own.
 const SAMPLES: usize = 257;
 
 /// Around the chips, so that tracks reach beyond the last fringe of their light, radians (0.1°).
 const MARGIN_RAD: f64 = 1.7e-3;
-
-/// Why there are no satellites.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum SatelliteError {
-    /// The sky has no answer.
-    #[error(transparent)]
-    Sky(#[from] SkyError),
-    /// The chips span no field.
-    #[error("the field of the frame's chips: {0}")]
-    Field(#[from] FieldError),
-}
 
 /// What the light of satellites depends on.
 #[derive(Copy, Clone, Debug)]
@@ -54,14 +43,14 @@ pub struct SatelliteExposure {
 /// something, that is the whole strip of the sky that the frame goes over.
 ///
 /// # Errors
-/// [`SatelliteError`]: an exposure that the sky cannot be asked about, a field of more than half the sky.
+/// [`StreaksError`]: an exposure that the sky cannot be asked about, a field of more than half the sky.
 pub fn satellites(
     sky: &Sky,
     eop: &EopTable,
     exposure: &Exposure,
     radius_rad: f64,
     light: &SatelliteLight<'_>,
-) -> Result<SatelliteExposure, SatelliteError> {
+) -> Result<SatelliteExposure, StreaksError> {
     let reach_rad = light.tracking.reach_rad(exposure.duration_s);
     let field = Field::circle(2.0 * (radius_rad + reach_rad + MARGIN_RAD))?;
     let options = PassOptions { samples: SAMPLES, photometry: *light.photometry, ..PassOptions::default() };

@@ -1,14 +1,17 @@
-//! The network: one question, one answer, no second try.
+//! Requests to a source, and the account for them. A request is sent once.
 
 use std::io::ErrorKind;
+use std::path::Path;
 use std::time::Duration;
 
+use anyhow::anyhow;
 use ureq::http::Response;
 use ureq::{Agent, Body, Timeout};
 
-use super::credentials::Credentials;
+use super::arguments::SpaceTrackArguments;
 use super::sources::{Login, Wanted};
 use super::verify::first_words;
+use crate::notices::Notices;
 
 /// What a refusal says is read this far, bytes.
 const REFUSAL_BYTES: u64 = 2_000;
@@ -182,4 +185,53 @@ fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<Str
         return refused("login: the account was refused (user name or password)".to_owned());
     }
     if cookies.is_empty() { refused("login: no session came of it".to_owned()) } else { Ok(cookies.join("; ")) }
+}
+
+/// User name and password. It has no way of being printed.
+pub struct Credentials {
+    pub identity: String,
+    pub password: String,
+}
+
+impl Credentials {
+    pub fn of(typed: &SpaceTrackArguments, notices: &Notices) -> anyhow::Result<Self> {
+        if let Some(path) = &typed.credentials {
+            return of_file(path, notices);
+        }
+        let variable = |name: &Option<String>, flag: &str| {
+            let name =
+                name.as_deref().ok_or_else(|| anyhow!("no credentials; say --credentials FILE, or {flag} NAME"))?;
+            std::env::var(name)
+                .ok()
+                .filter(|value| !value.is_empty())
+                .ok_or_else(|| anyhow!("the environment variable {name} is not set; {flag} names it"))
+        };
+        Ok(Self {
+            identity: variable(&typed.identity_env, "--identity-env")?,
+            password: variable(&typed.password_env, "--password-env")?,
+        })
+    }
+}
+
+fn of_file(path: &Path, notices: &Notices) -> anyhow::Result<Credentials> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode =
+            std::fs::metadata(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?.permissions().mode();
+        if mode & 0o077 != 0 {
+            notices.warn(&[format!("credentials {shown} can be read by others (chmod 600 {shown})")]);
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = notices;
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    match (lines.next(), lines.next(), lines.next()) {
+        (Some(identity), Some(password), None) => {
+            Ok(Credentials { identity: identity.to_owned(), password: password.to_owned() })
+        }
+        _ => Err(anyhow!("credentials {shown}: allowed are two lines, user name and password")),
+    }
 }

@@ -1,14 +1,13 @@
-//! `fetch`: element sets from their sources into a cache, politely: asked for by name, at most once in the time that the source wants, never again after
-//! a refusal before that time is over, and nothing replaced but by what has been read as element sets.
+//! `fetch`: element sets from their sources into a cache. Each source is requested by name, at most once in the interval that it allows;
+//! a file is replaced only by data that have been read as element sets.
 //!
-//! `sources` knows the addresses, `stamp` when they were asked, `ask` the network, `verify` what came, `run` the order of things.
+//! `sources` holds the addresses, `ask` sends requests, `verify` checks data and holds the sidecar with the time of the last request, `run`
+//! does these in order.
 
 mod arguments;
 mod ask;
-mod credentials;
 mod run;
 mod sources;
-mod stamp;
 mod verify;
 
 pub use arguments::FetchArguments;

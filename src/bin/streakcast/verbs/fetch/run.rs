@@ -12,8 +12,8 @@ use streakcast::frames::parse_moment;
 use streakcast::output::{format_utc, write_atomically};
 
 use super::arguments::{CommonFetchArguments, FetchArguments, FetchSource};
+use super::ask::Credentials;
 use super::ask::{Answer, Known, Manner, ask};
-use super::credentials::Credentials;
 use super::sources::Wanted;
 use super::verify::verify;
 use crate::cache::{FetchRecord, cache_folder};

@@ -1,13 +1,20 @@
-//! `fit reduce`: photometry as pixels of the body frame, or point by point.
+//! `fit reduce`: photometry as pixels of the body frame or point by point; `fit identify`: the satellite of each track.
 
+use anyhow::anyhow;
 use streakcast::fit::RawWeights;
-use streakcast::output::Section;
+use streakcast::fit::measurements::{
+    AcceptanceLimits, AssociationOptions, RecordReader, Records, identification_table, identify_tracks,
+};
+use streakcast::frames::EopTable;
+use streakcast::output::{Provenance, Section};
 
-use super::arguments::FitReduceArguments;
+use super::arguments::{FitIdentifyArguments, FitReduceArguments};
+use super::photometry;
 use super::points::{provenance, read};
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::verbs::judged::begin;
 
 const PIXELS_ON_SCREEN: &[Shown] = &[
     shown("layer", "layer"),
@@ -55,4 +62,67 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
         style: Style { columns, bold_row: None },
     })?;
     Ok(Outcome::Done)
+}
+
+const ON_SCREEN: &[Shown] = &[
+    shown("track", "track"),
+    shown("norad", "NORAD"),
+    shown("best", "best"),
+    rounded("range_rms_km", "range km", 2),
+    rounded("phase_rms_deg", "phase deg", 2),
+    rounded("offset_s", "late s", 1),
+    rounded("element_age_days", "elements d", 1),
+    shown("next", "next"),
+    rounded("lead", "lead", 1),
+];
+
+pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
+    let output = Output::new(typed.output.format.as_deref(), typed.output.output.clone())?;
+    for (name, value) in [
+        ("max-offset-s", typed.max_offset_s),
+        ("max-element-age-days", typed.max_element_age_days),
+        ("max-range-rms-km", typed.max_range_rms_km),
+        ("max-phase-rms-deg", typed.max_phase_rms_deg),
+        ("least-lead", typed.least_lead),
+    ] {
+        if !(value >= 0.0 && value.is_finite()) {
+            return Err(anyhow!("{name} {value}; allowed: 0 or more"));
+        }
+    }
+    let config = photometry::config(&typed.tables);
+    let notices = begin(&config)?;
+    let history = photometry::history_of(&typed.elements)?;
+    let options = photometry::read_options(&typed.tables, &config)?;
+    let mut reader = RecordReader::open(&typed.tables.photometry, &options)?;
+    let records = Records::collect(&mut reader)?;
+    let options = AssociationOptions {
+        max_offset_s: typed.max_offset_s,
+        max_element_age_days: typed.max_element_age_days,
+        ..AssociationOptions::default()
+    };
+    let limits = AcceptanceLimits {
+        max_range_rms_km: typed.max_range_rms_km,
+        max_phase_rms_rad: typed.max_phase_rms_deg.to_radians(),
+        least_lead: typed.least_lead,
+    };
+    let tracks = identify_tracks(&records, &history, &EopTable::embedded(), &options, &limits);
+    let sure = tracks.iter().filter(|track| track.is_sure).count();
+    notices.say(&format!("{sure} of {} tracks identified", tracks.len()));
+    let table = identification_table(&tracks);
+    let mut provenance = Provenance::new();
+    for (name, paths) in [("photometry", &typed.tables.photometry), ("elements", &typed.elements)] {
+        provenance.state(name, photometry::names(paths));
+    }
+    provenance.state("max_offset_s", typed.max_offset_s);
+    provenance.state("max_element_age_days", typed.max_element_age_days);
+    provenance.state("max_range_rms_km", typed.max_range_rms_km);
+    provenance.state("max_phase_rms_deg", typed.max_phase_rms_deg);
+    provenance.state("least_lead", typed.least_lead);
+    output.write(&Answer {
+        sections: vec![Section { name: "tracks", table: &table }],
+        main: &table,
+        provenance: &provenance,
+        style: Style { columns: ON_SCREEN, bold_row: None },
+    })?;
+    Ok(if sure > 0 { Outcome::Done } else { Outcome::No })
 }

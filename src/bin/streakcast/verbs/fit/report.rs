@@ -5,12 +5,29 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::fit::{
-    Loss, Report, ResidualStatistics, form_score_table, marginal_table, parameter_table, points_behind,
+    Chain, Fault, Fit, FormScore, Loss, Posterior, Problem, Report, ResidualStatistics, form_score_table,
+    marginal_table, parameter_table, points_behind,
 };
 use streakcast::photometry::ModelFile;
 
-use super::run::Told;
+use super::arguments::FitRunArguments;
+use super::form::Chosen;
+use super::points::Placed;
 use crate::output::write_bytes;
+
+/// Results of a fit, of which the model file and the report are made.
+pub struct FitResults<'a> {
+    pub typed: &'a FitRunArguments,
+    pub chosen: &'a Chosen,
+    pub placed: &'a Placed,
+    pub problem: &'a Problem,
+    pub fit: &'a Fit,
+    pub faults: &'a [Fault],
+    pub standings: &'a [FormScore],
+    /// Single measurements: residuals about the model, mag.
+    pub single_mag: &'a [f64],
+    pub posterior: Option<(&'a Chain, &'a Posterior)>,
+}
 
 /// A picture of a report: the end of its file's name, its caption, its PNG.
 type Drawn = (&'static str, String, Vec<u8>);
@@ -52,10 +69,10 @@ fn picture_name(report: &Path, end: &str) -> String {
 }
 
 /// Writes the report: pictures beside a `.md`, within a `.html`.
-pub fn write(path: &Path, told: &Told, file: &ModelFile) -> anyhow::Result<()> {
-    let drawn = pictures(told, file)?;
+pub fn write(path: &Path, results: &FitResults, file: &ModelFile) -> anyhow::Result<()> {
+    let drawn = pictures(results, file)?;
     let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
-    let report = text(told, file, &names);
+    let report = text(results, file, &names);
     if is_html(path) {
         let page = report.to_html(|name| names.get(name).map(|one| data_url(&one.2)));
         return write_bytes(path, page.as_bytes());
@@ -66,35 +83,35 @@ pub fn write(path: &Path, told: &Told, file: &ModelFile) -> anyhow::Result<()> {
     write_bytes(path, report.to_markdown().as_bytes())
 }
 
-fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> Report {
-    let fit = told.fit;
+fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> Report {
+    let fit = results.fit;
     let mut report = Report::new(&format!("Fit of {}", file.name));
     report.paragraph(&format!("{}. Data: {}.", file.title, file.provenance.data));
     report.section("Verdict");
-    if told.faults.is_empty() {
+    if results.faults.is_empty() {
         report.paragraph("Sound: every parameter stands between its bounds, is told apart from the others, and rests on enough points.");
     } else {
         report.paragraph("**Not sound:**");
-        report.list(told.faults.iter().map(ToString::to_string));
+        report.list(results.faults.iter().map(ToString::to_string));
     }
     report.section("Points");
-    let measurements = &told.placed.measurements;
+    let measurements = &results.placed.measurements;
     report.paragraph(&format!(
         "{} measurements in {} groups; {} rows left out; {} points fitted, {} where the model sees nothing lit.",
         measurements.points.len(),
         measurements.groups.len(),
         measurements.dropped.total(),
         fit.kept.len(),
-        told.placed.points.len() - fit.kept.len()
+        results.placed.points.len() - fit.kept.len()
     ));
-    if let Some(mismatch) = told.placed.band_mismatch(told.chosen.band) {
+    if let Some(mismatch) = results.placed.band_mismatch(results.chosen.band) {
         report.paragraph(&format!("**Band:** {mismatch}."));
     }
     if measurements.dropped.total() > 0 {
         report.table(&measurements.dropped.table());
     }
     report.section("Parameters");
-    report.table(&parameter_table(fit, &points_behind(told.problem, fit)));
+    report.table(&parameter_table(fit, &points_behind(results.problem, fit)));
     report.paragraph(&format!(
         "Errors: {:?}. Costs that the starting places led to: {}.",
         fit.uncertainty.kind,
@@ -107,27 +124,29 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
         })
     };
     report.list(
-        spread("Fitted points", &fit.residuals_mag).into_iter().chain(spread("Single measurements", told.single_mag)),
+        spread("Fitted points", &fit.residuals_mag)
+            .into_iter()
+            .chain(spread("Single measurements", results.single_mag)),
     );
-    if told.chosen.settings.loss != Loss::Squares {
+    if results.chosen.settings.loss != Loss::Squares {
         report.paragraph(ROBUST);
     }
-    if !told.standings.is_empty() {
+    if !results.standings.is_empty() {
         report.section("On unseen points");
-        report.paragraph(match &told.placed.reduction {
+        report.paragraph(match &results.placed.reduction {
             None => "Each form fitted without one fold of tracks or nights at a time, and held against it.",
             Some(_) => "Each form fitted to the pixels of all tracks but those of one fold at a time, and held against the pixels that these make alone.",
         });
-        report.table(&form_score_table(told.standings));
+        report.table(&form_score_table(results.standings));
     }
-    if let Some((_, posterior)) = told.posterior {
+    if let Some((_, posterior)) = results.posterior {
         report.section("Posterior");
         report.paragraph(&format!(
             "{} steps of {} walkers after burn-in, {:.0} % of proposals taken; seed {}.",
             posterior.steps,
-            told.typed.walkers,
+            results.typed.walkers,
             100.0 * posterior.acceptance,
-            told.typed.seed
+            results.typed.seed
         ));
         let narrow = posterior.overconfident(fit, MUCH_LARGER);
         let words: Vec<String> = narrow.iter().map(|(name, times)| format!("{name} {times:.1}")).collect();
@@ -156,7 +175,7 @@ fn costs(costs: &[f64]) -> String {
 }
 
 #[cfg(not(feature = "plot"))]
-fn pictures(_: &Told, _: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
+fn pictures(_: &FitResults, _: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
     Ok(Vec::new())
 }
 
@@ -186,15 +205,15 @@ mod drawn {
         ResidualPanels, corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
     };
 
-    use super::{Drawn, Told};
+    use super::{Drawn, FitResults};
     use crate::output::write_bytes;
 
     /// Cells of O-C maps, and how many layers are shown.
     const NSIDE: u32 = 16;
     const MOST_LAYERS: usize = 6;
 
-    pub fn pictures(told: &Told, file: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
-        let (fit, points) = (told.fit, told.problem.points());
+    pub fn pictures(results: &FitResults, file: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
+        let (fit, points) = (results.fit, results.problem.points());
         let name = &file.name;
         let mut drawn = Vec::new();
         let mut add = |end, caption: &str, picture: Picture| -> anyhow::Result<()> {
@@ -210,7 +229,7 @@ mod drawn {
         let model: Vec<f64> = measured.iter().zip(residuals).map(|(measured, residual)| measured - residual).collect();
         let title = format!("{name}: observed minus computed");
         // Single measurements are held against what is foretold of them, pixels against their own scatter.
-        let scatter = if told.placed.reduction.is_some() { rms(residuals) } else { file.sigma_mag };
+        let scatter = if results.placed.reduction.is_some() { rms(residuals) } else { file.sigma_mag };
         let sigma_mag = scatter.max(1e-3);
         add(
             "histogram",
@@ -237,10 +256,10 @@ mod drawn {
         if let Some(picture) = residual_maps(&title, points, residuals)? {
             add("maps", "Residuals over the satellite's sky", picture)?;
         }
-        if let Some(reduction) = &told.placed.reduction {
+        if let Some(reduction) = &results.placed.reduction {
             add("pixels", "Number of points and spread of the pixels", of_counts(reduction)?)?;
         }
-        if let Some((chain, posterior)) = told.posterior {
+        if let Some((chain, posterior)) = results.posterior {
             let names: Vec<String> = posterior.marginals.iter().map(|marginal| marginal.name.clone()).collect();
             let burn_in = chain.steps() - posterior.steps;
             let samples: Vec<Vec<f64>> = (0..names.len()).map(|i| chain.column(i, burn_in)).collect();

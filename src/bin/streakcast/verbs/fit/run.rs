@@ -1,10 +1,15 @@
 //! `fit run`: a model file with covariance, and a report of how it came about.
 
+use std::path::{Path, PathBuf};
+use std::time::{SystemTime, UNIX_EPOCH};
+
 use anyhow::anyhow;
+use hifitime::Epoch;
+use streakcast::fit::inference::check_walkers;
 use streakcast::fit::{
-    Chain, CompetingForm, CovarianceKind, Fault, Fit, FitError, FitPoint, FormScore, ModelDescription, Posterior,
-    Problem, RawWeights, ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file,
-    points_of_measurements, predict, rms, sigma_68_mag,
+    CompetingForm, CovarianceKind, Fit, FitError, FitPoint, FormScore, ModelDescription, Problem, RawWeights,
+    ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file, points_of_measurements, predict,
+    rms, sigma_68_mag,
 };
 use streakcast::photometry::ModelFile;
 
@@ -12,31 +17,17 @@ use super::arguments::{FitArguments, FitRunArguments, FitVerb};
 use super::chains;
 use super::form::{Chosen, form};
 use super::points::{Placed, read, weights};
-use super::report;
-use super::run_checks::{checked, this_month};
+use super::report::{self, FitResults};
 use crate::failure::Outcome;
+use crate::output::{Output, check};
 
 pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
         FitVerb::Run(typed) => fit(&typed),
         FitVerb::Compare(typed) => super::compare::compare(*typed),
         FitVerb::Reduce(typed) => super::reduce::reduce(*typed),
-        FitVerb::Identify(typed) => super::identify::identify(*typed),
+        FitVerb::Identify(typed) => crate::verbs::fit::reduce::identify(*typed),
     }
-}
-
-/// Everything that came out: what the model file and the report are made of.
-pub struct Told<'a> {
-    pub typed: &'a FitRunArguments,
-    pub chosen: &'a Chosen,
-    pub placed: &'a Placed,
-    pub problem: &'a Problem,
-    pub fit: &'a Fit,
-    pub faults: &'a [Fault],
-    pub standings: &'a [FormScore],
-    /// Single measurements: residuals about the model, mag.
-    pub single_mag: &'a [f64],
-    pub posterior: Option<(&'a Chain, &'a Posterior)>,
 }
 
 fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
@@ -61,7 +52,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let standings = standings(typed, &chosen, &placed)?;
     let single_mag = single(&chosen, &placed, &fit);
     let drawn = begun.map(|begun| chains::drawn(typed, &placed, &problem, &fit, begun)).transpose()?;
-    let told = Told {
+    let results = FitResults {
         typed,
         chosen: &chosen,
         placed: &placed,
@@ -72,10 +63,10 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         single_mag: &single_mag,
         posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
     };
-    let file = file(&told)?;
+    let file = file(&results)?;
     output.write_text(&(file.to_json() + "\n"))?;
     if let Some(path) = &typed.report {
-        report::write(path, &told, &file)?;
+        report::write(path, &results, &file)?;
     }
     for fault in &faults {
         notices.say(&format!("not sound: {fault}"));
@@ -149,16 +140,16 @@ fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-fn file(told: &Told) -> anyhow::Result<ModelFile> {
-    let Told { typed, chosen, placed, problem, fit, .. } = told;
+fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
+    let FitResults { typed, chosen, placed, problem, fit, .. } = results;
     // What is announced is for single measurements that were not seen: held-out ones where there are any.
-    let held = told.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
+    let held = results.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
     let (sigma_mag, origin) = match held {
         Some(held) => (
             sigma_68_mag(held),
             format!("holds 68.3 % of single measurements on unseen tracks or nights ({} folds)", typed.form.folds),
         ),
-        None => (sigma_68_mag(told.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
+        None => (sigma_68_mag(results.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
     let files: Vec<String> = typed.photometry.tables.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
@@ -168,7 +159,7 @@ fn file(told: &Told) -> anyhow::Result<ModelFile> {
         source: format!("streakcast {} fit run, form of {}", env!("CARGO_PKG_VERSION"), base.name),
         data: typed.data.clone().unwrap_or_else(|| files.join(", ")),
         date: typed.date.clone().unwrap_or_else(this_month),
-        provisional: !told.faults.is_empty(),
+        provisional: !results.faults.is_empty(),
         notes: notes(typed, placed, chosen),
         sigma_origin: origin,
     };
@@ -194,4 +185,86 @@ fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<Strin
     notes.push(format!("Sunlight passes at least {} km above the ground.", typed.photometry.least_grazing_km));
     notes.extend(chosen.settings.held.iter().map(|(name, value)| format!("{name} was held at {value}.")));
     notes
+}
+
+/// Where the model file goes, once nothing is wrong.
+pub fn checked(typed: &FitRunArguments, chosen: &Chosen) -> anyhow::Result<Output> {
+    let output = Output::new(Some("json"), Some(typed.output.clone()))?;
+    distinct(typed)?;
+    if let Some(chains) = &typed.chains {
+        check(chains)?;
+    }
+    if let Some(report) = &typed.report {
+        report::check_name(report)?;
+        report::files(report).iter().try_for_each(|file| check(file))?;
+    }
+    let free = chosen.settings.free.len();
+    if let Some(steps) = typed.mcmc {
+        if typed.burn_in >= steps {
+            return Err(anyhow!("burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
+        }
+        check_walkers(typed.walkers, free)?;
+    }
+    if typed.form.folds == 1 {
+        return Err(anyhow!("folds 1; allowed: 0, or 2 or more"));
+    }
+    let is_reduced = !typed.reduction.raw_points;
+    if is_reduced && typed.jackknife > 0 && typed.jackknife <= free {
+        return Err(anyhow!(
+            "jackknife {}; allowed: more than the {free} free parameters, or 0 for none",
+            typed.jackknife
+        ));
+    }
+    if let Some(date) = typed.date.as_deref().filter(|date| !is_date(date)) {
+        return Err(anyhow!("date {date}; allowed: a month as 2026-11, or a day as 2026-11-22"));
+    }
+    // Names as the model file will hold them.
+    let mut file = chosen.file.clone();
+    file.name = typed.name.clone().unwrap_or(file.name);
+    file.provenance.data = typed.data.clone().unwrap_or(file.provenance.data);
+    ModelFile::validate(&file, "to be written")?;
+    Ok(output)
+}
+
+/// That no output stands where another does, or where the photometry is.
+fn distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
+    let reports = typed.report.iter().flat_map(|report| report::files(report));
+    let outputs = std::iter::once(typed.output.clone()).chain(typed.chains.clone()).chain(reports);
+    let mut taken: Vec<PathBuf> = typed.photometry.tables.photometry.iter().map(|path| place_of(path)).collect();
+    for path in outputs {
+        let place = place_of(&path);
+        if taken.contains(&place) {
+            return Err(anyhow!("{} is named twice; every output needs a file of its own", path.display()));
+        }
+        taken.push(place);
+    }
+    Ok(())
+}
+
+/// Folder and name, whatever way they are written.
+fn place_of(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
+}
+
+/// A month or a day that there is.
+fn is_date(text: &str) -> bool {
+    let digits = |part: &str, length: usize| part.len() == length && part.bytes().all(|byte| byte.is_ascii_digit());
+    let parts: Vec<&str> = text.split('-').collect();
+    let (year, month, day) = match parts[..] {
+        [year, month] => (year, month, "01"),
+        [year, month, day] => (year, month, day),
+        _ => return false,
+    };
+    let [Ok(month), Ok(day)] = [month, day].map(str::parse::<u8>) else { return false };
+    digits(year, 4)
+        && parts[1..].iter().all(|part| digits(part, 2))
+        && year.parse().is_ok_and(|year| Epoch::maybe_from_gregorian_utc(year, month, day, 0, 0, 0, 0).is_ok())
+}
+
+/// As `2026-11`.
+pub fn this_month() -> String {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let (year, month, ..) = Epoch::from_unix_seconds(since_1970.as_secs_f64()).to_gregorian_utc();
+    format!("{year:04}-{month:02}")
 }

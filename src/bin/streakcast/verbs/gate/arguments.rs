@@ -1,10 +1,19 @@
-//! Flags of `gate`.
+//! Flags of `gate`, and the request that they make, checked before elements are read.
 
+use std::cell::Cell;
 use std::path::PathBuf;
+use std::time::Duration;
 
+use anyhow::anyhow;
 use clap::{Args, ValueEnum};
-use streakcast::config::{Config, PolicyChoice, Quantity};
-use streakcast::schedule::MagnitudeLimit;
+use streakcast::config::{
+    Config, ExposureConfig, ObservationPlan, PolicyChoice, Quantity, RulesConfig, SiteConfig, parse_duration_s,
+};
+use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_moment, parse_right_ascension_deg};
+use streakcast::geometry::Site;
+use streakcast::schedule::{MagnitudeLimit, Policy};
+
+use super::clock::Clock;
 
 #[derive(Args)]
 pub struct GateArguments {
@@ -63,4 +72,106 @@ pub struct GateArguments {
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum Host {
     Ekos,
+}
+
+/// Default time that a host may take from the end of this command to the opening of the shutter, seconds.
+const DEFAULT_MARGIN_S: f64 = 2.0;
+
+/// A request to the gate.
+pub struct Request {
+    pub config: Config,
+    pub clock: Clock,
+    /// Field, telescope, photometry, and the policy with the margin.
+    pub plan: ObservationPlan,
+    pub pointing: Option<Direction<Gcrs>>,
+    pub duration_s: Option<f64>,
+    pub site: Option<Site>,
+    pub max_wait_s: f64,
+    pub timeout: Duration,
+    pub strict: bool,
+    pub stdin: Option<Host>,
+    pub targets: Option<PathBuf>,
+    pub target: Option<String>,
+    pub indi: Option<String>,
+    pub indi_device: Option<String>,
+    pub status_file: Option<PathBuf>,
+}
+
+impl Request {
+    /// Resolves flags and configuration.
+    pub fn new(typed: GateArguments) -> anyhow::Result<Self> {
+        let flags = Config {
+            exposure: ExposureConfig { start: None, duration: typed.exposure, ra: typed.ra, dec: typed.dec },
+            rules: RulesConfig { policy: typed.policy, limit_mag: typed.limit_mag, max_delay: None },
+            ..typed.config
+        };
+        let config = flags.with_file()?;
+        let mut policy = config.policy()?;
+        if policy.max_lost_fraction.is_some() {
+            return Err(anyhow!(
+                "the policy's max_lost_fraction cannot be waited for; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+            ));
+        }
+        let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
+        policy.margin_s = margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
+        policy.validate()?;
+        let text = |value: &Option<Quantity>| value.as_ref().map(|value| value.0.clone());
+        let pointing = match (text(&config.exposure.ra), text(&config.exposure.dec)) {
+            (Some(ra), Some(dec)) => Some(Direction::from_lon_lat_rad(
+                parse_right_ascension_deg(&ra)?.to_radians(),
+                parse_declination_deg(&dec)?.to_radians(),
+            )),
+            _ => None,
+        };
+        let duration = text(&config.exposure.duration);
+        let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
+        let names = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
+        if pointing.is_none() && !names && typed.indi.is_none() {
+            return Err(anyhow!(
+                "no pointing; say --ra and --dec, --targets with --target or --stdin ekos, or --indi localhost"
+            ));
+        }
+        if duration_s.is_none() && typed.stdin.is_none() {
+            return Err(anyhow!("no length of the exposure; say --exposure 300s, or --stdin ekos"));
+        }
+        if config.is_in_orbit() {
+            return Err(anyhow!("a telescope in orbit has no gate; say a site"));
+        }
+        // An INDI server knows the site.
+        let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
+        let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
+        let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
+        if !config.has_satellites() {
+            return Err(anyhow!("no satellites; say --elements FILE..."));
+        }
+        let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
+        if max_wait_s > Policy::LONGEST_DELAY_S {
+            return Err(anyhow!("max-wait {max_wait_s} s: allowed 0 to {} s", Policy::LONGEST_DELAY_S));
+        }
+        let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
+        if !(0.1..=600.0).contains(&timeout_s) {
+            return Err(anyhow!("timeout {timeout_s} s: allowed 0.1 to 600 s"));
+        }
+        let clock = match &typed.now {
+            Some(now) => Clock::Rehearsal(Cell::new(parse_moment(now, config.time_scale()?)?)),
+            None => Clock::Machine,
+        };
+        Ok(Self {
+            plan: ObservationPlan { policy, ..config.observation()? },
+            pointing,
+            duration_s,
+            site,
+            max_wait_s,
+            timeout: Duration::from_secs_f64(timeout_s),
+            strict: typed.strict,
+            stdin: typed.stdin,
+            targets: typed.targets,
+            target: typed.target,
+            indi: typed.indi,
+            indi_device: typed.indi_device,
+            status_file: typed.status_file,
+            clock,
+            config,
+        })
+    }
 }

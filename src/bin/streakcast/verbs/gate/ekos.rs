@@ -10,7 +10,7 @@ use std::time::Duration;
 use serde::Deserialize;
 use serde_json::Deserializer;
 
-use super::fault::{Fault, FaultKind};
+use super::status::{Fault, FaultKind};
 
 /// The job behind a script.
 #[derive(Debug, Default, PartialEq, Deserialize)]

@@ -12,7 +12,7 @@ use streakcast::frames::{Direction, Gcrs, OfDate, seconds_between};
 use streakcast::geometry::{Site, icrs_of_apparent};
 
 use super::clock::Clock;
-use super::fault::{Fault, FaultKind};
+use super::status::{Fault, FaultKind};
 
 const PORT: u16 = 7624;
 /// A server that says more than this before it says where the mount points is none, bytes.

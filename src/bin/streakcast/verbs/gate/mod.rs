@@ -3,10 +3,8 @@
 mod arguments;
 mod clock;
 mod ekos;
-mod fault;
 mod indi;
 mod places;
-mod request;
 mod run;
 mod status;
 

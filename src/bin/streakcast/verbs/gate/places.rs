@@ -7,7 +7,7 @@ use serde::Deserialize;
 use streakcast::config::Quantity;
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 
-use super::fault::{Fault, FaultKind};
+use super::status::{Fault, FaultKind};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
 use streakcast::config::{Config, ConfigError, NameOrTable, OLD_ELEMENTS_DAYS, PreparedSky, SiteConfig, SiteTable};
-use streakcast::elements::share_of_stale;
+use streakcast::elements::{ElementsError, share_of_stale};
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
@@ -17,8 +17,8 @@ use streakcast::schedule::{
 };
 
 use super::arguments::GateArguments;
-use super::fault::{Fault, FaultKind};
-use super::request::Request;
+use super::arguments::Request;
+use super::status::{Fault, FaultKind};
 use super::{ekos, indi, places, status};
 use crate::failure::Outcome;
 use crate::notices::Notices;
@@ -318,7 +318,13 @@ fn prepare(
 }
 
 fn is_of_elements(error: &ConfigError) -> bool {
-    matches!(error, ConfigError::Satellites(_) | ConfigError::NothingPropagates { .. })
+    use ElementsError::{ShellOutOfRange, ShellSyntax, ShellTotal, UnknownShells};
+    match error {
+        ConfigError::Elements(error) => {
+            !matches!(error, UnknownShells { .. } | ShellSyntax(_) | ShellOutOfRange { .. } | ShellTotal { .. })
+        }
+        error => matches!(error, ConfigError::NothingPropagates { .. }),
+    }
 }
 
 fn rejected(prepared: &PreparedSky) -> usize {

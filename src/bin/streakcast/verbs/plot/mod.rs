@@ -1,7 +1,5 @@
 //! `plot`: pictures with their data beside. One plot a file; `columns` reads tables that verbs wrote (of forecasts
-//! `curves`), `target` says where pictures go, `clock` what
-//! time it is where the telescope stands, `exposures` what the plots of nights share, `rates` what both maps of
-//! streaks an exposure do.
+//! `curves`), `target` names the files, `clock` holds local time, `exposures` what the plots of nights share.
 
 mod arguments;
 mod clock;
@@ -13,10 +11,7 @@ mod equatorial_rate;
 mod exposures;
 mod field;
 mod light_curve;
-mod list;
-mod maps;
 mod night;
-mod rates;
 mod residuals;
 mod run;
 mod sky_chart;

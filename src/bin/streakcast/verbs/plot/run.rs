@@ -1,9 +1,14 @@
-//! Which plot.
+//! Dispatch to the plots, `plot --list`, and the plots of `map`.
 
-use super::arguments::{PlotArguments, PlotVerb};
-use crate::failure::Outcome;
+use streakcast::output::{Column, Kind, Provenance, Section, Table};
 
+use super::arguments::{PictureArguments, PlotArguments, PlotBodyArguments, PlotSkyArguments, PlotVerb};
 use super::residuals::Chart;
+use super::target::{Target, name_beside, only};
+use crate::failure::Outcome;
+use crate::output::{Answer, Output};
+use crate::screen::{Style, shown};
+use crate::verbs::map::{MapBodyArguments, MapOutputArguments, MapSkyArguments};
 
 pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
@@ -13,13 +18,85 @@ pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
         Some(PlotVerb::SkyChart(typed)) => super::sky_chart::run(*typed),
         Some(PlotVerb::SkyRate(typed)) => super::sky_rate::run(*typed),
         Some(PlotVerb::SunAltitude(typed)) => super::sun_altitude::run(*typed),
-        Some(PlotVerb::Sky(typed)) => super::maps::sky(*typed),
-        Some(PlotVerb::Body(typed)) => super::maps::body(*typed),
+        Some(PlotVerb::Sky(typed)) => sky(*typed),
+        Some(PlotVerb::Body(typed)) => body(*typed),
         #[cfg(feature = "fit")]
         Some(PlotVerb::Corner(typed)) => super::corner::corner_plot(*typed),
         Some(PlotVerb::Residuals(typed)) => super::residuals::residual_plot(*typed, Chart::Panels),
         Some(PlotVerb::Histogram(typed)) => super::residuals::residual_plot(*typed, Chart::Histogram),
         Some(PlotVerb::PhaseCurve(typed)) => super::residuals::residual_plot(*typed, Chart::PhaseCurve),
-        None => super::list::list(),
+        None => list(),
     }
+}
+
+const PLOTS: &[[&str; 3]] = &[
+    [
+        "night",
+        "timeline of a night",
+        "--schedule and satellites, site, field; or --from its data, or flags with --schedule",
+    ],
+    [
+        "field",
+        "a field with its streaks",
+        "--ra --dec --start --exposure and satellites, site, field; or --from a table of passes",
+    ],
+    [
+        "light-curve",
+        "magnitude along a track",
+        "--ra --dec --start --exposure and satellites, site, field; or --from its data, or what forecast wrote",
+    ],
+    [
+        "sky-chart",
+        "passes over the sky of a site",
+        "--from what forecast wrote by --light-curves, or as JSON with --samples",
+    ],
+    ["sky-rate", "expected streaks over the sky", "--start --exposure and satellites, site, field; or --from its data"],
+    [
+        "sun-altitude",
+        "trails against the Sun's altitude",
+        "--schedule, or --start --exposure, and satellites, site, field; or --from its data",
+    ],
+    ["sky", "magnitudes over a site's sky", "--model --sun-altitude-deg"],
+    ["body", "magnitudes over a satellite's own sky", "--model --sun-latitude-deg"],
+    ["corner", "posterior of a fit", "--chains of fit run --mcmc"],
+    ["residuals", "O-C against the geometry", "--from a table of fit reduce, and --model"],
+    ["histogram", "O-C as a histogram", "--from a table of fit reduce, and --model"],
+    ["phase-curve", "magnitudes against the phase angle", "--from a table of fit reduce, and --model"],
+];
+
+pub fn list() -> anyhow::Result<Outcome> {
+    let table = Table {
+        columns: vec![
+            Column::new("plot", Kind::Text, "Name after streakcast plot."),
+            Column::new("shows", Kind::Text, "What is to be seen."),
+            Column::new("needs", Kind::Text, "What must be said, beside -o."),
+        ],
+        rows: PLOTS.iter().map(|row| row.iter().map(|words| (*words).into()).collect()).collect(),
+    };
+    Output::new(None, None)?.write(&Answer {
+        sections: vec![Section { name: "plots", table: &table }],
+        main: &table,
+        provenance: &Provenance::new(),
+        style: Style {
+            columns: &[shown("plot", "plot"), shown("shows", "shows"), shown("needs", "needs")],
+            bold_row: None,
+        },
+    })?;
+    Ok(Outcome::Done)
+}
+
+pub fn sky(typed: PlotSkyArguments) -> anyhow::Result<Outcome> {
+    crate::verbs::map::sky(MapSkyArguments { view: typed.view, output: beside(&typed.picture)? })
+}
+
+pub fn body(typed: PlotBodyArguments) -> anyhow::Result<Outcome> {
+    crate::verbs::map::body(MapBodyArguments { view: typed.view, output: beside(&typed.picture)? })
+}
+
+/// Where `map` puts picture and table.
+fn beside(typed: &PictureArguments) -> anyhow::Result<MapOutputArguments> {
+    let picture = only(typed)?;
+    Target::new(typed)?;
+    let data = typed.data.clone().or_else(|| (!typed.no_data).then(|| name_beside(&picture)));
+    Ok(MapOutputArguments { step_deg: None, nside: None, format: None, output: data, picture: Some(picture) })
 }

@@ -17,7 +17,7 @@ use crate::verbs::judged::{begin, given_field};
 
 use super::columns::Columns;
 use super::equatorial_rate;
-use super::rates::{BRIGHT, Rates, STREAKS, lacking};
+use super::equatorial_rate::{BRIGHT, Rates, STREAKS, lacking};
 use super::target::Target;
 
 /// What writes tables of this map.

@@ -1,13 +1,17 @@
-//! Checks that every request passes before it is routed.
+//! Checks that every request passes before it is routed: its form, its rate, and its access token.
 
-use std::net::IpAddr;
-use std::time::Instant;
+use std::collections::HashMap;
+use std::net::{IpAddr, SocketAddr};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
 
+use anyhow::anyhow;
 use axum::http::header::{CONTENT_LENGTH, HOST, RETRY_AFTER, TRANSFER_ENCODING};
 use axum::http::{HeaderMap, Method, Request};
+use subtle::ConstantTimeEq;
 
+use super::arguments::ServeArguments;
 use super::problem::Problem;
-use super::rate_limit::RateLimiter;
 
 /// Longest path with its query, bytes.
 pub const MAX_TARGET_BYTES: usize = 2000;
@@ -64,6 +68,100 @@ pub fn has_body(headers: &HeaderMap) -> bool {
     headers.get(CONTENT_LENGTH).is_some_and(|length| length != "0") || headers.contains_key(TRANSFER_ENCODING)
 }
 
+/// Most addresses that are tracked; those without recent requests are dropped first.
+const MAX_ADDRESSES: usize = 4096;
+/// Requests that arrive within this time may come all at once.
+const BURST: Duration = Duration::from_secs(1);
+
+/// Generic cell rate algorithm: each request of an address moves its due time ahead by one interval, at most `BURST` ahead of now.
+#[derive(Debug)]
+pub struct RateLimiter {
+    interval: Duration,
+    due: Mutex<HashMap<IpAddr, Instant>>,
+}
+
+impl RateLimiter {
+    pub fn new(requests_per_second: u32) -> Self {
+        Self { interval: BURST / requests_per_second, due: Mutex::default() }
+    }
+
+    /// Counts a request and returns whether it is allowed. If not, one a second later is.
+    pub fn allows(&self, address: IpAddr, now: Instant) -> bool {
+        let mut due = self.due.lock().unwrap_or_else(PoisonError::into_inner);
+        let network = network_of(address);
+        if due.len() >= MAX_ADDRESSES && !due.contains_key(&network) {
+            due.retain(|_, due| *due > now);
+            if due.len() >= MAX_ADDRESSES {
+                return false;
+            }
+        }
+        let due = due.entry(network).or_insert(now);
+        let next = now.max(*due) + self.interval;
+        let is_allowed = next <= now + BURST;
+        if is_allowed {
+            *due = next;
+        }
+        is_allowed
+    }
+}
+
+/// The /64 network of an IPv6 address, which belongs to one customer as a rule; an IPv4 address itself.
+fn network_of(address: IpAddr) -> IpAddr {
+    match address.to_canonical() {
+        IpAddr::V6(address) => {
+            let [a, b, c, d, ..] = address.segments();
+            IpAddr::from([a, b, c, d, 0, 0, 0, 0])
+        }
+        address => address,
+    }
+}
+
+/// Shorter tokens can be guessed.
+const SHORTEST: usize = 16;
+const LONGEST: usize = 512;
+
+/// Secret that requests carry; never printed.
+pub struct Token(Vec<u8>);
+
+impl Token {
+    /// Reads the token that the flags name; on loopback it is optional.
+    pub fn of(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
+        let text = match (&typed.token_file, &typed.token_env) {
+            (Some(path), _) => {
+                let text = std::fs::read_to_string(path)
+                    .map_err(|error| anyhow!("cannot read the token of {}: {error}", path.display()))?;
+                text.lines().next().unwrap_or_default().trim().to_owned()
+            }
+            (None, Some(name)) => {
+                std::env::var(name).map_err(|_| anyhow!("environment variable {name} is not set"))?.trim().to_owned()
+            }
+            (None, None) => return check_loopback(typed.bind).map(|()| None),
+        };
+        if !(SHORTEST..=LONGEST).contains(&text.len()) || !text.bytes().all(|byte| byte.is_ascii_graphic()) {
+            let letters = text.chars().count();
+            return Err(anyhow!(
+                "invalid token of {letters} characters; allowed: {SHORTEST} to {LONGEST} printable ASCII characters without spaces"
+            ));
+        }
+        Ok(Some(Self(text.into_bytes())))
+    }
+
+    /// Whether an Authorization header carries the token; compared in constant time.
+    pub fn is_carried_by(&self, authorization: Option<&[u8]>) -> bool {
+        let Some((scheme, given)) = authorization.and_then(|header| header.split_at_checked(7)) else { return false };
+        scheme.eq_ignore_ascii_case(b"bearer ") && bool::from(self.0.as_slice().ct_eq(given.trim_ascii()))
+    }
+}
+
+fn check_loopback(bind: SocketAddr) -> anyhow::Result<()> {
+    if bind.ip().to_canonical().is_loopback() {
+        return Ok(());
+    }
+    Err(anyhow!(
+        "--bind {bind} is reachable from other machines; allowed without a token: 127.0.0.1 and [::1]; specify --token-file FILE or --token-env NAME"
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -102,5 +200,52 @@ mod tests {
         }
         assert_eq!(status(false, &format!("/?{}", "x".repeat(MAX_TARGET_BYTES - 2)), &[]), 200);
         assert_eq!(status(false, &format!("/?{}", "x".repeat(MAX_TARGET_BYTES - 1)), &[]), 414);
+    }
+
+    #[test]
+    fn a_burst_is_allowed_and_then_the_rate() {
+        let limiter = RateLimiter::new(10);
+        let (one, other): (IpAddr, IpAddr) = ("192.0.2.1".parse().unwrap(), "192.0.2.2".parse().unwrap());
+        let begin = Instant::now();
+        assert!((0..10).all(|_| limiter.allows(one, begin)));
+        assert!(!limiter.allows(one, begin) && !limiter.allows(one, begin + Duration::from_millis(99)));
+        assert!(limiter.allows(other, begin), "addresses are counted separately");
+        let later = begin + Duration::from_millis(150);
+        assert!(limiter.allows(one, later) && !limiter.allows(one, later));
+        let network: [IpAddr; 2] = ["2001:db8::1".parse().unwrap(), "2001:db8::2".parse().unwrap()];
+        assert!((0..10).all(|turn| limiter.allows(network[turn % 2], later)));
+        assert!(!limiter.allows(network[0], later));
+    }
+
+    #[test]
+    fn the_number_of_addresses_is_bounded() {
+        let limiter = RateLimiter::new(1);
+        let begin = Instant::now();
+        let address = |number: u32| IpAddr::from(number.to_be_bytes());
+        let allowed = (0..10_000).filter(|number| limiter.allows(address(*number), begin)).count();
+        assert_eq!((allowed, limiter.due.lock().unwrap().len()), (MAX_ADDRESSES, MAX_ADDRESSES));
+        // Addresses without a request in the last second are dropped.
+        assert!(limiter.allows(address(20_000), begin + Duration::from_secs(2)));
+        assert_eq!(limiter.due.lock().unwrap().len(), 1);
+    }
+
+    #[test]
+    fn only_the_whole_token_counts() {
+        let token = Token(b"0123456789abcdef".to_vec());
+        assert!(token.is_carried_by(Some(b"Bearer 0123456789abcdef")));
+        assert!(token.is_carried_by(Some(b"bearer  0123456789abcdef ")));
+        for wrong in [
+            None,
+            Some(&b""[..]),
+            Some(b"Bearer"),
+            Some(b"Bearer "),
+            Some(b"Bearer 0123456789abcde"),
+            Some(b"Bearer 0123456789abcdef0"),
+            Some(b"Bearer 0123456789abcdeg"),
+            Some(b"Basic  0123456789abcdef"),
+            Some(b"0123456789abcdef"),
+        ] {
+            assert!(!token.is_carried_by(wrong), "{wrong:?}");
+        }
     }
 }

@@ -1,23 +1,20 @@
 //! `serve`: a page and an HTTP API for one schedule and one set of satellites, read once at the start.
 //!
-//! `run` reads the inputs into `state` and listens; `server` accepts connections (`malformed` answers request heads that cannot be
-//! read); `router` maps paths to handlers, behind `filter` and `rate_limit`; `query` reads parameters; `answers/` computes the
+//! `run` reads the inputs into `state` and listens; `server` accepts connections; `router` maps paths to handlers,
+//! behind `filter`; `query` reads parameters; `answers/` computes the
 //! responses on the threads of `workers`; `problem` holds error responses; `openapi` describes the API; `page` holds the page's files.
 
 mod answers;
 mod arguments;
 mod filter;
-mod malformed;
 mod openapi;
 mod page;
 mod problem;
 mod query;
-mod rate_limit;
 mod router;
 mod run;
 mod server;
 mod state;
-mod token;
 mod workers;
 
 pub use arguments::ServeArguments;

@@ -4,17 +4,29 @@ use serde_json::{Map, Value, json};
 
 use super::problem::{PROBLEM_JSON, Problem, STATUSES};
 use super::query::{Parameter, Query};
-use super::router::{JSON, ROUTES, Route};
 use super::state::ServerState;
 
-pub fn answer(_: &ServerState, _: &Query) -> Result<String, Problem> {
-    Ok(format!("{}\n", document()))
+pub const JSON: &str = "application/json";
+
+/// One path of the API.
+pub struct Route {
+    pub path: &'static str,
+    /// The same path without the slash at its end.
+    pub alias: Option<&'static str>,
+    pub summary: &'static str,
+    pub parameters: &'static [Parameter],
+    /// Whether a token is required, if the server has one.
+    pub needs_token: bool,
+    /// Computes the JSON body of the response.
+    pub answer: fn(&ServerState, &Query) -> Result<String, Problem>,
+    /// JSON Schema of that body.
+    pub schema: fn() -> Value,
 }
 
-/// OpenAPI 3.1.
-pub fn document() -> Value {
+/// Returns the OpenAPI 3.1 document of these paths.
+pub fn document(routes: &[Route]) -> Value {
     let paths: Map<String, Value> =
-        ROUTES.iter().map(|route| (route.path.to_owned(), json!({"get": operation(route)}))).collect();
+        routes.iter().map(|route| (route.path.to_owned(), json!({"get": operation(route)}))).collect();
     let responses: Map<String, Value> = STATUSES
         .iter()
         .map(|(status, _, meaning)| {

@@ -11,18 +11,16 @@ use axum::middleware::{self, Next};
 use axum::response::{IntoResponse, Response};
 use axum::routing::get;
 use axum::{Extension, Router};
-use serde_json::Value;
 
 use super::answers::{dome, exposure, health, night, satchecker};
+use super::filter::Token;
 use super::filter::{RequestFilter, has_body};
+use super::openapi::{JSON, Route};
 use super::problem::Problem;
-use super::query::{Parameter, Query};
+use super::query::Query;
 use super::state::ServerState;
-use super::token::Token;
 use super::workers::WorkerPool;
 use super::{openapi, page};
-
-pub const JSON: &str = "application/json";
 
 /// The page may load and call only this server, and no other page may frame it.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
@@ -37,21 +35,6 @@ pub const HEADERS: [(&str, &str); 6] = [
     ("cross-origin-opener-policy", "same-origin"),
     ("cache-control", "no-store"),
 ];
-
-/// One path of the API.
-pub struct Route {
-    pub path: &'static str,
-    /// The same path without the slash at its end.
-    pub alias: Option<&'static str>,
-    pub summary: &'static str,
-    pub parameters: &'static [Parameter],
-    /// Whether a token is required, if the server has one.
-    pub needs_token: bool,
-    /// Computes the JSON body of the response.
-    pub answer: fn(&ServerState, &Query) -> Result<String, Problem>,
-    /// JSON Schema of that body.
-    pub schema: fn() -> Value,
-}
 
 /// The API.
 pub static ROUTES: &[Route] = &[
@@ -115,7 +98,7 @@ pub static ROUTES: &[Route] = &[
         summary: "This document.",
         parameters: &[],
         needs_token: false,
-        answer: openapi::answer,
+        answer: |_, _| Ok(format!("{}\n", openapi::document(ROUTES))),
         schema: openapi::schema,
     },
 ];

@@ -12,12 +12,10 @@ use streakcast::schedule::Schedule;
 
 use super::super::judged;
 use super::arguments::ServeArguments;
-use super::filter::RequestFilter;
-use super::rate_limit::RateLimiter;
+use super::filter::{RateLimiter, RequestFilter, Token};
 use super::router::{App, router};
 use super::server;
 use super::state::{Caveats, ServerState, nights_of, zone_h};
-use super::token::Token;
 use super::workers::WorkerPool;
 use crate::failure::Outcome;
 

@@ -9,8 +9,8 @@ use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
 use super::super::state::ServerState;
 use super::document::{Document, left_out_count_schema, object_schema, provenance_schema, warnings_schema};
+use super::document::{degrees, rounded};
 use super::exposure::of_sky;
-use super::horizontal::{degrees, rounded};
 
 pub const PARAMETERS: &[Parameter] = &[
     required("start_utc", Kind::Moment, "Start."),

@@ -12,11 +12,11 @@ use super::super::super::passes::left_out_table;
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, number, optional, required};
 use super::super::state::ServerState;
-use super::columns::{AROUND, POINTING};
+use super::document::degrees;
+use super::document::{AROUND, POINTING};
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
 };
-use super::horizontal::degrees;
 
 pub const PARAMETERS: &[Parameter] = &[
     required("start_utc", Kind::Moment, "Shutter opening."),

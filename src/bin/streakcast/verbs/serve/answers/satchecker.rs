@@ -13,9 +13,9 @@ use streakcast::passes::{Exposure, Field, Pass, PassOptions, Sky, SnapshotOption
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, required};
 use super::super::state::{Caveats, ServerState};
+use super::document::rounded;
 use super::document::{left_out_count_schema, object_schema, warnings_schema};
 use super::exposure::of_sky;
-use super::horizontal::rounded;
 use super::satchecker_positions::{position, position_schema};
 
 const LATITUDE: Parameter =

@@ -6,7 +6,7 @@ use streakcast::output::format_utc;
 use streakcast::passes::{Sky, TrackPoint};
 
 use super::document::object_schema;
-use super::horizontal::rounded;
+use super::document::rounded;
 
 /// SatChecker's rounding of angles and dates.
 const DECIMALS: i32 = 8;

@@ -1,0 +1,247 @@
+//! `inject`: streaks of satellites, or random ones, put into frames.
+
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use clap::Args;
+use streakcast::config::{Config, InjectionConfig, inject_frames};
+use streakcast::output::{Section, Table};
+use streakcast::streaks::{InjectedFrame, Injections};
+
+use crate::failure::Outcome;
+use crate::output::{Answer, Format, Output, check_whole};
+#[cfg(feature = "plot")]
+use crate::output::{check, write_bytes};
+use crate::screen::Style;
+
+#[derive(Args)]
+pub struct InjectArguments {
+    #[command(flatten)]
+    pub injection: InjectionConfig,
+    /// File to write, whole or not at all; a folder for several frames
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// The truth table beside the frame: a file that ends in .csv, .ecsv, .json or .jsonl
+    #[arg(long, value_name = "FILE", help_heading = "Truth")]
+    pub truth: Option<PathBuf>,
+    /// Rows for Rubin's source_injection: a CSV or ECSV file of trails
+    #[arg(long, value_name = "FILE", help_heading = "Truth")]
+    pub trails: Option<PathBuf>,
+    /// Picture of the frame (the chip with the longest streak): a .png file
+    #[cfg(feature = "plot")]
+    #[arg(long, value_name = "FILE", help_heading = "Truth")]
+    pub preview: Option<PathBuf>,
+    /// Picture of the frame with the streaks marked
+    #[cfg(feature = "plot")]
+    #[arg(long, value_name = "FILE", help_heading = "Truth")]
+    pub preview_marked: Option<PathBuf>,
+    #[command(flatten)]
+    pub config: Config,
+}
+
+/// Every file that is to be written.
+pub struct Outputs {
+    /// One for each frame.
+    pub frames: Vec<PathBuf>,
+    truth: Option<Output>,
+    trails: Option<Output>,
+}
+
+impl Outputs {
+    /// Names all outputs: the file given for one frame, else files of the frames' own names in the folder given. `inputs` are
+    /// files that are read.
+    pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
+        let frames = frames(typed)?;
+        frames.iter().try_for_each(|path| check_whole(path))?;
+        let beside = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
+            path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
+        };
+        let outputs = Self { truth: beside(&typed.truth)?, trails: beside(&typed.trails)?, frames };
+        let pictures = picture_names(typed)?;
+        if outputs.frames.len() > 1 && !pictures.is_empty() {
+            return Err(anyhow!(
+                "--preview and --preview-marked are for one frame; there are {}",
+                outputs.frames.len()
+            ));
+        }
+        let tables = typed.truth.iter().chain(&typed.trails);
+        let all: Vec<&PathBuf> = outputs.frames.iter().chain(tables).chain(pictures).collect();
+        let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
+        if let Some(both) = all.iter().find(|path| path.canonicalize().is_ok_and(|path| read.contains(&path))) {
+            return Err(anyhow!("{} is an input and would be overwritten; name another output", both.display()));
+        }
+        let apart: BTreeSet<PathBuf> =
+            all.iter().map(|path| path.canonicalize().unwrap_or(path.to_path_buf())).collect();
+        if apart.len() < all.len() {
+            return Err(anyhow!("two outputs have one name; frames, --truth, --trails and pictures must differ"));
+        }
+        Ok(outputs)
+    }
+
+    /// Writes the tables beside the frames, those of several frames one below the other.
+    pub fn write_tables(&self, done: &Injections) -> anyhow::Result<()> {
+        type Choice = fn(&InjectedFrame) -> &Table;
+        let truth: Choice = |frame| &frame.truth;
+        let trails: Choice = |frame| &frame.trails;
+        for (output, of, name) in [(&self.truth, truth, "streaks"), (&self.trails, trails, "trails")] {
+            let mut frames = done.frames.iter().map(of);
+            let (Some(output), Some(first)) = (output, frames.next()) else { continue };
+            let mut table = first.clone();
+            frames.for_each(|other| table.rows.extend(other.rows.iter().cloned()));
+            output.write(&Answer {
+                sections: vec![Section { name, table: &table }],
+                main: &table,
+                provenance: &done.provenance,
+                style: Style { columns: &[], bold_row: None },
+            })?;
+        }
+        Ok(())
+    }
+}
+
+/// Returns the pictures to be written, after a check of their names.
+#[cfg(feature = "plot")]
+fn picture_names(typed: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
+    let pictures: Vec<&PathBuf> = typed.preview.iter().chain(&typed.preview_marked).collect();
+    for picture in &pictures {
+        if !picture.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+            return Err(anyhow!("picture {}: allowed: a file that ends in .png", picture.display()));
+        }
+        check(picture)?;
+    }
+    Ok(pictures)
+}
+
+#[cfg(not(feature = "plot"))]
+fn picture_names(_: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
+    Ok(Vec::new())
+}
+
+/// Largest number of frames of one run.
+const MOST_FRAMES: usize = 100_000;
+
+/// Checks that the name of a table ends in a format of text.
+fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
+    let end = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+    match Format::by_name(&end) {
+        Some(Format::Table) | None if end != "csv" => {
+            Err(anyhow!("table {}: allowed: a file that ends in .csv, .ecsv, .json or .jsonl", path.display()))
+        }
+        _ => Ok(None),
+    }
+}
+
+fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
+    let count = if typed.injection.synthetic.is_some() {
+        typed.injection.frames.unwrap_or(1)
+    } else {
+        typed.injection.image.len()
+    };
+    if !(1..=MOST_FRAMES).contains(&count) {
+        return Err(anyhow!("frames {count}; allowed: 1 to {MOST_FRAMES}"));
+    }
+    if count == 1 && !typed.output.is_dir() {
+        return Ok(vec![typed.output.clone()]);
+    }
+    if !typed.output.is_dir() {
+        return Err(anyhow!("{count} frames need a folder; --output {} is none", typed.output.display()));
+    }
+    let width = count.to_string().len().max(4);
+    let name = |index: usize| match typed.injection.image.get(index) {
+        Some(image) => image.file_name().map(OsStr::to_owned).unwrap_or_default(),
+        None => format!("frame-{:0width$}.fits", index + 1).into(),
+    };
+    Ok((0..count).map(|index| typed.output.join(name(index))).collect())
+}
+
+pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
+    let config = typed.config.clone().with_file()?;
+    let notices = crate::verbs::judged::begin(&config)?;
+    let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
+    reject_idle(&typed)?;
+    let done = inject_frames(&typed.injection, &config, None, &outputs.frames)?;
+    for remark in &done.remarks {
+        notices.say(remark);
+    }
+    notices.warn(&done.warnings);
+    for frame in &done.frames {
+        notices.warn(&frame.warnings);
+        notices.say(&format!("{}: {}", frame.output.display(), frame.summary));
+    }
+    #[cfg(feature = "plot")]
+    pictures(&typed, &done)?;
+    outputs.write_tables(&done)?;
+    Ok(Outcome::Done)
+}
+
+/// Returns the files that are read: no output may replace one of them.
+fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
+    typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
+}
+
+/// Rejects flags without effect: those of fields, and those of satellites with random streaks. The configuration file may
+/// have such keys for other verbs.
+fn reject_idle(typed: &InjectArguments) -> anyhow::Result<()> {
+    let (flags, site) = (&typed.config, &typed.config.site);
+    let of_fields = [
+        ("--fov", flags.fov.is_some()),
+        ("--field", flags.field.is_some()),
+        ("--rotation", flags.rotation.is_some()),
+        ("--min-probability", flags.min_probability.is_some()),
+    ];
+    let of_satellites = [
+        ("--extinction", flags.extinction.is_some()),
+        ("--sun-distance", flags.sun_distance.is_some()),
+        ("--no-earthshine", flags.light.earthshine.is_some()),
+        ("--shadow", flags.shadow.is_some()),
+        ("--qs-mag", flags.qs_mag.is_some()),
+        ("--accept-bad-checksums", flags.accept_bad_checksums.is_some()),
+        ("--eop", flags.eop.is_some()),
+        ("--site", site.named.is_some()),
+        ("--mpc", site.mpc.is_some()),
+        ("--lat", site.lat.is_some()),
+        ("--lon", site.lon.is_some()),
+        ("--height", site.height.is_some()),
+        ("--observer-elements", flags.observer_elements.is_some()),
+        ("--observer-norad", flags.observer_norad.is_some()),
+        ("--limb-height-km", flags.limb_height_km.is_some()),
+    ];
+    let given =
+        |options: &[(&'static str, bool)]| options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name);
+    if let Some(option) = given(&of_fields) {
+        return Err(anyhow::anyhow!(
+            "{option} is for verbs that ask about a field; the field of inject is the frame itself"
+        ));
+    }
+    match given(&of_satellites).filter(|_| typed.injection.is_random()) {
+        Some(option) => Err(anyhow::anyhow!(
+            "{option} is for satellites; random streaks have their magnitude and speed from the command line"
+        )),
+        None => Ok(()),
+    }
+}
+
+/// Writes pictures of the chip with the longest streak, or of the first one without a streak.
+#[cfg(feature = "plot")]
+fn pictures(typed: &InjectArguments, done: &Injections) -> anyhow::Result<()> {
+    use streakcast::images::{FrameFile, Overlay, preview_png};
+    let wanted = [(&typed.preview, false), (&typed.preview_marked, true)];
+    // Pictures are for one frame.
+    let Some(frame) = done.frames.first().filter(|_| wanted.iter().any(|(path, _)| path.is_some())) else {
+        return Ok(());
+    };
+    let file = FrameFile::open(&frame.output)?;
+    let longest = frame.marks.iter().max_by(|a, b| a.length_pix.total_cmp(&b.length_pix)).map(|mark| mark.hdu);
+    let Some(hdu) = longest.or_else(|| file.images().first().copied()) else { return Ok(()) };
+    let plane = file.read_plane(hdu)?;
+    for (path, is_marked) in wanted {
+        let Some(path) = path else { continue };
+        let marks = frame.marks.iter().filter(|mark| is_marked && mark.hdu == hdu);
+        let overlays: Vec<Overlay> =
+            marks.map(|mark| Overlay { line: mark.line.clone(), half_width_pix: mark.half_width_pix }).collect();
+        write_bytes(path, &preview_png(&plane, &overlays)?)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,439 @@
+//! An injection from its options: the plan, and the frames that it is carried out on.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use hifitime::Epoch;
+
+use super::document::{Config, SiteConfig};
+use super::error::ConfigError;
+use super::injection::InjectionConfig;
+use super::prepared::PreparedSky;
+use super::values::{NameOrTable, Numbers, parse_angle_deg, parse_duration_s};
+use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
+use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
+use crate::passes::Exposure;
+use crate::schedule::Schedule;
+use crate::streaks::{
+    ArrayFrame, ArrayInjected, FrameOverrides, Glint, Injection, InjectionError, InjectionPlan, InjectionSky,
+    Injections, LightCurve, MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber,
+    SyntheticFrame, SyntheticPlan, Tumbling,
+};
+
+/// Default β of the Moffat profile, usual for telescopes.
+const USUAL_BETA: f64 = 3.5;
+/// Wide Gaussian of the double one: twice as wide, with a tenth of the light (Bosch & Armstrong 2013, for images of SDSS).
+const USUAL_WIDENING: f64 = 2.0;
+const USUAL_WIDE_SHARE: f64 = 0.1;
+/// Default rates of random streaks, deg/s: satellites of 550 km low in the sky and overhead.
+const USUAL_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
+/// Largest number of points of truth along one streak.
+const MOST_TRUTH_POINTS: usize = 10_000;
+/// Default time of synthetic frames with random streaks: it changes nothing but the header.
+const SOME_DAY: &str = "2000-01-01T12:00:00Z";
+
+/// Source of skies: the sky of the night that contains a moment, of a caller that keeps skies.
+pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError> + Sync);
+
+/// Puts streaks into frames: one output for each image, or for each synthetic frame.
+///
+/// The sky of the frames' night is that of `sky`, if given; else it is prepared from the configuration, with the observatory
+/// of the headers if the configuration has no site.
+///
+/// # Errors
+/// [`ConfigError`]; each output is written whole or not at all.
+pub fn inject_frames(
+    injection: &InjectionConfig,
+    config: &Config,
+    sky: Option<SkyOf<'_>>,
+    outputs: &[PathBuf],
+) -> Result<Injections, ConfigError> {
+    let plan = injection.resolve(config)?;
+    let opened = Injection::open(&plan, outputs)?;
+    let Some((first, last)) = opened.span().filter(|_| plan.random.is_none()) else { return Ok(opened.run(None)?) };
+    if let Some(sky) = sky {
+        return Ok(opened.run(Some(injection_sky(&*sky(first)?)))?);
+    }
+    let (config, remark) = with_observatory(config, &opened)?;
+    let prepared = config.prepare(first, last)?;
+    let mut injections = opened.run(Some(injection_sky(&prepared)))?;
+    injections.warnings.extend(prepared.warnings);
+    injections.remarks.splice(0..0, remark);
+    Ok(injections)
+}
+
+/// Puts streaks into an image in memory, by way of the folder `scratch`; `cards` are its header.
+///
+/// # Errors
+/// [`ConfigError`].
+pub fn inject_into_array(
+    injection: &InjectionConfig,
+    config: &Config,
+    sky: Option<SkyOf<'_>>,
+    image: &ImageValues,
+    cards: &Header,
+    scratch: &Path,
+) -> Result<ArrayInjected, ConfigError> {
+    let frame = ArrayFrame::new(image, cards, scratch)?;
+    let injection = InjectionConfig { image: vec![frame.input()], synthetic: None, ..injection.clone() };
+    let injections = inject_frames(&injection, config, sky, &[frame.output()])?;
+    Ok(frame.finish(injections)?)
+}
+
+fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
+    InjectionSky { sky: &prepared.sky, eop: &prepared.eop, provenance: &prepared.provenance }
+}
+
+/// Completes a configuration without site by the observatory in the headers, with a remark.
+fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
+    let site = &config.site;
+    if site.named.is_some() || site.mpc.is_some() || site.lat.is_some() || config.observer_elements.is_some() {
+        return Ok((config.clone(), None));
+    }
+    match &opened.observatories()[..] {
+        [] => Ok((config.clone(), None)),
+        [site] => {
+            let code = site.mpc_code.as_deref().unwrap_or("no code");
+            let named = Some(NameOrTable::Name(site.name.clone()));
+            let config = Config { site: SiteConfig { named, ..config.site.clone() }, ..config.clone() };
+            Ok((config, Some(format!("site {} ({code}) from the header", site.name))))
+        }
+        [first, second, ..] => Err(ConfigError::invalid(format!(
+            "frames of two observatories ({}, {}); inject into those of each apart",
+            first.name, second.name
+        ))),
+    }
+}
+
+impl InjectionConfig {
+    /// Returns the files that are read: no output may replace one of them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector];
+        self.image.iter().chain(one.into_iter().flatten()).cloned().collect()
+    }
+
+    /// Returns true for random streaks, false for satellites.
+    pub fn is_random(&self) -> bool {
+        self.random_streaks.is_some() || self.streak_density.is_some()
+    }
+
+    /// Resolves the plan; detector, synthetic frame, light curve and schedule are read.
+    ///
+    /// # Errors
+    /// A request that is incomplete, contradicts itself, or is out of range.
+    pub fn resolve(&self, config: &Config) -> Result<InjectionPlan, ConfigError> {
+        self.check_counts()?;
+        let telescope = config.telescope()?;
+        let scheduled = self.scheduled(config)?;
+        let (start, duration_s) = self.times(config, scheduled.as_ref())?;
+        let modulation = self.modulation()?;
+        let random = self.random()?;
+        if random.is_none() && !config.has_satellites() {
+            return Err(ConfigError::invalid(
+                "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG",
+            ));
+        }
+        self.check_idle()?;
+        let (detector, own_gain) = match self.detector.as_deref().map(read_detector).transpose()? {
+            Some((detector, own_gain)) => (Some(detector), own_gain),
+            None => (None, None),
+        };
+        if own_gain.is_some() && self.gain.is_some() {
+            return Err(ConfigError::invalid(
+                "--gain, and a gain_e_adu in the file of --detector; allowed: one of them",
+            ));
+        }
+        if self.synthetic.is_some() && detector.is_some() {
+            return Err(ConfigError::invalid(
+                "--detector and --synthetic: the file of a synthetic frame has its own table [detector]",
+            ));
+        }
+        if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
+            return Err(ConfigError::invalid(format!("gain {gain}; allowed: above 0")));
+        }
+        let pixel_scale_arcsec = self.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
+        if pixel_scale_arcsec.is_some() && random.is_none() {
+            return Err(ConfigError::invalid(
+                "--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates",
+            ));
+        }
+        let photometry = config.photometry()?;
+        let zero_point = self.zero_point.map(|mag| (mag, CountBasis::Frame));
+        let synthetic = match &self.synthetic {
+            Some(path) => Some(self.synthetic_plan(path, (start, duration_s), scheduled.as_ref())?),
+            None => None,
+        };
+        Ok(InjectionPlan {
+            images: self.image.clone(),
+            overrides: FrameOverrides {
+                start,
+                duration_s,
+                hdus: self.hdu.clone(),
+                zero_point: zero_point.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second))),
+                gain_e_adu: self.gain.or(own_gain),
+                pixel_scale_arcsec,
+            },
+            tracking_arcsec_s: numbers(&self.track_rate).try_into().ok(),
+            random,
+            modulation,
+            resolve_panels: self.resolve_panels,
+            optics: self.optics(telescope.as_ref())?,
+            psf_name: self.psf.clone(),
+            telescope: telescope.map(|telescope| telescope.name),
+            detector: detector.or(synthetic.as_ref().map(|synthetic| synthetic.frame.detector.clone())),
+            synthetic,
+            photometry,
+            band_of_filter: config.light.band.is_none(),
+            mag_system: config.light.mag_system.is_some().then_some(photometry.system),
+            noise: !self.no_noise,
+            seed: self.seed,
+            truth_points: self.truth_points,
+            mask_preset: MaskPreset::by_name(&self.mask_bits).map_err(InjectionError::from)?,
+            pixels_only: self.pixels_only,
+        })
+    }
+
+    /// Checks the number of numbers in each option.
+    fn check_counts(&self) -> Result<(), ConfigError> {
+        let lists = [
+            ("track-rate", &self.track_rate, 2..=2),
+            ("magnitude", &self.magnitude, 1..=2),
+            ("streak-rate-deg-s", &self.streak_rate_deg_s, 1..=2),
+            ("tumbling", &self.tumbling, 2..=3),
+        ];
+        let lists = lists.iter().map(|(what, list, allowed)| (*what, numbers(list), allowed));
+        let given = lists.filter(|(_, numbers, _)| !numbers.is_empty());
+        for (what, numbers, allowed) in given.chain(self.glint.iter().map(|glint| ("glint", &glint.0[..], &(3..=3)))) {
+            if !allowed.contains(&numbers.len()) {
+                let (least, most) = (allowed.start(), allowed.end());
+                let allowed = if least == most { least.to_string() } else { format!("{least} to {most}") };
+                return Err(ConfigError::invalid(format!("{what}: {} numbers; allowed: {allowed}", numbers.len())));
+            }
+            if let Some(bad) = numbers.iter().find(|number| !number.is_finite()) {
+                return Err(ConfigError::invalid(format!("{what} {bad}; allowed: finite numbers")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Rejects options without effect.
+    fn check_idle(&self) -> Result<(), ConfigError> {
+        let of_synthetic =
+            [("--frames", self.frames.is_some()), ("--ra", self.ra.is_some()), ("--dec", self.dec.is_some())];
+        if let Some((option, _)) = of_synthetic.iter().find(|(_, is_given)| *is_given && self.synthetic.is_none()) {
+            return Err(ConfigError::invalid(format!("{option} is for --synthetic; a frame on file says where it is")));
+        }
+        if self.synthetic.is_some() && !self.hdu.is_empty() {
+            return Err(ConfigError::invalid("--hdu is for frames on file; a synthetic one has one image"));
+        }
+        if self.resolve_panels && self.is_random() {
+            return Err(ConfigError::invalid(
+                "--resolve-panels is for satellites; random streaks have neither chassis nor solar array",
+            ));
+        }
+        if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {
+            return Err(ConfigError::invalid(format!(
+                "truth-points {}; allowed: 2 to {MOST_TRUTH_POINTS}",
+                self.truth_points
+            )));
+        }
+        Ok(())
+    }
+
+    fn scheduled(&self, config: &Config) -> Result<Option<Exposure>, ConfigError> {
+        let (Some(path), Some(row)) = (&self.schedule, &self.row) else { return Ok(None) };
+        let schedule = Schedule::read(path, &config.schedule_options()?)?;
+        let found = schedule.exposures.iter().find(|exposure| exposure.id == *row);
+        let found = found.ok_or_else(|| ConfigError::invalid(format!("{}: no exposure_id {row:?}", path.display())))?;
+        match &found.exposure {
+            Ok(exposure) => Ok(Some(exposure.clone())),
+            Err(reason) => Err(ConfigError::invalid(format!("{}: exposure {row}: {reason}", path.display()))),
+        }
+    }
+
+    fn times(
+        &self,
+        config: &Config,
+        scheduled: Option<&Exposure>,
+    ) -> Result<(Option<Epoch>, Option<f64>), ConfigError> {
+        if let Some(exposure) = scheduled {
+            return Ok((Some(exposure.start), Some(exposure.duration_s)));
+        }
+        let scale = config.time_scale()?;
+        let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
+        let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
+        if duration_s.is_some_and(|seconds| seconds <= 0.0) {
+            return Err(ConfigError::invalid("exposure of 0 s; allowed: above 0 s"));
+        }
+        Ok((start, duration_s))
+    }
+
+    fn modulation(&self) -> Result<Modulation, ConfigError> {
+        let tumbling = match *numbers(&self.tumbling) {
+            [period_s, amplitude_mag] => Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
+            [period_s, amplitude_mag, phase] => Some(Tumbling { period_s, amplitude_mag, phase }),
+            _ => None,
+        };
+        let glint = |numbers: &Numbers| match numbers.0[..] {
+            [magnitude, offset_s, duration_s] => Some(Glint { magnitude, offset_s, duration_s }),
+            _ => None,
+        };
+        let modulation = Modulation {
+            tumbling,
+            glints: self.glint.iter().filter_map(glint).collect(),
+            curve: self.light_curve.as_deref().map(read_light_curve).transpose()?,
+        };
+        modulation.check().map_err(InjectionError::from)?;
+        Ok(modulation)
+    }
+
+    fn random(&self) -> Result<Option<RandomPlan>, ConfigError> {
+        let number = match (self.random_streaks, self.streak_density) {
+            (Some(number), _) => StreakNumber::Exactly(number),
+            (None, Some(mean)) => StreakNumber::OnAverage(mean),
+            (None, None) if numbers(&self.magnitude).is_empty() && numbers(&self.streak_rate_deg_s).is_empty() => {
+                return Ok(None);
+            }
+            (None, None) => {
+                return Err(ConfigError::invalid(
+                    "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own",
+                ));
+            }
+        };
+        let range = |given: &Option<Numbers>, usual: [f64; 2]| match *numbers(given) {
+            [one] => [one, one],
+            [from, to] => [from, to],
+            _ => usual,
+        };
+        let streaks = RandomStreaks {
+            number,
+            magnitude: range(&self.magnitude, [f64::NAN; 2]),
+            rate_rad_s: range(&self.streak_rate_deg_s, USUAL_RATES_DEG_S).map(f64::to_radians),
+        };
+        streaks.check().map_err(InjectionError::from)?;
+        Ok(Some(RandomPlan { streaks, is_per_square_degree: self.streak_density.is_some() }))
+    }
+
+    fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, ConfigError> {
+        let seeing_arcsec = match (&self.seeing, telescope) {
+            (Some(text), _) => arcsec("seeing", text)?,
+            (None, Some(telescope)) => telescope.seeing_arcsec,
+            (None, None) => {
+                return Err(ConfigError::invalid(
+                    "no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too",
+                ));
+            }
+        };
+        Ok(Optics {
+            form: seeing_form(&self.psf)?,
+            seeing_arcsec,
+            outer_radius_m: telescope.map_or(0.0, |telescope| telescope.outer_radius_m),
+            inner_radius_m: telescope.map_or(0.0, |telescope| telescope.inner_radius_m),
+        })
+    }
+
+    fn synthetic_plan(
+        &self,
+        path: &Path,
+        (start, duration_s): (Option<Epoch>, Option<f64>),
+        scheduled: Option<&Exposure>,
+    ) -> Result<SyntheticPlan, ConfigError> {
+        let text = text_of("synthetic frame", path)?;
+        let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string()).map_err(InjectionError::from)?;
+        // Paths in a file start from its folder.
+        let folder = path.parent().unwrap_or(Path::new(""));
+        frame.star_list = frame.star_list.map(|list| folder.join(list));
+        let opened = match start {
+            Some(start) => start,
+            None if self.is_random() => parse_instant(SOME_DAY, None)?,
+            None => {
+                return Err(ConfigError::invalid(
+                    "no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID",
+                ));
+            }
+        };
+        let exposure_s = duration_s.ok_or_else(|| {
+            ConfigError::invalid("no length of the exposure; say --exposure 30s or --schedule FILE --row ID")
+        })?;
+        Ok(SyntheticPlan { frame, path: path.to_owned(), opened, exposure_s, centre: self.centre(scheduled)? })
+    }
+
+    fn centre(&self, scheduled: Option<&Exposure>) -> Result<Direction<Gcrs>, ConfigError> {
+        match (scheduled, &self.ra, &self.dec) {
+            (_, Some(ra), Some(dec)) => parse_direction(ra, dec).map_err(ConfigError::Angle),
+            (Some(exposure), None, None) => Ok(exposure.pointing),
+            (None, None, None) if self.is_random() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
+            _ => Err(ConfigError::invalid(
+                "no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID",
+            )),
+        }
+    }
+}
+
+fn numbers(given: &Option<Numbers>) -> &[f64] {
+    given.as_ref().map_or(&[], |numbers| &numbers.0)
+}
+
+fn arcsec(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+    Ok(parse_angle_deg(what, text)? * 3600.0)
+}
+
+fn text_of(what: &str, path: &Path) -> Result<String, ConfigError> {
+    fs::read_to_string(path).map_err(|error| ConfigError::invalid(format!("{what} {}: {error}", path.display())))
+}
+
+fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
+    let shown = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?;
+    let headers =
+        reader.headers().map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?.clone();
+    let column = |name: &str| {
+        headers.iter().position(|header| header == name).ok_or_else(|| {
+            ConfigError::invalid(format!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
+        })
+    };
+    let (time, delta) = (column("time_s")?, column("delta_mag")?);
+    let mut points = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let number = |index: usize| {
+            let text = record.get(index).unwrap_or_default();
+            text.parse::<f64>()
+                .map_err(|_| ConfigError::invalid(format!("light curve {shown}, line {line}: {text:?} is no number")))
+        };
+        points.push((number(time)?, number(delta)?));
+    }
+    LightCurve::new(points).map_err(|error| ConfigError::invalid(format!("{shown}: {error}")))
+}
+
+fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
+    let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
+    match (name.to_ascii_lowercase().as_str(), number) {
+        ("gaussian", None) => Ok(SeeingForm::Gaussian),
+        ("moffat", None) => Ok(SeeingForm::Moffat { beta: USUAL_BETA }),
+        ("moffat", Some(number)) => match number.parse::<f64>() {
+            Ok(beta) if (2.0..=100.0).contains(&beta) => Ok(SeeingForm::Moffat { beta }),
+            _ => Err(ConfigError::invalid(format!("psf {text:?}: β of a Moffat profile; allowed: 2 to 100"))),
+        },
+        ("double", None) => Ok(SeeingForm::DoubleGaussian { widening: USUAL_WIDENING, wide_share: USUAL_WIDE_SHARE }),
+        _ => Err(ConfigError::invalid(format!(
+            "psf {text:?} is not known; allowed: gaussian, moffat, moffat:BETA, double"
+        ))),
+    }
+}
+
+/// Reads a detector, and its gain if the file has one.
+fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), ConfigError> {
+    let text = text_of("detector", path)?;
+    let detector = Detector::from_toml(&text)
+        .map_err(|error| ConfigError::invalid(format!("detector {}: {error}", path.display())))?;
+    let has_gain = toml::from_str::<toml::Table>(&text).is_ok_and(|table| table.contains_key("gain_e_adu"));
+    let own_gain = has_gain.then_some(detector.gain_e_adu);
+    Ok((detector, own_gain))
+}

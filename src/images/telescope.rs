@@ -1,0 +1,285 @@
+//! Telescopes by name and from TOML files: aperture, seeing, pixels, field, and the limits of their detectors.
+//!
+//! A satellite is near enough to be out of focus: seen from it the mirror is a disk with a hole, and the image of a
+//! point is that disk. Widths follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles
+//! are arcseconds and degrees, as in files.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use super::error::ImagesError;
+pub use super::telescope_streak::{
+    ARCSEC_PER_RAD, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
+    surface_brightness_mag_arcsec2, time_on_pixel_s,
+};
+
+/// Speed on the sky of a satellite 550 km overhead, arcsec/s: √(μ / (R + h)) / h.
+const RATE_AT_550_KM_ARCSEC_S: f64 = 2844.7;
+
+/// A telescope with its camera. Made by [`Telescope::by_name`] or from a TOML file with these same keys.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Telescope {
+    /// Lower-case letters, digits, `.` and `-`.
+    pub name: String,
+    /// One line for people.
+    pub title: String,
+    /// Radius of the light-collecting aperture, m.
+    pub outer_radius_m: f64,
+    /// Radius of the central obstruction, m; 0 where there is none or none is published.
+    pub inner_radius_m: f64,
+    /// Typical width (FWHM) of a star's image from air and optics, arcsec.
+    pub seeing_arcsec: f64,
+    /// Side of a pixel on the sky, arcsec.
+    pub pixel_scale_arcsec: f64,
+    /// The field that is taken where none is given.
+    pub field: FieldOfView,
+    /// How many streak widths wide a mask must be. Two hold 98 % of the light of a Gaussian profile whose FWHM is
+    /// the width.
+    #[serde(default = "default_mask_widths")]
+    pub mask_widths: f64,
+    /// Brightest streaks that the detector bears, by band name. They make verdicts where a policy says `"telescope"`.
+    #[serde(default)]
+    pub limits: BTreeMap<String, BandLimits>,
+    /// Where these numbers come from.
+    pub source: String,
+}
+
+/// The usual masked width in streak widths.
+fn default_mask_widths() -> f64 {
+    2.0
+}
+
+/// Magnitudes that a satellite must be fainter than; those of a satellite standing still at 550 km overhead for
+/// streaks.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct BandLimits {
+    /// A moving satellite brighter than this saturates the pixels of its trail.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub trail_saturation_mag: Option<f64>,
+    /// A moving satellite brighter than this leaves crosstalk that cannot be corrected.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub crosstalk_mag: Option<f64>,
+}
+
+/// The part of the sky that an exposure sees; on the tangent plane, x to the east, y to the north, degrees.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum FieldOfView {
+    /// A circle of this full diameter.
+    CircleDeg(f64),
+    /// A rectangle of this width and height about the centre.
+    RectangleDeg([f64; 2]),
+    /// An outline of three or more corners in order.
+    PolygonDeg(Vec<[f64; 2]>),
+}
+
+impl FieldOfView {
+    /// Area, square degrees, on the tangent plane.
+    pub fn area_deg2(&self) -> f64 {
+        match self {
+            Self::CircleDeg(diameter) => std::f64::consts::FRAC_PI_4 * diameter * diameter,
+            Self::RectangleDeg([width, height]) => width * height,
+            Self::PolygonDeg(corners) => {
+                let pairs = corners.iter().zip(corners.iter().cycle().skip(1));
+                0.5 * pairs.map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum::<f64>().abs()
+            }
+        }
+    }
+}
+
+impl Telescope {
+    /// Diameter of the out-of-focus disk of a point at `range_km`, arcsec, from rim to rim.
+    pub fn defocus_outer_arcsec(&self, range_km: f64) -> f64 {
+        2.0 * self.outer_radius_m / (range_km * 1000.0) * ARCSEC_PER_RAD
+    }
+
+    /// Width of the streak of a satellite of `satellite_size_m` at `range_km`, arcsec.
+    pub fn width_arcsec(&self, range_km: f64, satellite_size_m: f64) -> f64 {
+        // θ² = θ_atm² + (D_sat² + D_mirror²) / d²                        Tyson et al. (2020), eq. 1
+        let satellite = satellite_size_m / (range_km * 1000.0) * ARCSEC_PER_RAD;
+        self.seeing_arcsec.hypot(satellite).hypot(self.defocus_outer_arcsec(range_km))
+    }
+
+    /// Magnitude of a satellite at 550 km overhead whose streak is as bright per area as this one: what the limits of a camera are
+    /// compared with.
+    ///
+    /// `magnitude` is the apparent one, as if the satellite stood still. A pixel gets the light of m for the time that the streak needs
+    /// to pass it, spread over the streak's width: a satellite that is farther is slower and more in focus, and worse for the same
+    /// magnitude. With the seeing alone this is the rule of SATCON1, 2.5 log10(h / 550 km).
+    pub fn as_at_550_km_mag(
+        &self,
+        magnitude: f64,
+        range_km: f64,
+        angular_rate_arcsec_s: f64,
+        satellite_size_m: f64,
+    ) -> f64 {
+        // m + 2.5 log10(ω θ / ω₀ θ₀)
+        let width = self.width_arcsec(range_km, satellite_size_m) / self.width_arcsec(550.0, satellite_size_m);
+        magnitude + 2.5 * (width * angular_rate_arcsec_s / RATE_AT_550_KM_ARCSEC_S).log10()
+    }
+
+    /// Share of a field's pixels that masking one streak costs; see [`expected_lost_pixel_fraction`].
+    pub fn lost_pixel_fraction(&self, streak_length_deg: f64, width_arcsec: f64, field_area_deg2: f64) -> f64 {
+        expected_lost_pixel_fraction(streak_length_deg, self.mask_widths * width_arcsec, field_area_deg2)
+    }
+}
+
+macro_rules! presets {
+    ($($name:literal),* $(,)?) => {
+        /// Name and text of every preset, in the form that users write.
+        const PRESETS: &[(&str, &str)] = &[$(($name, include_str!(concat!("telescope/presets/", $name, ".toml")))),*];
+    };
+}
+presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
+
+/// Names of the bands that limits may be given for. Kept here so that telescopes import nothing.
+const BANDS: [&str; 11] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G"];
+
+impl Telescope {
+    /// A preset by name, in any case; `lsst` is Rubin, `panstarrs` and `ps1` Pan-STARRS.
+    ///
+    /// # Errors
+    /// [`ImagesError::UnknownTelescope`] with all known names.
+    pub fn by_name(name: &str) -> Result<Self, ImagesError> {
+        let wanted = match name.trim().to_ascii_lowercase().as_str() {
+            "lsst" | "simonyi" => "rubin".to_owned(),
+            "panstarrs" | "ps1" => "pan-starrs".to_owned(),
+            "blanco" => "decam".to_owned(),
+            other => other.to_owned(),
+        };
+        let (preset, text) =
+            PRESETS.iter().find(|(preset, _)| *preset == wanted).ok_or_else(|| ImagesError::UnknownTelescope {
+                given: name.to_owned(),
+                known: Self::names().collect::<Vec<_>>().join(", "),
+            })?;
+        Self::from_toml(text, preset)
+    }
+
+    /// Names of the presets in alphabetical order.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        PRESETS.iter().map(|(name, _)| *name)
+    }
+
+    /// From the text of a TOML file with the keys of [`Telescope`]; `origin` (its name) is what errors call it.
+    ///
+    /// # Errors
+    /// [`ImagesError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown
+    /// bands.
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, ImagesError> {
+        let telescope: Self = toml::from_str(text).map_err(|error| ImagesError::TelescopeToml {
+            origin: origin.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        telescope.validate(origin)?;
+        Ok(telescope)
+    }
+
+    fn validate(&self, origin: &str) -> Result<(), ImagesError> {
+        let range = |key: &str, given: f64, least: f64, greatest: f64| {
+            // Not a number is in no range.
+            if (least..=greatest).contains(&given) {
+                return Ok(());
+            }
+            Err(ImagesError::TelescopeOutOfRange {
+                origin: origin.to_owned(),
+                key: key.to_owned(),
+                given,
+                least,
+                greatest,
+            })
+        };
+        range("outer_radius_m", self.outer_radius_m, 0.001, 100.0)?;
+        range("inner_radius_m", self.inner_radius_m, 0.0, self.outer_radius_m)?;
+        range("seeing_arcsec", self.seeing_arcsec, 0.001, 600.0)?;
+        range("pixel_scale_arcsec", self.pixel_scale_arcsec, 0.001, 600.0)?;
+        range("mask_widths", self.mask_widths, 0.1, 100.0)?;
+        match &self.field {
+            FieldOfView::CircleDeg(diameter) => range("field.circle_deg", *diameter, 1e-4, 170.0)?,
+            FieldOfView::RectangleDeg(sides) => {
+                sides.iter().try_for_each(|&side| range("field.rectangle_deg", side, 1e-4, 170.0))?
+            }
+            FieldOfView::PolygonDeg(corners) => {
+                range("field.polygon_deg (corners)", corners.len() as f64, 3.0, 10_000.0)?;
+                corners.iter().flatten().try_for_each(|&value| range("field.polygon_deg", value, -85.0, 85.0))?
+            }
+        }
+        for (band, limits) in &self.limits {
+            if !BANDS.contains(&band.as_str()) {
+                return Err(ImagesError::TelescopeBand { origin: origin.to_owned(), given: band.clone() });
+            }
+            for (key, limit) in
+                [("trail_saturation_mag", limits.trail_saturation_mag), ("crosstalk_mag", limits.crosstalk_mag)]
+            {
+                limit.map_or(Ok(()), |mag| range(&format!("limits.{band}.{key}"), mag, -10.0, 30.0))?;
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OWN: &str = r#"
+name = "mine"
+title = "My telescope"
+outer_radius_m = 0.5
+inner_radius_m = 0.2
+seeing_arcsec = 1.5
+pixel_scale_arcsec = 0.5
+field = { polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]] }
+source = "measured"
+
+[limits.V]
+trail_saturation_mag = 4.0
+"#;
+
+    #[test]
+    fn verif_presets_are_sound_and_named_after_their_files() {
+        let names: Vec<_> = Telescope::names().collect();
+        assert_eq!(names, ["atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf"]);
+        for name in names {
+            let telescope = Telescope::by_name(name).unwrap();
+            assert_eq!(telescope.name, name);
+            assert!(telescope.field.area_deg2() > 0.5 && telescope.mask_widths == 2.0);
+            // What is written reads back as the same telescope.
+            let text = toml::to_string(&telescope).unwrap();
+            assert_eq!(Telescope::from_toml(&text, name).unwrap(), telescope);
+        }
+        assert_eq!(Telescope::by_name(" LSST ").unwrap().name, "rubin");
+        // ZTF: 55 square degrees with gaps (Dekany et al. 2020).
+        assert!((Telescope::by_name("ztf").unwrap().field.area_deg2() - 55.0).abs() < 0.2);
+        let error = Telescope::by_name("hubble").unwrap_err().to_string();
+        assert!(error.contains("\"hubble\"") && error.contains("atlas, decam"), "{error}");
+    }
+
+    #[test]
+    fn verif_a_file_of_ones_own_is_read_and_held_to_its_ranges() {
+        let own = Telescope::from_toml(OWN, "mine.toml").unwrap();
+        assert!((own.field.area_deg2() - 4.0).abs() < 1e-12);
+        assert_eq!(own.limits["V"].trail_saturation_mag, Some(4.0));
+        for (from, to, words) in [
+            ("outer_radius_m = 0.5", "outer_radius_m = -0.5", &["outer_radius_m is -0.5", "0.001 to 100"][..]),
+            ("inner_radius_m = 0.2", "inner_radius_m = 0.6", &["inner_radius_m is 0.6", "0 to 0.5"]),
+            ("seeing_arcsec = 1.5", "seeing_arcsec = nan", &["seeing_arcsec is NaN"]),
+            ("seeing_arcsec = 1.5", "seing_arcsec = 1.5", &["unknown field `seing_arcsec`"]),
+            ("seeing_arcsec = 1.5", "", &["missing field `seeing_arcsec`"]),
+            ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "circle_deg = 0", &["field.circle_deg is 0"]),
+            ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "polygon_deg = [[0, 0]]", &["corners", "3 to"]),
+            ("[limits.V]", "[limits.W]", &["band \"W\"", "B V R I u g r i z y G"]),
+            ("trail_saturation_mag = 4.0", "trail_saturation_mag = 99.0", &["limits.V.trail_saturation_mag is 99"]),
+        ] {
+            let text = OWN.replace(from, to);
+            assert_ne!(text, OWN);
+            let error = Telescope::from_toml(&text, "mine.toml").unwrap_err().to_string();
+            assert!(error.starts_with("telescope file mine.toml: "), "{error}");
+            for word in words {
+                assert!(error.contains(word), "{error:?} should speak of {word:?}");
+            }
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! State that all satellites of a request share: observer, Sun and orientation at sampled times, and search windows.
+//!
+//! A scheduler computes visit by visit; without the cache most of its time would go into precession and nutation at the
+//! same few times. Results do not depend on the cache, to rounding.
+//!
+//! Windows lie on a fixed grid of six hours, so that all searches of a night use the same two or three, whether a
+//! thousand exposures come at once or one by one. Results do not depend on the cache: a window only selects the
+//! satellites for which SGP4 is evaluated.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use hifitime::{Duration, Epoch};
+
+use crate::constants::DAY_S;
+use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_between};
+use crate::geometry::SunTable;
+use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
+
+/// Sun, Earth and orbits over the time of one group of exposures. Times within it are seconds after its start.
+pub(in crate::passes) struct Scene {
+    pub start: Epoch,
+    pub orientation: OrientationTable,
+    pub sun: SunTable,
+    /// In order of time, without gaps; empty where no satellites are searched.
+    pub windows: Vec<Arc<Window>>,
+}
+
+impl Scene {
+    /// The window that holds a time, and its start, both in seconds of the scene.
+    pub fn window_at(&self, time_s: f64) -> Option<(&Window, f64)> {
+        let start_s = |window: &Window| seconds_between(self.start, window.start());
+        let window = self.windows.iter().rfind(|window| start_s(window) <= time_s).or(self.windows.first())?;
+        Some((window, start_s(window)))
+    }
+}
+
+/// Days that are kept, 2 kB each: a schedule goes through its days several times.
+const KEPT: usize = 64;
+/// The tables of a day reach as far beyond its beginning, seconds.
+const REACH_S: f64 = 3.0 * DAY_S;
+/// Interpolation needs this much beyond the end, seconds.
+const BEYOND_S: f64 = DAY_S;
+
+/// Tables from the beginning of a UTC day on.
+#[derive(Debug)]
+struct Day {
+    orientation: OrientationTable,
+    sun: SunTable,
+}
+
+/// The days used last, newest last.
+#[derive(Debug, Default)]
+pub(in crate::passes) struct Almanac {
+    kept: Mutex<Vec<(i64, Arc<Day>)>>,
+}
+
+impl Almanac {
+    /// Earth and Sun from `start` to `end`; `eop` is always the same.
+    pub fn over(&self, start: Epoch, end: Epoch, eop: &EopTable) -> (OrientationTable, SunTable) {
+        let day = self.day(start, eop);
+        if seconds_between(day.sun.reference(), end) + BEYOND_S > REACH_S {
+            return (OrientationTable::new(start, end, eop), SunTable::new(start, end));
+        }
+        (day.orientation.part(start, end, eop), day.sun.part(start))
+    }
+
+    fn day(&self, start: Epoch, eop: &EopTable) -> Arc<Day> {
+        let number = mjd_utc(start).floor();
+        let key = number as i64;
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, day)) = kept.iter().find(|(known, _)| *known == key) {
+            return day.clone();
+        }
+        let first = Epoch::from_mjd_utc(number);
+        let last = seconds_after(first, REACH_S);
+        let day =
+            Arc::new(Day { orientation: OrientationTable::new(first, last, eop), sun: SunTable::new(first, last) });
+        kept.push((key, day.clone()));
+        let surplus = kept.len().saturating_sub(KEPT);
+        kept.drain(..surplus);
+        day
+    }
+}
+
+/// Windows that are kept at least: a night of three, for both scopes, and two more.
+const LEAST_KEPT: usize = 8;
+/// Satellites in all windows that are kept, 140 bytes each: a schedule goes through its nights several times, and
+/// making the three windows of a night takes as long as the crossings of 700 exposures.
+const KEPT_SATELLITES: usize = 500_000;
+
+/// Which satellites a window searches.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(in crate::passes) enum SearchScope {
+    /// Those that cross where they are predicted.
+    Nominal,
+    /// Those that cross with a delay and an offset across the track that their errors allow.
+    Delayed,
+}
+
+/// A window's number on the grid, and its scope.
+type Key = (i64, SearchScope);
+
+/// The windows used last, newest last.
+#[derive(Debug, Default)]
+pub(in crate::passes) struct WindowCache {
+    kept: Mutex<Vec<(Key, Arc<Window>)>>,
+}
+
+impl WindowCache {
+    /// The windows that hold the time from `start` to `end`, in order; those that are missing are made on all threads.
+    ///
+    /// `reach` gives, for an element index and the two ends of a window, how far from its prediction a satellite is
+    /// searched; it must be the same function for the same `scope`.
+    pub fn over(
+        &self,
+        index: &SatelliteIndex,
+        start: Epoch,
+        end: Epoch,
+        scope: SearchScope,
+        reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
+    ) -> Vec<Arc<Window>> {
+        let most = (KEPT_SATELLITES / index.len().max(1)).max(LEAST_KEPT);
+        let grid = Epoch::from_tai_duration(Duration::ZERO);
+        let number = |epoch: Epoch| (seconds_between(grid, epoch) / MAX_WINDOW_S).floor() as i64;
+        (number(start)..=number(end))
+            .map(|number| {
+                let key = (number, scope);
+                if let Some(window) = self.kept(key) {
+                    return window;
+                }
+                // Made outside of the lock: the threads that help may use the cache themselves.
+                let from = seconds_after(grid, MAX_WINDOW_S * number as f64);
+                let ends = [from, seconds_after(from, MAX_WINDOW_S)];
+                let window =
+                    Arc::new(Window::new(index, ends[0], ends[1], &|element_index| reach(element_index, ends)));
+                self.keep(key, &window, most);
+                window
+            })
+            .collect()
+    }
+
+    fn kept(&self, key: Key) -> Option<Arc<Window>> {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        let position = kept.iter().position(|(known, _)| *known == key)?;
+        let found = kept.remove(position);
+        let window = found.1.clone();
+        kept.push(found);
+        Some(window)
+    }
+
+    fn keep(&self, key: Key, window: &Arc<Window>, most: usize) {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if kept.iter().all(|(known, _)| *known != key) {
+            kept.push((key, Arc::clone(window)));
+            let surplus = kept.len().saturating_sub(most);
+            kept.drain(..surplus);
+        }
+    }
+}

@@ -1,0 +1,218 @@
+//! Track of a satellite over an observer: the line of sight at a time, and the points that are reported.
+
+use std::sync::Arc;
+
+use hifitime::Epoch;
+use nalgebra::Vector3;
+
+use crate::constants::EARTH_ROTATION_RAD_S;
+use crate::elements::NoradId;
+use crate::frames::{Direction, Gcrs, Orientation, Position, Velocity};
+use crate::geometry::{Aspect, Illumination, Observer, ViewingGeometry, aspect};
+use crate::orbit::{OrbitArc, State};
+use crate::photometry::Brightness;
+
+/// No orbit falls faster, km/s²: gravity at the ground.
+const GRAVITY_KM_S2: f64 = 0.009_83;
+
+/// A line of sight and its rate of change; only its direction matters, not its length.
+#[derive(Copy, Clone, Debug)]
+pub(in crate::passes) struct Sight {
+    pub vector: Vector3<f64>,
+    pub rate_s: Vector3<f64>,
+}
+
+/// Motion of an observer: a site near one time, a telescope in orbit over its arc.
+#[derive(Clone, Debug)]
+pub(in crate::passes) struct ObserverMotion {
+    path: Path,
+    /// Earth's barycentric velocity, for the aspect.
+    earth_velocity: Velocity<Gcrs>,
+    /// The observer stands still before the first and after the second of these times, seconds.
+    moving_s: (f64, f64),
+}
+
+#[derive(Clone, Debug)]
+enum Path {
+    /// A site turns about the pole of date at the Earth's rate.
+    ///
+    /// Exact to a millimetre over ten minutes: only the rates of precession, polar motion and UT1 are left out.
+    Turning { at_s: f64, fixed: Vector3<f64>, turning: Vector3<f64>, ahead: Vector3<f64> },
+    /// A telescope in orbit.
+    Flying(Arc<OrbitArc>),
+}
+
+impl ObserverMotion {
+    /// A site near `at_s`.
+    pub fn of_site(observer: &Observer, orientation: &Orientation, earth_velocity: Velocity<Gcrs>, at_s: f64) -> Self {
+        let position = *observer.position(orientation).vector();
+        let pole: Vector3<f64> = orientation.teme_to_gcrs.matrix().column(2).into_owned();
+        let fixed = pole * pole.dot(&position);
+        let path = Path::Turning { at_s, fixed, turning: position - fixed, ahead: pole.cross(&position) };
+        Self { path, earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
+    }
+
+    /// A telescope on its arc.
+    pub fn of_flight(arc: Arc<OrbitArc>, earth_velocity: Velocity<Gcrs>) -> Self {
+        Self { path: Path::Flying(arc), earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
+    }
+
+    /// The same observer, standing still before the first and after the second of two times.
+    pub fn still_outside(&self, from_s: f64, to_s: f64) -> Self {
+        Self { moving_s: (from_s, to_s), ..self.clone() }
+    }
+
+    fn own_time_s(&self, time_s: f64) -> f64 {
+        time_s.max(self.moving_s.0).min(self.moving_s.1)
+    }
+
+    /// Geocentric position.
+    pub fn position(&self, time_s: f64) -> Position<Gcrs> {
+        let time_s = self.own_time_s(time_s);
+        match &self.path {
+            Path::Turning { at_s, fixed, turning, ahead } => {
+                let (sin, cos) = (EARTH_ROTATION_RAD_S * (time_s - at_s)).sin_cos();
+                Position::from_vector(fixed + turning * cos + ahead * sin)
+            }
+            Path::Flying(arc) => arc.state_at(time_s).position,
+        }
+    }
+
+    /// Velocity, km/s; while the observer stands still, that of the nearest time at which it moves.
+    pub fn velocity(&self, time_s: f64) -> Vector3<f64> {
+        let time_s = self.own_time_s(time_s);
+        match &self.path {
+            Path::Turning { at_s, turning, ahead, .. } => {
+                let (sin, cos) = (EARTH_ROTATION_RAD_S * (time_s - at_s)).sin_cos();
+                (ahead * cos - turning * sin) * EARTH_ROTATION_RAD_S
+            }
+            Path::Flying(arc) => *arc.state_at(time_s).velocity.vector(),
+        }
+    }
+
+    /// Upper bound of the mean speed away from its position at `mid_s` within `half_s`, km/s.
+    pub fn fastest_km_s(&self, mid_s: f64, half_s: f64) -> f64 {
+        match &self.path {
+            Path::Turning { ahead, .. } => ahead.norm() * EARTH_ROTATION_RAD_S,
+            // |Δr| ≤ v t + ½ g t²
+            Path::Flying(_) => self.velocity(mid_s).norm() + 0.5 * GRAVITY_KM_S2 * half_s,
+        }
+    }
+}
+
+/// A satellite's arc and the observer that sees it.
+pub(in crate::passes) struct SightLine<'a> {
+    pub arc: &'a OrbitArc,
+    pub observer: ObserverMotion,
+}
+
+impl SightLine<'_> {
+    /// Satellite state, observer and aspect at one time.
+    pub fn aspect_at(&self, time_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
+        self.delayed_aspect(time_s, 0.0)
+    }
+
+    /// As [`SightLine::aspect_at`], with the satellite where it was predicted `late_s` earlier.
+    fn delayed_aspect(&self, time_s: f64, late_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
+        let state = self.arc.state_at(time_s - late_s);
+        let observer = self.observer.position(time_s);
+        let aspect = aspect(&state.position, &state.velocity, &observer, &self.observer.earth_velocity);
+        (state, observer, aspect)
+    }
+
+    /// The astrometric line of sight and its rate. The rate leaves out the change of light time (10⁻⁴ of the rate),
+    /// which moves no border and no extreme by more than the rounding of a root.
+    pub fn sight(&self, time_s: f64) -> Sight {
+        self.delayed_sight(time_s, 0.0)
+    }
+
+    /// As [`SightLine::sight`], with the satellite `late_s` late.
+    pub fn delayed_sight(&self, time_s: f64, late_s: f64) -> Sight {
+        let (state, _, aspect) = self.delayed_aspect(time_s, late_s);
+        let relative = state.velocity.vector() - self.observer.velocity(time_s);
+        Sight { vector: *aspect.direction.vector(), rate_s: relative / aspect.range_km }
+    }
+}
+
+/// A satellite at one time as the telescope sees it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrackPoint {
+    /// Time of reception.
+    pub epoch: Epoch,
+    /// ICRS astrometric topocentric direction.
+    pub direction: Direction<Gcrs>,
+    /// Altitude above the site's horizon without refraction, radians; `None` for an observer in space.
+    pub altitude_rad: Option<f64>,
+    /// Azimuth from north through east, [0, 2π), radians; `None` for an observer in space.
+    pub azimuth_rad: Option<f64>,
+    /// Distance from the observer, km.
+    pub range_km: f64,
+    /// Geometry of Sun, satellite and observer.
+    pub geometry: ViewingGeometry,
+    /// Sunlit, in penumbra or in umbra, with the lit fraction of the solar disk.
+    pub illumination: Illumination,
+    /// Apparent magnitude with its sigma and source, the shadow's dimming included. `None` in the umbra and where a
+    /// model sees nothing.
+    pub brightness: Option<Brightness>,
+}
+
+/// One part of the track inside the field, from entry (or shutter opening) to exit (or shutter closing).
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Chord {
+    /// Seconds after the shutter opened.
+    pub enter_s: f64,
+    /// Seconds after the shutter opened, not before `enter_s`.
+    pub exit_s: f64,
+}
+
+/// One satellite crossing one exposure's field, or passing near it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Pass {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Position of its element set in the sky's catalogue.
+    pub element_index: usize,
+    /// Parts of the track inside the field in time order, one per chip or arm of the shape; empty for a near miss.
+    pub chords: Vec<Chord>,
+    /// Begin of the first chord; for a near miss, the closest point.
+    pub enter: TrackPoint,
+    /// Midway in time between `enter` and `exit`; for a near miss, the same point.
+    pub mid: TrackPoint,
+    /// End of the last chord; for a near miss, the same point.
+    pub exit: TrackPoint,
+    /// The brightest point between `enter` and `exit`; `None` where none of it is visible, and without light.
+    pub peak: Option<TrackPoint>,
+    /// Least angle between track and field centre while the shutter is open, radians.
+    pub min_separation_rad: f64,
+    /// Length of the track on the sky inside the field, all chords, radians.
+    pub streak_length_rad: f64,
+    /// Direction of motion at mid, from north through east, [0, 2π), radians.
+    pub position_angle_rad: f64,
+    /// Speed on the sky at mid, rad/s.
+    pub angular_rate_rad_s: f64,
+    /// Exposure mid minus element epoch, days; negative where the elements are newer.
+    pub element_age_days: f64,
+    /// One-sigma error along the track as time, seconds.
+    pub along_track_sigma_s: f64,
+    /// One-sigma error across the track as an angle seen from the observer, radians.
+    pub cross_track_sigma_rad: f64,
+    /// Probability that the satellite crosses the field while the shutter is open, given those errors.
+    pub probability: f64,
+    /// Lit at any time between `enter` and `exit`.
+    pub lit: bool,
+    /// Points along the track; empty without samples in the options.
+    pub samples: Vec<TrackPoint>,
+}
+
+impl Pass {
+    /// True where the nominal track enters the field.
+    pub fn is_crossing(&self) -> bool {
+        !self.chords.is_empty()
+    }
+
+    /// Brightest apparent magnitude between entry and exit; NaN where no light of the satellite is seen.
+    pub fn peak_magnitude(&self) -> f64 {
+        let brightness = self.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
+        brightness.map_or(f64::NAN, |brightness| brightness.magnitude.0)
+    }
+}

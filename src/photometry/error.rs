@@ -1,0 +1,183 @@
+//! Errors of model files, bands and tables of standard magnitudes, and the checks of model files that raise them.
+
+use thiserror::Error;
+
+/// Supported version of the schema.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// Errors of model files, bands and tables of standard magnitudes. `origin` is the name of a model file.
+#[derive(Debug, Error)]
+pub enum PhotometryError {
+    /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains key, line and column.
+    #[error("model file {origin}: {source}")]
+    ModelJson {
+        /// The file.
+        origin: String,
+        /// Cause and position.
+        source: serde_json::Error,
+    },
+    /// Unsupported version of the schema.
+    #[error("model file {origin}: unsupported schema {given}, expected {SCHEMA_VERSION}")]
+    ModelSchema {
+        /// The file.
+        origin: String,
+        /// Value in the file.
+        given: u32,
+    },
+    /// A number out of range, or not finite.
+    #[error("model file {origin}: {key} is {given}, allowed: {least} to {greatest}")]
+    ModelOutOfRange {
+        /// The file.
+        origin: String,
+        /// The key, with its path.
+        key: String,
+        /// Value in the file.
+        given: f64,
+        /// Least allowed value.
+        least: f64,
+        /// Greatest allowed value.
+        greatest: f64,
+    },
+    /// A text outside the allowed ones.
+    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
+    ModelText {
+        /// The file.
+        origin: String,
+        /// The key.
+        key: &'static str,
+        /// Value in the file.
+        given: String,
+        /// Accepted values.
+        allowed: &'static str,
+    },
+    /// A missing key that the kind requires, or a key that the kind does not use.
+    #[error("model file {origin}: kind {kind} {problem} the key {key:?}")]
+    ModelKey {
+        /// The file.
+        origin: String,
+        /// Kind of the model, as in files.
+        kind: &'static str,
+        /// `requires` or `does not use`.
+        problem: &'static str,
+        /// The key.
+        key: &'static str,
+    },
+    /// A reference to a name that is not defined in this file.
+    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
+    ModelReference {
+        /// The file.
+        origin: String,
+        /// The key, with its path.
+        key: String,
+        /// Value in the file.
+        given: String,
+        /// Accepted values.
+        allowed: String,
+    },
+    /// A covariance that is not a symmetric matrix of the parameters with a non-negative diagonal.
+    #[error(
+        "model file {origin}: covariance must be {size} x {size} (the coefficients in their order), finite and \
+         symmetric, with a diagonal of at least 0: {problem}"
+    )]
+    ModelCovariance {
+        /// The file.
+        origin: String,
+        /// Number of parameters.
+        size: usize,
+        /// Description of the defect.
+        problem: String,
+    },
+    /// An unknown band.
+    #[error("unknown band {given:?}: expected B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
+    UnknownBand {
+        /// Given name.
+        given: String,
+    },
+    /// An unknown magnitude system.
+    #[error("unknown magnitude system {given:?}: expected Vega or AB")]
+    UnknownSystem {
+        /// Given name.
+        given: String,
+    },
+    /// No line with an id and a magnitude in their columns.
+    #[error("not a qs.mag table: none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37")]
+    NoStandardMagnitudes {
+        /// Number of lines.
+        lines: usize,
+    },
+}
+
+/// Checks of the values of one file.
+pub(super) struct Check<'a> {
+    /// Name of the file.
+    pub origin: &'a str,
+}
+
+impl Check<'_> {
+    pub fn range(&self, key: &str, given: f64, least: f64, greatest: f64) -> Result<(), PhotometryError> {
+        // NaN is outside every range.
+        if (least..=greatest).contains(&given) {
+            return Ok(());
+        }
+        Err(PhotometryError::ModelOutOfRange {
+            origin: self.origin.to_owned(),
+            key: key.to_owned(),
+            given,
+            least,
+            greatest,
+        })
+    }
+
+    /// Checks the range of a number of items.
+    pub fn count(&self, key: &str, given: usize, least: usize, greatest: usize) -> Result<(), PhotometryError> {
+        self.range(&format!("{key}: number"), given as f64, least as f64, greatest as f64)
+    }
+
+    /// Returns the error for an undefined name.
+    pub fn reference(&self, key: &str, given: &str, allowed: String) -> PhotometryError {
+        PhotometryError::ModelReference {
+            origin: self.origin.to_owned(),
+            key: key.to_owned(),
+            given: given.to_owned(),
+            allowed,
+        }
+    }
+
+    pub fn text(&self, key: &'static str, given: &str, allowed: &'static str) -> PhotometryError {
+        PhotometryError::ModelText { origin: self.origin.to_owned(), key, given: given.to_owned(), allowed }
+    }
+
+    pub fn filled(&self, key: &'static str, given: &str) -> Result<(), PhotometryError> {
+        if given.trim().is_empty() { Err(self.text(key, given, "any text that is not empty")) } else { Ok(()) }
+    }
+
+    pub fn name(&self, key: &'static str, given: &str) -> Result<(), PhotometryError> {
+        let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '.' || c == '-';
+        if (1..=64).contains(&given.len()) && given.chars().all(letter) {
+            return Ok(());
+        }
+        Err(self.text(key, given, "1 to 64 lower-case letters, digits, '.' and '-'"))
+    }
+
+    pub fn covariance(&self, matrix: &[Vec<f64>], size: usize) -> Result<(), PhotometryError> {
+        let error =
+            |problem: String| PhotometryError::ModelCovariance { origin: self.origin.to_owned(), size, problem };
+        if matrix.len() != size {
+            return Err(error(format!("it has {} rows", matrix.len())));
+        }
+        if let Some((i, row)) = matrix.iter().enumerate().find(|(_, row)| row.len() != size) {
+            return Err(error(format!("row {i} has {} columns", row.len())));
+        }
+        for (i, row) in matrix.iter().enumerate() {
+            for (j, (&value, mirrored)) in row.iter().zip(matrix.iter().map(|row| row[i])).enumerate() {
+                if !value.is_finite() || (i == j && value < 0.0) {
+                    return Err(error(format!("element [{i}][{j}] is {value}")));
+                }
+                if (value - mirrored).abs() > 1e-9 * value.abs().max(mirrored.abs()) {
+                    return Err(error(format!("element [{i}][{j}] is {value}, [{j}][{i}] is {mirrored}")));
+                }
+            }
+        }
+        Ok(())
+    }
+}
