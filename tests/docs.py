@@ -42,8 +42,8 @@ LONGEST_COMMAND = 100
 TIMEOUT_S = 600
 #: Longest time until a command in the background prints what is expected.
 START_S = 60
-#: Longest difference that is shown, in lines.
-LONGEST_DIFFERENCE = 40
+#: Longest output and difference that are shown for a failure, in lines.
+LONGEST_REPORT = 40
 WILDCARD = "..."
 FENCE = re.compile(r"^(?P<indent> *)(?P<ticks>`{3,})(?P<language>[^`]*)$")
 MARK = re.compile(r"^\s*<!-- (exit (?P<exit>\d+)|(?P<data>data)|(?P<background>background)|not run: (?P<reason>.+)) -->\s*$")
@@ -281,13 +281,13 @@ class Run:
             expected_status = block.exit if number == len(block.commands) - 1 else 0
             if status != expected_status:
                 how = f"no end after {TIMEOUT_S} s" if status is None else f"exit status {status}, not {expected_status}"
-                self.failures.append(f"{where}\n{how}; it printed:\n" + "\n".join(actual))
+                self.failures.append(f"{where}\n{how}; it printed:\n" + "\n".join(actual[:LONGEST_REPORT]))
             elif command.expected and not matches(command.expected, actual):
                 new = updated(command.expected, actual) if self.update else None
                 if new is None:
                     shortened = updated(command.expected, actual) or actual
                     difference = difflib.unified_diff(command.expected, shortened, "page", "output", lineterm="", n=1)
-                    self.failures.append(f"{where}\n" + "\n".join([*difference][:LONGEST_DIFFERENCE]))
+                    self.failures.append(f"{where}\n" + "\n".join([*difference][:LONGEST_REPORT]))
                 else:
                     replacements.append((command, block.indent, new))
 
