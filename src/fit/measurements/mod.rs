@@ -25,7 +25,7 @@
 //! let dropped = measure_each(&mut reader, &placement, &Selection::default(), |points| reducer.add(points))?;
 //! assert_eq!(reducer.finish().kept().count(), 1);
 //! assert_eq!(dropped.total(), 1);
-//! # Ok::<(), streakcast::fit::measurements::FitError>(())
+//! # Ok::<(), streakcast::fit::FitError>(())
 //! ```
 
 mod blocks;
