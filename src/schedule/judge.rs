@@ -22,7 +22,7 @@ pub(super) trait CameraLimits {
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
     /// Returns the magnitude, in the band of the limit, of a satellite at 550 km with the same signal in each pixel of
     /// its streak as a pass of this magnitude.
-    fn as_at_550_km_mag(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64;
+    fn equivalent_mag_at_550_km(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64;
 }
 
 /// Expectation values for all satellites together, near misses included.
@@ -146,7 +146,7 @@ fn broken_limits(pass: &Pass, magnitude: f64, band: Option<&str>, rules: &Rules<
     let words = |(name, kind, limit): (&str, Option<LimitKind>, Option<&MagnitudeLimit>)| {
         if let (Some(kind), Some(MagnitudeLimit::OfTelescope(_)), Some(camera)) = (kind, limit, rules.camera) {
             let limit = camera.limit_mag(kind, band)?;
-            let seen = camera.as_at_550_km_mag(pass, magnitude, band);
+            let seen = camera.equivalent_mag_at_550_km(pass, magnitude, band);
             let band = band.unwrap_or_default();
             return (seen < limit).then(|| {
                 format!(", equivalent to {band} {seen:.2} at 550 km, brighter than the camera's {name} {limit}")
@@ -403,7 +403,7 @@ mod tests {
             (kind == LimitKind::Saturation && band == Some("g")).then_some(3.2)
         }
 
-        fn as_at_550_km_mag(&self, _: &Pass, magnitude: f64, _: Option<&str>) -> f64 {
+        fn equivalent_mag_at_550_km(&self, _: &Pass, magnitude: f64, _: Option<&str>) -> f64 {
             magnitude - 0.5
         }
     }

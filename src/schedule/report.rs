@@ -239,12 +239,12 @@ impl CameraLimits for Camera<'_> {
         kind.limit_mag(self.telescope, band?)
     }
 
-    fn as_at_550_km_mag(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64 {
+    fn equivalent_mag_at_550_km(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64 {
         // Satellites are grey: the colour is that of the Sun.
         let colour = band.and_then(|band| band.parse::<Band>().ok()).map_or(0.0, |band| {
             band.sun_magnitude(band.usual_system()) - self.photometry.band.sun_magnitude(self.photometry.system)
         });
-        self.telescope.as_at_550_km_mag(
+        self.telescope.equivalent_mag_at_550_km(
             magnitude + colour,
             pass.mid.range_km,
             pass.angular_rate_rad_s * ARCSEC_PER_RAD,
