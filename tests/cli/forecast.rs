@@ -297,7 +297,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let elsewhere = path(&folder, "nowhere/x.csv");
     for (arguments, parts) in [
-        (&["--night", "14.8.2024"][..], &["night '14.8.2024' is not a date", "2024-08-14"][..]),
+        (&["--night", "14.8.2024"][..], &["invalid night '14.8.2024'", "2024-08-14"][..]),
         (&[], &["no time", "--night 2024-08-14"]),
         (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["allowed 0 to 31 days"]),
@@ -327,15 +327,18 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
             &["'parquet' needs a build with the cargo feature parquet"],
         ),
         (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
-        (&["--night", "2024-08-14", "--light-curves", "lc.foo"], &["lc.foo ends in no format", ".ecsv, .json"]),
+        (
+            &["--night", "2024-08-14", "--light-curves", "lc.foo"],
+            &["the extension of lc.foo is not a format", ".ecsv, .json"],
+        ),
         (
             &["--night", "2024-08-14", "-o", "x.png"],
-            &["x.png ends in no format", ".vot", ".ics, .tdm, .score", "--format"],
+            &["the extension of x.png is not a format", ".vot", ".ics, .tdm, .score", "--format"],
         ),
-        (&["--night", "2024-08-14", "--fov", "3deg"], &["--fov changes nothing of what passes over a site"]),
-        (&["--night", "2024-08-14", "--rotation", "3"], &["--rotation changes nothing"]),
-        (&["--night", "2024-08-14", "--telescope", "rubin"], &["--telescope changes nothing"]),
-        (&["--night", "2024-08-14", "--min-probability", "5"], &["--min-probability changes nothing"]),
+        (&["--night", "2024-08-14", "--fov", "3deg"], &["--fov has no effect on passes over a site"]),
+        (&["--night", "2024-08-14", "--rotation", "3"], &["--rotation has no effect"]),
+        (&["--night", "2024-08-14", "--telescope", "rubin"], &["--telescope has no effect"]),
+        (&["--night", "2024-08-14", "--min-probability", "5"], &["--min-probability has no effect"]),
         (
             &["--night", "2024-08-14", "--norad", "1", "99999"],
             &["none of the 4408 satellites has NORAD number 1 or 99999"],

@@ -132,7 +132,7 @@ fn exit_codes_and_counters_are_as_documented() {
 #[test]
 fn usage_errors_have_exit_code_2_always() {
     for (arguments, part) in [
-        (&[GATE][..], "no pointing; say --ra and --dec"),
+        (&[GATE][..], "missing pointing; specify --ra and --dec"),
         (&[GATE, &["--ra", "10"]], "--dec"),
         (&[&GATE[..7], POINTING], "no length of the exposure"),
         (&[GATE, POINTING, &["--max-wait", "90"]], "max-wait 90 has no unit"),

@@ -382,8 +382,8 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
         &[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "--data", &path(&folder, "d.txt")]],
         &["d.txt", "must end in .ecsv"],
     );
-    fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["said twice"]);
-    fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["does not say which exposure"]);
+    fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["given twice"]);
+    fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["has no statement of its exposure"]);
     fails(
         &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],
         &["invalid value '30'", "--utc-offset", "from -14:00 to +14:00"],
@@ -509,7 +509,7 @@ fn metadata_of_a_table_are_drawn_again() {
     )
     .unwrap();
     let (code, _, stderr) = run(&[&["plot", "night", "--from", &without, "-o", &bare]]);
-    assert!(code == 0 && stderr.contains("no site was said, and the table names none"), "{stderr}");
+    assert!(code == 0 && stderr.contains("no site is given, and the table has none"), "{stderr}");
 }
 
 /// Rates over right ascension and declination: all directions reached by the site, means over the dark hours, redrawn

@@ -118,7 +118,7 @@ def test_unknown_arguments():
 
 def test_a_missing_field_is_reported_only_when_needed():
     model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1")
-    with pytest.raises(streakcast.SetupError, match="no field of view; say fov"):
+    with pytest.raises(streakcast.SetupError, match="missing field of view; specify fov"):
         model.assess(TARGET, START, 30.0)
     assert model.field_radius_deg is None
     assert len(model.visible_passes(START, "2026-08-14T23:30:05Z")) > 0

@@ -111,7 +111,7 @@ def test_verif_a_frame_provides_position_and_time(data, command_line):
     assert_same(found, answer)
     with pytest.raises(streakcast.StreakcastError, match="pixel 5000,1 is outside of the frame; allowed: X from 0.5 to"):
         model.identify(frame=frame, hdu=hdu, pixels=((1, 1), (5000, 1)))
-    with pytest.raises(streakcast.StreakcastError, match="images; say which: hdu"):
+    with pytest.raises(streakcast.StreakcastError, match="images; specify one with hdu"):
         model.identify(frame=frame, pixels=pixels)
 
 
@@ -124,7 +124,7 @@ def test_invalid_streaks_are_reported(sky, tmp_path):
         (dict(), "missing streak; allowed, one of: ends"),
         (dict(ends=ends, region=region), "ends and region; allowed, one of"),
         (dict(ends=ends), "no start of the exposure"),
-        (dict(ends=ends, start=START), "no length of the exposure; say exposure"),
+        (dict(ends=ends, start=START), "missing exposure time; specify exposure"),
         (dict(ends=ends, times=[START]), "times: 1; allowed: two"),
         (dict(ends=ends, times=[START, START]), "the second is 0 s after the first"),
         (dict(ends=ends, times=[START, START], **shutter), "times exclude start, exposure and whole_streak"),

@@ -1,4 +1,4 @@
-//! Faults that do not end the night, and the status file: results of this run, and counters over all runs.
+//! Status file: results of this run, and counters over all runs. Kinds of faults.
 
 use std::fmt;
 use std::path::Path;
@@ -16,12 +16,12 @@ pub struct Counters {
     pub waited: u64,
     pub not_clear: u64,
     pub skipped: u64,
-    /// By kind.
+    /// Number of faults by kind.
     pub faults: std::collections::BTreeMap<String, u64>,
     pub waited_s: f64,
 }
 
-/// What the last run left.
+/// Status of the last run.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(default)]
 pub struct Before {
@@ -29,41 +29,41 @@ pub struct Before {
     pub satellites: Option<usize>,
 }
 
-/// Reads what the last run left; nothing where there is no file, or none that is understood.
+/// Reads the status of the last run; the default without a valid file.
 pub fn read(path: Option<&Path>) -> Before {
     let text = path.and_then(|path| std::fs::read_to_string(path).ok());
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 
-/// Writes it, whole or not at all.
+/// Writes the status file atomically.
 pub fn write(path: &Path, statements: &Map<String, Value>) -> std::io::Result<()> {
     let text = serde_json::to_string_pretty(statements)? + "\n";
     write_atomically(path, |out| out.write_all(text.as_bytes()))
 }
 
-/// Which counter a fault is counted in.
+/// Kind of a fault: its counter in the status file.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum FaultKind {
-    /// Elements are missing, broken, half-written or give no positions.
+    /// Elements are missing, invalid, incomplete or cannot be propagated.
     Elements,
-    /// Elements are too old to say anything.
+    /// Elements are too old.
     StaleElements,
-    /// The host said nothing, or nothing that is understood.
+    /// The job of the host is missing or invalid.
     Host,
-    /// Nobody knows where the target is, or it is below the horizon.
+    /// The target has no coordinates, or is below the horizon.
     Target,
-    /// The INDI server is down, silent, or talks nonsense.
+    /// The INDI server does not respond, or its response is invalid.
     Indi,
-    /// The mount's site is not the one given.
+    /// The site of the mount differs from the given one.
     Site,
-    /// Two clocks disagree.
+    /// Two clocks differ.
     Clock,
-    /// Any other file or number.
+    /// Any other input is invalid.
     Setup,
 }
 
 impl FaultKind {
-    /// Its name in the status file.
+    /// Returns the name in the status file.
     pub fn name(self) -> &'static str {
         match self {
             FaultKind::Elements => "elements",
@@ -78,7 +78,7 @@ impl FaultKind {
     }
 }
 
-/// A fault with its words.
+/// Fault with its message.
 #[derive(Debug)]
 pub struct Fault {
     pub kind: FaultKind,
@@ -87,7 +87,7 @@ pub struct Fault {
 
 impl Fault {
     pub fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
-        // One line of log, whatever was wrong.
+        // One line of log.
         Self { kind, message: message.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
     }
 }
