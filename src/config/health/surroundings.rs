@@ -89,7 +89,9 @@ pub(super) fn policy(config: &Config) -> Finding {
     const SUBJECT: &str = "policy";
     let policy = match config.policy() {
         Ok(policy) => policy,
-        Err(error) => return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/reference/configuration.md"),
+        Err(error) => {
+            return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/reference/configuration.md");
+        }
     };
     // In one line, as in its file.
     let keys: Vec<String> = match serde_json::to_value(&policy) {
