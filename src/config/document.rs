@@ -15,10 +15,10 @@ use crate::schedule::MagnitudeLimit;
 #[cfg(feature = "cli")]
 const MOST_NORAD: u32 = 999_999_999;
 
-/// Satellites, site, camera, rules and run of a question. `None`, `false` and an empty list mean that the key is omitted.
+/// Satellites, site, camera, rules and run options of a request. `None`, `false` and an empty list mean an omitted key.
 ///
 /// The command line fills it from flags, [`Config::read`] from TOML, plugins from JSON; [`Config::over`] lays one over
-/// another. In TOML, hyphens in keys are as good as underscores, and `site`, `telescope`, `field` and `policy` are either
+/// another. In TOML, keys may have hyphens or underscores, and `site`, `telescope`, `field` and `policy` are either
 /// the value of the flag or a table.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -28,7 +28,7 @@ pub struct Config {
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub elements: Vec<PathBuf>,
-    /// Synthetic constellations (streakcast shells lists them), or a TOML file of your own
+    /// Simulated constellations by name (listed by streakcast shells), or a TOML file
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(
         feature = "cli",
@@ -38,10 +38,14 @@ pub struct Config {
     /// Accept element sets with a wrong checksum
     #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Satellites"))]
     pub accept_bad_checksums: Option<bool>,
-    /// Standard magnitudes in the form of McCants' qs.mag
+    /// Table of standard magnitudes in the format of McCants' qs.mag
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub qs_mag: Option<PathBuf>,
-    /// The Earth's shadow: geometric (the solid Earth), or atmosphere (with refracted and reddened light)
+    /// Drag of satellites that hold their orbits by thrust: station-keeping (no drag; default) or published (as in the
+    /// element set)
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
+    pub drag: Option<String>,
+    /// Model of the Earth's shadow: geometric (solid Earth; default) or atmosphere (with refracted and reddened light)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
     pub shadow: Option<String>,
     /// Brightness models.
@@ -51,22 +55,22 @@ pub struct Config {
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten))]
     pub site: SiteConfig,
-    /// A telescope in orbit instead of a site: a file with its element set
+    /// Telescope in orbit instead of a site: file with its element set
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Site"))]
     pub observer_elements: Option<PathBuf>,
-    /// NORAD number of the telescope in orbit, in that file or, without one, among --elements
+    /// NORAD catalogue number of the telescope in orbit, in --observer-elements or else in --elements
     #[cfg_attr(feature = "cli", arg(long, value_name = "ID", value_parser = norad_id, help_heading = "Site"))]
     pub observer_norad: Option<u32>,
-    /// Height above the ground, km, below which the air hides what a telescope in orbit looks at; 0 if omitted
+    /// Height of the Earth's limb for a telescope in orbit, km: lower lines of sight are rejected; 0 if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "KM", allow_hyphen_values = true, help_heading = "Site"))]
     pub limb_height_km: Option<f64>,
-    /// Full diameter of a circular field with its unit, as 3.5deg or 40arcmin
+    /// Diameter of a circular field of view with its unit, for example 3.5deg or 40arcmin
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Camera"))]
     pub fov: Option<Quantity>,
-    /// Field of any shape: a JSON file of circles, rectangles and polygons
+    /// Field of view of any shape: JSON file of circles, rectangles and polygons
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Camera"))]
     pub field: Option<FieldChoice>,
-    /// Position angle of the field's y axis, degrees from north through east
+    /// Position angle of the field's y axis, degrees from north through east; 0 if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Camera"))]
     pub rotation: Option<f64>,
     /// Telescope: atlas, decam, pan-starrs, rubin, small, vst, ztf, or a TOML file
@@ -76,23 +80,23 @@ pub struct Config {
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten, next_help_heading = "Camera"))]
     pub light: LightConfig,
-    /// Extinction of the site in the band, mag per airmass: magnitudes below the atmosphere; above it if omitted
+    /// Atmospheric extinction in the band, mag per airmass; magnitudes outside the atmosphere if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Camera"))]
     pub extinction: Option<f64>,
-    /// Magnitudes with the Sun's distance of the day (up to 0.04 mag), not at 1 au
+    /// Correct magnitudes for the Sun's distance of the day (up to 0.04 mag) instead of 1 au
     #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Camera"))]
     pub sun_distance: Option<bool>,
-    /// Near misses count too if they are at least this probable
+    /// Include near misses of at least this probability, above 0, at most 1
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", help_heading = "Camera"))]
     pub min_probability: Option<f64>,
-    /// Scale of times that name none: utc, tai or tt
+    /// Time scale of times without one: utc, tai or tt
     #[cfg_attr(feature = "cli", arg(long, value_name = "SCALE", help_heading = "Time"))]
     pub time_scale: Option<String>,
-    /// Time scale of a configuration file: for times that nothing else gives a scale, never against a column's name.
+    /// Time scale of a configuration file: the default for times without a scale. The name of a column overrides it.
     #[serde(skip)]
     #[cfg_attr(feature = "cli", arg(skip))]
     pub default_time_scale: Option<String>,
-    /// UT1 and polar motion: an IERS finals2000A file
+    /// Earth orientation (UT1 and polar motion): IERS finals2000A file; bundled UT1 table if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Time"))]
     pub eop: Option<PathBuf>,
     /// Files and threads of the run.
@@ -123,11 +127,11 @@ pub struct Config {
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct SiteConfig {
-    /// Observatory by name (streakcast sites lists them)
+    /// Observatory by name (listed by streakcast sites)
     #[serde(rename = "site")]
     #[cfg_attr(feature = "cli", arg(id = "site", long, value_name = "NAME", help_heading = "Site"))]
     pub named: Option<SiteChoice>,
-    /// Observatory by MPC code
+    /// Observatory by code of the Minor Planet Center
     #[cfg_attr(feature = "cli", arg(long, value_name = "CODE", help_heading = "Site"))]
     pub mpc: Option<String>,
     /// Latitude, degrees north (WGS84)
@@ -148,18 +152,18 @@ impl SiteConfig {
     }
 }
 
-/// Band of the magnitudes, and of what light.
+/// Band, zero point and light sources of the magnitudes.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct LightConfig {
-    /// Passband of the magnitudes: B V R I u g r i z y G
+    /// Passband of the magnitudes: B V R I u g r i z y G; V if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "BAND"))]
     pub band: Option<String>,
-    /// Zero point of the magnitudes: Vega or AB; each band has its usual one
+    /// Zero point of the magnitudes: Vega or AB; the usual one of the band if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "SYSTEM"))]
     pub mag_system: Option<String>,
-    /// Only sunlight on models made of panels, without light reflected by the Earth
+    /// Ignore earthshine in models made of panels
     #[cfg_attr(feature = "cli", arg(long = "no-earthshine", num_args = 0, default_missing_value = "false"))]
     pub earthshine: Option<bool>,
 }
@@ -169,16 +173,22 @@ pub struct LightConfig {
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct RunConfig {
-    /// Configuration file: these flags by name; flags on the command line override it
+    /// Configuration file (TOML) with the names of flags as keys; flags on the command line override it
     #[serde(skip)]
     #[cfg_attr(feature = "cli", arg(long = "config", value_name = "FILE", help_heading = "Run"))]
     pub file: Option<PathBuf>,
-    /// Threads, 1 to 1024; all cores if omitted
+    /// Number of threads, 1 to 1024; all cores if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Run"))]
     pub threads: Option<usize>,
-    /// No warnings, no progress
+    /// Suppress warnings, summaries and progress
     #[cfg_attr(feature = "cli", arg(long, short, num_args = 0, default_missing_value = "true", help_heading = "Run"))]
     pub quiet: Option<bool>,
+    /// List all element sets that cannot be propagated, with reasons
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, num_args = 0, default_missing_value = "true", conflicts_with = "quiet", help_heading = "Run")
+    )]
+    pub verbose: Option<bool>,
 }
 
 /// One exposure.
@@ -186,10 +196,10 @@ pub struct RunConfig {
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ExposureConfig {
-    /// Shutter opening, as 2024-08-14T00:30:00.000Z
+    /// Shutter opening, for example 2024-08-14T00:30:00.000Z
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub start: Option<Quantity>,
-    /// Length of the exposure with its unit, as 30s or 2min
+    /// Exposure time with its unit, for example 30s or 2min
     #[serde(rename = "exposure")]
     #[cfg_attr(feature = "cli", arg(id = "exposure", long, value_name = "TIME", allow_hyphen_values = true))]
     pub duration: Option<Quantity>,
@@ -209,21 +219,21 @@ pub struct RulesConfig {
     /// Policy file (TOML)
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub policy: Option<PolicyChoice>,
-    /// Crossings brighter than this, in the band asked for, make an exposure one to avoid: 7, or by the exposure's band g=7,y=5,default=6
+    /// Limiting magnitude: brighter crossings give the verdict avoid; 7, or by band g=7,y=5,default=6
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
     pub limit_mag: Option<MagnitudeLimit>,
-    /// The longest wait for a clear field with its unit, as 10min
+    /// Longest delay in the search for the next clear start, with its unit, for example 10min
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
     pub max_delay: Option<Quantity>,
 }
 
 /// Keys of a configuration file.
 #[rustfmt::skip]
-const KEYS: [&str; 38] = [
-    "elements", "shells", "accept_bad_checksums", "qs_mag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
+const KEYS: [&str; 40] = [
+    "elements", "shells", "accept_bad_checksums", "qs_mag", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
     "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
     "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
-    "start", "exposure", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
+    "verbose", "start", "exposure", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
 ];
 
 impl Config {
@@ -258,7 +268,7 @@ impl Config {
             return Err(error(format!("unknown field `{unknown}`, expected one of `{}`", KEYS.join("`, `"))));
         }
         Config::deserialize(keys.clone()).map_err(|value| {
-            // The parser's message on a value does not name the key.
+            // The parser's message on a value lacks the key.
             let is_invalid = |(key, value): &(String, toml::Value)| {
                 Config::deserialize(toml::Table::from_iter([(key.clone(), value.clone())])).is_err()
             };
@@ -267,7 +277,7 @@ impl Config {
         })
     }
 
-    /// Lays this configuration over the file that it names, if it names one.
+    /// Lays this configuration over its configuration file, if one is given.
     ///
     /// # Errors
     /// As [`Config::read`].
@@ -302,9 +312,9 @@ impl Config {
             (self.fov, self.field) = (base.fov, base.field);
         }
         complete!(self, base:
-            accept_bad_checksums, qs_mag, shadow, models, limb_height_km, rotation, telescope, light.band,
+            accept_bad_checksums, qs_mag, drag, shadow, models, limb_height_km, rotation, telescope, light.band,
             light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
-            default_time_scale, eop, run.file, run.threads, run.quiet, exposure.start, exposure.duration, exposure.ra,
+            default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, exposure.ra,
             exposure.dec, rules.policy, rules.limit_mag, rules.max_delay, include_dark, samples, format,
         );
         self
@@ -325,9 +335,9 @@ impl Config {
         !self.elements.is_empty() || !self.shells.is_empty()
     }
 
-    /// Returns all files that the configuration names, except the configuration file itself.
+    /// Returns the paths of all files in the configuration, except the configuration file itself.
     pub fn files(&self) -> Vec<PathBuf> {
-        // Paths are visited for change in one place; a copy is cheap.
+        // `visit_paths` needs a mutable reference; a copy is cheap.
         let (mut copy, mut files) = (self.clone(), Vec::new());
         copy.visit_paths(|path| files.push(path.clone()));
         files
@@ -368,7 +378,7 @@ impl Config {
 #[cfg(feature = "cli")]
 pub fn norad_id(text: &str) -> Result<u32, String> {
     let number = text.parse().ok().filter(|number| (1..=MOST_NORAD).contains(number));
-    number.ok_or_else(|| format!("allowed: NORAD catalogue numbers, 1 to {MOST_NORAD}, as 25544"))
+    number.ok_or_else(|| format!("allowed: NORAD catalogue numbers, 1 to {MOST_NORAD}, for example 25544"))
 }
 
 #[cfg(test)]

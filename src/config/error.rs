@@ -19,11 +19,13 @@ use crate::schedule::ScheduleError;
 #[cfg(feature = "fits")]
 use crate::streaks::InjectionError;
 
-/// Errors of a configuration, or of a forecast, an identification or an injection that it requests: what was given, and what is accepted.
+/// Errors of a configuration, or of a request for a forecast, an identification or an injection.
+///
+/// Each has the invalid value and the accepted ones.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// A request is incomplete, contradicts itself, or is out of range: what, and what is accepted.
+    /// A request that is incomplete, contradictory or out of range.
     #[error("{0}")]
     Invalid(String),
     /// A file of the configuration cannot be read.
@@ -41,7 +43,7 @@ pub enum ConfigError {
     Toml {
         /// The file.
         path: String,
-        /// What and where.
+        /// Error and its position.
         message: String,
     },
     /// The policy file is invalid.
@@ -49,11 +51,11 @@ pub enum ConfigError {
     PolicyFile {
         /// The file.
         path: String,
-        /// What and where.
+        /// Error and its position.
         message: String,
     },
     /// A required value is missing.
-    #[error("no {what}; say {allowed}")]
+    #[error("missing {what}; specify {allowed}")]
     Missing {
         /// What is missing.
         what: &'static str,
@@ -61,40 +63,42 @@ pub enum ConfigError {
         allowed: &'static str,
     },
     /// Two values exclude each other.
-    #[error("{first} and {second} exclude each other; say one of them")]
+    #[error("{first} and {second} exclude each other; specify one of them")]
     Both {
-        /// The one.
+        /// First option.
         first: &'static str,
-        /// The other.
+        /// Second option.
         second: &'static str,
     },
     /// A value of unknown form.
-    #[error("{what} '{given}' is not known; allowed: {allowed}")]
+    #[error("invalid {what} '{given}'; allowed: {allowed}")]
     Value {
-        /// What it is for.
+        /// Name of the value.
         what: &'static str,
-        /// As given.
+        /// Given value.
         given: String,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// An unknown site, with no similar name known.
+    /// An unknown site without a similar known name.
     #[error(
-        "unknown site {0:?}; no known name is near it: streakcast sites lists them, --lat, --lon and --height say any other place"
+        "unknown site {0:?}, and no similar name; known names: streakcast sites; or specify --lat, --lon and --height"
     )]
     UnknownSite(String),
     /// The telescope in orbit is not in the file.
     #[error(
-        "no element set of the observer {id} among {count}; allowed: --observer-norad with the number of one of them"
+        "no element set of the observer {id} among {count} objects; specify the number of one of them with --observer-norad"
     )]
     NoObserver {
-        /// As given.
+        /// Given value.
         id: u32,
         /// Number of objects.
         count: usize,
     },
     /// The file of the telescope in orbit holds several objects.
-    #[error("the observer's elements hold {count} objects; say which with --observer-norad (the first is {first})")]
+    #[error(
+        "the elements of the observer contain {count} objects; specify one with --observer-norad (the first is {first})"
+    )]
     SeveralObservers {
         /// How many.
         count: usize,
@@ -115,8 +119,8 @@ pub enum ConfigError {
     },
     /// The policy refers to limits that the file of the telescope lacks.
     #[error(
-        "the policy says {key} = \"telescope\", but the file of {telescope} has no such limit in any band; \
-         allowed: numbers in the policy, or a telescope whose file has them ([limits.g] and so on)"
+        "the policy has {key} = \"telescope\", but the file of {telescope} has no such limit in any band; \
+         allowed: numbers in the policy, or a telescope with [limits.g] and so on in its file"
     )]
     NoCameraLimit {
         /// The key of the policy.
@@ -124,45 +128,45 @@ pub enum ConfigError {
         /// Name of the telescope.
         telescope: String,
     },
-    /// The telescope in orbit has no orbit.
+    /// Invalid orbit of the telescope in orbit.
     #[error("observer: {0}")]
     Observer(OrbitError),
     /// A number out of its range.
     #[error("{what} {given}: allowed {allowed}")]
     OutOfRange {
-        /// What it is for, spelled as the flag.
+        /// Name of the value, spelled as the flag.
         what: &'static str,
-        /// As given, with its unit.
+        /// Given value, with its unit.
         given: String,
-        /// What is allowed, with its unit.
+        /// Allowed values, with their unit.
         allowed: &'static str,
     },
     /// A number without its unit.
     #[error("{what} {given} has no unit; allowed: {allowed}")]
     NoUnit {
-        /// What it is for.
+        /// Name of the value.
         what: &'static str,
-        /// As given.
+        /// Given value.
         given: String,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// No element set gives a position at the time of the question.
+    /// No element set can be propagated to the time of the request.
     #[error(
-        "none of the {satellites} element sets gives a position at {moment}: {first}; allowed: elements of about that time"
+        "none of the {satellites} element sets can be propagated to {moment}; specify elements of about that date (first error: {first})"
     )]
     NothingPropagates {
         /// Number of element sets.
         satellites: usize,
-        /// When.
+        /// Time.
         moment: String,
-        /// Why the first of them does not.
+        /// Error of the first one.
         first: String,
     },
     /// An unknown generation of satellites.
-    #[error("unknown generation {given:?}; known are {known}")]
+    #[error("unknown generation {given:?}; allowed: {known}")]
     UnknownGeneration {
-        /// As given.
+        /// Given value.
         given: String,
         /// All names.
         known: String,
@@ -218,7 +222,7 @@ impl ConfigError {
         Self::Invalid(message.into())
     }
 
-    /// True for errors of a forecast, an identification or an injection, false for those of the configuration that they use.
+    /// Returns true for errors of a forecast, an identification or an injection, false for those of their configuration.
     pub fn is_of_request(&self) -> bool {
         let is_general = matches!(
             self,

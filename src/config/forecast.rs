@@ -17,10 +17,11 @@ use crate::schedule::night_of;
 /// Longest range of one request, days: a month.
 const LONGEST_DAYS: f64 = 31.0;
 
-/// Time range and filters of a forecast, beside a [`Config`]. Omitted keys have the defaults of the command line.
+/// Time range and filters of a forecast, in addition to [`Config`]. Omitted keys have the defaults of the command line.
 ///
 /// ```
-/// let forecast: streakcast::config::ForecastConfig = serde_json::from_str(r#"{"night": "2024-08-14", "max_mag": 5}"#)?;
+/// let forecast: streakcast::config::ForecastConfig =
+///     serde_json::from_str(r#"{"night": "2024-08-14", "max_mag": 5}"#)?;
 /// assert_eq!((forecast.min_altitude, forecast.sun_altitude_deg), (10.0, Some(-6.0)));
 /// # Ok::<(), serde_json::Error>(())
 /// ```
@@ -28,19 +29,19 @@ const LONGEST_DAYS: f64 = 31.0;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ForecastConfig {
-    /// The night that begins on this evening, local date of the site, as 2024-08-14
+    /// Night that begins on this evening, local date of the site, for example 2024-08-14
     #[cfg_attr(feature = "cli", arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"]))]
     pub night: Option<String>,
-    /// First moment, as 2024-08-14T23:30:00Z
+    /// Start of the time range, for example 2024-08-14T23:30:00Z
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end"))]
     pub start: Option<String>,
-    /// Last moment, at most 31 days later
+    /// End of the time range, at most 31 days later
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start"))]
     pub end: Option<String>,
-    /// Only passes whose peak is brighter than this, in the band asked for
+    /// Only passes with a peak brighter than this, in the band of --band
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Filters"))]
     pub max_mag: Option<f64>,
-    /// Altitude that counts as rise and set, degrees
+    /// Altitude of rise and set, degrees
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "DEG", default_value_t = 10.0, allow_hyphen_values = true, help_heading = "Filters")
@@ -52,22 +53,22 @@ pub struct ForecastConfig {
         arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true, help_heading = "Filters")
     )]
     pub min_culmination: f64,
-    /// Highest altitude of the Sun at the site, degrees: dark enough to see satellites
+    /// Highest altitude of the Sun at the site for a visible pass, degrees
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "DEG", default_value = "-6", allow_hyphen_values = true, help_heading = "Filters")
     )]
     pub sun_altitude_deg: Option<f64>,
-    /// Only satellites of these kinds, as starlink-v2mini, oneweb
+    /// Only satellites of these generations, for example starlink-v2mini,oneweb
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ',', help_heading = "Filters")
     )]
     pub generation: Vec<String>,
-    /// Only satellites whose names contain one of these, in any case
+    /// Only satellites with one of these texts in their names, in upper or lower case
     #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1.., help_heading = "Filters"))]
     pub name: Vec<String>,
-    /// Only satellites of these NORAD catalogue numbers
+    /// Only satellites with these NORAD catalogue numbers
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -108,8 +109,8 @@ impl Default for ForecastConfig {
 }
 
 impl ForecastConfig {
-    /// Resolves the request and the satellites of it, with `default_samples` points along each pass if neither this nor
-    /// `config` gives their number.
+    /// Resolves the request and its selection of satellites, with `default_samples` points along each pass unless this or
+    /// `config` has their number.
     ///
     /// # Errors
     /// An unknown kind of satellite; a number out of range; as [`time_range`].
@@ -121,7 +122,7 @@ impl ForecastConfig {
         let kind = |name: &String| {
             Generation::by_name(name).ok_or_else(|| {
                 let known = Generation::ALL.map(Generation::name).join(", ");
-                ConfigError::invalid(format!("generation '{name}' is not known; allowed: {known}"))
+                ConfigError::invalid(format!("unknown generation '{name}'; allowed: {known}"))
             })
         };
         let selection = Selection {
@@ -146,11 +147,11 @@ impl ForecastConfig {
     }
 }
 
-/// Returns the first and the last moment of a night (local mean noon to noon at the site, by the evening's local date), or
-/// of the range between two moments.
+/// Returns the first and the last moment of a time range, or of a night: local mean noon to noon at the site, by the
+/// evening's local date.
 ///
 /// # Errors
-/// A night that is no date; no time; more than 31 days, or an end before the start.
+/// An invalid date; a missing time; more than 31 days, or an end before the start.
 pub fn time_range(
     night: Option<&str>,
     start: Option<&str>,
@@ -161,17 +162,19 @@ pub fn time_range(
         (Some(night), None, None) => {
             let evening = parse_instant(&format!("{night}T12:00:00Z"), None).map_err(|_| {
                 ConfigError::invalid(format!(
-                    "night '{night}' is not a date; allowed: the evening's local date, as 2024-08-14"
+                    "invalid night '{night}'; allowed: the local date of the evening, for example 2024-08-14"
                 ))
             })?;
             night_of(evening, config.site()?.longitude_rad)
         }
-        (Some(_), ..) => return Err(ConfigError::invalid("a night and two moments; allowed: one of them")),
+        (Some(_), ..) => {
+            return Err(ConfigError::invalid("--night and --start or --end exclude each other; specify one of them"));
+        }
         (None, Some(start), Some(end)) => {
             let scale = config.time_scale()?;
             (parse_moment(start, scale)?, parse_moment(end, scale)?)
         }
-        _ => return Err(ConfigError::invalid("no time; say --night 2024-08-14, or --start and --end")),
+        _ => return Err(ConfigError::invalid("missing time range; specify --night 2024-08-14, or --start and --end")),
     };
     let days = seconds_between(from, to) / DAY_S;
     if !(0.0..=LONGEST_DAYS).contains(&days) {

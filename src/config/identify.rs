@@ -1,4 +1,4 @@
-//! Configuration of an identification: where a measured streak lies, and when it was made.
+//! Configuration of an identification: position and time of a measured streak.
 
 use std::path::{Path, PathBuf};
 
@@ -17,15 +17,15 @@ const TIME_SIGMA_S: f64 = 0.5;
 /// Default sigma of a position angle, degrees.
 const ANGLE_SIGMA_DEG: f64 = 1.0;
 /// Default sigma of an end, arcsec.
-const PLACE_SIGMA_ARCSEC: f64 = 5.0;
-/// Default sigma of an end in a frame, found by eye, pixels.
+const POSITION_SIGMA_ARCSEC: f64 = 5.0;
+/// Default sigma of an end in a frame, measured by eye, pixels.
 #[cfg(feature = "fits")]
-const PLACE_SIGMA_PIX: f64 = 3.0;
+const POSITION_SIGMA_PIX: f64 = 3.0;
 
 const WAYS: &str =
     "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
 
-/// A measured streak, beside a [`Config`]: by two ends, by a position and an angle, in a frame, or by regions.
+/// A measured streak, in addition to [`Config`]: by two ends, by a position and an angle, in a frame, or by regions.
 ///
 /// ```
 /// let streak: streakcast::config::IdentifyConfig =
@@ -37,7 +37,7 @@ const WAYS: &str =
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args), command(next_help_heading = "Streak"))]
 pub struct IdentifyConfig {
-    /// One end of the streak (ICRS), given twice: 232.01,8.93 or 15h28m04s,8d55m42s
+    /// End of the streak (ICRS), to be given twice: 232.01,8.93 or 15h28m04s,8d55m42s
     #[cfg_attr(feature = "cli", arg(long, value_name = "RA,DEC", allow_hyphen_values = true))]
     pub end: Vec<String>,
     /// Right ascension of the middle of the streak (ICRS): 188.5 (degrees) or 12h34m
@@ -52,24 +52,24 @@ pub struct IdentifyConfig {
         arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "position_angle")
     )]
     pub dec: Option<String>,
-    /// Position angle of the streak there, either direction, degrees from north through east
+    /// Position angle of the streak at --ra, --dec, in either direction, degrees from north through east
     #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, requires = "ra"))]
     pub position_angle: Option<f64>,
-    /// Length of the streak with its unit, as 8arcmin
+    /// Length of the streak with its unit, for example 8arcmin
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
     pub length: Option<String>,
-    /// A frame (FITS) with the streak: its coordinates and times
+    /// Frame (FITS) of the streak: source of world coordinates and times
     #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "FILE"))]
     #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
     pub image: Option<PathBuf>,
-    /// One end in the frame, pixels counted from 1 as FITS and DS9 count
+    /// First end in the frame, pixels counted from 1 as in FITS and DS9
     #[cfg_attr(
         all(feature = "cli", feature = "fits"),
         arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "to_pix"])
     )]
     #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
     pub from_pix: Option<String>,
-    /// The other end
+    /// Second end in the frame
     #[cfg_attr(
         all(feature = "cli", feature = "fits"),
         arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "from_pix"])
@@ -80,13 +80,13 @@ pub struct IdentifyConfig {
     #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "N", requires = "image"))]
     #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
     pub hdu: Option<usize>,
-    /// Regions of DS9 drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs
+    /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub region: Option<PathBuf>,
-    /// One sigma of an end with its unit; if omitted 5arcsec, 3 pixels in a frame, half the half width of regions
+    /// Sigma of an end with its unit; if omitted 5arcsec, 3 pixels in a frame, half the half width of regions
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE"))]
     pub place_sigma: Option<String>,
-    /// One sigma of --position-angle with its unit; 1deg if omitted
+    /// Sigma of --position-angle with its unit; 1deg if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
     pub angle_sigma: Option<String>,
     /// Times of the satellite at the first and at the second --end
@@ -102,16 +102,16 @@ pub struct IdentifyConfig {
         )
     )]
     pub times: Vec<String>,
-    /// Shutter opening, as 2024-08-14T00:30:00.000Z; the frame's if omitted
+    /// Shutter opening, for example 2024-08-14T00:30:00.000Z; from the frame if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub start: Option<String>,
-    /// Length of the exposure with its unit, as 30s or 2min; the frame's if omitted
+    /// Exposure time with its unit, for example 30s or 2min; from the frame if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub exposure: Option<String>,
-    /// Both ends are those of the streak, not of the frame: positions of the satellite at shutter opening and closing
+    /// Both ends are positions of the satellite at shutter opening and closing, not at the edges of the frame
     #[cfg_attr(feature = "cli", arg(long))]
     pub whole_streak: bool,
-    /// One sigma of the clock with its unit; 0.5s if omitted
+    /// Sigma of the clock with its unit; 0.5s if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
     pub time_sigma: Option<String>,
 }
@@ -132,7 +132,7 @@ impl IdentifyPlan {
             id: String::new(),
             start: self.streak.start(),
             duration_s: self.streak.duration_s(),
-            pointing: self.streak.place(),
+            pointing: self.streak.middle(),
             rotation_rad: 0.0,
         }
     }
@@ -141,14 +141,15 @@ impl IdentifyPlan {
 /// Position of a streak on the sky: two ends, or a middle with an angle.
 enum Line {
     Ends([Direction<Gcrs>; 2]),
-    Middle { place: Direction<Gcrs>, angle_deg: f64, length_deg: Option<f64> },
+    Middle { position: Direction<Gcrs>, angle_deg: f64, length_deg: Option<f64> },
 }
 
 impl IdentifyConfig {
-    /// Resolves the streak; the files that it names are read.
+    /// Resolves the streak and reads its files.
     ///
     /// # Errors
-    /// No streak or several, no time, a file that cannot be read, a position outside of the frame, numbers out of range.
+    /// No streak or several, a missing time, a file that cannot be read, a position outside of the frame, numbers out of
+    /// range.
     pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, ConfigError> {
         let has_middle = self.position_angle.is_some() || self.ra.is_some() || self.dec.is_some();
         let mut ways = vec![
@@ -160,14 +161,14 @@ impl IdentifyConfig {
         ways.retain(|(_, is_given)| *is_given);
         let ways: Vec<&'static str> = ways.into_iter().map(|(way, _)| way).collect();
         let (source, (line, sigma_arcsec)) = match (ways.as_slice(), &self.region) {
-            ([], _) => return Err(ConfigError::invalid(format!("no streak; say {WAYS}"))),
-            (["--end"], _) => ("--end", (self.ends()?, PLACE_SIGMA_ARCSEC)),
-            (["--position-angle"], _) => ("--position-angle", (self.middle()?, PLACE_SIGMA_ARCSEC)),
+            ([], _) => return Err(ConfigError::invalid(format!("missing streak; specify {WAYS}"))),
+            (["--end"], _) => ("--end", (self.ends()?, POSITION_SIGMA_ARCSEC)),
+            (["--position-angle"], _) => ("--position-angle", (self.middle()?, POSITION_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
             (["--region"], Some(path)) => ("--region", in_regions(path)?),
             (several, _) => {
                 let several = several.join(" and ");
-                return Err(ConfigError::invalid(format!("{several} exclude each other; say {WAYS}")));
+                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {WAYS}")));
             }
         };
         let (start, duration_s, timing) = self.timing(config)?;
@@ -181,8 +182,8 @@ impl IdentifyConfig {
         let time = (start, duration_s);
         let streak = match line {
             Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
-            Line::Middle { place, angle_deg, length_deg } => MeasuredStreak::from_place(
-                place,
+            Line::Middle { position, angle_deg, length_deg } => MeasuredStreak::from_middle(
+                position,
                 (angle_deg.to_radians(), angle_sigma_rad),
                 length_deg.map(f64::to_radians),
                 time,
@@ -200,12 +201,12 @@ impl IdentifyConfig {
                 1 => "once".to_owned(),
                 count => format!("{count} times"),
             };
-            return Err(ConfigError::invalid(format!("--end was said {times}; allowed: twice, both ends")));
+            return Err(ConfigError::invalid(format!("--end is given {times}; allowed: twice, once for each end")));
         };
         let end = |text: &str| {
             let (ra, dec) = text.split_once(',').ok_or_else(|| {
                 ConfigError::invalid(format!(
-                    "end '{text}' is no place; allowed: RA,DEC as 188.5,-30.5 or 12h34m,-30d30m"
+                    "invalid end '{text}'; allowed: RA,DEC, for example 188.5,-30.5 or 12h34m,-30d30m"
                 ))
             })?;
             direction(ra.trim(), dec.trim())
@@ -215,28 +216,30 @@ impl IdentifyConfig {
 
     fn middle(&self) -> Result<Line, ConfigError> {
         let (Some(ra), Some(dec), Some(angle_deg)) = (&self.ra, &self.dec, self.position_angle) else {
-            return Err(ConfigError::invalid("no middle of the streak; say --ra, --dec and --position-angle"));
+            return Err(ConfigError::invalid(
+                "incomplete middle of the streak; specify --ra, --dec and --position-angle",
+            ));
         };
         let length_deg = self.length.as_deref().map(|length| parse_angle_deg("length", length)).transpose()?;
-        Ok(Line::Middle { place: direction(ra, dec)?, angle_deg, length_deg })
+        Ok(Line::Middle { position: direction(ra, dec)?, angle_deg, length_deg })
     }
 
     #[cfg(not(feature = "fits"))]
     fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
-        Err(ConfigError::invalid("this build reads no frames (cargo feature fits)"))
+        Err(ConfigError::invalid("this build cannot read frames; it needs the cargo feature fits"))
     }
 
     #[cfg(feature = "fits")]
     fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
         use super::identify_frame::{ends, pixel};
         let (Some(path), Some(from), Some(to)) = (&self.image, &self.from_pix, &self.to_pix) else {
-            return Err(ConfigError::invalid("no streak in the frame; say --image, --from-pix and --to-pix"));
+            return Err(ConfigError::invalid("incomplete streak in a frame; specify --image, --from-pix and --to-pix"));
         };
         let (ends, pixel_arcsec) = ends(path, self.hdu, [pixel(from)?, pixel(to)?])?;
-        Ok((Line::Ends(ends), PLACE_SIGMA_PIX * pixel_arcsec))
+        Ok((Line::Ends(ends), POSITION_SIGMA_PIX * pixel_arcsec))
     }
 
-    /// Returns beginning, length and kind of the time.
+    /// Returns start, duration and kind of the times.
     fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), ConfigError> {
         let scale = config.time_scale()?;
         match self.times.as_slice() {
@@ -250,7 +253,7 @@ impl IdentifyConfig {
                 let duration_s = seconds_between(first, second);
                 if duration_s <= 0.0 {
                     return Err(ConfigError::invalid(format!(
-                        "times: the second is {duration_s} s after the first; allowed: that of the first --end first, then that of the second, later"
+                        "times: the second is {duration_s} s after the first; allowed: the time of the first --end, then a later one for the second"
                     )));
                 }
                 Ok((first, duration_s, Timing::FirstToSecond))
@@ -276,9 +279,9 @@ impl IdentifyConfig {
         match (start, duration_s) {
             (Some(start), Some(duration_s)) => Ok((start, duration_s)),
             (None, _) => Err(ConfigError::invalid(
-                "no start of the exposure; say --start 2024-08-14T00:30:00.000Z, or --times with both --end",
+                "missing start of the exposure; specify --start 2024-08-14T00:30:00.000Z, or --times with both --end",
             )),
-            (_, None) => Err(ConfigError::invalid("no length of the exposure; say --exposure 30s")),
+            (_, None) => Err(ConfigError::invalid("missing exposure time; specify --exposure 30s")),
         }
     }
 }
@@ -287,14 +290,14 @@ fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, ConfigError> {
     parse_direction(ra, dec).map_err(ConfigError::Angle)
 }
 
-/// Returns the line through regions drawn around a streak, and one sigma of its ends, arcsec.
+/// Returns the line through regions drawn around a streak, and the sigma of its ends, arcsec.
 fn in_regions(path: &Path) -> Result<(Line, f64), ConfigError> {
     let shown = path.display().to_string();
     let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{shown}: {error}"));
     let text = std::fs::read_to_string(path).map_err(|error| fail(&error))?;
     let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
-    // A box is drawn around a streak: its middle is better known than its sides.
+    // A box is drawn around a streak: its middle line is more accurate than its sides.
     let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
-    let sigma_arcsec = if half_width_arcsec > 0.0 { 0.5 * half_width_arcsec } else { PLACE_SIGMA_ARCSEC };
+    let sigma_arcsec = if half_width_arcsec > 0.0 { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC };
     Ok((Line::Ends(line.ends), sigma_arcsec))
 }

@@ -14,7 +14,11 @@ pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
     numbers
         .filter(|(x, y): &(f64, f64)| x.is_finite() && y.is_finite())
         .map(|(x, y)| PixelPosition::from_fits(x, y))
-        .ok_or_else(|| ConfigError::invalid(format!("pixel '{text}'; allowed: X,Y counted from 1, as 1024.5,2048")))
+        .ok_or_else(|| {
+            ConfigError::invalid(format!(
+                "invalid pixel '{text}'; allowed: X,Y counted from 1, for example 1024.5,2048"
+            ))
+        })
 }
 
 /// Opens the image given, else the only one.
@@ -25,11 +29,11 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigEr
     let hdu = match (hdu, images.as_slice()) {
         (Some(hdu), _) => hdu,
         (None, [one]) => *one,
-        (None, []) => return Err(ConfigError::invalid(format!("{shown}: holds no image of two axes"))),
+        (None, []) => return Err(ConfigError::invalid(format!("{shown}: no image with two axes"))),
         (None, several) => {
             let (count, first, last) = (several.len(), several[0], several[several.len() - 1]);
             return Err(ConfigError::invalid(format!(
-                "{shown}: holds {count} images; say which: --hdu {first} to {last}"
+                "{shown}: contains {count} images; specify one with --hdu {first} to {last}"
             )));
         }
     };
@@ -47,9 +51,9 @@ pub(super) fn ends(
     let fail = |error: String| ConfigError::invalid(format!("{}: HDU {hdu}: {error}", path.display()));
     let [rows, columns] = file.image_size(hdu)?;
     let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| fail(error.to_string()))?;
-    let place = |pixel: PixelPosition| {
+    let sky_position = |pixel: PixelPosition| {
         let [x, y] = pixel.fits();
-        // The middle of the first pixel is 1: the frame begins half a pixel before it.
+        // The centre of the first pixel is at 1, and its edge at 0.5.
         let is_within = |at: f64, count: usize| (0.5..=count as f64 + 0.5).contains(&at);
         if !(is_within(x, columns) && is_within(y, rows)) {
             let (right, top) = (columns as f64 + 0.5, rows as f64 + 0.5);
@@ -57,10 +61,10 @@ pub(super) fn ends(
                 "pixel {x},{y} is outside of the frame; allowed: X from 0.5 to {right}, Y from 0.5 to {top}, counted from 1"
             )));
         }
-        wcs.to_sky(pixel).ok_or_else(|| fail(format!("pixel {x},{y} has no place on the sky")))
+        wcs.to_sky(pixel).ok_or_else(|| fail(format!("pixel {x},{y} has no position on the sky")))
     };
     let [from, to] = pixels;
-    let ends = [place(from)?, place(to)?];
+    let ends = [sky_position(from)?, sky_position(to)?];
     let length_pix = from.distance(to).max(1e-9);
     Ok((ends, ends[0].separation_rad(&ends[1]).to_degrees() * 3600.0 / length_pix))
 }

@@ -6,11 +6,11 @@ use serde::Deserialize;
 
 use super::values::Numbers;
 
-/// Frames, exposure, streaks, counts and truth of an injection, beside a [`Config`].
+/// Frames, exposure, streaks, counts and truth of an injection, in addition to [`Config`].
 ///
 /// ```
 /// let injection: streakcast::config::InjectionConfig =
-///     serde_json::from_str(r#"{"image": ["frame.fits"], "random_streaks": 2, "magnitude": [5, 7], "seeing": "1.2arcsec"}"#)?;
+///     serde_json::from_str(r#"{"image": ["a.fits"], "random_streaks": 2, "magnitude": [5, 7]}"#)?;
 /// assert_eq!(injection.truth_points, 11);
 /// # Ok::<(), serde_json::Error>(())
 /// ```
@@ -18,22 +18,22 @@ use super::values::Numbers;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct InjectionConfig {
-    /// Frames to inject into: FITS, also mosaics and tile-compressed .fz
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "synthetic"))]
+    /// Input frames: FITS, including mosaics and tile-compressed .fz
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1..))]
     pub image: Vec<PathBuf>,
-    /// A synthetic frame instead: a TOML file of size, scale, sky, stars and detector
+    /// Synthetic frame instead of --image: TOML file of size, scale, sky, stars and detector
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", conflicts_with = "image"))]
     pub synthetic: Option<PathBuf>,
-    /// Number of synthetic frames, each from a seed of its own
+    /// Number of synthetic frames, each with its own seed
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", requires = "synthetic"))]
     pub frames: Option<usize>,
-    /// Shutter opening, as 2020-03-06T00:04:15.410Z; the header's if omitted
+    /// Shutter opening, for example 2020-03-06T00:04:15.410Z; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, help_heading = "Exposure"))]
     pub start: Option<String>,
-    /// Length of the exposure with its unit, as 30s or 2min; the header's if omitted
+    /// Exposure time with its unit, for example 30s or 2min; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, help_heading = "Exposure"))]
     pub exposure: Option<String>,
-    /// Opening and length from a row of a schedule; a synthetic frame takes its pointing too
+    /// Schedule with the exposure of --row: start, exposure time, and the pointing of a synthetic frame
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -45,7 +45,7 @@ pub struct InjectionConfig {
         )
     )]
     pub schedule: Option<PathBuf>,
-    /// exposure_id of that row
+    /// exposure_id of the row of --schedule
     #[cfg_attr(feature = "cli", arg(long, value_name = "ID", requires = "schedule", help_heading = "Exposure"))]
     pub row: Option<String>,
     /// Right ascension of a synthetic frame's centre (ICRS): 188.5 or 12h34m
@@ -60,16 +60,16 @@ pub struct InjectionConfig {
         arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "synthetic", help_heading = "Exposure")
     )]
     pub dec: Option<String>,
-    /// Side of a pixel with its unit, for random streaks in a frame without world coordinates
+    /// Pixel scale with its unit, for random streaks in a frame without world coordinates
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Exposure"))]
     pub pixel_scale: Option<String>,
-    /// Only these HDUs, counted from 0; all images with world coordinates if omitted
+    /// HDUs to use, counted from 0; all images with world coordinates if omitted
     #[cfg_attr(
         feature = "cli",
         arg(long, value_name = "N", num_args = 1.., value_delimiter = ',', help_heading = "Exposure")
     )]
     pub hdu: Vec<usize>,
-    /// Rate of a moving target that the telescope follows: arcsec/s towards east and north on the sky; the frame's coordinates hold half way
+    /// Non-sidereal tracking rate, arcsec/s towards east and north; the world coordinates are those of mid-exposure
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -81,7 +81,7 @@ pub struct InjectionConfig {
         )
     )]
     pub track_rate: Option<Numbers>,
-    /// Random streaks instead of satellites: number in each frame
+    /// Number of random streaks in each frame, instead of satellites
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -93,7 +93,7 @@ pub struct InjectionConfig {
         )
     )]
     pub random_streaks: Option<usize>,
-    /// Random streaks: mean number per square degree of the frame
+    /// Mean number of random streaks per square degree, instead of satellites
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -105,7 +105,7 @@ pub struct InjectionConfig {
         )
     )]
     pub streak_density: Option<f64>,
-    /// Magnitude of random streaks, as if they stood still: one, or from the brightest to the faintest, as 4,8
+    /// Magnitude of random streaks: one value, or the brightest and the faintest, for example 4,8
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -117,7 +117,7 @@ pub struct InjectionConfig {
         )
     )]
     pub magnitude: Option<Numbers>,
-    /// Speed of random streaks over the frame, deg/s, the slower first; it sets their distance too. 0.2,0.8 if omitted: low satellites
+    /// Angular rate of random streaks, deg/s, the slower first, which also sets their distance; 0.2,0.8 if omitted
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -129,7 +129,7 @@ pub struct InjectionConfig {
         )
     )]
     pub streak_rate_deg_s: Option<Numbers>,
-    /// A tumbling body: period s, amplitude mag from faintest to brightest, and phase (turns) at shutter opening
+    /// Tumbling: period in s, amplitude from faintest to brightest in mag, and phase in turns at shutter opening
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -141,7 +141,7 @@ pub struct InjectionConfig {
         )
     )]
     pub tumbling: Option<Numbers>,
-    /// A flash: its magnitude, seconds after the light passes nearest to the frame's middle, full width s; may be given several times
+    /// Flash: magnitude, time after the closest approach to the frame's centre in s, full width in s; may be repeated
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -153,22 +153,22 @@ pub struct InjectionConfig {
         )
     )]
     pub glint: Vec<Numbers>,
-    /// A light curve of your own: CSV of time_s after shutter opening and delta_mag
+    /// Light curve: CSV file with columns time_s (after shutter opening) and delta_mag
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Streaks"))]
     pub light_curve: Option<PathBuf>,
-    /// Chassis and solar array as two lights side by side, if a model has them
+    /// Draw chassis and solar array as separate sources, if the model has them
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Streaks"))]
     pub resolve_panels: bool,
-    /// Width of a star's image (FWHM) with its unit, as 1.2arcsec; the telescope's if omitted
+    /// Seeing: FWHM of the point spread function with its unit, for example 1.2arcsec; that of --telescope if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Streaks"))]
     pub seeing: Option<String>,
-    /// Form of a star's image: gaussian, moffat (β 3.5), moffat:BETA, double
+    /// Point spread function: gaussian, moffat (β 3.5), moffat:BETA, double
     #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", default_value = "moffat", help_heading = "Streaks"))]
     pub psf: String,
-    /// Magnitude of a star whose image sums to 1 in the frame's unit; the header's if omitted
+    /// Zero point: magnitude of a star with a total of 1 in the frame's unit; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Counts"))]
     pub zero_point: Option<f64>,
-    /// Magnitude of a star of 1 count per second, instead of --zero-point
+    /// Zero point for 1 count per second, instead of --zero-point
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -180,16 +180,16 @@ pub struct InjectionConfig {
         )
     )]
     pub zero_point_1s: Option<f64>,
-    /// Electrons per count; the header's if omitted
+    /// Gain, electrons per count; from the header if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "E", help_heading = "Counts"))]
     pub gain: Option<f64>,
-    /// Detector (TOML): saturation with bleeding, crosstalk, vignetting, non-linearity and more
+    /// Detector file (TOML): saturation with bleeding, crosstalk, vignetting, non-linearity and more
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Counts"))]
     pub detector: Option<PathBuf>,
-    /// Only light, without the noise of its own electrons
+    /// Add the streaks without shot noise
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Counts"))]
     pub no_noise: bool,
-    /// Seed; the same seed gives the same frame
+    /// Seed of the random numbers; the same seed gives the same frame
     #[cfg_attr(
         feature = "cli",
         arg(
@@ -201,13 +201,13 @@ pub struct InjectionConfig {
         )
     )]
     pub seed: u64,
-    /// Points along each streak in the extension STREAK_POINTS
+    /// Number of points along each streak in the extension STREAK_POINTS
     #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 11, help_heading = "Truth"))]
     pub truth_points: usize,
-    /// Bits of the mask: lsst, desdm, last, ztf, hst
+    /// Mask bits: lsst, desdm, last, ztf, hst
     #[cfg_attr(feature = "cli", arg(long, value_name = "SURVEY", default_value = "lsst", help_heading = "Truth"))]
     pub mask_bits: String,
-    /// No extensions of mask and truth in the frame
+    /// Write only the pixels, without mask and truth extensions
     #[cfg_attr(feature = "cli", arg(long, help_heading = "Truth"))]
     pub pixels_only: bool,
 }

@@ -1,4 +1,4 @@
-//! An injection from its options: the plan, and the frames that it is carried out on.
+//! Resolution of an injection from its options, and its execution on frames.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,23 +23,23 @@ use crate::streaks::{
 
 /// Default β of the Moffat profile, usual for telescopes.
 const USUAL_BETA: f64 = 3.5;
-/// Wide Gaussian of the double one: twice as wide, with a tenth of the light (Bosch & Armstrong 2013, for images of SDSS).
+/// Wide Gaussian of the double Gaussian: twice as wide, a tenth of the light (Bosch & Armstrong 2013, SDSS images).
 const USUAL_WIDENING: f64 = 2.0;
 const USUAL_WIDE_SHARE: f64 = 0.1;
 /// Default rates of random streaks, deg/s: satellites of 550 km low in the sky and overhead.
 const USUAL_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
 /// Largest number of points of truth along one streak.
 const MOST_TRUTH_POINTS: usize = 10_000;
-/// Default time of synthetic frames with random streaks: it changes nothing but the header.
+/// Default time of synthetic frames with random streaks; it affects only the header.
 const SOME_DAY: &str = "2000-01-01T12:00:00Z";
 
-/// Source of skies: the sky of the night that contains a moment, of a caller that keeps skies.
+/// Function that returns the sky of the night of a moment, for callers with a cache of skies.
 pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError> + Sync);
 
 /// Puts streaks into frames: one output for each image, or for each synthetic frame.
 ///
-/// The sky of the frames' night is that of `sky`, if given; else it is prepared from the configuration, with the observatory
-/// of the headers if the configuration has no site.
+/// The sky of the frames' night is that of `sky`, if given; else it is prepared from the configuration, with the
+/// observatory of the headers if the configuration has no site.
 ///
 /// # Errors
 /// [`ConfigError`]; each output is written whole or not at all.
@@ -63,7 +63,7 @@ pub fn inject_frames(
     Ok(injections)
 }
 
-/// Puts streaks into an image in memory, by way of the folder `scratch`; `cards` are its header.
+/// Puts streaks into an image in memory, with the folder `scratch` for temporary files; `cards` are its header.
 ///
 /// # Errors
 /// [`ConfigError`].
@@ -100,7 +100,7 @@ fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, 
             Ok((config, Some(format!("site {} ({code}) from the header", site.name))))
         }
         [first, second, ..] => Err(ConfigError::invalid(format!(
-            "frames of two observatories ({}, {}); inject into those of each apart",
+            "frames of two observatories ({}, {}); run inject separately for each",
             first.name, second.name
         ))),
     }
@@ -131,7 +131,7 @@ impl InjectionConfig {
         let random = self.random()?;
         if random.is_none() && !config.has_satellites() {
             return Err(ConfigError::invalid(
-                "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG",
+                "missing streaks; specify --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG",
             ));
         }
         self.check_idle()?;
@@ -141,12 +141,12 @@ impl InjectionConfig {
         };
         if own_gain.is_some() && self.gain.is_some() {
             return Err(ConfigError::invalid(
-                "--gain, and a gain_e_adu in the file of --detector; allowed: one of them",
+                "--gain and gain_e_adu in the file of --detector exclude each other; specify one of them",
             ));
         }
         if self.synthetic.is_some() && detector.is_some() {
             return Err(ConfigError::invalid(
-                "--detector and --synthetic: the file of a synthetic frame has its own table [detector]",
+                "--detector and --synthetic exclude each other: the file of a synthetic frame has its own table [detector]",
             ));
         }
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
@@ -155,7 +155,7 @@ impl InjectionConfig {
         let pixel_scale_arcsec = self.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
         if pixel_scale_arcsec.is_some() && random.is_none() {
             return Err(ConfigError::invalid(
-                "--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates",
+                "--pixel-scale is for random streaks in frames without world coordinates; satellites need world coordinates",
             ));
         }
         let photometry = config.photometry()?;
@@ -222,10 +222,12 @@ impl InjectionConfig {
         let of_synthetic =
             [("--frames", self.frames.is_some()), ("--ra", self.ra.is_some()), ("--dec", self.dec.is_some())];
         if let Some((option, _)) = of_synthetic.iter().find(|(_, is_given)| *is_given && self.synthetic.is_none()) {
-            return Err(ConfigError::invalid(format!("{option} is for --synthetic; a frame on file says where it is")));
+            return Err(ConfigError::invalid(format!(
+                "{option} is for --synthetic; the position of an image is in its header"
+            )));
         }
         if self.synthetic.is_some() && !self.hdu.is_empty() {
-            return Err(ConfigError::invalid("--hdu is for frames on file; a synthetic one has one image"));
+            return Err(ConfigError::invalid("--hdu is for --image; a synthetic frame has one image"));
         }
         if self.resolve_panels && self.is_random() {
             return Err(ConfigError::invalid(
@@ -297,7 +299,7 @@ impl InjectionConfig {
             }
             (None, None) => {
                 return Err(ConfigError::invalid(
-                    "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own",
+                    "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; those of satellites are computed",
                 ));
             }
         };
@@ -321,7 +323,7 @@ impl InjectionConfig {
             (None, Some(telescope)) => telescope.seeing_arcsec,
             (None, None) => {
                 return Err(ConfigError::invalid(
-                    "no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too",
+                    "missing seeing; specify --seeing 1.2arcsec, or --telescope NAME, which also sets the defocus",
                 ));
             }
         };
@@ -349,12 +351,12 @@ impl InjectionConfig {
             None if self.is_random() => parse_instant(SOME_DAY, None)?,
             None => {
                 return Err(ConfigError::invalid(
-                    "no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID",
+                    "missing start of the exposure; specify --start 2024-08-14T00:30:00.000Z, or --schedule FILE --row ID",
                 ));
             }
         };
         let exposure_s = duration_s.ok_or_else(|| {
-            ConfigError::invalid("no length of the exposure; say --exposure 30s or --schedule FILE --row ID")
+            ConfigError::invalid("missing exposure time; specify --exposure 30s, or --schedule FILE --row ID")
         })?;
         Ok(SyntheticPlan { frame, path: path.to_owned(), opened, exposure_s, centre: self.centre(scheduled)? })
     }
@@ -365,7 +367,7 @@ impl InjectionConfig {
             (Some(exposure), None, None) => Ok(exposure.pointing),
             (None, None, None) if self.is_random() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
             _ => Err(ConfigError::invalid(
-                "no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID",
+                "missing centre of the frame; specify --ra 188.5 --dec=-30.5, or --schedule FILE --row ID",
             )),
         }
     }
@@ -394,7 +396,7 @@ fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
         reader.headers().map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?.clone();
     let column = |name: &str| {
         headers.iter().position(|header| header == name).ok_or_else(|| {
-            ConfigError::invalid(format!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
+            ConfigError::invalid(format!("light curve {shown}: missing column {name}; required: time_s, delta_mag"))
         })
     };
     let (time, delta) = (column("time_s")?, column("delta_mag")?);
@@ -404,8 +406,9 @@ fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
         let line = record.position().map_or(0, csv::Position::line);
         let number = |index: usize| {
             let text = record.get(index).unwrap_or_default();
-            text.parse::<f64>()
-                .map_err(|_| ConfigError::invalid(format!("light curve {shown}, line {line}: {text:?} is no number")))
+            text.parse::<f64>().map_err(|_| {
+                ConfigError::invalid(format!("light curve {shown}, line {line}: {text:?} is not a number"))
+            })
         };
         points.push((number(time)?, number(delta)?));
     }
@@ -422,9 +425,7 @@ fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
             _ => Err(ConfigError::invalid(format!("psf {text:?}: β of a Moffat profile; allowed: 2 to 100"))),
         },
         ("double", None) => Ok(SeeingForm::DoubleGaussian { widening: USUAL_WIDENING, wide_share: USUAL_WIDE_SHARE }),
-        _ => Err(ConfigError::invalid(format!(
-            "psf {text:?} is not known; allowed: gaussian, moffat, moffat:BETA, double"
-        ))),
+        _ => Err(ConfigError::invalid(format!("invalid psf {text:?}; allowed: gaussian, moffat, moffat:BETA, double"))),
     }
 }
 

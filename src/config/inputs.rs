@@ -10,14 +10,16 @@ use super::values::is_file_name;
 use crate::elements::{Constellation, Generation, Keep, ReadOptions, Satellites, SourceFile};
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
+use crate::orbit::DragModel;
 use crate::passes::ModelChoice;
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
 
-/// All inputs of a configuration, read once: skies for any time are made of them without reading a file again (except
-/// the elements of a telescope in orbit).
+/// All inputs of a configuration, read once. Skies for any time are prepared from them without reading a file again,
+/// except for the elements of a telescope in orbit.
 #[derive(Clone, Debug)]
 pub struct LoadedInputs {
     pub(super) config: Config,
+    pub(super) drag: DragModel,
     pub(super) shadow: ShadowModel,
     pub(super) eop: EopTable,
     pub(super) catalogue: Option<Satellites>,
@@ -42,14 +44,28 @@ impl Config {
     }
 
     pub(super) fn load_with(&self, catalogue: Option<Satellites>) -> Result<LoadedInputs, ConfigError> {
-        let (shadow, eop) = (self.shadow()?, self.eop_table()?);
+        let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
         let constellations = self.constellations()?;
         if catalogue.is_none() && constellations.is_empty() {
-            let allowed = "--elements FILE..., or, without any download, --shells starlink-gen1 (synthetic; see streakcast shells)";
+            let allowed =
+                "--elements FILE..., or --shells starlink-gen1 (simulated, no download; see streakcast shells)";
             return Err(ConfigError::Missing { what: "satellites", allowed });
         }
         let choice = self.model_choice()?;
-        Ok(LoadedInputs { config: self.clone(), shadow, eop, catalogue, constellations, choice })
+        Ok(LoadedInputs { config: self.clone(), drag, shadow, eop, catalogue, constellations, choice })
+    }
+
+    /// Returns the drag that SGP4 applies; none for satellites that hold their orbits if omitted.
+    ///
+    /// # Errors
+    /// An unknown model.
+    pub fn drag(&self) -> Result<DragModel, ConfigError> {
+        let Some(name) = &self.drag else { return Ok(DragModel::default()) };
+        DragModel::by_name(name).ok_or_else(|| ConfigError::Value {
+            what: "drag",
+            given: name.clone(),
+            allowed: "station-keeping, published",
+        })
     }
 
     /// Returns the model of the Earth's shadow; the solid Earth if omitted.
@@ -67,8 +83,8 @@ impl Config {
 
     /// Returns the table of Earth orientation: that of the file, else UT1 of the bundled one.
     ///
-    /// Without a file there is no polar motion, as in Skyfield. That moves an observer by 18 m at most, where an element set
-    /// errs by a kilometre. The provenance states it.
+    /// Without a file polar motion is zero, as in Skyfield. The error is 18 m at most; element sets have errors of a
+    /// kilometre. The provenance states it.
     ///
     /// # Errors
     /// The file cannot be read or is invalid.
@@ -79,10 +95,10 @@ impl Config {
         }
     }
 
-    /// Reads the files of element sets, of each object the set nearest to `moment`; `None` without a file.
+    /// Reads the files of element sets, with the set of each object closest to `moment`; `None` without a file.
     ///
     /// # Errors
-    /// A file that cannot be read or holds none.
+    /// A file that cannot be read or has no element sets.
     pub fn catalogue(&self, moment: Epoch) -> Result<Option<Satellites>, ConfigError> {
         self.read_elements(Keep::Nearest(moment))
     }
@@ -153,7 +169,7 @@ impl Config {
 pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, ConfigError> {
     let error = |source| ConfigError::Io { what, path: path.display().to_string(), source };
     if path.is_dir() {
-        return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; a file is needed")));
+        return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; expected a file")));
     }
     std::fs::read_to_string(path).map_err(error)
 }

@@ -21,18 +21,18 @@ pub const MOST_SAMPLES: usize = 100_000;
 
 const FIELDS: &str = "--fov 3.5deg, --field FILE, or a telescope with --telescope";
 
-/// Field, telescope, policy and photometry: what exposures are judged by.
+/// Field, telescope, policy and photometry for the verdicts of exposures.
 #[derive(Clone, Debug)]
 pub struct ObservationPlan {
     /// Field of view.
     pub field: Field,
     /// Telescope, if one is given.
     pub telescope: Option<Telescope>,
-    /// Policy, with the limits that are given apart from it.
+    /// Policy, with the limits given separately.
     pub policy: Policy,
     /// Band, zero point and light of the magnitudes.
     pub photometry: PhotometryOptions,
-    /// Position angle of the field of exposures that have none of their own, radians.
+    /// Default position angle of the field for exposures without one, radians.
     pub rotation_rad: f64,
 }
 
@@ -53,8 +53,8 @@ impl Config {
     /// Resolves field, telescope, policy and photometry.
     ///
     /// # Errors
-    /// As [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; a rotation out of
-    /// range.
+    /// As [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; a rotation out
+    /// of range.
     pub fn observation(&self) -> Result<ObservationPlan, ConfigError> {
         Ok(ObservationPlan {
             field: self.field_of_view()?,
@@ -97,7 +97,7 @@ impl Config {
         })
     }
 
-    /// Returns the policy: a file or table, with the limits that are given apart from it.
+    /// Returns the policy: a file or table, with the limits given separately.
     ///
     /// # Errors
     /// An invalid file, a number out of range, or a policy that needs a telescope without one.
@@ -122,11 +122,11 @@ impl Config {
         }
         policy.validate().map_err(ConfigError::Policy)?;
         if policy.max_lost_fraction.is_some() && self.telescope()?.is_none() {
-            let what = "telescope, without whose pixels nothing can be said of the policy's max_lost_fraction";
+            let what = "telescope for max_lost_fraction of the policy";
             return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
         }
         if policy.limit_of_telescope().is_some() {
-            let what = "telescope, whose limits the policy asks for (saturation_mag or crosstalk_mag = \"telescope\")";
+            let what = "telescope for the limits of the policy (saturation_mag or crosstalk_mag = \"telescope\")";
             let telescope = self.telescope()?.ok_or(ConfigError::Missing { what, allowed: "--telescope NAME" })?;
             let mut limits = policy.limits_of_telescope(&telescope).into_iter();
             if let Some((key, _)) = limits.find(|(_, limit)| limit.numbers().is_empty()) {
@@ -136,7 +136,7 @@ impl Config {
         Ok(policy)
     }
 
-    /// Returns band and zero point of the magnitudes, V (Vega) if omitted, and the light that they are of.
+    /// Returns band (V if omitted), zero point and light sources of the magnitudes.
     ///
     /// # Errors
     /// An unknown band or system, an extinction out of range.
@@ -166,7 +166,7 @@ impl Config {
         if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
     }
 
-    /// Returns the scale of times that name none.
+    /// Returns the scale of times without one.
     ///
     /// # Errors
     /// An unknown scale.
@@ -211,10 +211,10 @@ impl Config {
             value.as_ref().map(Quantity::as_str).ok_or(ConfigError::Missing { what, allowed })
         }
         let exposure = &self.exposure;
-        let start = given(&exposure.start, "start of the exposure", "--start 2024-08-14T00:30:00.000Z")?;
-        let duration = given(&exposure.duration, "length of the exposure", "--exposure 30s")?;
-        let right_ascension = given(&exposure.ra, "right ascension", "--ra 188.5 or --ra 12h34m")?;
-        let declination = given(&exposure.dec, "declination", "--dec -30.5 or --dec -30d30m")?;
+        let start = given(&exposure.start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z")?;
+        let duration = given(&exposure.duration, "exposure time", "--exposure TIME, for example 30s")?;
+        let right_ascension = given(&exposure.ra, "right ascension", "--ra ANGLE, for example 188.5 or 12h34m")?;
+        let declination = given(&exposure.dec, "declination", "--dec ANGLE, for example -30.5 or -30d30m")?;
         let start = parse_moment(start, self.time_scale()?)?;
         if !is_covered(start) {
             return Err(SkyError::NoEphemeris { epoch: start.to_time_scale(TimeScale::UTC) }.into());
@@ -285,7 +285,7 @@ mod tests {
         );
         assert!(message(config("min_probability = 2").policy()).contains("min-probability 2: allowed"));
         let camera = "[policy]\ncrosstalk_mag = 'telescope'";
-        assert!(message(config(camera).policy()).contains("no telescope, whose limits"));
+        assert!(message(config(camera).policy()).contains("missing telescope for the limits"));
         assert!(config(&format!("telescope = 'rubin'\n{camera}")).policy().is_ok());
     }
 
@@ -298,7 +298,7 @@ mod tests {
         for missing in 0..4 {
             let rest: Vec<&str> = (0..4).filter(|&index| index != missing).map(|index| all[index]).collect();
             let message = message(config(&rest.join("\n")).one_exposure());
-            assert!(message.starts_with("no ") && message.contains("; say --"), "{message}");
+            assert!(message.starts_with("missing ") && message.contains("; specify --"), "{message}");
         }
         let early = all.join("\n").replace("2024", "1924");
         assert!(message(config(&early).one_exposure()).contains("1957 to 2099"));
@@ -330,7 +330,7 @@ mod tests {
         );
         assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
         assert!((area("telescope = 'rubin'\nfov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
-        assert!(message(config("").field_of_view()).contains("no field of view; say --fov 3.5deg"));
+        assert!(message(config("").field_of_view()).contains("missing field of view; specify --fov 3.5deg"));
         assert!(message(config("fov = 3.5").field_of_view()).contains("has no unit"));
     }
 }

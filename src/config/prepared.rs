@@ -1,4 +1,4 @@
-//! Skies prepared for the times of a question, with their provenance and warnings.
+//! Skies prepared for the times of a request, with their provenance and warnings.
 
 use std::collections::BTreeSet;
 
@@ -21,30 +21,30 @@ use crate::schedule::lowest_altitudes_rad;
 /// Largest number of rejected records listed in JSON; the count beside them is of all.
 const LISTED: usize = 1000;
 
-/// Sky of a site, or of a telescope in orbit, with what its answers rest on.
+/// Sky of a site, or of a telescope in orbit, with provenance and warnings.
 #[derive(Debug)]
 pub struct PreparedSky {
     /// Satellites over the site.
     pub sky: Sky,
     /// Earth orientation of the sky.
     pub eop: EopTable,
-    /// Provenance of the answers; the statements of the question follow it.
+    /// Provenance of the results; the statements of the request follow.
     pub provenance: Provenance,
     /// Warnings for the user, each with its count.
     pub warnings: Vec<String>,
-    /// Those of `warnings` about files and shells, which hold at any time.
+    /// Warnings about files and shells, which apply at any time.
     of_files: Vec<String>,
-    /// Number of satellites from files: the first ones of the sky.
+    /// Number of satellites from files; they are the first of the sky.
     from_files: usize,
     /// Day of the synthetic satellites; `None` without any.
     shells_made_for: Option<Epoch>,
 }
 
 impl Config {
-    /// Reads all inputs and prepares the sky for questions from `first` to `last`.
+    /// Reads all inputs and prepares the sky for requests from `first` to `last`.
     ///
-    /// Of several element sets of one object the one nearest to the middle is used; shells are made for the beginning of the
-    /// UTC day of `first`.
+    /// The element set of each object closest to the middle is used; shells are generated for the beginning of the UTC day
+    /// of `first`.
     ///
     /// # Errors
     /// As [`Config::load`] and [`LoadedInputs::prepare`].
@@ -54,7 +54,7 @@ impl Config {
 }
 
 impl LoadedInputs {
-    /// Prepares the sky for questions from `first` to `last`, as [`Config::prepare`].
+    /// Prepares the sky for requests from `first` to `last`, as [`Config::prepare`].
     ///
     /// # Errors
     /// No site or an invalid one; no satellite has a position at that time.
@@ -78,16 +78,12 @@ impl LoadedInputs {
         if let Some(day) = shells_made_for {
             let stated: Vec<_> = self.constellations.iter().map(constellation_json).collect();
             provenance.state("shells", stated);
-            // One epoch for all questions of a day: a schedule and a single exposure of it have the same satellites.
+            // One epoch for all requests of a day: a schedule and a single exposure of it have the same satellites.
             let satellites: Vec<ElementSet> =
                 self.constellations.iter().flat_map(|constellation| constellation.element_sets(day)).collect();
             let names: Vec<&str> =
                 self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
-            of_files.push(format!(
-                "{} satellites are synthetic (shells {}): none of them is claimed to be there",
-                satellites.len(),
-                names.join(", ")
-            ));
+            of_files.push(warnings::of_simulated(&names, satellites.len()));
             elements.extend(satellites);
         }
         provenance.state("satellites", elements.len());
@@ -102,10 +98,13 @@ impl LoadedInputs {
                 provenance.state("frame", "ICRS astrometric, from the observer's orbit");
             }
         }
+        provenance.state("drag", self.drag.name());
         provenance.state("shadow", self.shadow.name());
 
         let eop = self.eop.clone();
-        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice).with_shadow(self.shadow);
+        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice)
+            .with_drag(self.drag)
+            .with_shadow(self.shadow);
         if sky.left_out().len() == sky.elements().len() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }
@@ -120,9 +119,9 @@ impl LoadedInputs {
 }
 
 impl PreparedSky {
-    /// Returns the warnings for a question from `first` to `last`: about the files, and about the age of the elements.
+    /// Returns the warnings for a request from `first` to `last`: about the files, and about the age of the elements.
     ///
-    /// For the times of preparation they are `warnings`; a sky that is kept is used for others.
+    /// For the times of preparation they are `warnings`; a cached sky is used for other times too.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
         warnings.extend(warnings::of_age(&self.sky.elements()[..self.from_files], first, last));
@@ -152,16 +151,18 @@ impl PreparedSky {
         }
     }
 
-    /// Returns a warning that lists satellites left out, if there are any.
+    /// Returns a warning with the number of satellites left out, if there are any.
     ///
     /// # Errors
-    /// All satellites are left out: an error is better than a sky that is called clear.
+    /// All satellites are left out: an empty result would be wrong.
     pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, ConfigError> {
-        let Some(first) = left_out.first() else { return Ok(None) };
+        if left_out.is_empty() {
+            return Ok(None);
+        }
         if left_out.len() == self.sky.elements().len() {
             return Err(nothing_propagates(&self.sky, left_out, moment));
         }
-        Ok(Some(warnings::of_left_out(left_out, first, self.sky.elements().len())))
+        Ok(Some(warnings::of_left_out(left_out.len(), self.sky.elements().len())))
     }
 }
 
@@ -253,12 +254,13 @@ mod tests {
     }
 
     #[test]
-    fn synthetic_satellites_are_named_as_such() {
+    fn simulated_satellites_are_named_as_such() {
         let start = utc("2024-08-14T00:30:00Z");
         let prepared = shells("").prepare(start, start).unwrap();
         assert_eq!(prepared.sky.elements().len(), 6372);
         assert!(
-            prepared.warnings[0].starts_with("6372 satellites are synthetic (shells oneweb)"),
+            prepared.warnings[0].starts_with("simulated constellation oneweb: ")
+                && prepared.warnings[0].ends_with("(6,372 satellites)"),
             "{:?}",
             prepared.warnings
         );
@@ -268,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sky_that_is_kept_has_warnings_for_other_times() {
+    fn a_cached_sky_has_warnings_for_other_times() {
         let start = utc("2026-07-08T20:00:00Z");
         let (_folder, mut config) = with_bad_checksums(1);
         config.shells = shells("").shells;
@@ -280,7 +282,7 @@ mod tests {
         let warnings = prepared.warnings_at(later, later);
         assert_eq!(warnings[..count], prepared.warnings[..]);
         assert!(warnings[count].starts_with("1 of 1 element sets are more than 14 days"), "{warnings:?}");
-        assert!(warnings[count + 1].starts_with("the shells were made for 2026-07-08, 31.8 days"), "{warnings:?}");
+        assert!(warnings[count + 1].starts_with("the shells were generated for 2026-07-08, 31.8 days"), "{warnings:?}");
     }
 
     #[test]
@@ -308,16 +310,16 @@ mod tests {
         let start = utc("2026-07-08T20:00:00Z");
         let (_folder, config) = with_bad_checksums(1);
         let warning = config.prepare(start, start).unwrap().warnings.remove(0);
-        assert!(warning.starts_with("1 of 2 records rejected (1 for a wrong checksum; --accept-bad-ch"), "{warning}");
+        assert!(warning.starts_with("1 of 2 records rejected (1 with a wrong checksum; --accept-bad-ch"), "{warning}");
 
         let (_folder, config) = with_bad_checksums(1200);
         let prepared = config.prepare(start, start).unwrap();
         let warning = &prepared.warnings[0];
         assert!(
-            warning.starts_with("1200 of 1201 records rejected, more than half: the answer is incomplete"),
+            warning.starts_with("1200 of 1201 records rejected, more than half: the result is incomplete"),
             "{warning}"
         );
-        assert!(warning.contains("(1200 for a wrong checksum; --accept-bad-checksums takes those): "), "{warning}");
+        assert!(warning.contains("(1200 with a wrong checksum; --accept-bad-checksums accepts these): "), "{warning}");
         let mut text = Vec::new();
         crate::output::write_json(&mut text, &[], &prepared.provenance).unwrap();
         let answer: serde_json::Value = serde_json::from_slice(&text).unwrap();

@@ -43,8 +43,8 @@ impl Config {
     /// Returns the viewpoint at `moment`: a site, or a telescope in orbit.
     ///
     /// # Errors
-    /// As [`Config::site`]; a site and an orbit; a telescope below its limb height at `moment`; a file with no element set,
-    /// with several objects, or without the one of the number given.
+    /// As [`Config::site`]; a site and an orbit; a telescope below its limb height at `moment`; a file without element
+    /// sets, with several objects, or without the object of the given number.
     pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
         let limb = self.limb_height_km;
         match (self.is_in_orbit(), self.site.is_given()) {
@@ -53,7 +53,7 @@ impl Config {
                 second: "--site, --mpc, --lat, --lon, --height",
             }),
             (false, _) if limb.is_some() => Err(ConfigError::Missing {
-                what: "telescope in orbit for the limb-height-km",
+                what: "telescope in orbit for --limb-height-km",
                 allowed: "--observer-elements FILE or --observer-norad ID",
             }),
             (false, _) => Ok(Observer::new(self.site()?).into()),
@@ -64,9 +64,9 @@ impl Config {
                 let limb = EarthLimb { height_km };
                 let observer = OrbitingObserver::new(&elements, limb).map_err(ConfigError::Observer)?;
                 let orientation = Orientation::at(moment, &self.eop_table()?);
-                let place = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
+                let state = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
                 // An orbit without a position is reported with each exposure.
-                let at_km = place.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
+                let at_km = state.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
                 if at_km < height_km {
                     return Err(ConfigError::BelowLimb { name: observer.name(), at_km, height_km });
                 }
@@ -75,8 +75,8 @@ impl Config {
         }
     }
 
-    /// Returns the longitude at whose noon nights begin, radians, east positive: that of the site; 0 for a telescope in
-    /// orbit, and without a moment.
+    /// Returns the longitude that defines the noon between nights, radians, east positive: that of the site, or 0 for a
+    /// telescope in orbit and without a moment.
     ///
     /// # Errors
     /// As [`Config::viewpoint`].
@@ -109,7 +109,7 @@ impl Config {
     }
 }
 
-/// Returns the site of a name; if no name is similar, the error lists other ways.
+/// Returns the site of a name; if no name is similar, the error lists the alternatives.
 fn site_of_name(name: &str) -> Result<Site, ConfigError> {
     Site::by_name(name).map_err(|error| match error {
         GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => ConfigError::UnknownSite(name),
@@ -152,11 +152,11 @@ mod tests {
         assert_eq!(config("site = 'Rubin Observatory'").site().unwrap().mpc_code.as_deref(), Some("X05"));
         assert_eq!(config("[site]\nmpc = 'X05'").site().unwrap().mpc_code.as_deref(), Some("X05"));
         assert!((config("lat = -30.5\nlon = -70\nheight = 2000").site().unwrap().height_m - 2000.0).abs() < 1e-9);
-        assert!(message(config("").site()).contains("say --site NAME, --mpc CODE"));
+        assert!(message(config("").site()).contains("specify --site NAME, --mpc CODE"));
         assert!(message(config("lat = 3").site()).contains("complete coordinates"));
         assert!(message(config("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
         assert!(
-            message(config("site = 'Nowhere at all'").site()).contains("streakcast sites lists them, --lat, --lon and")
+            message(config("site = 'Nowhere at all'").site()).contains("streakcast sites; or specify --lat, --lon and")
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Values as they are written in a configuration: quantities with units, lists, and names that may be tables instead.
+//! Values of a configuration: quantities with units, lists, and names or tables.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -60,7 +60,7 @@ pub(super) fn one_or_many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deseri
     })
 }
 
-/// Something given by its name (or file), or in full by a table. A table whose only key is `preset` is a name too.
+/// Input given by name (or file), or in full by a table. A table with the only key `preset` is a name too.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NameOrTable<N, T> {
     /// Name or file.
@@ -84,9 +84,9 @@ impl<'de, N: From<String>, T: DeserializeOwned> Deserialize<'de> for NameOrTable
             Value::String(name) => Ok(Self::Name(name.into())),
             Value::Table(keys) if keys.len() == 1 && keys.contains_key("preset") => {
                 let name = keys.get("preset").and_then(Value::as_str);
-                Ok(Self::Name(name.ok_or_else(|| D::Error::custom("preset needs a name"))?.to_owned().into()))
+                Ok(Self::Name(name.ok_or_else(|| D::Error::custom("preset: expected a name"))?.to_owned().into()))
             }
-            // With the table's own message: an untagged enum would only say that nothing matched.
+            // With the table's own message: that of an untagged enum has no details.
             value => match value.try_into() {
                 Ok(table) => Ok(Self::Table(table)),
                 Err(error) => Err(D::Error::custom(toml::de::Error::message(&error))),
@@ -131,7 +131,7 @@ pub struct ModelsTable {
     pub files: Vec<PathBuf>,
     /// Table of standard magnitudes, as the flag `--qs-mag`.
     pub qs_mag: Option<PathBuf>,
-    /// Model by generation of satellites (`starlink-v1.5`, `oneweb`, ...), instead of the usual one.
+    /// Model by generation of satellites (`starlink-v1.5`, `oneweb`, ...), instead of the default.
     pub generations: BTreeMap<String, String>,
 }
 
@@ -151,12 +151,12 @@ impl Numbers {
         let count = if LEAST == MOST { LEAST.to_string() } else { format!("{LEAST} to {MOST}") };
         match numbers {
             Some(numbers) if (LEAST..=MOST).contains(&numbers.len()) => Ok(Self(numbers)),
-            _ => Err(format!("allowed: {count} numbers with commas between and no blanks")),
+            _ => Err(format!("allowed: {count} numbers separated by commas, without blanks")),
         }
     }
 }
 
-/// Returns true for the name of a TOML file, as opposed to the name of something known.
+/// Returns true for the name of a TOML file, false for the name of a preset.
 pub(super) fn is_file_name(name: &str) -> bool {
     name.ends_with(".toml")
 }
@@ -174,20 +174,21 @@ const ANGLE_UNITS: &[(&str, f64)] = &[
     ("\"", 1.0 / 3600.0),
 ];
 
-/// A length of time like `30s`, `30.0s`, `2.5min`, `1h`, seconds, 0 or more. A bare number is refused: it may be minutes.
+/// Parses a duration like `30s`, `30.0s`, `2.5min` or `1h` into seconds. A number without a unit is rejected.
 ///
 /// # Errors
-/// Another form, a unit that is not known, a number that is negative or not finite.
+/// Another form, an unknown unit, a number that is negative or not finite.
 pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, ConfigError> {
     let allowed = "a number with its unit: 30s, 2.5min, 1h";
     let seconds = with_unit(what, text, DURATION_UNITS, allowed)?;
     in_range(what, seconds, "s", "0 s or more", |seconds| seconds >= 0.0)
 }
 
-/// An angle like `3.5deg`, `210arcmin`, `30arcsec`, degrees, above 0, at most 180. A bare number is refused: it may be a radius in other units.
+/// Parses an angle like `3.5deg`, `210arcmin` or `30arcsec` into degrees, above 0, at most 180. A number without a unit
+/// is rejected.
 ///
 /// # Errors
-/// Another form, a unit that is not known, a number out of range.
+/// Another form, an unknown unit, a number out of range.
 pub fn parse_angle_deg(what: &'static str, text: &str) -> Result<f64, ConfigError> {
     let allowed = "a number with its unit: 3.5deg, 210arcmin, 30arcsec";
     let degrees = with_unit(what, text, ANGLE_UNITS, allowed)?;
@@ -206,7 +207,7 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
     found.filter(|value| value.is_finite()).ok_or_else(|| bad(what, text, allowed))
 }
 
-/// A number that is allowed; what is not a number is refused by every range.
+/// Returns a number if it is allowed. NaN is outside every range.
 pub(super) fn in_range(
     what: &'static str,
     value: f64,
@@ -224,7 +225,7 @@ fn bad(what: &'static str, given: &str, allowed: &'static str) -> ConfigError {
     ConfigError::Value { what, given: given.to_owned(), allowed }
 }
 
-/// A time scale by name: `utc`, `tai` or `tt`, in any case.
+/// Returns a time scale by name: `utc`, `tai` or `tt`, in any case.
 ///
 /// # Errors
 /// Any other name.
@@ -262,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn bare_numbers_are_told_what_they_lack() {
+    fn numbers_without_a_unit_are_rejected() {
         let message = parse_duration_s("exposure", "30").unwrap_err().to_string();
         assert_eq!(message, "exposure 30 has no unit; allowed: a number with its unit: 30s, 2.5min, 1h");
         for text in ["", "s", "30m", "30x", "-1s", "nan s", "infs", "1e400s"] {
@@ -274,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_out_of_range_is_told_the_range() {
+    fn errors_of_range_have_the_range() {
         let message = |answer: Result<f64, ConfigError>| answer.unwrap_err().to_string();
         assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure -5 s: allowed 0 s or more");
         for (text, given) in [("0deg", "0"), ("-1deg", "-1"), ("181deg", "181")] {

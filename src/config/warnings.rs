@@ -4,32 +4,41 @@ use hifitime::{Epoch, TimeScale, Unit};
 
 use crate::elements::{ElementSet, RejectReason, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
-use crate::orbit::LeftOut;
 use crate::output::{counted, format_utc};
 use crate::passes::OrbitingObserver;
 
-/// Beyond this age, either way, element sets draw a warning, days.
+/// Largest difference between epoch and request without a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
-/// Beyond this age, either way, the elements of a telescope in orbit draw a warning, days.
+/// The same for the elements of a telescope in orbit, days.
 const OLD_OBSERVER_DAYS: f64 = 3.0;
 
 /// Number of objects named in a warning.
 const NAMED: usize = 3;
 
-/// Satellites without a position, of which there is a first.
-pub(super) fn of_left_out(left_out: &[LeftOut], first: &LeftOut, satellites: usize) -> String {
-    let named: Vec<String> = left_out.iter().take(NAMED).map(|one| one.norad_id.to_string()).collect();
-    let more = if left_out.len() > NAMED { ", ..." } else { "" };
+/// Warning of element sets that SGP4 cannot propagate to the time of the request.
+pub(super) fn of_left_out(left_out: usize, satellites: usize) -> String {
+    format!("{} of {} element sets cannot be propagated to this date", grouped(left_out), grouped(satellites))
+}
+
+/// Warning of simulated constellations.
+pub(super) fn of_simulated(names: &[&str], satellites: usize) -> String {
+    let noun = if names.len() == 1 { "constellation" } else { "constellations" };
     format!(
-        "{} of {} satellites left out ({}{more}); the first: {}",
-        left_out.len(),
-        satellites,
-        named.join(", "),
-        first.reason
+        "simulated {noun} {}: positions do not correspond to real satellites ({} satellites)",
+        names.join(", "),
+        grouped(satellites)
     )
 }
 
-/// Records rejected, files cut short, and records accepted in spite of a wrong checksum.
+/// Formats a count with commas between groups of three digits.
+fn grouped(count: usize) -> String {
+    let digits = count.to_string();
+    let groups: Vec<&str> =
+        digits.as_bytes().rchunks(3).rev().map(|group| std::str::from_utf8(group).unwrap_or_default()).collect();
+    groups.join(",")
+}
+
+/// Warnings of rejected records, truncated files, and records accepted despite a wrong checksum.
 pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
     let mut warnings = Vec::new();
     let rejected = catalogue.rejected.len();
@@ -39,27 +48,26 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
         let more = if rejected > NAMED { "; ..." } else { "" };
         let mut warning = format!("{rejected} of {} rejected", counted(records, "record", "records"));
         if 2 * rejected > records {
-            warning +=
-                ", more than half: the answer is incomplete, the satellites of these records are missing from it";
+            warning += ", more than half: the result is incomplete without the satellites of these records";
         }
         let is_checksum = |one: &&Rejected| matches!(one.reason, RejectReason::BadChecksum { .. });
         let checksums = catalogue.rejected.iter().filter(is_checksum).count();
         if checksums > 0 {
-            warning += &format!(" ({checksums} for a wrong checksum; --accept-bad-checksums takes those)");
+            warning += &format!(" ({checksums} with a wrong checksum; --accept-bad-checksums accepts these)");
         }
         warnings.push(format!("{warning}: {}{more}", named.join("; ")));
     }
     for name in cut_short(catalogue) {
-        warnings.push(format!("{name} ends with a broken record: it may have been cut short; fetch it again"));
+        warnings.push(format!("{name} ends with a broken record and may be truncated; fetch it again"));
     }
     let accepted: usize = catalogue.sources.iter().map(|source| source.bad_checksums_accepted).sum();
     if accepted > 0 {
-        warnings.push(format!("{} taken in spite of a wrong checksum", counted(accepted, "record", "records")));
+        warnings.push(format!("{} accepted despite a wrong checksum", counted(accepted, "record", "records")));
     }
     warnings
 }
 
-/// Element sets more than two weeks from the time of the question, either way.
+/// Warning of element sets with epochs more than two weeks before or after the request.
 pub(super) fn of_age(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     // All epochs are UTC: comparing their durations avoids leap seconds, and a server calls this with each answer.
@@ -69,38 +77,38 @@ pub(super) fn of_age(elements: &[ElementSet], first: Epoch, last: Epoch) -> Opti
     let farthest = old.iter().map(|set| days(set.epoch, first).max(days(last, set.epoch))).max_by(f64::total_cmp)?;
     Some(format!(
         "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
-         places and probabilities are uncertain to match",
+         positions and probabilities are correspondingly less certain",
         old.len(),
         elements.len(),
     ))
 }
 
-/// Synthetic satellites of a day more than two weeks from the time of the question, either way.
-pub(super) fn of_shells(made_for: Epoch, first: Epoch, last: Epoch) -> Option<String> {
+/// Warning of shells generated for a day more than two weeks before or after the request.
+pub(super) fn of_shells(generated_for: Epoch, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    let age_days = days(made_for, first).max(days(last, made_for));
+    let age_days = days(generated_for, first).max(days(last, generated_for));
     (age_days > OLD_ELEMENTS_DAYS).then(|| {
         format!(
-            "the shells were made for {}, {age_days:.1} days from the exposures: nobody can say where they would stand then",
-            day(made_for)
+            "the shells were generated for {}, {age_days:.1} days from the exposures: their positions are arbitrary at that time",
+            day(generated_for)
         )
     })
 }
 
-/// Position of the telescope in orbit from elements that are days old.
+/// Warning of old elements of a telescope in orbit.
 pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     let age_days = days(observer.elements_epoch(), last).max(days(first, observer.elements_epoch()));
     (age_days > OLD_OBSERVER_DAYS).then(|| {
         format!(
-            "the elements of the observer {} are {age_days:.1} days from the farthest exposure: its own place errs by kilometres, \
-             and with it every crossing",
+            "the elements of the observer {} are {age_days:.1} days from the farthest exposure: its position and all crossings \
+             have errors of kilometres",
             observer.name()
         )
     })
 }
 
-/// Times that the table of Earth orientation does not cover.
+/// Warning of times outside the table of Earth orientation.
 pub(super) fn of_orientation(eop: &EopTable, first: Epoch, last: Epoch) -> Option<String> {
     let uncovered = [first, last].map(|epoch| eop.status(epoch)).into_iter().find(|status| !status.is_covered())?;
     let why = match uncovered {
@@ -108,10 +116,10 @@ pub(super) fn of_orientation(eop: &EopTable, first: Epoch, last: Epoch) -> Optio
         EopStatus::TooEarly { first } => format!("the Earth orientation table begins {}", day(first)),
         _ => "there is no Earth orientation table".to_owned(),
     };
-    Some(format!("{why}: UT1 = UTC was taken (0.1 s of UT1 is 46 m at the equator); give a newer one with --eop"))
+    Some(format!("{why}: UT1 = UTC is used (0.1 s of UT1 is 46 m at the equator); specify a newer one with --eop"))
 }
 
-/// Files that end with a broken record.
+/// Returns the names of files that end with a broken record.
 pub(super) fn cut_short(catalogue: &Satellites) -> impl Iterator<Item = &str> {
     catalogue.sources.iter().filter(|source| source.cut_short).map(|source| source.name.as_ref())
 }

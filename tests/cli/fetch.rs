@@ -155,7 +155,8 @@ fn within_the_waiting_time_no_request_is_sent_and_the_cached_file_is_used() {
     let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T13:59:00Z", &[]);
     assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
     assert!(
-        stderr.contains("https://celestrak.org/usage-policy.php") && stderr.contains("not asked again for 1 min"),
+        stderr.contains("https://celestrak.org/usage-policy.php")
+            && stderr.contains("the next one is allowed in 1 min"),
         "{stderr}"
     );
     assert!(server.requests().is_empty());
@@ -282,7 +283,7 @@ fn no_failure_replaces_a_valid_file() {
         assert_eq!((code, stdout.as_str()), (2, ""), "{expected}: {stderr}");
         let error = stderr.lines().last().unwrap();
         assert!(error.starts_with("error: CelesTrak: ") && error.contains(expected), "{expected}: {stderr}");
-        assert!(error.contains("stays as it was; not asked again before 2024-08-14T14:00:00Z"), "{stderr}");
+        assert!(error.contains("is unchanged; next request allowed from 2024-08-14T14:00:00Z"), "{stderr}");
         assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"), "{expected}");
         let record = cache.record();
         assert_eq!(
@@ -294,7 +295,7 @@ fn no_failure_replaces_a_valid_file() {
         // The failure is remembered: the old file is used with a warning and no request is sent.
         let (code, stdout, stderr) = cache.run(&server.url, "2024-08-14T13:00:00Z", &[]);
         assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
-        assert!(stderr.contains("warning: CelesTrak was asked for this at 2024-08-14T12:00:00Z"), "{stderr}");
+        assert!(stderr.contains("warning: the last request to CelesTrak was at 2024-08-14T12:00:00Z"), "{stderr}");
         assert_eq!(server.requests().len(), 1);
         // No partial file remains.
         let left: Vec<_> = std::fs::read_dir(cache.folder())
@@ -319,7 +320,7 @@ fn failed_connections_start_no_waiting_time() {
         assert_eq!((code, stdout.as_str()), (2, ""), "{url}: {stderr}");
         let error = stderr.lines().last().unwrap();
         assert!(error.starts_with("error: CelesTrak: not reached: "), "{url}: {stderr}");
-        assert!(error.contains("stays as it was; it was not asked, and may be at once"), "{url}: {stderr}");
+        assert!(error.contains("is unchanged; no request was sent; you may retry now"), "{url}: {stderr}");
         assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
         assert_eq!(cache.record(), before, "{url}");
         // A minute later the network is available.
@@ -344,11 +345,14 @@ fn a_login_without_connection_starts_no_waiting_time() {
     let words = ["space-track", "--credentials", &account.display().to_string()];
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (code, _, stderr) = cache.source(&words, &format!("http://{gone}"), NOON, &[]);
-    assert!(code == 2 && stderr.contains("it was not asked, and may be at once"), "{stderr}");
+    assert!(code == 2 && stderr.contains("no request was sent; you may retry now"), "{stderr}");
     // A login that is received and then disconnected does.
     let server = Server::one(|_| {});
     let (code, _, stderr) = cache.source(&words, &server.url, NOON, &[]);
-    assert!(code == 2 && stderr.contains("no answer to the login") && stderr.contains("not asked again"), "{stderr}");
+    assert!(
+        code == 2 && stderr.contains("no response to the login") && stderr.contains("next request allowed"),
+        "{stderr}"
+    );
 }
 
 #[test]
@@ -488,5 +492,5 @@ fn a_request_without_a_response_starts_the_waiting_time() {
     std::fs::write(&path, record.to_string()).unwrap();
     let server = Server::new(Vec::new());
     let (code, _, stderr) = cache.run(&server.url, "2024-08-14T12:30:00Z", &[]);
-    assert!(code == 0 && stderr.contains("(asking) and is not asked again for 90 min"), "{stderr}");
+    assert!(code == 0 && stderr.contains("(asking); the next one is allowed in 90 min"), "{stderr}");
 }

@@ -184,12 +184,12 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (FIT.replace("--raw-points", "--jackknife 7") + " -o m.json", vec!["jackknife 7", "7 free parameters"]),
         (FIT.replace("--raw-points", "--nside 0") + " -o m.json", vec!["nside", "1 to 1024"]),
         (format!("{FIT} -o m.json --report -"), vec!["report -"]),
-        (format!("{FIT} -o m.json --report m.md --chains m-phase.png --mcmc 9 --burn-in 1"), vec!["named twice"]),
+        (format!("{FIT} -o m.json --report m.md --chains m-phase.png --mcmc 9 --burn-in 1"), vec!["given twice"]),
         (format!("{FIT} -o m.json --max-range-difference-km=-1"), vec!["max_range_difference_km", "0 or more"]),
         (format!("{FIT} -o m.json --elements-radius"), vec!["--elements"]),
-        (format!("{FIT} -o m.json --report ./m.json"), vec!["m.json is named twice"]),
-        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains ./m.json"), vec!["named twice"]),
-        (format!("{FIT} -o mmt.csv"), vec!["mmt.csv is named twice"]),
+        (format!("{FIT} -o m.json --report ./m.json"), vec!["m.json is given twice"]),
+        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains ./m.json"), vec!["given twice"]),
+        (format!("{FIT} -o mmt.csv"), vec!["mmt.csv is given twice"]),
         (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains nowhere/c.npz"), vec!["nowhere"]),
         (format!("{FIT} -o m.json --nside 8"), vec!["--nside", "--raw-points"]),
         (format!("{FIT} -o m.json --seed 3"), vec!["--mcmc"]),
@@ -199,7 +199,7 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (FIT.replace("--height-km 550", "") + " -o m.json", vec!["no geometry", "--height-km"]),
         (FIT.replace("fit run", "fit compare") + " --folds 1", vec!["folds 1", "2 or more"]),
         (FIT.replace("starlink-v1.5", "v2mini") + " -o m.json", vec!["v2mini", "two_panel or panels"]),
-        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "known are"]),
+        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "allowed: "]),
         (FIT.replace("mmt.csv", "missing.csv") + " -o m.json", vec!["missing.csv"]),
         (FIT.replace("mmt.csv", "empty.csv") + " -o m.json", vec!["empty.csv has no rows"]),
         (FIT.replace("mmt.csv", "unknown.csv") + " -o m.json", vec!["unknown.csv"]),
@@ -308,7 +308,7 @@ fn verif_poor_fits_are_reported_and_not_dropped() {
     let folder = folder();
     let (code, _, stderr) = run(folder.path(), &format!("{FIT} --free c3 --hold c5=1 --folds 0 -o bound.json"));
     assert_eq!(code, 1, "{stderr}");
-    assert!(stderr.contains("not sound: c3 stands at its bound 0"), "{stderr}");
+    assert!(stderr.contains("not sound: c3 is at its bound 0"), "{stderr}");
     let (code, _, stderr) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
     assert!(code < 2 && stderr.contains("cannot be held out in 5000 folds"), "{stderr}");
     assert!(folder.path().join("m.json").is_file());

@@ -131,8 +131,8 @@ fn verif_a_night_without_darkness_has_a_reason() {
     let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
     assert_eq!(code, 0);
     assert!(stdout.lines().filter(|line| !line.starts_with('#')).eq([HEADER]), "{stdout}");
-    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the Sun sinks to 11.6 deg at the lowest";
-    assert!(stderr.contains(why) && stderr.contains("and -6.0 deg was asked for"), "{stderr}");
+    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the lowest altitude of the Sun is 11.6 deg";
+    assert!(stderr.contains(why) && stderr.contains("above the limit of -6.0 deg"), "{stderr}");
     let answer = json(&[&["forecast"], polar]);
     assert!(answer["passes"].as_array().unwrap().is_empty());
     let night = &answer["night"][0];
@@ -201,7 +201,7 @@ fn verif_priors_are_reported() {
     let prior = |more: &[&str]| {
         let (code, stdout, stderr) = run(&[&arguments, &time, more]);
         assert_eq!(code, 0, "{stderr}");
-        let warning = stderr.lines().find(|line| line.contains("prior alone")).map(str::to_owned);
+        let warning = stderr.lines().find(|line| line.contains("only a wide prior")).map(str::to_owned);
         (records(&stdout), warning, stderr)
     };
     let (all, warning, _) = prior(&[]);
@@ -209,7 +209,8 @@ fn verif_priors_are_reported() {
     assert!(count > 1 && all[1..].iter().all(|row| &row[source] == "prior"), "{all:?}");
     let warning = warning.expect("a warning");
     assert!(
-        warning.starts_with("warning: ") && warning.contains(&format!("({count} passes shown); --qs-mag FILE")),
+        warning.starts_with("warning: ")
+            && warning.contains(&format!("({count} passes shown); specify standard magnitudes with --qs-mag FILE")),
         "{warning}"
     );
     // A limit slightly brighter than the faintest peak hides one pass; the message uses the singular.
@@ -218,11 +219,11 @@ fn verif_priors_are_reported() {
     peaks.sort_by(f64::total_cmp);
     let limit = (0.5 * (peaks[count - 2] + peaks[count - 1])).to_string();
     let (_, warning, _) = prior(&["--max-mag", &limit]);
-    let expected = format!("{} shown, 1 pass left out as fainter than mag {limit})", passes(count - 1));
+    let expected = format!("{} shown, 1 pass omitted as fainter than mag {limit})", passes(count - 1));
     assert!(warning.as_ref().is_some_and(|warning| warning.contains(&expected)), "{warning:?}: {expected}");
     let (_, warning, stderr) = prior(&["--max-mag", "-9"]);
     assert!(
-        warning.is_some_and(|warning| warning.contains(&format!("({count} passes left out as fainter than mag -9)")))
+        warning.is_some_and(|warning| warning.contains(&format!("({count} passes omitted as fainter than mag -9)")))
     );
     assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -9"), "{stderr}");
     // Satellites with a model are not reported.
@@ -296,7 +297,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
     let folder = tempfile::tempdir().unwrap();
     let elsewhere = path(&folder, "nowhere/x.csv");
     for (arguments, parts) in [
-        (&["--night", "14.8.2024"][..], &["night '14.8.2024' is not a date", "2024-08-14"][..]),
+        (&["--night", "14.8.2024"][..], &["invalid night '14.8.2024'", "2024-08-14"][..]),
         (&[], &["no time", "--night 2024-08-14"]),
         (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["allowed 0 to 31 days"]),
@@ -326,15 +327,18 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
             &["'parquet' needs a build with the cargo feature parquet"],
         ),
         (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
-        (&["--night", "2024-08-14", "--light-curves", "lc.foo"], &["lc.foo ends in no format", ".ecsv, .json"]),
+        (
+            &["--night", "2024-08-14", "--light-curves", "lc.foo"],
+            &["the extension of lc.foo is not a format", ".ecsv, .json"],
+        ),
         (
             &["--night", "2024-08-14", "-o", "x.png"],
-            &["x.png ends in no format", ".vot", ".ics, .tdm, .score", "--format"],
+            &["the extension of x.png is not a format", ".vot", ".ics, .tdm, .score", "--format"],
         ),
-        (&["--night", "2024-08-14", "--fov", "3deg"], &["--fov changes nothing of what passes over a site"]),
-        (&["--night", "2024-08-14", "--rotation", "3"], &["--rotation changes nothing"]),
-        (&["--night", "2024-08-14", "--telescope", "rubin"], &["--telescope changes nothing"]),
-        (&["--night", "2024-08-14", "--min-probability", "5"], &["--min-probability changes nothing"]),
+        (&["--night", "2024-08-14", "--fov", "3deg"], &["--fov has no effect on passes over a site"]),
+        (&["--night", "2024-08-14", "--rotation", "3"], &["--rotation has no effect"]),
+        (&["--night", "2024-08-14", "--telescope", "rubin"], &["--telescope has no effect"]),
+        (&["--night", "2024-08-14", "--min-probability", "5"], &["--min-probability has no effect"]),
         (
             &["--night", "2024-08-14", "--norad", "1", "99999"],
             &["none of the 4408 satellites has NORAD number 1 or 99999"],
@@ -361,7 +365,7 @@ fn verif_shadow_counts_passes_in_darkness_only() {
     let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
     assert_eq!(night["passes_in_shadow"], 0, "{night}");
     let why = night["why_empty"].as_str().unwrap();
-    assert!(why.starts_with("the one satellite does not stand above 10.0 deg while it is dark"), "{why}");
+    assert!(why.starts_with("the only satellite does not rise above 10.0 deg while it is dark"), "{why}");
     assert!(!json(&[&["forecast"], SKY, &evening, &["--include-dark"]])["passes"].as_array().unwrap().is_empty());
     // By brute force: all passes in a dark time span minus the visible ones; ten seconds at midnight, and the last
     // hours of a night.
@@ -391,7 +395,7 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
     let empty: &[&str] = &["--max-mag", "-8"];
     let calendar = done(&[NIGHT, SKY, PLANES, empty, &["--format", "ics", "--alarm", "5min"]]).replace("\r\n ", "");
     assert_eq!((calendar.matches("BEGIN:VEVENT").count(), calendar.matches("BEGIN:VALARM").count()), (1, 0));
-    for line in ["SUMMARY:No satellite to be seen over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
+    for line in ["SUMMARY:No visible satellite pass over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");

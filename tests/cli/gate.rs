@@ -132,12 +132,12 @@ fn exit_codes_and_counters_are_as_documented() {
 #[test]
 fn usage_errors_have_exit_code_2_always() {
     for (arguments, part) in [
-        (&[GATE][..], "no pointing; say --ra and --dec"),
+        (&[GATE][..], "missing pointing; specify --ra and --dec"),
         (&[GATE, &["--ra", "10"]], "--dec"),
         (&[&GATE[..7], POINTING], "no length of the exposure"),
         (&[GATE, POINTING, &["--max-wait", "90"]], "max-wait 90 has no unit"),
         (&[GATE, POINTING, &["--max-wait", "25h"]], "allowed 0 to 86400 s"),
-        (&[GATE, POINTING, &["--now", "yesterday"]], "'yesterday' is not a time"),
+        (&[GATE, POINTING, &["--now", "yesterday"]], "invalid time 'yesterday'"),
         (&[GATE, &["--ra", "25h", "--dec", "0"]], "25h"),
         (&[GATE, POINTING, &["--stdin", "nina"]], "nina"),
         (&[&["gate", "--mpc", "X05", "--fov", "1deg", "--exposure", "1s"], POINTING], "no satellites"),

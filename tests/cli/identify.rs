@@ -81,9 +81,9 @@ fn invalid_streaks_give_one_line() {
     let with = |words: &[&'static str]| [words.to_vec(), shutter.to_vec()].concat();
     #[cfg_attr(not(feature = "fits"), allow(unused_mut))]
     let mut cases: Vec<(Vec<&str>, &str)> = vec![
-        (shutter.to_vec(), "no streak; say --end RA,DEC twice"),
-        (with(&["--end", "1,2"]), "--end was said once; allowed: twice"),
-        (with(&["--end", "1,2", "--end", "1,2"]), "both ends of the streak are at one place"),
+        (shutter.to_vec(), "missing streak; specify --end RA,DEC twice"),
+        (with(&["--end", "1,2"]), "--end is given once; allowed: twice"),
+        (with(&["--end", "1,2", "--end", "1,2"]), "both ends of the streak are at the same position"),
         (with(&["--end", "1;2", "--end", "1,2"]), "end '1;2' is no place"),
         (with(&["--end", "1,2", "--end", "400,2"]), "is not a right ascension"),
         (
@@ -97,12 +97,12 @@ fn invalid_streaks_give_one_line() {
             "times: the second is 0 s after",
         ),
         (with(&["--end", "1,2", "--end", "2,3", "--place-sigma", "5"]), "has no unit"),
-        (with(&["--end", "1,2", "--end", "2,3", "--fov", "3deg"]), "--fov changes nothing"),
+        (with(&["--end", "1,2", "--end", "2,3", "--fov", "3deg"]), "--fov has no effect"),
         (with(&["--end", "10,80", "--end", "11,80"]), "the streak is below the horizon of Rubin Observatory"),
         (with(&["--end", "1,2", "--end", "2,3", "--top", "0"]), "top 0; allowed: 1 or more"),
         (with(&["--ra", "1", "--dec", "2", "--position-angle", "400"]), "position angle 400"),
         (with(&["--ra", "1", "--dec", "2", "--position-angle", "4", "--whole-streak"]), "a streak of known length"),
-        ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: 'circle' is not read"),
+        ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: unsupported shape 'circle'"),
         (with(&["--region", "missing.reg"]), "missing.reg"),
     ];
     #[cfg(feature = "fits")]
@@ -142,7 +142,7 @@ fn valid_a_frame_provides_position_and_time() {
         let elements = data.join("tle").join(file).display().to_string();
         let sky = ["identify", "--elements", &elements, "--mpc", "W84", "-q", "--image", &frame];
         let (code, _, stderr) = run(&[&sky, &["--from-pix", "1,68.5", "--to-pix", "68.02,1"]]);
-        assert!(code == 2 && stderr.contains("images; say which: --hdu"), "{stderr}");
+        assert!(code == 2 && stderr.contains("images; specify one with --hdu"), "{stderr}");
         let hdu = hdu_of_s28(&frame).to_string();
         for (from, to, outside) in [("1,68.5", "71,-2", "71,-2"), ("0.4,68.5", "68,1", "0.4,68.5")] {
             let (code, _, stderr) = run(&[&sky, &["--hdu", &hdu, "--from-pix", from, "--to-pix", to]]);

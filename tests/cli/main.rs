@@ -13,6 +13,8 @@ mod fetch;
 mod fit;
 mod forecast;
 mod gate;
+#[cfg(all(feature = "fit", feature = "fits", feature = "plot", feature = "serve", feature = "fetch"))]
+mod help;
 #[cfg(feature = "cli")]
 mod identify;
 #[cfg(all(feature = "cli", feature = "fits"))]

@@ -132,7 +132,10 @@ fn verif_the_papers_figures_in_another_band() {
     let (code, _, stderr) = run(&[&paper, &["--threads", "1"]]);
     assert_eq!(code, 0, "{stderr}");
     assert!(stderr.contains("warning: model prior:mine is provisional"), "{stderr}");
-    assert!(stderr.contains("warning: the configuration's extinction has no part in the paper's figures"), "{stderr}");
+    assert!(
+        stderr.contains("warning: extinction of the configuration has no effect on the paper's figures"),
+        "{stderr}"
+    );
     let figure = fs::read_to_string(folder.path().join("figures/figure-7.svg")).unwrap();
     assert!(figure.contains("r (AB)"));
     assert_eq!(run(&[&paper, &["--quiet"]]).2, "");
@@ -151,7 +154,7 @@ fn verif_fits_by_format_or_by_name() {
         assert!(bytes.starts_with(b"SIMPLE  =") && bytes.len() > 12 * 256 * 16, "{name}: {}", bytes.len());
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
-    fails(&[SKY, &["--format", "fits"]], &["needs a file; say -o"]);
+    fails(&[SKY, &["--format", "fits"]], &["needs an output file; specify -o"]);
     let path = folder.path().join("x.fits").display().to_string();
     fails(&[SKY, &["--step-deg", "1", "-o", &path]], &["--nside 64 instead of --step-deg"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
@@ -185,7 +188,10 @@ fn verif_invalid_arguments() {
     fails(&[&["map", "sky", "--model", "v1.5"], &out], &["--sun-altitude-deg"]);
     #[cfg(feature = "plot")]
     {
-        fails(&[SKY, &["--picture", "map.gif"], &out], &["picture map.gif: its name must end in .png or .svg"]);
+        fails(
+            &[SKY, &["--picture", "map.gif"], &out],
+            &["invalid picture name map.gif: expected a name that ends in .png or .svg"],
+        );
         fails(&[SKY, &["--picture", "no/such/folder/map.png"], &out], &["no/such/folder"]);
         fails(&[&["map", "paper", "-o", "no/such/folder"]], &["cannot make the folder no/such/folder"]);
     }
@@ -220,16 +226,17 @@ fn verif_file_name_extensions() {
     assert!(fs::read_to_string(path("a.JSON")).unwrap().starts_with('{'));
     fs::remove_file(path("a.JSON")).unwrap();
 
-    fails(&[SKY, &["-o", &path("a.fits.gz")]], &["nothing is compressed here; say", "a.fits"]);
+    fails(&[SKY, &["-o", &path("a.fits.gz")]], &["compressed output is not supported; specify", "a.fits"]);
     #[cfg(feature = "plot")]
     fails(&[SKY, &["-o", &path("a.PNG")]], &["pictures are made by --picture", "a.PNG"]);
     #[cfg(feature = "plot")]
     fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["pictures are made by --picture"]);
     fails(&[SKY, &["-o", &path("a.csv"), "--format", "fits"]], &["format fits in a file", "should end in .fits"]);
     fails(&[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]], &["format ecsv in a file", "should end in .ecsv"]);
+    #[cfg(not(feature = "parquet"))]
     fails(
         &[SKY, &["--format", "parquet"]],
-        &["'parquet' is not known; allowed: table, csv, ecsv, json, jsonl, votable, fits"],
+        &["unknown format 'parquet'; allowed: table, csv, ecsv, json, jsonl, votable, fits"],
     );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -266,7 +273,10 @@ fn verif_a_configuration() {
     let (code, stdout, stderr) = run(&[SKY, &with]);
     let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
     assert_eq!((code, &json["provenance"]["band"], json["directions"][0].is_object()), (0, &"r".into(), true));
-    assert!(stderr.contains("warning: the configuration's sun_distance has no part in a map of the sky"), "{stderr}");
+    assert!(
+        stderr.contains("warning: sun_distance of the configuration has no effect on a map of the sky"),
+        "{stderr}"
+    );
     // Flags take precedence, including the file name extension.
     assert!(answers(&[SKY, &with, &["--format", "csv"]]).contains("healpix_cell,azimuth_deg"));
     let table = path("sky.csv");
@@ -283,7 +293,7 @@ fn verif_a_configuration() {
     assert!(!run(&[SKY, &["--config", &air, "--step-deg", "5"]]).2.contains("no part"));
 
     let space = config("space.toml", "observer_norad = 20580\nobserver_elements = 'hst.tle'\n");
-    fails(&[SKY, &["--config", &space]], &["observer is in orbit", "say --site, --mpc or --lat"]);
+    fails(&[SKY, &["--config", &space]], &["observer of the configuration is in orbit", "--site, --mpc, or --lat"]);
     answers(&[SKY, &["--config", &space, "--mpc", "X05", "--step-deg", "5"]]);
     answers(&[BODY, &["--config", &space, "--step-deg", "5"]]);
 }
@@ -312,7 +322,7 @@ fn verif_a_model_is_a_name_or_a_path() {
         "{}",
         here("no/such/model")[1]
     );
-    assert!(here("nope")[1].contains("unknown model 'nope', and no file has that name; known are"));
+    assert!(here("nope")[1].contains("unknown model 'nope', and no file of that name; allowed:"));
 }
 
 #[cfg(feature = "fits")]

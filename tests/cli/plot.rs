@@ -128,7 +128,7 @@ fn verif_an_empty_night_is_labelled() {
     fs::write(&file, text).unwrap();
     drawn(&folder, "empty", &[&["night", "--from", &file]], 0);
     let texts = svg_texts(&path(&folder, "empty.svg"));
-    assert!(texts.contains(&"no exposure of this night is struck".to_owned()), "{texts:?}");
+    assert!(texts.contains(&"no exposure of this night has a streak".to_owned()), "{texts:?}");
     // Without a site there is neither twilight nor a local clock.
     assert!(!texts.iter().any(|text| text.contains("local") || text.contains("twilight")), "{texts:?}");
 }
@@ -335,7 +335,7 @@ fn verif_residuals_are_observed_less_computed() {
         &[&["residuals", "--model", "nonesuch", "--from", &file, "-o", &path(&folder, "x.png")]],
         &["unknown model 'nonesuch'"],
     );
-    let what = ["points.csv: invalid .npz", "allowed: chains written by fit run --mcmc"];
+    let what = ["points.csv: invalid .npz", "expected a chain written by fit run --mcmc"];
     fails(&[&["corner", "--chains", &file, "-o", &path(&folder, "x.png")]], &what);
     let (_, list, _) = run(&[&["plot", "--list"]]);
     assert!(list.contains("a table of fit reduce") && !list.contains("fit photometry"), "{list}");
@@ -382,8 +382,8 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
         &[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "--data", &path(&folder, "d.txt")]],
         &["d.txt", "must end in .ecsv"],
     );
-    fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["said twice"]);
-    fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["does not say which exposure"]);
+    fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["given twice"]);
+    fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["has no statement of its exposure"]);
     fails(
         &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],
         &["invalid value '30'", "--utc-offset", "from -14:00 to +14:00"],
@@ -509,7 +509,7 @@ fn metadata_of_a_table_are_drawn_again() {
     )
     .unwrap();
     let (code, _, stderr) = run(&[&["plot", "night", "--from", &without, "-o", &bare]]);
-    assert!(code == 0 && stderr.contains("no site was said, and the table names none"), "{stderr}");
+    assert!(code == 0 && stderr.contains("no site is given, and the table has none"), "{stderr}");
 }
 
 /// Rates over right ascension and declination: all directions reached by the site, means over the dark hours, redrawn

@@ -185,7 +185,11 @@ fn warnings_of_the_command_line_are_in_the_responses() {
     }
     // Shells are computed for the day of the schedule: other days are reported.
     let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
-    assert!(answer["warnings"].to_string().contains("the shells were made for 2026-08-14"), "{}", answer["warnings"]);
+    assert!(
+        answer["warnings"].to_string().contains("the shells were generated for 2026-08-14"),
+        "{}",
+        answer["warnings"]
+    );
     let answer = shared().json(&format!("/api/v1/exposure?{FIRST}"));
     assert_eq!(answer["warnings"], shared().json("/api/v1/night")["warnings"]);
     assert_eq!(answer["warnings"].as_array().unwrap().len(), 1);
@@ -194,7 +198,11 @@ fn warnings_of_the_command_line_are_in_the_responses() {
         assert_eq!((&same["warnings"], &same["left_out_count"]), (&answer["warnings"], &json!(0)), "{target}");
     }
     let later = shared().json("/fov/satellites-above-horizon/?site=rubin&julian_date=2465000.5");
-    assert!(later["warnings"].to_string().contains("the shells were made for 2026-08-14"), "{}", later["warnings"]);
+    assert!(
+        later["warnings"].to_string().contains("the shells were generated for 2026-08-14"),
+        "{}",
+        later["warnings"]
+    );
 }
 
 /// Other requests about satellites, for the first exposure.

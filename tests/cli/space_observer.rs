@@ -77,16 +77,22 @@ fn the_observer_is_specified_once() {
     fs::write(&two, fs::read_to_string(OBSERVER).unwrap() + other).unwrap();
     let pointing = ["--ra", "10", "--dec", "20"];
     for (more, expected) in [
-        (&["--observer-elements", OBSERVER, "--mpc", "X05"][..], "exclude each other; say one of them"),
-        (&["--observer-norad", "90001", "--lat", "3", "--lon", "4"], "exclude each other; say one of them"),
-        (&["--observer-norad", "90001"], "no elements of the telescope in orbit; say --observer-elements FILE"),
+        (&["--observer-elements", OBSERVER, "--mpc", "X05"][..], "exclude each other; specify one of them"),
+        (&["--observer-norad", "90001", "--lat", "3", "--lon", "4"], "exclude each other; specify one of them"),
+        (
+            &["--observer-norad", "90001"],
+            "missing elements of the telescope in orbit; specify --observer-elements FILE",
+        ),
         (&["--observer-elements", OBSERVER, "--observer-norad", "5"], "no element set of the observer 5 among 1"),
-        (&["--observer-elements", &two, "--accept-bad-checksums"], "hold 2 objects; say which with --observer-norad"),
+        (
+            &["--observer-elements", &two, "--accept-bad-checksums"],
+            "contain 2 objects; specify one with --observer-norad",
+        ),
         (&["--observer-elements", "nowhere.tle"], "nowhere.tle"),
         (&["--observer-elements", OBSERVER, "--limb-height-km=-3"], "limb-height-km -3 km: allowed 0 to 1000 km"),
         (&["--observer-elements", OBSERVER, "--limb-height-km", "900"], "km, below the limb height of 900 km; allowed"),
-        (&["--mpc", "X05", "--limb-height-km", "3"], "say --observer-elements FILE or --observer-norad ID"),
-        (&["--mpc", "X05", "--shadow", "round"], "shadow 'round' is not known; allowed: geometric, atmosphere"),
+        (&["--mpc", "X05", "--limb-height-km", "3"], "specify --observer-elements FILE or --observer-norad ID"),
+        (&["--mpc", "X05", "--shadow", "round"], "invalid shadow 'round'; allowed: geometric, atmosphere"),
     ] {
         let (code, _, stderr) = run(&[&["passes"], SHELLS, EXPOSURE, &pointing, more]);
         assert_eq!(code, 2, "{more:?}");

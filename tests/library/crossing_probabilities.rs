@@ -8,14 +8,14 @@ use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::orbit::{OrbitClass, OrbitUncertainty, uncertainty};
+use streakcast::orbit::{DragModel, OrbitClass, OrbitUncertainty, uncertainty};
 use streakcast::passes::{CrossingProbability, Exposure, Field, ModelChoice, Pass, PassOptions, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice)
+    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice).with_drag(DragModel::Published)
 }
 
 /// Satellites of a shell as if their elements were published, `age_days` before the exposures.
@@ -49,7 +49,7 @@ fn moved(set: &ElementSet, sigma: OrbitUncertainty, [late, inclination, node]: [
 /// The same satellites with errors drawn once.
 fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<ElementSet> {
     let of = |set: &ElementSet| {
-        let sigma = uncertainty(OrbitClass::of(set), age_days);
+        let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), age_days);
         moved(set, sigma, [draws.normal(), draws.normal(), draws.normal()])
     };
     elements.iter().map(of).collect()
@@ -108,7 +108,7 @@ fn verif_probabilities_of_old_elements_are_lower_limits() {
     let mut draws = Random(20_261_121);
     let exposures = exposures(start, 360, &mut draws);
     let elements = published(AGE_DAYS, exposures[180].start, 1584);
-    let sigma_s = uncertainty(OrbitClass::of(&elements[0]), AGE_DAYS).along_track_s;
+    let sigma_s = uncertainty(OrbitClass::of(&elements[0], DragModel::Published), AGE_DAYS).along_track_s;
     assert!(sigma_s > 500.0, "{sigma_s}");
     let found = sky(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
     assert!(found.iter().flatten().all(|one| one.is_lower_limit) && found.iter().flatten().count() > 300);
@@ -227,7 +227,7 @@ fn verif_single_satellites_against_the_sum_over_their_errors() {
     for (exposure, found) in exposures.iter().zip(&found) {
         for one in found.iter().filter(|one| one.probability > 0.2) {
             let set = &elements[one.element_index];
-            let sigma = uncertainty(OrbitClass::of(set), AGE_DAYS);
+            let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), AGE_DAYS);
             let (mut copies, mut weights) = (Vec::new(), Vec::new());
             for number in 0..DELAYS {
                 let step = 2.0 * REACH_SIGMAS / DELAYS as f64;

@@ -269,7 +269,7 @@ try {
     const expected = await agrees(page);
     assert.equal(expected.verdict, "avoid");
     // Warnings of the command line are shown at the top.
-    assert.match(await page.textContent("#warnings li"), /^Warning: 4408 satellites are synthetic \(shells starlink-gen1\)/);
+    assert.match(await page.textContent("#warnings li"), /^Warning: simulated constellation starlink-gen1: .* \(4,408 satellites\)/);
     assert.ok(await page.isVisible("#warnings"));
     assert.equal(await page.getAttribute("#night", "aria-valuetext"), "night-01, 1 of 21, avoid, 23:29 UTC");
     await page.close();
@@ -487,7 +487,7 @@ try {
     await page.route(/\/api\/v1\/dome/, async (route) => {
       const response = await route.fetch();
       const json = await response.json();
-      json.warnings = [...json.warnings.map((text) => text.replace("4408", "4407")), "3 of 4408 satellites left out"];
+      json.warnings = [...json.warnings.map((text) => text.replace("4,408", "4,407")), "3 of 4408 satellites left out"];
       await route.fulfill({ response, json });
     });
     await page.click("#after");

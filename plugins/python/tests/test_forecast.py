@@ -161,7 +161,7 @@ def test_the_old_method_gives_the_same_passes(sky):
 
 def test_invalid_arguments_are_reported(sky):
     cases = [
-        (dict(night="14.8.2026"), "night '14.8.2026' is not a date; allowed: the evening's local date"),
+        (dict(night="14.8.2026"), "invalid night '14.8.2026'; allowed: the local date of the evening"),
         (dict(), "specify either night, or start and end"),
         (dict(night=[]), "night is empty; allowed"),
         (dict(night=NIGHT, start=START, end=START), "specify either night, or start and end"),
@@ -172,7 +172,7 @@ def test_invalid_arguments_are_reported(sky):
         (dict(night=NIGHT, max_mag=float("nan")), "max_mag is nan"),
         (dict(night=NIGHT, samples=20_000), "samples 20000; allowed: 0 to 10000"),
         (dict(night=NIGHT, samples=-1), "samples -1; allowed: 0 or more"),
-        (dict(night=NIGHT, generation="starlink"), "generation 'starlink' is not known; allowed: .*starlink-v2mini"),
+        (dict(night=NIGHT, generation="starlink"), "unknown generation 'starlink'; allowed: .*starlink-v2mini"),
         (dict(night=NIGHT, name="ISS (ZARYA)"), "none of the 4408 satellites has a name with ISS"),
         (dict(night=NIGHT, norad=0), "norad 0; allowed: 1 or more"),
         (dict(night=NIGHT, norad=10**10), "1 to 999999999"),

@@ -1,4 +1,4 @@
-//! Flags that several verbs share beside those of [`Config`].
+//! Flags that several verbs share in addition to those of [`Config`].
 
 use std::path::PathBuf;
 
@@ -8,28 +8,28 @@ use streakcast::config::Config;
 
 use crate::output::Output;
 
-/// Largest offset of a clock from UTC, hours.
-const FARTHEST_CLOCK_H: f64 = 14.0;
+/// Largest offset of a local clock from UTC, hours.
+const MAX_UTC_OFFSET_H: f64 = 14.0;
 
 #[derive(Args)]
 pub struct OutputArguments {
-    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable; parquet in builds that have it
+    /// Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional parquet
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
-    /// File to write, whole or not at all; standard output if omitted
+    /// Output file; standard output if omitted
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
 }
 
 impl OutputArguments {
-    /// Opens the output in the format given, else that of the configuration.
+    /// Opens the output in the given format, else that of the configuration.
     pub fn open(self, config: &Config) -> anyhow::Result<Output> {
         Output::new(self.format.as_deref().or(config.format.as_deref()), self.output)
     }
 }
 
-/// Rejects flags of a camera, which have no effect without one; `of_what` is the subject of the message.
-pub fn reject_camera(flags: &Config, of_what: &str) -> anyhow::Result<()> {
+/// Rejects flags of a camera, which have no effect without one; `subject` is what the flags do not affect.
+pub fn reject_camera(flags: &Config, subject: &str) -> anyhow::Result<()> {
     let given = [
         ("--fov", flags.fov.is_some()),
         ("--field", flags.field.is_some()),
@@ -38,7 +38,7 @@ pub fn reject_camera(flags: &Config, of_what: &str) -> anyhow::Result<()> {
         ("--min-probability", flags.min_probability.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
-        Some((flag, _)) => Err(anyhow!("{flag} changes nothing of {of_what}; leave it out")),
+        Some((flag, _)) => Err(anyhow!("{flag} has no effect on {subject}; omit it")),
         None => Ok(()),
     }
 }
@@ -47,8 +47,8 @@ pub fn reject_camera(flags: &Config, of_what: &str) -> anyhow::Result<()> {
 pub fn utc_offset_h(text: &str) -> Result<f64, String> {
     let hours = if text.eq_ignore_ascii_case("z") { Some(0.0) } else { signed_hours(text) };
     hours
-        .filter(|hours| (-FARTHEST_CLOCK_H..=FARTHEST_CLOCK_H).contains(hours))
-        .ok_or_else(|| "allowed: hours ahead of UTC from -14:00 to +14:00, as +01:00 or -4.5".to_owned())
+        .filter(|hours| (-MAX_UTC_OFFSET_H..=MAX_UTC_OFFSET_H).contains(hours))
+        .ok_or_else(|| "allowed: hours ahead of UTC from -14:00 to +14:00, for example +01:00 or -4.5".to_owned())
 }
 
 fn signed_hours(text: &str) -> Option<f64> {

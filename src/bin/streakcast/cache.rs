@@ -1,25 +1,25 @@
-//! The cache of fetched elements: what is kept beside a file of it, where that came from, and when its source may be asked again.
+//! Cache of fetched elements: files with sidecars for their provenance and the time of the next allowed request.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use serde::{Deserialize, Serialize};
 
-/// In the system's folder for caches.
+/// Folder of the program in the cache folder of the system.
 const CACHE_FOLDER: &str = "streakcast";
-/// The end of a sidecar's name.
+/// Suffix of a sidecar's name.
 const SIDECAR: &str = ".fetch.json";
 
-/// The sidecar of a cached file (JSON): its provenance, and what its source last said.
+/// Sidecar of a cached file (JSON): its provenance, and the last response of its source.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FetchRecord {
     pub source: String,
     pub url: String,
     pub policy: String,
-    /// When the file came; empty where none has yet.
+    /// Time of the download; `None` before the first one.
     pub fetched_utc: Option<String>,
-    /// Of the bytes in the file, as sha256sum prints it.
+    /// SHA-256 of the file, in hexadecimal digits.
     pub sha256: Option<String>,
     pub bytes: Option<u64>,
     pub format: Option<String>,
@@ -29,11 +29,11 @@ pub struct FetchRecord {
     pub last_epoch_utc: Option<String>,
     pub etag: Option<String>,
     pub last_modified: Option<String>,
-    /// When the source was last asked, whatever it said.
+    /// Time of the last request.
     pub asked_utc: Option<String>,
-    /// What it said, in words; `asking` while an answer is awaited.
+    /// Response in words; `asking` until it arrives.
     pub answer: Option<String>,
-    /// It is not asked again before.
+    /// Earliest time of the next request.
     pub not_before_utc: Option<String>,
 }
 
@@ -44,23 +44,23 @@ impl FetchRecord {
         file.with_file_name(name)
     }
 
-    /// The sidecar of a file; `None` where there is none, or one that cannot be read (which is then written anew).
+    /// Reads the sidecar of a file; `None` if it does not exist or cannot be read (it is then replaced).
     pub fn read(file: &Path) -> Option<Self> {
         serde_json::from_slice(&std::fs::read(Self::path_beside(file)).ok()?).ok()
     }
 }
 
-/// The folder said, else that of the system.
-pub fn cache_folder(said: Option<&Path>) -> anyhow::Result<PathBuf> {
-    match said {
+/// Returns the given folder, else that of the system.
+pub fn cache_folder(given: Option<&Path>) -> anyhow::Result<PathBuf> {
+    match given {
         Some(folder) => Ok(folder.to_owned()),
         None => etcetera::base_strategy::choose_native_strategy()
             .map(|system| etcetera::BaseStrategy::cache_dir(&system).join(CACHE_FOLDER))
-            .map_err(|_| anyhow!("this system has no folder for caches; say --cache FOLDER")),
+            .map_err(|_| anyhow!("this system has no cache folder; specify --cache FOLDER")),
     }
 }
 
-/// Every file in a cache that has a sidecar, or whose sidecar says why there is none, by name.
+/// Returns the sidecars of a folder with their files, sorted by name. The file of a failed request may be missing.
 pub fn records_in(folder: &Path) -> Vec<(PathBuf, FetchRecord)> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut found: Vec<(PathBuf, FetchRecord)> = entries

@@ -11,16 +11,16 @@ use clap::error::ErrorKind;
 pub enum Outcome {
     /// Exit code 0.
     Done,
-    /// Exit code 1: the answer to the question of a script is no (no passes, a streaked schedule).
+    /// Exit code 1: a negative result for scripts (no passes, a streaked schedule).
     No,
 }
 
-/// The exit code of an outcome; an error is printed on one line and ends with 2.
+/// Returns the exit code of an outcome. An error is printed on one line, with exit code 2.
 pub fn exit_code(outcome: anyhow::Result<Outcome>) -> ExitCode {
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::No) => ExitCode::from(1),
-        // A reader that has seen enough (`| head`) is no failure.
+        // A reader that closes the pipe early (`| head`) is not a failure.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             report(&error.to_string());
@@ -41,7 +41,7 @@ fn report(message: &str) {
     let _ = io::Write::write_all(&mut io::stderr(), format!("error: {}\n", message.join(" ")).as_bytes());
 }
 
-/// Prints help and version on standard output, an error of usage on one line of standard error.
+/// Prints help and version on standard output, and a usage error on one line of standard error.
 pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
     match error.kind() {
         ErrorKind::DisplayHelp | ErrorKind::DisplayVersion => {
@@ -71,12 +71,12 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
     }
 }
 
-/// Returns the names of subcommands that are allowed in place of an unknown one.
+/// Returns the names of the allowed subcommands after an unknown one.
 fn allowed_names(error: &clap::Error, mut command: Command) -> Option<String> {
     if error.kind() != ErrorKind::InvalidSubcommand {
         return None;
     }
-    // Verbs stand first: the first other word is the unknown one.
+    // Verbs come first: the first other word is the unknown one.
     for word in std::env::args_os().skip(1) {
         let Some(inner) = command.find_subcommand(word) else { break };
         command = inner.clone();

@@ -1,16 +1,18 @@
-//! Command line: reads flags, calls the library, prints its answers.
+//! Command line: reads flags, calls the library, prints the results.
 
 mod arguments;
 mod cache;
 mod failure;
+mod help;
 mod notices;
 mod output;
+mod required;
 mod screen;
 mod verbs;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{exit_code, report_usage};
 use verbs::annotate::AnnotateArguments;
@@ -37,7 +39,7 @@ use verbs::serve::ServeArguments;
 use verbs::statistics::StatisticsArguments;
 use verbs::windows::WindowsArguments;
 
-/// Satellites crossing astronomers' exposures: which, when, where and how bright.
+/// Predicts satellites that cross astronomical exposures: which, when, where and how bright.
 #[derive(Parser)]
 #[command(name = "streakcast", version, arg_required_else_help = true, propagate_version = true)]
 struct Arguments {
@@ -47,55 +49,57 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Verb {
-    /// Every satellite that crosses the field during one exposure, with times, track and magnitude
+    /// List the satellites that cross the field during one exposure, with times, tracks and magnitudes
     Passes(Box<PassesArguments>),
-    /// One verdict for each exposure of a schedule, with reasons and the next clear start
+    /// Give a verdict for each exposure of a schedule, with reasons and the next clear start
     Flag(Box<FlagArguments>),
-    /// The schedule file with all its cells unchanged, and flags and streaks beside them
+    /// Write the schedule file again with its cells unchanged and added verdicts and streaks
     Annotate(Box<AnnotateArguments>),
-    /// Time windows in which targets can be exposed without any satellite that matters
+    /// Find time windows in which targets can be exposed without a crossing above the limits
     Windows(Box<WindowsArguments>),
-    /// Every visible pass of a night: rise, culmination, set, shadow, peak magnitude
+    /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
-    /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
+    /// Wait until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
-    /// Satellites that may have made a measured streak: ranked candidates
+    /// Identify the satellite of a measured streak: ranked candidates
     Identify(Box<IdentifyArguments>),
-    /// Maps of magnitude over a satellite's own sky and over that of a site
+    /// Map magnitudes over the sky of a site or over the directions around a satellite
     Map(MapArguments),
-    /// Pictures: nights, fields, light curves, skies, fits, as PNG and SVG with their data beside
+    /// Plot nights, fields, light curves, skies and fits as PNG or SVG, with data files
     #[cfg(feature = "plot")]
     Plot(Box<PlotArguments>),
-    /// Streaks of satellites, or random ones, put into frames, with masks and their truth
+    /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables
     #[cfg(feature = "fits")]
     Inject(Box<InjectArguments>),
-    /// Element sets from CelesTrak, Space-Track or SatChecker into a cache, politely
+    /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
     #[cfg(feature = "fetch")]
     Fetch(Box<FetchArguments>),
-    /// From photometry to a brightness model
+    /// Fit a brightness model to photometry
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
-    /// A web page and an HTTP API on this machine: the night of a schedule, and the effect of other start times
+    /// Serve a web page and an HTTP API for a schedule: its nights, and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
-    /// How many satellites are lit over a site, how bright, and how many trails an exposure gets
+    /// Count sunlit satellites over a site, their magnitudes, and the trails per exposure
     Statistics(Box<StatisticsArguments>),
-    /// Counts of a paper beside ours
+    /// Compare published counts of satellites with computed ones
     Reproduce(ReproduceArguments),
-    /// The brightness models: list, show, check
+    /// List, show and check brightness models
     Model(ModelArguments),
-    /// Config check for tonight: element ages, Earth orientation, clock, site, models, cache
+    /// Check the setup: element ages, Earth orientation, clock, site, models, cache
     Doctor(Box<DoctorArguments>),
-    /// The observatories known by name and MPC code
+    /// List the observatories by name and MPC code
     Sites(ListArguments),
-    /// The synthetic constellations for --shells
+    /// List the simulated constellations for --shells
     Shells(ListArguments),
 }
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let command = help::complete(Arguments::command());
+    let matches = command.clone().try_get_matches();
+    let arguments = match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => arguments,
-        Err(error) => return report_usage(&error, Arguments::command()),
+        Err(error) => return report_usage(&error, command),
     };
     exit_code(match arguments.verb {
         Verb::Passes(typed) => verbs::passes::run(*typed),

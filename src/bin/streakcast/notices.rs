@@ -1,56 +1,80 @@
-//! What goes to standard error beside the data: warnings, summaries, progress.
+//! Messages on standard error: warnings, summaries, progress.
 
 use std::io::{IsTerminal, Write, stderr};
 use std::time::Duration;
 
+use hifitime::Epoch;
 use indicatif::{ProgressBar, ProgressStyle};
+use streakcast::config::PreparedSky;
+use streakcast::orbit::LeftOut;
 
-/// Work below this many exposures is over before a bar could be read.
+/// Least number of exposures for a progress bar.
 const LONG_WORK: usize = 2000;
 
-/// Standard error, unless the user wants none.
+/// Writer of messages to standard error.
 pub struct Notices {
     quiet: bool,
+    verbose: bool,
 }
 
 impl Notices {
-    /// `quiet` keeps everything but errors away.
+    /// Returns a writer; `quiet` suppresses everything except errors.
     pub fn new(quiet: bool) -> Self {
-        Self { quiet }
+        Self { quiet, verbose: false }
+    }
+
+    /// Sets whether warnings with a count list all their satellites.
+    pub fn with_details(self, verbose: bool) -> Self {
+        Self { verbose, ..self }
     }
 
     /// Prints warnings, one a line.
     pub fn warn<'a>(&self, warnings: impl IntoIterator<Item = &'a String>) {
         for warning in warnings {
-            self.say(&format!("warning: {warning}"));
+            self.info(&format!("warning: {warning}"));
         }
     }
 
+    /// Prints a warning of satellites left out of a result, if there are any, and all of them if verbose.
+    ///
+    /// # Errors
+    /// All satellites are left out.
+    pub fn warn_left_out(&self, prepared: &PreparedSky, left_out: &[LeftOut], moment: Epoch) -> anyhow::Result<()> {
+        let Some(warning) = prepared.left_out_warning(left_out, moment)? else { return Ok(()) };
+        if self.verbose {
+            self.info(&format!("warning: {warning}:"));
+            left_out.iter().for_each(|one| self.info(&format!("  {}", one.reason)));
+        } else {
+            self.info(&format!("warning: {warning}; --verbose lists them"));
+        }
+        Ok(())
+    }
+
     /// Prints one line.
-    pub fn say(&self, line: &str) {
+    pub fn info(&self, line: &str) {
         if !self.quiet {
-            // A closed standard error is no reason to stop.
+            // A closed standard error is ignored.
             let _ = writeln!(stderr(), "{line}");
         }
     }
 
-    /// A bar over `length` exposures: on long work, on a terminal, and unless quiet; else one that shows nothing.
+    /// Returns a progress bar over `length` exposures, hidden for short work, without a terminal, or if quiet.
     pub fn progress(&self, length: usize) -> ProgressBar {
         if length < LONG_WORK { ProgressBar::hidden() } else { self.bar(length, "exposures") }
     }
 
-    /// A bar over the steps of walkers.
+    /// Returns a progress bar over the steps of walkers.
     #[cfg(feature = "fit")]
     pub fn steps(&self, length: usize) -> ProgressBar {
         self.bar(length, "steps")
     }
 
-    fn bar(&self, length: usize, of: &str) -> ProgressBar {
+    fn bar(&self, length: usize, unit: &str) -> ProgressBar {
         if self.quiet || !stderr().is_terminal() {
             return ProgressBar::hidden();
         }
         let bar = ProgressBar::new(length as u64);
-        if let Ok(style) = ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}, {{eta}} to go")) {
+        if let Ok(style) = ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {unit}, {{eta}} left")) {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));

@@ -1,4 +1,4 @@
-//! Where the data goes, and in which format.
+//! Destination and format of the data.
 
 use std::ffi::OsStr;
 use std::io::{self, BufWriter, IsTerminal, Write, stdout};
@@ -12,10 +12,10 @@ use streakcast::output::{
 
 use crate::screen::{Style, render};
 
-/// Written for a path, as other programs have it.
+/// Path of standard output.
 const STANDARD_OUTPUT: &str = "-";
 
-/// Format of the data.
+/// Output format.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Format {
     Table,
@@ -28,36 +28,36 @@ pub enum Format {
     Parquet,
 }
 
-/// Their names.
+/// Names of the formats.
 #[cfg(not(feature = "parquet"))]
 pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable";
-/// Their names.
+/// Names of the formats.
 #[cfg(feature = "parquet")]
 pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable, parquet";
 
-/// Ends of files' names that say a format.
+/// File extensions of the formats.
 #[cfg(not(feature = "parquet"))]
-pub const ENDS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable";
-/// Ends of files' names that say a format.
+pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable";
+/// File extensions of the formats.
 #[cfg(feature = "parquet")]
-pub const ENDS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable, .parquet";
+pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable, .parquet";
 
 impl Format {
-    /// By the end of a file's name; CSV where it has none.
-    fn by_end(path: &Path) -> anyhow::Result<Self> {
+    /// Returns the format of a file extension; CSV without one.
+    fn by_extension(path: &Path) -> anyhow::Result<Self> {
         match extension(path).as_str() {
             "" => Ok(Format::Csv),
-            // Nobody who asks for this wants lines of text in its place.
-            "parquet" => Self::said("parquet"),
+            // With the error of a build without it, instead of CSV.
+            "parquet" => Self::required("parquet"),
             end => Self::by_name(end)
-                .ok_or_else(|| anyhow!("the name {} ends in no format; allowed: {ENDS}", path.display())),
+                .ok_or_else(|| anyhow!("the extension of {} is not a format; allowed: {EXTENSIONS}", path.display())),
         }
     }
 
-    fn said(name: &str) -> anyhow::Result<Self> {
+    fn required(name: &str) -> anyhow::Result<Self> {
         Self::by_name(name).ok_or_else(|| match name {
             "parquet" => anyhow!("format 'parquet' needs a build with the cargo feature parquet; allowed: {FORMATS}"),
-            name => anyhow!("format '{name}' is not known; allowed: {FORMATS}"),
+            name => anyhow!("unknown format '{name}'; allowed: {FORMATS}"),
         })
     }
 
@@ -76,24 +76,24 @@ impl Format {
     }
 }
 
-/// The end of a file's name in small letters; empty where it has none.
+/// Returns the extension of a file name in lower case; empty without one.
 fn extension(path: &Path) -> String {
     path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase()
 }
 
-/// An answer: its main table, what JSON has beside it, and what a screen shows of it.
+/// Result of a verb: its main table, further tables for JSON, and its style on a terminal.
 pub struct Answer<'a> {
-    /// The arrays of a JSON document in order; the main table among them.
+    /// Arrays of a JSON document in order, including the main table.
     pub sections: Vec<Section<'a>>,
-    /// The rows of all other formats.
+    /// Table of all other formats.
     pub main: &'a Table,
-    /// What it rests on.
+    /// Provenance of the result.
     pub provenance: &'a Provenance,
-    /// Columns and colours on a screen.
+    /// Columns and colours on a terminal.
     pub style: Style<'a>,
 }
 
-/// Where an answer goes.
+/// Destination of a result.
 #[derive(Clone, Debug)]
 pub struct Output {
     format: Format,
@@ -101,36 +101,35 @@ pub struct Output {
 }
 
 impl Output {
-    /// The format said; else that of the file's name; else a table on a terminal and CSV anywhere else.
-    /// That a file can be made there is checked now, before any work. A path of `-` is standard output.
+    /// Opens an output in the given format, else that of the file extension, else a table on a terminal and CSV elsewhere.
+    /// Checks that the file can be written before any work. A path of `-` is standard output.
     pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
         let path = path.filter(|path| path != Path::new(STANDARD_OUTPUT));
-        let unsaid = || match &path {
-            Some(path) => {
-                Format::by_end(path).map_err(|error| anyhow!("{error}, none of them for csv, or any with --format"))
-            }
+        let default_format = || match &path {
+            Some(path) => Format::by_extension(path)
+                .map_err(|error| anyhow!("{error}; csv without an extension; or specify --format")),
             None if stdout().is_terminal() => Ok(Format::Table),
             None => Ok(Format::Csv),
         };
-        let format = format.map_or_else(unsaid, Format::said)?;
+        let format = format.map_or_else(default_format, Format::required)?;
         if let Some(path) = &path {
             check(path)?;
         }
         Ok(Self { format, path })
     }
 
-    /// A table in a file beside the answer: its name alone says the format.
+    /// Opens a file for an additional table in the format of its extension.
     pub fn beside(path: PathBuf) -> anyhow::Result<Self> {
         check(&path)?;
-        Ok(Self { format: Format::by_end(&path)?, path: Some(path) })
+        Ok(Self { format: Format::by_extension(&path)?, path: Some(path) })
     }
 
-    /// True where the rows may hold rows.
+    /// Returns true for JSON, which may contain nested rows.
     pub fn is_json(&self) -> bool {
         matches!(self.format, Format::Json | Format::JsonLines)
     }
 
-    /// Writes an answer: a file whole or not at all, standard output as it comes.
+    /// Writes a result: a file atomically, standard output directly.
     pub fn write(&self, answer: &Answer<'_>) -> anyhow::Result<()> {
         let styled = self.is_styled();
         self.put(|out| match self.format {
@@ -142,7 +141,7 @@ impl Output {
             Format::VoTable => write_votable(out, answer.main, answer.provenance),
             #[cfg(feature = "parquet")]
             Format::Parquet => {
-                // Its end tells where everything is: the writer wants a place of its own.
+                // The footer holds offsets: the writer needs a buffer.
                 let mut bytes = Vec::new();
                 streakcast::output::write_parquet(&mut bytes, answer.main, answer.provenance)?;
                 out.write_all(&bytes)
@@ -150,12 +149,12 @@ impl Output {
         })
     }
 
-    /// True where eyes are to read it.
+    /// Returns true for the table format.
     pub fn is_table(&self) -> bool {
         self.format == Format::Table
     }
 
-    /// Several tables for eyes, one below the other.
+    /// Writes several tables for a terminal, one below the other.
     #[cfg(feature = "fit")]
     pub fn write_tables<'a>(
         &self,
@@ -171,7 +170,7 @@ impl Output {
         self.path.is_none() && stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|no| no.is_empty())
     }
 
-    /// Writes text as it is.
+    /// Writes text unchanged.
     pub fn write_text(&self, text: &str) -> anyhow::Result<()> {
         self.put(|out| out.write_all(text.as_bytes()))
     }
@@ -188,29 +187,29 @@ impl Output {
     }
 }
 
-/// That a file can be written there, asked before any work.
+/// Checks before any work that a file can be written.
 pub fn check(path: &Path) -> anyhow::Result<()> {
-    named(path)?;
+    check_name(path)?;
     check_target(path).map_err(|error| cannot_write(path, &error))
 }
 
-/// Checks a file that is only replaced as a whole: not a pipe, not a device.
+/// Checks a file that is replaced atomically: not a pipe, not a device.
 #[cfg(feature = "fits")]
 pub fn check_whole(path: &Path) -> anyhow::Result<()> {
-    named(path)?;
+    check_name(path)?;
     streakcast::output::AtomicFile::check(path).map_err(|error| cannot_write(path, &error))
 }
 
-fn named(path: &Path) -> anyhow::Result<()> {
+fn check_name(path: &Path) -> anyhow::Result<()> {
     if path == Path::new(STANDARD_OUTPUT) {
         return Err(anyhow!(
-            "cannot write {STANDARD_OUTPUT}: standard output takes the main answer alone; allowed: a file's name"
+            "cannot write {STANDARD_OUTPUT}: standard output is for the main result; allowed: a file name"
         ));
     }
     Ok(())
 }
 
-/// Writes a file of bytes, whole or not at all.
+/// Writes a file of bytes atomically.
 #[cfg(any(feature = "fit", feature = "fits", feature = "plot"))]
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))

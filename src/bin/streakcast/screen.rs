@@ -1,10 +1,10 @@
-//! Tables for eyes: a few columns of the many, aligned, the remarkable ones coloured.
+//! Tables on a terminal: selected columns, aligned, with coloured verdicts.
 
 use comfy_table::presets::NOTHING;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table as Screen};
 use streakcast::output::{Kind, Table, Value};
 
-/// One column on the screen: the column of the table, its heading, and how many decimals are enough.
+/// Column on the terminal: name in the table, heading, and number of decimals.
 pub struct Shown {
     pub column: &'static str,
     pub heading: &'static str,
@@ -16,20 +16,20 @@ pub const fn shown(column: &'static str, heading: &'static str) -> Shown {
     Shown { column, heading, decimals: None }
 }
 
-/// As [`shown`], numbers and seconds with fewer digits than the data carry.
+/// As [`shown`], with numbers and seconds rounded to `decimals`.
 pub const fn rounded(column: &'static str, heading: &'static str, decimals: usize) -> Shown {
     Shown { column, heading, decimals: Some(decimals) }
 }
 
-/// What a screen shows of a table.
+/// Style of a table on a terminal.
 pub struct Style<'a> {
-    /// The columns; those that the table lacks, and those without any value, are passed over.
+    /// Columns; those missing from the table, and those without values, are omitted.
     pub columns: &'a [Shown],
-    /// A row to make bold.
+    /// Row in bold.
     pub bold_row: Option<usize>,
 }
 
-/// The table as text, one line a row.
+/// Returns the table as text, with one line per row.
 pub fn render(table: &Table, style: &Style<'_>, styled: bool) -> String {
     let mut screen = Screen::new();
     screen.load_style(NOTHING).set_content_arrangement(comfy_table::ContentArrangement::Disabled);

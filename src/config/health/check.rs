@@ -29,7 +29,7 @@ impl Health {
 }
 
 impl Config {
-    /// Checks all inputs as a question about `now` would use them. An input that cannot be read is a finding.
+    /// Checks all inputs as a request for `now` would use them. An input that cannot be read is a finding.
     pub fn health(&self, now: Epoch, source: MomentSource) -> Health {
         let mut health = Health::default();
         self.check_elements(now, source, &mut health);
@@ -48,38 +48,43 @@ impl Config {
                 Severity::Error,
                 SUBJECT,
                 error.to_string(),
-                "streakcast shells lists them",
+                "names are listed by streakcast shells",
             ));
         } else if !self.shells.is_empty() {
-            let finding = "shells are synthetic: none of their satellites is claimed to be there";
+            let finding = "simulated constellations (--shells): positions do not correspond to real satellites";
             health.findings.push(Finding::new(
                 Severity::Note,
                 SUBJECT,
                 finding,
-                "say --elements FILE for a real night",
+                "specify --elements FILE for real satellites",
             ));
         }
         let catalogue = match self.catalogue(now) {
             Ok(Some(catalogue)) => catalogue,
             Ok(None) => {
                 if self.shells.is_empty() {
-                    let finding = "none were said: neither they nor the models of their satellites were looked at";
-                    let remedy = "say --elements FILE; streakcast fetch brings one";
+                    let finding = "not given: element sets and the models of their satellites are not checked";
+                    let remedy = "specify --elements FILE; streakcast fetch downloads one";
                     health.findings.push(Finding::new(Severity::Unchecked, SUBJECT, finding, remedy));
                 }
                 return;
             }
             Err(error) => {
-                let remedy = "name a file of element sets; streakcast fetch brings one";
+                let remedy = "specify a file of element sets; streakcast fetch downloads one";
                 health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
                 return;
             }
         };
-        // Models that cannot be read are a finding of their own; then there is none about which satellite has which.
+        // Models that cannot be read are a finding of `camera`; the finding on their use is omitted then.
         let given = self.model_choice();
         let is_readable = given.is_ok();
         let Some(choice) = given.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };
-        let state = ElementState::of(&catalogue, &choice, now);
+        let drag = self.drag();
+        if let Err(error) = &drag {
+            let remedy = "specify --drag station-keeping or --drag published";
+            health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
+        }
+        let state = ElementState::of(&catalogue, &choice, drag.unwrap_or_default(), now);
         health.findings.extend(state.findings(&catalogue, now, source));
         if is_readable {
             health.findings.push(state.model_finding());

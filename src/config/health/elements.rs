@@ -1,4 +1,4 @@
-//! The state of element sets at a moment: how old, how far off that makes them, which of them no model knows.
+//! State of a catalogue at a moment: ages of the element sets, expected errors, satellites without their own model.
 
 use std::collections::BTreeMap;
 
@@ -8,31 +8,31 @@ use super::finding::{Finding, MomentSource, Severity};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Generation, GenerationTable, Satellites};
 use crate::frames::seconds_between;
-use crate::orbit::{OrbitClass, uncertainty};
+use crate::orbit::{DragModel, OrbitClass, uncertainty};
 use crate::output::format_utc;
 use crate::passes::ModelChoice;
 
-/// Borders of the histogram, days. Below the first an element set is from the future, and no prediction.
+/// Borders of the histogram, days. Element sets below the first one have epochs in the future.
 const BORDERS_DAYS: [f64; 9] = [-FUTURE_DAYS, 0.0, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 30.0];
-/// Element sets so far ahead of the clock are no predictions of an operator any more, days.
+/// Time ahead of the clock above which an element set is not an operator's prediction, days.
 const FUTURE_DAYS: f64 = 1.5;
-/// Older sets draw a warning with every answer, days.
+/// Age above which element sets cause a warning, days.
 const OLD_DAYS: f64 = 14.0;
-/// This share of old ones is a warning here.
+/// Share of old element sets above which the finding is a warning.
 const OLD_SHARE: f64 = 0.05;
-/// A median error along the track beyond this is a warning, s: low satellites are then a degree and more off.
+/// Median along-track error above which the finding is a warning, s: a degree or more for low satellites.
 const LARGE_ERROR_S: f64 = 3.0;
-/// So many satellites of one name without a model of their own are a constellation that is missing one.
+/// Number of satellites of one name above which they are reported as a constellation without a model.
 const CONSTELLATION: usize = 30;
-/// Names that are listed.
+/// Largest number of names listed.
 const LISTED: usize = 10;
 
 /// One bar of the histogram of ages.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AgeBin {
-    /// From this age on, days; negative ahead of the moment, minus infinity for sets from the future.
+    /// Lower border of the age, days; negative for epochs after the moment, minus infinity for the first bin.
     pub from_days: f64,
-    /// Below this age, days; infinite for the last.
+    /// Upper border of the age, days; infinite for the last bin.
     pub to_days: f64,
     /// Element sets in it.
     pub count: usize,
@@ -41,13 +41,13 @@ pub struct AgeBin {
 /// Satellites that share a name and have no model of their own.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unmatched {
-    /// The name, without number.
+    /// Name without its number.
     pub prefix: String,
-    /// How many.
+    /// Number of satellites.
     pub count: usize,
 }
 
-/// What a catalogue is like at a moment.
+/// State of a catalogue at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ElementState {
     /// Satellites, one element set each.
@@ -56,22 +56,25 @@ pub struct ElementState {
     pub ages: Vec<AgeBin>,
     /// Median age, days.
     pub median_age_days: f64,
-    /// Median of one sigma along the track at the moment, s.
+    /// Median of the along-track sigma at the moment, s.
     pub median_along_track_sigma_s: f64,
-    /// Satellites of each kind that has a model of its own.
+    /// Number of satellites of each generation with a model of its own.
     pub kinds: Vec<(Generation, usize)>,
-    /// The others by name, most first; rocket bodies, debris and those of a table of standard magnitudes are not among them.
+    /// Other satellites by name, most frequent first, without rocket bodies, debris and those with a standard magnitude.
     pub unmatched: Vec<Unmatched>,
 }
 
 impl ElementState {
-    /// Of a catalogue, with the models that its satellites would get.
-    pub fn of(catalogue: &Satellites, choice: &ModelChoice, now: Epoch) -> Self {
+    /// Returns the state of a catalogue with the models of `choice`.
+    pub fn of(catalogue: &Satellites, choice: &ModelChoice, drag: DragModel, now: Epoch) -> Self {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
-        let sigmas: Vec<f64> =
-            sets.iter().zip(&ages).map(|(set, age)| uncertainty(OrbitClass::of(set), *age).along_track_s).collect();
+        let sigmas: Vec<f64> = sets
+            .iter()
+            .zip(&ages)
+            .map(|(set, age)| uncertainty(OrbitClass::of(set, drag), *age).along_track_s)
+            .collect();
         let table = GenerationTable::embedded();
         let mut kinds = BTreeMap::new();
         let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();
@@ -98,18 +101,18 @@ impl ElementState {
         }
     }
 
-    /// True where most element sets are so far ahead that one doubts the clock.
+    /// Returns true if most epochs are so far in the future that the clock may be wrong.
     pub fn is_mostly_ahead(&self) -> bool {
         2 * self.ages.first().map_or(0, |bin| bin.count) > self.satellites
     }
 
-    /// What is to be said of it.
+    /// Returns the findings on age, rejected records and duplicates.
     pub fn findings(&self, catalogue: &Satellites, now: Epoch, source: MomentSource) -> Vec<Finding> {
-        // Elements of now do not help where the question is of another time.
+        // Current elements do not help with a request for another time.
         let nearer = match source {
             MomentSource::Clock => "fetch newer elements (streakcast fetch)",
-            MomentSource::Asked => {
-                "take elements nearer to that time (streakcast fetch satchecker --epoch brings old ones)"
+            MomentSource::Given => {
+                "use elements closer to that time (streakcast fetch satchecker --epoch downloads old ones)"
             }
         };
         const SUBJECT: &str = "elements";
@@ -118,15 +121,12 @@ impl ElementState {
 
         let sigma_s = self.median_along_track_sigma_s;
         let median = match self.median_age_days {
-            days if days < -0.05 => format!("half of them more than {:.1} days ahead", -days),
+            days if days < -0.05 => format!("half of them more than {:.1} days in the future", -days),
             days => format!("median age {:.1} days", days.max(0.0)),
         };
-        let age = format!(
-            "{} satellites; {median}, which makes a median error along the track of {sigma_s:.1} s",
-            self.satellites
-        );
+        let age = format!("{} satellites; {median}; median along-track error {sigma_s:.1} s", self.satellites);
         found.push(if sigma_s > LARGE_ERROR_S {
-            let remedy = format!("{nearer}; else flag with --min-probability or a margin_s of that size");
+            let remedy = format!("{nearer}; or use flag with --min-probability or a margin_s of that size");
             Finding::new(Severity::Warning, SUBJECT, age, remedy)
         } else {
             Finding::fine(SUBJECT, age)
@@ -140,7 +140,7 @@ impl ElementState {
             let finding = format!("{} are older than {OLD_DAYS:.0} days", share(old));
             let remedy = match 2 * old > self.satellites {
                 true => nearer.to_owned(),
-                false => "nothing, if they have decayed (these keep their last set); else as for all".to_owned(),
+                false => "none if the satellites have decayed; otherwise fetch newer elements".to_owned(),
             };
             found.push(Finding::new(severity, SUBJECT, finding, remedy));
         }
@@ -151,15 +151,15 @@ impl ElementState {
             let is_most = self.is_mostly_ahead();
             let severity = if is_most { Severity::Error } else { Severity::Warning };
             let finding = format!(
-                "{} are more than {FUTURE_DAYS} days ahead of {}: up to {}",
+                "{} have epochs more than {FUTURE_DAYS} days after {}: up to {}",
                 share(future.len()),
                 format_utc(now, 0),
                 format_utc(farthest.epoch, 0)
             );
             let remedy = match (is_most, source) {
-                (true, MomentSource::Clock) => "set the clock right (chrony, w32time), or take older elements",
-                (true, MomentSource::Asked) => nearer,
-                (false, _) => "leave them out: no operator knows that long before where a satellite will be",
+                (true, MomentSource::Clock) => "correct the clock (chrony, w32time), or use older elements",
+                (true, MomentSource::Given) => nearer,
+                (false, _) => "remove them: predictions that far ahead are not reliable",
             };
             found.push(Finding::new(severity, SUBJECT, finding, remedy));
         }
@@ -173,39 +173,39 @@ impl ElementState {
                 severity,
                 SUBJECT,
                 finding,
-                "their satellites are missing from every answer: fetch the file again",
+                "the satellites of these records are missing from all results: fetch the file again",
             ));
         }
         if catalogue.duplicates > 0 {
-            let finding = format!("{} records are there twice", catalogue.duplicates);
-            found.push(Finding::new(Severity::Note, SUBJECT, finding, "nothing: each counts once"));
+            let finding = format!("{} duplicate records", catalogue.duplicates);
+            found.push(Finding::new(Severity::Note, SUBJECT, finding, "none: each is used once"));
         }
         if catalogue.superseded > 0 {
-            let finding = format!("{} records are older ones of objects that have a newer", catalogue.superseded);
+            let finding = format!("{} older records of objects with a newer one", catalogue.superseded);
             found.push(Finding::new(
                 Severity::Note,
                 SUBJECT,
                 finding,
-                "nothing: of each object the set nearest to the question counts",
+                "none: the element set closest to the time of the request is used",
             ));
         }
         found
     }
 
-    /// Which models its satellites have.
+    /// Returns the finding on the models of the satellites.
     pub fn model_finding(&self) -> Finding {
         const SUBJECT: &str = "models";
         let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
         let without: usize = self.unmatched.iter().map(|one| one.count).sum();
-        let mut finding = format!("{known} of {} satellites have a model of their kind", self.satellites);
+        let mut finding = format!("{known} of {} satellites have a model of their generation", self.satellites);
         let others = self.satellites.saturating_sub(known + without);
         if others > 0 {
-            finding += &format!(", {others} a standard magnitude or that of rocket bodies and debris");
+            finding += &format!(", {others} have a standard magnitude or the model of rocket bodies and debris");
         }
         if without == 0 {
             return Finding::fine(SUBJECT, finding);
         }
-        finding += &format!(", {without} the model of anything (6.5 mag at 1000 km, one sigma 1.7)");
+        finding += &format!(", {without} have the default model (6.5 mag at 1000 km, sigma 1.7 mag)");
         let constellations: Vec<String> = self
             .unmatched
             .iter()
@@ -214,9 +214,9 @@ impl ElementState {
             .map(|one| format!("{} ({})", one.prefix, one.count))
             .collect();
         if !constellations.is_empty() {
-            finding += &format!(", among them {}", constellations.join(", "));
+            finding += &format!(", including {}", constellations.join(", "));
         }
-        let remedy = "give standard magnitudes with --qs-mag, or models under [models] of the configuration";
+        let remedy = "specify standard magnitudes with --qs-mag, or models in [models] of the configuration file";
         Finding::new(Severity::Note, SUBJECT, finding, remedy)
     }
 }
@@ -235,14 +235,14 @@ fn histogram(ages_days: &[f64]) -> Vec<AgeBin> {
     bins
 }
 
-/// The middle one, of two the lower; 0 of none.
+/// Returns the median, the lower one of an even number; 0 without values.
 fn median(values: &[f64]) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
 }
 
-/// A name without its number: `LEMUR-2 JEROEN` and `LEMUR-2-KADI` are LEMUR, `FLOCK 4V-12` is FLOCK.
+/// Returns a name without its number: `LEMUR-2 JEROEN` and `LEMUR-2-KADI` are LEMUR, `FLOCK 4V-12` is FLOCK.
 fn prefix(name: &str) -> String {
     let word: String = name.chars().take_while(|character| character.is_alphabetic()).collect();
     word.to_ascii_uppercase()

@@ -1,26 +1,26 @@
-//! One thing that was looked at: how bad it is, and what to do.
+//! One finding of a check: subject, severity and remedy.
 
 use std::fmt;
 
 use crate::output::{Column, Kind, Table};
 
-/// How bad.
+/// Severity of a finding.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// As it should be.
+    /// No problem.
     Fine,
-    /// Worth knowing; answers are right.
+    /// Information; results are correct.
     Note,
-    /// Not looked at, for it was not said: neither right nor wrong.
+    /// Not given, and so not checked.
     Unchecked,
-    /// Answers will be worse than they could be, or some are missing.
+    /// Results are less accurate, or incomplete.
     Warning,
-    /// There will be no answers, or wrong ones.
+    /// No results, or wrong ones.
     Error,
 }
 
 impl Severity {
-    /// Its word in outputs.
+    /// Returns the name in outputs.
     pub fn name(self) -> &'static str {
         match self {
             Severity::Fine => "fine",
@@ -43,25 +43,25 @@ impl fmt::Display for Severity {
 pub enum MomentSource {
     /// This machine's clock, which may be wrong.
     Clock,
-    /// The user.
-    Asked,
+    /// Time given by the user.
+    Given,
 }
 
 /// One finding.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
-    /// How bad.
+    /// Severity.
     pub severity: Severity,
-    /// What was looked at: elements, clock, Earth orientation, ...
+    /// Subject of the check: elements, clock, Earth orientation, ...
     pub subject: &'static str,
-    /// What was found, with its numbers.
+    /// Result of the check, with its numbers.
     pub finding: String,
-    /// What to do; empty where there is nothing to do.
+    /// Remedy; empty if none is needed.
     pub remedy: String,
 }
 
 impl Finding {
-    /// A finding with what to do.
+    /// Returns a finding with its remedy.
     pub fn new(
         severity: Severity,
         subject: &'static str,
@@ -71,20 +71,20 @@ impl Finding {
         Self { severity, subject, finding: finding.into(), remedy: remedy.into() }
     }
 
-    /// One that asks for nothing.
+    /// Returns a finding without a problem.
     pub fn fine(subject: &'static str, finding: impl Into<String>) -> Self {
         Self::new(Severity::Fine, subject, finding, "")
     }
 }
 
-/// Findings as a table, in their order.
+/// Returns the findings as a table, in their order.
 pub fn finding_table(findings: &[Finding]) -> Table {
     Table {
         columns: vec![
             Column::new("severity", Kind::Text, "fine, note, unchecked, warning or error."),
-            Column::new("subject", Kind::Text, "What was looked at."),
-            Column::new("finding", Kind::Text, "What was found."),
-            Column::new("remedy", Kind::Text, "What to do; empty where there is nothing to do."),
+            Column::new("subject", Kind::Text, "Subject of the check."),
+            Column::new("finding", Kind::Text, "Result of the check."),
+            Column::new("remedy", Kind::Text, "Remedy; empty if none is needed."),
         ],
         rows: findings
             .iter()

@@ -1,7 +1,7 @@
-//! What is wrong with a config at a moment: before a night, not in it.
+//! Setup check of a configuration at a moment.
 //!
-//! `finding` is one of them, with what to do. `elements` looks at the element sets (their ages, repetitions, kinds), `surroundings` at clock, Earth
-//! orientation, site, camera and policy; `check` puts them together.
+//! `finding` defines one finding with its remedy. `elements` checks the element sets (ages, duplicates, models),
+//! `surroundings` clock, Earth orientation, site, camera and policy; `check` combines them.
 
 mod check;
 mod elements;

@@ -19,7 +19,7 @@ const SAME_SITE_DEG: f64 = 0.2;
 /// Checks UT1 and the leap seconds.
 pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "Earth orientation";
-    let remedy = "give a newer table with --eop finals2000A.all (https://datacenter.iers.org)";
+    let remedy = "specify a newer table with --eop finals2000A.all (https://datacenter.iers.org)";
     let table = match config.eop_table() {
         Ok(table) => table,
         Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy)],
@@ -29,7 +29,7 @@ pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
     let left_days = seconds_between(now, until) / DAY_S;
     let known = format!("known until {} (IERS Bulletin C 72)", day(until));
     found.push(if left_days < 0.0 {
-        let finding = format!("{known}: one inserted since would put every satellite a second late");
+        let finding = format!("{known}: a leap second inserted since then makes all times wrong by 1 s");
         Finding::new(Severity::Warning, "leap seconds", finding, "update streakcast")
     } else if left_days < SOON_DAYS {
         Finding::new(Severity::Note, "leap seconds", known, "update streakcast")
@@ -42,47 +42,45 @@ pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
 fn status(table: &EopTable, now: Epoch, subject: &'static str, remedy: &str) -> Finding {
     let left_days = table.last().map_or(0.0, |last| seconds_between(now, last) / DAY_S);
     match table.status(now) {
-        EopStatus::Measured => Finding::fine(
-            subject,
-            format!("measured at the time of the question; the table ends in {left_days:.0} days"),
-        ),
+        EopStatus::Measured => {
+            Finding::fine(subject, format!("measured at this time; the table ends in {left_days:.0} days"))
+        }
         EopStatus::Predicted if left_days > SOON_DAYS => {
-            Finding::fine(subject, format!("predicted, good to metres; the table ends in {left_days:.0} days"))
+            Finding::fine(subject, format!("predicted, accurate to metres; the table ends in {left_days:.0} days"))
         }
         EopStatus::Predicted => {
             Finding::new(Severity::Note, subject, format!("the table ends in {left_days:.0} days"), remedy)
         }
         EopStatus::Expired { last } => {
-            let finding =
-                format!("the table ended {}: UT1 = UTC is taken, which errs by up to 0.9 s (400 m)", day(last));
+            let finding = format!("the table ended {}: UT1 = UTC is used, an error of up to 0.9 s (400 m)", day(last));
             Finding::new(Severity::Warning, subject, finding, remedy)
         }
         EopStatus::TooEarly { first } => {
             let finding =
-                format!("the table begins {}: UT1 = UTC is taken, which errs by up to 0.9 s (400 m)", day(first));
+                format!("the table begins {}: UT1 = UTC is used, an error of up to 0.9 s (400 m)", day(first));
             Finding::new(Severity::Warning, subject, finding, remedy)
         }
-        EopStatus::NoTable => Finding::new(Severity::Warning, subject, "no table: UT1 = UTC is taken", remedy),
+        EopStatus::NoTable => Finding::new(Severity::Warning, subject, "no table: UT1 = UTC is used", remedy),
     }
 }
 
 /// Checks the clock against times that are impossible.
 pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementState>) -> Finding {
-    let said = format_utc(now, 0);
-    if source == MomentSource::Asked {
-        return Finding::fine("time", format!("{said} was asked about; this machine's clock was not looked at"));
+    let time = format_utc(now, 0);
+    if source == MomentSource::Given {
+        return Finding::fine("time", format!("{time}, as given; the clock of this machine is not checked"));
     }
     const SUBJECT: &str = "clock";
     // The bundled table is as old as its measured part; a machine without a clock starts in 1970.
     if matches!(EopTable::embedded().status(now), EopStatus::Measured | EopStatus::TooEarly { .. }) {
-        let finding = format!("{said}, which is before this version of streakcast was made");
-        let remedy = "set the clock right (chrony, w32time); --now TIME asks about the past";
+        let finding = format!("{time}, which is before the release of this version of streakcast");
+        let remedy = "correct the clock (chrony, w32time); for a time in the past specify --now TIME";
         Finding::new(Severity::Warning, SUBJECT, finding, remedy)
     } else if elements.is_some_and(ElementState::is_mostly_ahead) {
-        let finding = format!("{said}, which is days before most of the elements");
-        Finding::new(Severity::Warning, SUBJECT, finding, "see whether it is the clock (chrony, w32time) that is wrong")
+        let finding = format!("{time}, which is days before most epochs of the elements");
+        Finding::new(Severity::Warning, SUBJECT, finding, "check the clock (chrony, w32time)")
     } else {
-        Finding::fine(SUBJECT, said)
+        Finding::fine(SUBJECT, time)
     }
 }
 
@@ -91,10 +89,10 @@ pub(super) fn policy(config: &Config) -> Finding {
     const SUBJECT: &str = "policy";
     let policy = match config.policy() {
         Ok(policy) => policy,
-        Err(error) => return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/policy.md"),
+        Err(error) => return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/reference/configuration.md"),
     };
     // In one line, as in its file.
-    let said: Vec<String> = match serde_json::to_value(&policy) {
+    let keys: Vec<String> = match serde_json::to_value(&policy) {
         Ok(serde_json::Value::Object(keys)) => keys
             .into_iter()
             .filter(|(_, value)| !value.is_null())
@@ -102,15 +100,15 @@ pub(super) fn policy(config: &Config) -> Finding {
             .collect(),
         _ => Vec::new(),
     };
-    let has_limit = said.iter().any(|words| {
+    let has_limit = keys.iter().any(|words| {
         ["limit_mag", "saturation_mag", "crosstalk_mag", "max_lost_fraction"].iter().any(|key| words.starts_with(key))
     });
-    let without = "no limit was said: no exposure is one to avoid, whatever crosses it".to_owned();
-    let is_unsaid = config.rules.policy.is_none() && config.rules.max_delay.is_none();
+    let without = "no magnitude limit is set: no exposure has the verdict avoid".to_owned();
+    let is_default = config.rules.policy.is_none() && config.rules.max_delay.is_none();
     match has_limit {
-        true => Finding::fine(SUBJECT, said.join(", ")),
-        false if said.is_empty() || is_unsaid => Finding::fine(SUBJECT, without),
-        false => Finding::fine(SUBJECT, format!("{without}; {}", said.join(", "))),
+        true => Finding::fine(SUBJECT, keys.join(", ")),
+        false if keys.is_empty() || is_default => Finding::fine(SUBJECT, without),
+        false => Finding::fine(SUBJECT, format!("{without}; {}", keys.join(", "))),
     }
 }
 
@@ -118,8 +116,8 @@ pub(super) fn policy(config: &Config) -> Finding {
 pub(super) fn place(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "site";
     if !config.has_viewpoint() {
-        let remedy = "say --site, --mpc, or --lat, --lon and --height";
-        let finding = "none was said: it was not looked at";
+        let remedy = "specify --site, --mpc, or --lat, --lon and --height";
+        let finding = "not given: the site is not checked";
         return vec![Finding::new(Severity::Unchecked, SUBJECT, finding, remedy)];
     }
     let site = match config.viewpoint(now) {
@@ -129,7 +127,7 @@ pub(super) fn place(config: &Config, now: Epoch) -> Vec<Finding> {
                 format!("{} in orbit, elements of {}", observer.name(), format_utc(observer.elements_epoch(), 0));
             return vec![Finding::fine(SUBJECT, finding)];
         }
-        Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), "say another site")],
+        Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), "specify another site")],
     };
     let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
     let signed_deg = if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg };
@@ -139,21 +137,21 @@ pub(super) fn place(config: &Config, now: Epoch) -> Vec<Finding> {
     )];
     if latitude_deg.abs() < 0.01 && signed_deg.abs() < 0.01 {
         let finding = "latitude and longitude are 0: the Gulf of Guinea";
-        found.push(Finding::new(Severity::Warning, SUBJECT, finding, "say where the telescope is"));
+        found.push(Finding::new(Severity::Warning, SUBJECT, finding, "specify the coordinates of the telescope"));
     }
     if config.site.lat.is_some() && config.site.height.is_none() {
-        let finding = "no height was said: 0 m is taken, and 2000 m are 0.2 deg of a satellite at 550 km";
-        found.push(Finding::new(Severity::Note, SUBJECT, finding, "say --height in metres"));
+        let finding = "no height is given: 0 m is used; 2000 m shift a satellite at 550 km by 0.2 deg";
+        found.push(Finding::new(Severity::Note, SUBJECT, finding, "specify --height in metres"));
     }
     if let Some(meant) = mirrored(&site) {
-        let finding = format!("longitude {signed_deg:.4} deg is that of {} with the other sign", meant.name);
-        let remedy = format!("if that is meant, say --lon={:.4}: east is positive", -signed_deg);
+        let finding = format!("longitude {signed_deg:.4} deg is that of {} with the opposite sign", meant.name);
+        let remedy = format!("if that site is meant, specify --lon={:.4}: east is positive", -signed_deg);
         found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
     }
     found
 }
 
-/// Returns the known observatory at this site's place with the other sign of its longitude.
+/// Returns the known observatory at this latitude and the longitude of opposite sign.
 fn mirrored(site: &Site) -> Option<&'static Site> {
     let near = |latitude_rad: f64, longitude_rad: f64| {
         Site::all().find(|known| {
@@ -173,8 +171,13 @@ pub(super) fn camera(config: &Config) -> Vec<Finding> {
     match config.telescope() {
         Ok(Some(telescope)) => found.push(Finding::fine("telescope", telescope.name)),
         Ok(None) => {
-            let remedy = "say --telescope NAME where widths and lost pixels matter";
-            found.push(Finding::new(Severity::Note, "telescope", "none was said: no widths, no lost pixels", remedy));
+            let remedy = "specify --telescope NAME to compute widths and lost pixels";
+            found.push(Finding::new(
+                Severity::Note,
+                "telescope",
+                "not given: widths and lost pixels are not computed",
+                remedy,
+            ));
         }
         Err(error) => {
             found.push(Finding::new(Severity::Error, "telescope", error.to_string(), "see streakcast flag --help"))
@@ -189,7 +192,7 @@ pub(super) fn camera(config: &Config) -> Vec<Finding> {
         [("photometry", config.photometry().map(drop)), ("models", config.model_choice().map(drop))]
     {
         if let Err(error) = answer {
-            found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/models.md"));
+            found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/reference/model-files.md"));
         }
     }
     found

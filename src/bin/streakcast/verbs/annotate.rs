@@ -1,4 +1,4 @@
-//! `annotate`: the schedule file again, lossless, with flags and streaks.
+//! `annotate`: a lossless copy of the schedule file with verdicts and streaks.
 
 use std::path::PathBuf;
 
@@ -11,21 +11,22 @@ use streakcast::schedule::{Annotation, annotate, flag_table};
 use super::judged::judge;
 use crate::failure::Outcome;
 use crate::output::cannot_write;
+use crate::required::Required;
 
 #[derive(Args)]
 pub struct AnnotateArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
+    pub schedule: Option<PathBuf>,
     #[command(flatten)]
     pub rules: RulesConfig,
-    /// File to write; it may be the schedule itself
+    /// Output file; it may be the schedule itself
     #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
-    /// Only the nights of one share of a batch, as 3/100: the rows of all shares together are the whole file
+    pub output: Option<PathBuf>,
+    /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Replace an earlier annotation
+    /// Replace an earlier annotation in the file
     #[arg(long)]
     pub replace: bool,
     #[command(flatten)]
@@ -34,9 +35,17 @@ pub struct AnnotateArguments {
 
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
-    // Before any work: can the file be written?
-    AtomicFile::check(&typed.output).map_err(|error| cannot_write(&typed.output, &error))?;
-    let judged = judge(&config, &typed.schedule, typed.shard)?;
+    Required::of(&config)
+        .input(typed.schedule.is_some(), "schedule", "--schedule FILE")
+        .input(typed.output.is_some(), "output file", "-o FILE")
+        .satellites()
+        .site()
+        .field()
+        .check()?;
+    let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
+    // Checked before any work.
+    AtomicFile::check(&output).map_err(|error| cannot_write(&output, &error))?;
+    let judged = judge(&config, &schedule, typed.shard)?;
     let annotation = Annotation {
         flags: &flag_table(&judged.report.flags),
         streaks: &judged.streaks,
@@ -44,9 +53,9 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
         replace: typed.replace,
         keep: judged.keep.as_deref(),
     };
-    let written = annotate(&typed.schedule, judged.schedule.format, &typed.output, &annotation)?;
+    let written = annotate(&schedule, judged.schedule.format, &output, &annotation)?;
     for path in written {
-        judged.notices.say(&format!("wrote {}", path.display()));
+        judged.notices.info(&format!("wrote {}", path.display()));
     }
     Ok(Outcome::Done)
 }

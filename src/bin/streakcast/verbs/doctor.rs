@@ -23,13 +23,13 @@ use crate::screen::Style;
 
 #[derive(Args)]
 pub struct DoctorArguments {
-    /// Folder of fetched elements; streakcast in the system's cache folder if omitted
+    /// Folder of fetched elements; the cache folder of the system if omitted
     #[arg(long, value_name = "FOLDER")]
     pub cache: Option<PathBuf>,
-    /// Time to check, as 2024-08-14T00:30:00Z; that of this machine's clock if omitted
+    /// Time to check, for example 2024-08-14T00:30:00Z; now if omitted
     #[arg(long, value_name = "TIME")]
     pub now: Option<String>,
-    /// End with exit code 1 on a warning, or if elements or site are not given and so not checked
+    /// Exit with code 1 on a warning, or if elements or site are not given
     #[arg(long)]
     pub strict: bool,
     #[command(flatten)]
@@ -40,7 +40,7 @@ pub struct DoctorArguments {
     pub output: OutputArguments,
 }
 
-/// The longest bar of the histogram, characters.
+/// Length of the longest bar of the histogram, characters.
 const BAR: usize = 40;
 /// Age of a cached file that is reported, days.
 const STALE_DAYS: f64 = 3.0;
@@ -53,7 +53,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(if is_text { Some("table") } else { format }, typed.output.output.clone())?;
     begin(&config)?;
     let (now, source) = match &typed.now {
-        Some(now) => (parse_moment(now, config.time_scale()?)?, MomentSource::Asked),
+        Some(now) => (parse_moment(now, config.time_scale()?)?, MomentSource::Given),
         None => (machine_time(), MomentSource::Clock),
     };
     let mut health = config.health(now, source);
@@ -105,33 +105,33 @@ fn machine_time() -> Epoch {
 
 fn cache_findings(
     folder: Option<&Path>,
-    is_said: bool,
+    is_given: bool,
     cached: &[(std::path::PathBuf, FetchRecord)],
     now: Epoch,
 ) -> Vec<Finding> {
     const SUBJECT: &str = "cache";
     let Some(folder) = folder else {
-        let finding = "this system has no folder for caches";
-        return vec![Finding::new(Severity::Note, SUBJECT, finding, "say --cache FOLDER")];
+        let finding = "this system has no cache folder";
+        return vec![Finding::new(Severity::Note, SUBJECT, finding, "specify --cache FOLDER")];
     };
     if cached.is_empty() {
         let finding = format!("nothing fetched in {}", folder.display());
-        let severity = if is_said { Severity::Note } else { Severity::Fine };
+        let severity = if is_given { Severity::Note } else { Severity::Fine };
         return vec![Finding::new(severity, SUBJECT, finding, "streakcast fetch celestrak --group active")];
     }
     let mut found = Vec::new();
     for (file, record) in cached {
         let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
         let answer = record.answer.as_deref().unwrap_or_default();
-        let asked = record.asked_utc.as_deref().unwrap_or("an unknown time");
+        let time = record.asked_utc.as_deref().unwrap_or("an unknown time");
         if !(answer == "200 OK" || answer.starts_with("304")) {
-            let remedy = "see what it says; streakcast fetch asks again when the wait is over";
-            let finding = format!("{name}: {} answered at {asked}: {answer}", record.source);
+            let remedy = "read the response; streakcast fetch sends a new request after the waiting time";
+            let finding = format!("{name}: response of {} at {time}: {answer}", record.source);
             found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
         }
         match (file.is_file(), record.fetched_utc.as_deref().and_then(|time| parse_moment(time, None).ok())) {
             (false, Some(_)) => {
-                let finding = format!("{name} was fetched and is gone");
+                let finding = format!("{name} was fetched, and the file is missing");
                 found.push(Finding::new(Severity::Warning, SUBJECT, finding, "fetch it again"));
             }
             (true, Some(fetched)) => {
@@ -149,9 +149,9 @@ fn cache_findings(
     found
 }
 
-/// The page: findings by severity, then the histogram and the kinds.
+/// Returns the page: findings by severity, the histogram of ages, and the satellites by model.
 fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoch) -> String {
-    let mut page = format!("What would be wrong at {}\n\n", format_utc(now, 0));
+    let mut page = format!("Setup check for {}\n\n", format_utc(now, 0));
     for finding in &health.findings {
         page += &format!("{:<9} {}: {}\n", finding.severity.name(), finding.subject, finding.finding);
         if !finding.remedy.is_empty() && finding.severity > Severity::Fine {
@@ -162,7 +162,7 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
         page += "\nAge of the element sets\n";
         let most = state.ages.iter().map(|bin| bin.count).max().unwrap_or(0).max(1);
         for bin in &state.ages {
-            // A bar of one character at least where there is one.
+            // At least one character for a non-empty bin.
             let length = (bin.count * BAR).div_ceil(most);
             page += format!("{:>17} {:>7} {}\n", label(bin), bin.count, "#".repeat(length)).as_str();
         }
@@ -172,11 +172,11 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
         }
         for one in state.unmatched.iter().take(10) {
             let name = if one.prefix.is_empty() { "(no name)" } else { &one.prefix };
-            page += &format!("{name:>24} {:>7}  no model of its own\n", one.count);
+            page += &format!("{name:>24} {:>7}  default model\n", one.count);
         }
         let rest: usize = state.unmatched.iter().skip(10).map(|one| one.count).sum();
         if rest > 0 {
-            page += &format!("{:>24} {rest:>7}  no model of their own\n", "others");
+            page += &format!("{:>24} {rest:>7}  default model\n", "others");
         }
     }
     if !cached.is_empty() {
@@ -184,7 +184,7 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
         for (file, record) in cached {
             let fetched = record.fetched_utc.as_deref().unwrap_or("never");
             page += &format!(
-                "{}  fetched {fetched}, not asked again before {}\n",
+                "{}  fetched {fetched}, next request allowed from {}\n",
                 file.display(),
                 record.not_before_utc.as_deref().unwrap_or("now")
             );
@@ -195,11 +195,11 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
 
 fn label(bin: &AgeBin) -> String {
     if bin.from_days.is_infinite() {
-        format!("from {} d ahead", -bin.to_days)
+        format!("from {} d in the future", -bin.to_days)
     } else if bin.from_days < 0.0 {
-        format!("up to {} d ahead", -bin.from_days)
+        format!("up to {} d in the future", -bin.from_days)
     } else if bin.to_days.is_infinite() {
-        format!("{} d and more", bin.from_days)
+        format!("{} d or more", bin.from_days)
     } else {
         format!("{} to {} d", bin.from_days, bin.to_days)
     }
@@ -213,10 +213,10 @@ fn age_table(state: &ElementState) -> Table {
                 "from_days",
                 "d",
                 1,
-                "Least age, negative ahead of the time asked about; empty for the farthest ahead.",
+                "Least age, negative for epochs after the time of the check; empty for the first bin.",
             ),
-            Column::real("to_days", "d", 1, "Ages below this; empty for the oldest."),
-            Column::new("count", Kind::Integer, "Element sets."),
+            Column::real("to_days", "d", 1, "Ages below this; empty for the last bin."),
+            Column::new("count", Kind::Integer, "Number of element sets."),
         ],
         rows: state
             .ages
@@ -229,8 +229,8 @@ fn age_table(state: &ElementState) -> Table {
 fn kind_table(state: &ElementState) -> Table {
     Table {
         columns: vec![
-            Column::new("generation", Kind::Text, "Kind of satellite."),
-            Column::new("count", Kind::Integer, "Satellites."),
+            Column::new("generation", Kind::Text, "Generation of satellites."),
+            Column::new("count", Kind::Integer, "Number of satellites."),
         ],
         rows: state.kinds.iter().map(|(kind, count)| vec![kind.name().into(), (*count).into()]).collect(),
     }
@@ -239,8 +239,8 @@ fn kind_table(state: &ElementState) -> Table {
 fn unmatched_table(state: &ElementState) -> Table {
     Table {
         columns: vec![
-            Column::new("prefix", Kind::Text, "What their names begin with; empty for none."),
-            Column::new("count", Kind::Integer, "Satellites that have the model of anything."),
+            Column::new("prefix", Kind::Text, "Beginning of their names; empty without a name."),
+            Column::new("count", Kind::Integer, "Number of satellites with the default model."),
         ],
         rows: state.unmatched.iter().map(|one| vec![one.prefix.as_str().into(), one.count.into()]).collect(),
     }
@@ -250,14 +250,14 @@ fn cache_table(cached: &[(std::path::PathBuf, FetchRecord)]) -> Table {
     let text = |text: &Option<String>| -> Value { text.as_deref().into() };
     Table {
         columns: vec![
-            Column::new("file", Kind::Text, "The cached file."),
-            Column::new("source", Kind::Text, "Where it came from."),
-            Column::new("url", Kind::Text, "The address."),
-            Column::new("fetched_utc", Kind::Text, "When it came."),
-            Column::new("sha256", Kind::Text, "Its hash."),
-            Column::new("records", Kind::Integer, "Good records in it."),
-            Column::new("answer", Kind::Text, "What its source last said."),
-            Column::new("not_before_utc", Kind::Text, "Its source is not asked again before."),
+            Column::new("file", Kind::Text, "Cached file."),
+            Column::new("source", Kind::Text, "Source of the file."),
+            Column::new("url", Kind::Text, "Address of the file."),
+            Column::new("fetched_utc", Kind::Text, "Time of the download."),
+            Column::new("sha256", Kind::Text, "SHA-256 of the file."),
+            Column::new("records", Kind::Integer, "Number of valid records."),
+            Column::new("answer", Kind::Text, "Last response of the source."),
+            Column::new("not_before_utc", Kind::Text, "Earliest time of the next request."),
         ],
         rows: cached
             .iter()

@@ -1,4 +1,4 @@
-//! `flag`: one verdict for each exposure of a schedule.
+//! `flag`: a verdict for each exposure of a schedule.
 
 use std::path::PathBuf;
 
@@ -13,19 +13,20 @@ use super::judged::judge;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::Answer;
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct FlagArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
+    pub schedule: Option<PathBuf>,
     #[command(flatten)]
     pub rules: RulesConfig,
-    /// Only the nights of one share of a batch, as 3/100: all shares together are the whole answer
+    /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// End with exit code 1 if any exposure is streaked (or worse), or one to avoid
+    /// Exit with code 1 if any exposure is streaked (or to avoid), or to avoid
     #[arg(long, value_name = "VERDICT")]
     pub fail_on: Option<FailOn>,
     #[command(flatten)]
@@ -54,8 +55,11 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let has_schedule = typed.schedule.is_some();
+    Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
+    let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
-    let judged = judge(&config, &typed.schedule, typed.shard)?;
+    let judged = judge(&config, &schedule, typed.shard)?;
     let flags = flag_table(&judged.report.flags);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(&Answer {

@@ -1,4 +1,4 @@
-//! `forecast`: every visible pass of a night over a site.
+//! `forecast`: the visible passes of a night over a site.
 
 use std::path::PathBuf;
 
@@ -19,11 +19,12 @@ use streakcast::passes::SkyError;
 use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::output::{Answer, ENDS, FORMATS, Output};
+use crate::output::{Answer, EXTENSIONS, FORMATS, Output};
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
-/// Formats of a forecast beside those of every verb.
-const FORMAT_HELP: &str = "table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable; parquet in builds that have it; \
+/// Help of `--format`, with the formats of a forecast alone.
+const FORMAT_HELP: &str = "Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional parquet; \
      ics (calendar), tdm (CCSDS tracking data message), score (columns of SCORE)";
 
 #[derive(Args)]
@@ -31,13 +32,13 @@ const FORMAT_HELP: &str = "table (on a terminal), csv (anywhere else), ecsv, jso
 pub struct ForecastArguments {
     #[command(flatten)]
     pub forecast: ForecastConfig,
-    /// File of light curves beside, one row a point; the end of its name sets the format (csv, ecsv, json, jsonl, vot)
+    /// Additional file of light curves, one row per point; format by extension (csv, ecsv, json, jsonl, vot)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub light_curves: Option<PathBuf>,
-    /// Times of the table on a clock this far ahead of UTC, as +01:00
+    /// Local time of the table, ahead of UTC, for example +01:00; UTC if omitted
     #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Output")]
     pub utc_offset: Option<f64>,
-    /// In a calendar, an alarm this long before each pass, as 5min
+    /// Alarm of a calendar before each pass, for example 5min
     #[arg(long, value_name = "TIME", help_heading = "Output")]
     pub alarm: Option<String>,
     /// Angles of a tracking data message: radec (default) or azel
@@ -76,7 +77,7 @@ const fn on_screen(start: &'static str, highest: &'static str, end: &'static str
     ]
 }
 
-/// Formats that are no tables.
+/// Formats that are not tables.
 #[derive(Copy, Clone, PartialEq, Eq)]
 enum Document {
     Calendar,
@@ -96,14 +97,17 @@ impl Document {
 }
 
 pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
-    reject_camera(&typed.config, "what passes over a site")?;
+    reject_camera(&typed.config, "passes over a site")?;
     let config = typed.config.clone().with_file()?;
+    let has_range = typed.forecast.night.is_some() || typed.forecast.start.is_some();
+    let range = "--night DATE, or --start TIME and --end TIME";
+    Required::of(&config).input(has_range, "time range", range).satellites().site().check()?;
     let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::beside).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
     let offset_s = typed.utc_offset.map(|hours| hours * 3600.0);
     let angles = angles(typed.angle_type.as_deref())?;
-    reject_idle(&typed, document)?;
+    reject_unused(&typed, document)?;
     let notices = begin(&config)?;
     let default_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
     let (request, selection) = typed.forecast.resolve(&config, default_samples)?;
@@ -112,7 +116,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
     let found = forecast(&prepared.sky, &request, &selection)?;
-    notices.warn(&prepared.left_out_warning(&found.found.left_out, from)?);
+    notices.warn_left_out(&prepared, &found.found.left_out, from)?;
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
     state(&mut prepared, &config, &typed.forecast, &request);
@@ -121,14 +125,14 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
-    // Documents hold what can be seen alone.
-    let is_unseen = found.found.passes.iter().all(|pass| pass.visible.is_none());
-    let unseen = || is_unseen.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
-    let why_unseen = why_empty.clone().or_else(unseen);
-    // Before anything is written.
-    if let (Some(Document::TrackingData), Some(why)) = (document, &why_unseen) {
+    // Documents contain only visible passes.
+    let is_invisible = found.found.passes.iter().all(|pass| pass.visible.is_none());
+    let invisible = || is_invisible.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
+    let why_invisible = why_empty.clone().or_else(invisible);
+    // Checked before any file is written.
+    if let (Some(Document::TrackingData), Some(why)) = (document, &why_invisible) {
         return Err(anyhow!(
-            "nothing to be seen: {why}; a tracking data message holds one segment at least, and none is written; allowed: another --format, which holds an empty night"
+            "no visible pass: {why}; a tracking data message needs at least one segment; allowed: another --format"
         ));
     }
     if let Some(curves) = &curves {
@@ -142,7 +146,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     }
     match document {
         Some(Document::Calendar) => {
-            let empty = why_unseen.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
+            let empty = why_invisible.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
             output.write_text(&calendar(rows(), &site, now()?, alarm_s, empty))?;
         }
         Some(Document::TrackingData) => output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?,
@@ -164,8 +168,8 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
         }
     }
     match why_empty {
-        Some(why) => notices.say(&format!("no passes: {why}")),
-        None => notices.say(&summary(&found)),
+        Some(why) => notices.info(&format!("no passes: {why}")),
+        None => notices.info(&summary(&found)),
     }
     Ok(Outcome::Done)
 }
@@ -174,34 +178,36 @@ fn open(typed: &ForecastArguments, config: &Config) -> anyhow::Result<(Output, O
     let path = typed.output.output.clone();
     let extension = path.as_ref().and_then(|path| path.extension()).and_then(|name| name.to_str());
     let extension = extension.map(str::to_ascii_lowercase);
-    let said = typed.output.format.as_deref().or(config.format.as_deref());
-    match said.or(extension.as_deref()).and_then(Document::by_name) {
-        // A text of its own.
+    let given = typed.output.format.as_deref().or(config.format.as_deref());
+    match given.or(extension.as_deref()).and_then(Document::by_name) {
+        // The document is written as text; the format only opens the file.
         Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
         None => {
-            let output = Output::new(said, path).map_err(|error| {
-                let words = error.to_string().replace(FORMATS, &format!("{FORMATS}, ics, tdm, score"));
-                anyhow!("{}", words.replace(ENDS, &format!("{ENDS}, .ics, .tdm, .score")))
+            let output = Output::new(given, path).map_err(|error| {
+                let message = error.to_string().replace(FORMATS, &format!("{FORMATS}, ics, tdm, score"));
+                anyhow!("{}", message.replace(EXTENSIONS, &format!("{EXTENSIONS}, .ics, .tdm, .score")))
             })?;
             Ok((output, None))
         }
     }
 }
 
-fn angles(said: Option<&str>) -> anyhow::Result<AngleType> {
-    said.map_or(Ok(AngleType::default()), |name| {
-        AngleType::by_name(name).ok_or_else(|| anyhow!("angle-type '{name}' is not known; allowed: radec, azel"))
+fn angles(given: Option<&str>) -> anyhow::Result<AngleType> {
+    given.map_or(Ok(AngleType::default()), |name| {
+        AngleType::by_name(name).ok_or_else(|| anyhow!("invalid angle-type '{name}'; allowed: radec, azel"))
     })
 }
 
 /// Rejects flags of one format with another.
-fn reject_idle(typed: &ForecastArguments, document: Option<Document>) -> anyhow::Result<()> {
+fn reject_unused(typed: &ForecastArguments, document: Option<Document>) -> anyhow::Result<()> {
     if typed.alarm.is_some() && document != Some(Document::Calendar) {
-        return Err(anyhow!("--alarm is for calendars alone; allowed: with --format ics, or a file that ends in .ics"));
+        return Err(anyhow!(
+            "--alarm is only for calendars; allowed: with --format ics or an output file with the extension .ics"
+        ));
     }
     if typed.angle_type.is_some() && document != Some(Document::TrackingData) {
         return Err(anyhow!(
-            "--angle-type is for tracking data messages alone; allowed: with --format tdm, or a file that ends in .tdm"
+            "--angle-type is only for tracking data messages; allowed: with --format tdm or an output file with the extension .tdm"
         ));
     }
     Ok(())

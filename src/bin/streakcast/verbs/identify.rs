@@ -14,6 +14,7 @@ use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::Answer;
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -23,7 +24,7 @@ pub struct IdentifyArguments {
     /// Include satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Largest number of candidates listed
+    /// Largest number of candidates in the output
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub top: usize,
     #[command(flatten)]
@@ -50,15 +51,16 @@ const ON_SCREEN: &[Shown] = &[
     rounded("element_age_days", "age d", 1),
 ];
 
-/// A candidate this probable is called likely.
+/// Least probability of a likely candidate.
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
-    reject_camera(&typed.config, "what a streak is of")?;
+    reject_camera(&typed.config, "the identification of a streak")?;
     if typed.top == 0 {
-        return Err(anyhow!("top 0; allowed: 1 or more"));
+        return Err(anyhow!("invalid top 0; allowed: 1 or more"));
     }
     let config = typed.config.with_file()?;
+    check_required(&config, &typed.streak)?;
     let plan = typed.streak.resolve(&config)?;
     let output = typed.output.open(&config)?;
     let notices = begin(&config)?;
@@ -71,7 +73,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.warnings);
     prepared.check_altitude("streak", &plan.exposure())?;
     let found = identify_streak(&prepared.sky, streak, &options)?;
-    notices.warn(&prepared.left_out_warning(&found.left_out, streak.start())?);
+    notices.warn_left_out(&prepared, &found.left_out, streak.start())?;
 
     let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &options.photometry);
@@ -105,20 +107,40 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     Ok(if found.candidates.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
+/// Checks that streak, times, satellites and site are given.
+fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()> {
+    let has_position = streak.ra.is_some() || streak.dec.is_some() || streak.position_angle.is_some();
+    let has_pixels = streak.from_pix.is_some() || streak.to_pix.is_some();
+    let has_streak = has_position || has_pixels || !streak.end.is_empty() || streak.region.is_some();
+    // A frame may have the times in its header.
+    let has_times = !streak.times.is_empty() || streak.image.is_some();
+    let has_start = has_times || streak.start.is_some() || config.exposure.start.is_some();
+    let has_duration = has_times || streak.exposure.is_some() || config.exposure.duration.is_some();
+    let streaks =
+        "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
+    Required::of(config)
+        .input(has_streak, "streak", streaks)
+        .input(has_start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z, or --times")
+        .input(has_duration, "exposure time", "--exposure TIME, for example 30s, or --times")
+        .satellites()
+        .site()
+        .check()
+}
+
 fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky) {
     let Some(best) = found.candidates.first() else {
-        notices.say("no candidate: nothing in these elements comes near the streak at that time");
+        notices.info("no candidate: no satellite of these elements is close to the streak at that time");
         return;
     };
     let elements = &sky.elements()[best.element_index];
     let name = if elements.name.is_empty() { best.norad_id.to_string() } else { elements.name.to_string() };
     let count = found.candidates.len();
-    let near = if count == 1 { "1 candidate".to_owned() } else { format!("{count} candidates") };
+    let counted = if count == 1 { "1 candidate".to_owned() } else { format!("{count} candidates") };
     if best.probability >= LIKELY {
-        notices.say(&format!("{near}: {name} with probability {:.3}", best.probability));
+        notices.info(&format!("{counted}: {name} with probability {:.3}", best.probability));
     } else {
-        notices.say(&format!(
-            "{near}, none likely: {name} with probability {:.3}, a satellite without elements here with {:.3}",
+        notices.info(&format!(
+            "{counted}, none likely: {name} with probability {:.3}; a satellite outside of these elements with {:.3}",
             best.probability, found.unknown_probability
         ));
     }

@@ -1,4 +1,4 @@
-//! `inject`: streaks of satellites, or random ones, put into frames.
+//! `inject`: injection of streaks, of satellites or random ones, into frames.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -14,22 +14,23 @@ use crate::failure::Outcome;
 use crate::output::{Answer, Format, Output, check_whole};
 #[cfg(feature = "plot")]
 use crate::output::{check, write_bytes};
+use crate::required::Required;
 use crate::screen::Style;
 
 #[derive(Args)]
 pub struct InjectArguments {
     #[command(flatten)]
     pub injection: InjectionConfig,
-    /// File to write, whole or not at all; a folder for several frames
+    /// Output file; a folder for several frames
     #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
-    /// The truth table beside the frame: a file that ends in .csv, .ecsv, .json or .jsonl
+    pub output: Option<PathBuf>,
+    /// Truth table: a file with the extension .csv, .ecsv, .json or .jsonl
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub truth: Option<PathBuf>,
-    /// Rows for Rubin's source_injection: a CSV or ECSV file of trails
+    /// Trails for Rubin's source_injection: a CSV or ECSV file
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub trails: Option<PathBuf>,
-    /// Picture of the frame (the chip with the longest streak): a .png file
+    /// Picture of the frame (of the chip with the longest streak): a .png file
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub preview: Option<PathBuf>,
@@ -41,7 +42,7 @@ pub struct InjectArguments {
     pub config: Config,
 }
 
-/// Every file that is to be written.
+/// All output files.
 pub struct Outputs {
     /// One for each frame.
     pub frames: Vec<PathBuf>,
@@ -50,19 +51,19 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Names all outputs: the file given for one frame, else files of the frames' own names in the folder given. `inputs` are
-    /// files that are read.
+    /// Names all outputs: the given file for one frame, else files with the names of the frames in the given folder.
+    /// `inputs` are files that are read.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
         frames.iter().try_for_each(|path| check_whole(path))?;
-        let beside = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
+        let table_output = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
             path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
         };
-        let outputs = Self { truth: beside(&typed.truth)?, trails: beside(&typed.trails)?, frames };
+        let outputs = Self { truth: table_output(&typed.truth)?, trails: table_output(&typed.trails)?, frames };
         let pictures = picture_names(typed)?;
         if outputs.frames.len() > 1 && !pictures.is_empty() {
             return Err(anyhow!(
-                "--preview and --preview-marked are for one frame; there are {}",
+                "--preview and --preview-marked are for one frame; the run has {}",
                 outputs.frames.len()
             ));
         }
@@ -70,17 +71,17 @@ impl Outputs {
         let all: Vec<&PathBuf> = outputs.frames.iter().chain(tables).chain(pictures).collect();
         let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
         if let Some(both) = all.iter().find(|path| path.canonicalize().is_ok_and(|path| read.contains(&path))) {
-            return Err(anyhow!("{} is an input and would be overwritten; name another output", both.display()));
+            return Err(anyhow!("output {} is also an input; specify another output", both.display()));
         }
-        let apart: BTreeSet<PathBuf> =
+        let distinct: BTreeSet<PathBuf> =
             all.iter().map(|path| path.canonicalize().unwrap_or(path.to_path_buf())).collect();
-        if apart.len() < all.len() {
-            return Err(anyhow!("two outputs have one name; frames, --truth, --trails and pictures must differ"));
+        if distinct.len() < all.len() {
+            return Err(anyhow!("two outputs have the same name; frames, --truth, --trails and pictures must differ"));
         }
         Ok(outputs)
     }
 
-    /// Writes the tables beside the frames, those of several frames one below the other.
+    /// Writes the tables of truth and trails, with the rows of all frames.
     pub fn write_tables(&self, done: &Injections) -> anyhow::Result<()> {
         type Choice = fn(&InjectedFrame) -> &Table;
         let truth: Choice = |frame| &frame.truth;
@@ -107,7 +108,7 @@ fn picture_names(typed: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
     let pictures: Vec<&PathBuf> = typed.preview.iter().chain(&typed.preview_marked).collect();
     for picture in &pictures {
         if !picture.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-            return Err(anyhow!("picture {}: allowed: a file that ends in .png", picture.display()));
+            return Err(anyhow!("invalid picture {}; allowed: a file with the extension .png", picture.display()));
         }
         check(picture)?;
     }
@@ -122,53 +123,70 @@ fn picture_names(_: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
 /// Largest number of frames of one run.
 const MOST_FRAMES: usize = 100_000;
 
-/// Checks that the name of a table ends in a format of text.
+/// Checks that the extension of a table is a text format.
 fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
     let end = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     match Format::by_name(&end) {
-        Some(Format::Table) | None if end != "csv" => {
-            Err(anyhow!("table {}: allowed: a file that ends in .csv, .ecsv, .json or .jsonl", path.display()))
-        }
+        Some(Format::Table) | None if end != "csv" => Err(anyhow!(
+            "invalid table {}; allowed: a file with the extension .csv, .ecsv, .json or .jsonl",
+            path.display()
+        )),
         _ => Ok(None),
     }
 }
 
 fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
+    let output = typed.output.clone().unwrap_or_default();
     let count = if typed.injection.synthetic.is_some() {
         typed.injection.frames.unwrap_or(1)
     } else {
         typed.injection.image.len()
     };
     if !(1..=MOST_FRAMES).contains(&count) {
-        return Err(anyhow!("frames {count}; allowed: 1 to {MOST_FRAMES}"));
+        return Err(anyhow!("invalid frames {count}; allowed: 1 to {MOST_FRAMES}"));
     }
-    if count == 1 && !typed.output.is_dir() {
-        return Ok(vec![typed.output.clone()]);
+    if count == 1 && !output.is_dir() {
+        return Ok(vec![output]);
     }
-    if !typed.output.is_dir() {
-        return Err(anyhow!("{count} frames need a folder; --output {} is none", typed.output.display()));
+    if !output.is_dir() {
+        return Err(anyhow!("{count} frames need an output folder; --output {} is not a folder", output.display()));
     }
     let width = count.to_string().len().max(4);
     let name = |index: usize| match typed.injection.image.get(index) {
         Some(image) => image.file_name().map(OsStr::to_owned).unwrap_or_default(),
         None => format!("frame-{:0width$}.fits", index + 1).into(),
     };
-    Ok((0..count).map(|index| typed.output.join(name(index))).collect())
+    Ok((0..count).map(|index| output.join(name(index))).collect())
 }
 
 pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
+    let injection = &typed.injection;
+    Required::of(&config)
+        .input(
+            !injection.image.is_empty() || injection.synthetic.is_some(),
+            "frames",
+            "--image FILE or --synthetic FILE",
+        )
+        .input(typed.output.is_some(), "output file", "-o FILE")
+        .input(
+            injection.is_random() || config.has_satellites() || injection.magnitude.is_some(),
+            "streaks",
+            "--elements FILE, --shells NAME, or --random-streaks N with --magnitude MAG",
+        )
+        .input(injection.seeing.is_some() || config.telescope.is_some(), "seeing", "--seeing ANGLE or --telescope NAME")
+        .check()?;
     let notices = crate::verbs::judged::begin(&config)?;
     let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
-    reject_idle(&typed)?;
+    reject_unused(&typed)?;
     let done = inject_frames(&typed.injection, &config, None, &outputs.frames)?;
     for remark in &done.remarks {
-        notices.say(remark);
+        notices.info(remark);
     }
     notices.warn(&done.warnings);
     for frame in &done.frames {
         notices.warn(&frame.warnings);
-        notices.say(&format!("{}: {}", frame.output.display(), frame.summary));
+        notices.info(&format!("{}: {}", frame.output.display(), frame.summary));
     }
     #[cfg(feature = "plot")]
     pictures(&typed, &done)?;
@@ -176,14 +194,14 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the files that are read: no output may replace one of them.
+/// Returns the input files, which no output may replace.
 fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags without effect: those of fields, and those of satellites with random streaks. The configuration file may
-/// have such keys for other verbs.
-fn reject_idle(typed: &InjectArguments) -> anyhow::Result<()> {
+/// Rejects flags without effect: those of fields, and those of satellites with random streaks. The configuration file
+/// may have such keys for other verbs.
+fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let (flags, site) = (&typed.config, &typed.config.site);
     let of_fields = [
         ("--fov", flags.fov.is_some()),
@@ -211,14 +229,12 @@ fn reject_idle(typed: &InjectArguments) -> anyhow::Result<()> {
     let given =
         |options: &[(&'static str, bool)]| options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name);
     if let Some(option) = given(&of_fields) {
-        return Err(anyhow::anyhow!(
-            "{option} is for verbs that ask about a field; the field of inject is the frame itself"
-        ));
+        return Err(anyhow::anyhow!("{option} has no effect: the field of inject is the frame"));
     }
     match given(&of_satellites).filter(|_| typed.injection.is_random()) {
-        Some(option) => Err(anyhow::anyhow!(
-            "{option} is for satellites; random streaks have their magnitude and speed from the command line"
-        )),
+        Some(option) => {
+            Err(anyhow::anyhow!("{option} is for satellites; magnitude and rate of random streaks are given by flags"))
+        }
         None => Ok(()),
     }
 }
@@ -227,16 +243,16 @@ fn reject_idle(typed: &InjectArguments) -> anyhow::Result<()> {
 #[cfg(feature = "plot")]
 fn pictures(typed: &InjectArguments, done: &Injections) -> anyhow::Result<()> {
     use streakcast::images::{FrameFile, Overlay, preview_png};
-    let wanted = [(&typed.preview, false), (&typed.preview_marked, true)];
+    let pictures = [(&typed.preview, false), (&typed.preview_marked, true)];
     // Pictures are for one frame.
-    let Some(frame) = done.frames.first().filter(|_| wanted.iter().any(|(path, _)| path.is_some())) else {
+    let Some(frame) = done.frames.first().filter(|_| pictures.iter().any(|(path, _)| path.is_some())) else {
         return Ok(());
     };
     let file = FrameFile::open(&frame.output)?;
     let longest = frame.marks.iter().max_by(|a, b| a.length_pix.total_cmp(&b.length_pix)).map(|mark| mark.hdu);
     let Some(hdu) = longest.or_else(|| file.images().first().copied()) else { return Ok(()) };
     let plane = file.read_plane(hdu)?;
-    for (path, is_marked) in wanted {
+    for (path, is_marked) in pictures {
         let Some(path) = path else { continue };
         let marks = frame.marks.iter().filter(|mark| is_marked && mark.hdu == hdu);
         let overlays: Vec<Overlay> =

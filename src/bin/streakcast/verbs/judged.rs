@@ -16,11 +16,11 @@ use streakcast::schedule::{
 
 use crate::notices::Notices;
 
-/// Rows judged at a time: few enough for a progress bar, and rows of a night share its preparation.
+/// Rows per chunk: small enough for a progress bar; the rows of a night share its preparation.
 const ROWS_AT_A_TIME: usize = 1000;
 
-/// Largest number of threads; starting more takes minutes.
-const MOST_THREADS: usize = 1024;
+/// Largest number of threads; more take minutes to start.
+const MAX_THREADS: usize = 1024;
 
 /// A schedule with its verdicts.
 pub struct Judged {
@@ -31,19 +31,19 @@ pub struct Judged {
     pub notices: Notices,
     /// One row for each exposure and satellite.
     pub streaks: Table,
-    /// For a share of a batch: which rows of the file are in `schedule`.
+    /// For a share of a batch: true for rows of the file that are in `schedule`.
     pub keep: Option<Vec<bool>>,
 }
 
 /// Sets the number of threads, and returns the notices of the run.
 pub fn begin(config: &Config) -> anyhow::Result<Notices> {
     if let Some(threads) = config.run.threads {
-        if !(1..=MOST_THREADS).contains(&threads) {
-            return Err(anyhow!("threads {threads}; allowed: 1 to {MOST_THREADS}"));
+        if !(1..=MAX_THREADS).contains(&threads) {
+            return Err(anyhow!("invalid threads {threads}; allowed: 1 to {MAX_THREADS}"));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    Ok(Notices::new(config.run.quiet.unwrap_or(false)))
+    Ok(Notices::new(config.run.quiet.unwrap_or(false)).with_details(config.run.verbose.unwrap_or(false)))
 }
 
 /// Reads and judges a schedule, or its share of a batch.
@@ -51,7 +51,7 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
     let notices = begin(config)?;
     let plan = config.observation()?;
     let mut schedule = Schedule::read(path, &config.schedule_options()?)?;
-    // The sky is made for the whole schedule: all shares use the same one.
+    // The sky is prepared for the whole schedule: all shares use the same one.
     let judgeable = span(&schedule);
     let all_rows = schedule.exposures.len();
     let keep = match shard {
@@ -70,7 +70,7 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
         }
         Some(span) => judge_rows(config, &schedule, span, &plan, &notices)?,
         None => {
-            // Without a time there is no sky: all rows are invalid, with their reasons.
+            // Without a valid time no sky can be prepared: all rows are invalid, with their reasons.
             notices.warn(&[none_judged(&schedule, path)]);
             (invalid_rows(&schedule), streak_table(std::iter::empty(), false, false), Provenance::new())
         }
@@ -155,7 +155,7 @@ pub fn flag_rows(
         bar.inc(rows.len() as u64);
     }
     bar.finish_and_clear();
-    notices.warn(&prepared.left_out_warning(&report.left_out, first)?);
+    notices.warn_left_out(prepared, &report.left_out, first)?;
     notices.warn(&report.lower_limit_warning());
     Ok(report)
 }
@@ -165,9 +165,8 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
     let mut warnings = Vec::new();
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
-        warnings.push(format!(
-            "{repeated} exposures carry the id of an earlier one: their streaks cannot be told apart by it"
-        ));
+        warnings
+            .push(format!("{repeated} exposures have the id of an earlier one: it does not distinguish their streaks"));
     }
     for (name, limit) in [
         ("limit_mag", &policy.limit_mag),
@@ -177,14 +176,14 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
         let bands = limit.as_ref().map(|limit| schedule.bands_without(limit)).unwrap_or_default();
         if !bands.is_empty() {
             let bands: Vec<&str> = bands.into_iter().collect();
-            warnings.push(format!("the policy's {name} has no number for band {} and no default", bands.join(", ")));
+            warnings.push(format!("{name} of the policy has no value for band {} and no default", bands.join(", ")));
         }
     }
     for (name, limit) in telescope.map(|telescope| policy.limits_of_telescope(telescope)).unwrap_or_default() {
         let bands: Vec<&str> = schedule.bands_without(&limit).into_iter().collect();
         if !bands.is_empty() {
             let bands = bands.join(", ");
-            warnings.push(format!("the policy's {name} has no number for band {bands} in the file of the telescope"));
+            warnings.push(format!("{name} of the policy has no value for band {bands} in the file of the telescope"));
         }
     }
     warnings
@@ -225,10 +224,10 @@ pub fn given_field(config: &Config) -> Value {
 
 pub fn summary(notices: &Notices, report: &FlagReport) {
     let count = |verdict| report.flags.iter().filter(|flag| flag.kind == verdict).count();
-    let words: Vec<String> = [VerdictKind::Clear, VerdictKind::Streaked, VerdictKind::Avoid, VerdictKind::Invalid]
+    let counts: Vec<String> = [VerdictKind::Clear, VerdictKind::Streaked, VerdictKind::Avoid, VerdictKind::Invalid]
         .into_iter()
         .filter(|verdict| count(*verdict) > 0)
         .map(|verdict| format!("{} {verdict}", count(verdict)))
         .collect();
-    notices.say(&format!("{} exposures: {}", report.flags.len(), words.join(", ")));
+    notices.info(&format!("{} exposures: {}", report.flags.len(), counts.join(", ")));
 }

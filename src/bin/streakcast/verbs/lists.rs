@@ -1,4 +1,4 @@
-//! `sites` and `shells`: observatories by name and MPC code, and synthetic constellations that need no download.
+//! `sites` and `shells`: observatories by name and MPC code, and simulated constellations.
 
 use clap::Args;
 use streakcast::elements::Constellation;
@@ -12,7 +12,7 @@ use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct ListArguments {
-    /// Only those whose name or code contains this
+    /// Only entries with this text in their name or code
     pub search: Option<String>,
     #[command(flatten)]
     pub output: OutputArguments,
@@ -30,10 +30,10 @@ const SHELLS_ON_SCREEN: &[Shown] =
     &[shown("name", "name"), shown("satellites", "satellites"), shown("shells", "shells"), shown("source", "source")];
 
 pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
-    let wanted = typed.search.as_deref().unwrap_or("").to_lowercase();
-    let holds = |site: &&Site| {
+    let search = typed.search.as_deref().unwrap_or("").to_lowercase();
+    let matches = |site: &&Site| {
         let code = site.mpc_code.as_deref().unwrap_or("").to_lowercase();
-        site.name.to_lowercase().contains(&wanted) || code.contains(&wanted)
+        site.name.to_lowercase().contains(&search) || code.contains(&search)
     };
     let table = Table {
         columns: vec![
@@ -44,7 +44,7 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
             Column::real("height_m", "m", 1, "Height above the ellipsoid."),
         ],
         rows: Site::all()
-            .filter(holds)
+            .filter(matches)
             .map(|site| {
                 vec![
                     site.mpc_code.as_deref().into(),
@@ -66,22 +66,22 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
 }
 
 pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
-    let wanted = typed.search.as_deref().unwrap_or("").to_lowercase();
+    let search = typed.search.as_deref().unwrap_or("").to_lowercase();
     let all = Constellation::embedded();
     let table = Table {
         columns: vec![
-            Column::new("name", Kind::Text, "What --shells takes."),
-            Column::new("satellites", Kind::Integer, "How many satellites."),
+            Column::new("name", Kind::Text, "Name for --shells."),
+            Column::new("satellites", Kind::Integer, "Number of satellites."),
             Column::new(
                 "shells",
                 Kind::List { separator: " " },
                 "Altitude in km and inclination in degrees of each shell.",
             ),
-            Column::new("source", Kind::Text, "Where the numbers come from."),
+            Column::new("source", Kind::Text, "Source of the orbits."),
         ],
         rows: all
             .iter()
-            .filter(|constellation| constellation.name.contains(&wanted))
+            .filter(|constellation| constellation.name.contains(&search))
             .map(|constellation| {
                 let shells = constellation.shells.iter();
                 let shells = shells.map(|shell| format!("{}/{}", shell.altitude_km, shell.inclination_deg)).collect();

@@ -22,11 +22,11 @@ pub struct ModelArguments {
 
 #[derive(Subcommand)]
 pub enum ModelVerb {
-    /// All models by name
+    /// List all models by name
     List(ModelListArguments),
-    /// One model: its file, with coefficients, covariance and provenance
+    /// Show the file of a model, with coefficients, covariance and provenance
     Show(ModelShowArguments),
-    /// Checks the shipped models, or files, against the rules, published means and phase curves, and photometry
+    /// Validate models and compare them with published means, phase curves and photometry
     #[cfg(feature = "fit")]
     Check(ModelCheckArguments),
 }
@@ -34,12 +34,12 @@ pub enum ModelVerb {
 #[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct ModelCheckArguments {
-    /// Model files; a name that begins with that of a shipped model (visorsat-mine) sets the satellites
+    /// Model files; the shipped models if omitted. A name like visorsat-mine selects the satellites of visorsat
     pub files: Vec<PathBuf>,
-    /// Folder of published photometry (see docs/models.md); without it only published means and curves are used
+    /// Folder of published photometry (see docs/explanation/models.md); only published means and curves if omitted
     #[arg(long, value_name = "FOLDER")]
     pub data: Option<PathBuf>,
-    /// Only errors on standard error
+    /// Suppress everything except errors on standard error
     #[arg(long, short)]
     pub quiet: bool,
     #[command(flatten)]
@@ -48,7 +48,7 @@ pub struct ModelCheckArguments {
 
 #[derive(Args)]
 pub struct ModelListArguments {
-    /// Configuration file with models of your own
+    /// Configuration file with additional models
     #[arg(long, value_name = "FILE")]
     pub config: Option<PathBuf>,
     #[command(flatten)]
@@ -57,7 +57,7 @@ pub struct ModelListArguments {
 
 #[derive(Args)]
 pub struct ModelShowArguments {
-    /// Name or alias
+    /// Name or alias of the model
     pub name: String,
     #[command(flatten)]
     pub list: ModelListArguments,
@@ -93,7 +93,7 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
     let library = library_of(typed.list.config.as_deref())?;
     let format = typed.list.output.format.as_deref();
     let model = library.get(&typed.name).ok_or_else(|| {
-        anyhow!("unknown model '{}'; known are {}", typed.name, library.names().collect::<Vec<_>>().join(", "))
+        anyhow!("unknown model '{}'; allowed: {}", typed.name, library.names().collect::<Vec<_>>().join(", "))
     })?;
     let output = Output::new(format, typed.list.output.output)?;
     if output.is_json() || format.is_none() {
@@ -129,16 +129,16 @@ fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {
     Table {
         columns: vec![
             Column::new("name", Kind::Text, "Name of the model."),
-            Column::new("kind", Kind::Text, "What it computes with."),
-            Column::new("band", Kind::Text, "Passband it was made in."),
-            Column::new("mag_system", Kind::Text, "Zero point it was made in."),
-            Column::real("sigma_mag", "mag", 3, "One sigma of a single prediction."),
-            Column::real("rms_mag", "mag", 3, "Residuals on the fitted points; empty where none was published."),
-            Column::new("provisional", Kind::Boolean, "True for a model that its file calls provisional."),
-            Column::real("size_m", "m", 2, "Extent of the satellite that shines."),
+            Column::new("kind", Kind::Text, "Kind of the model."),
+            Column::new("band", Kind::Text, "Passband of the model."),
+            Column::new("mag_system", Kind::Text, "Zero point of the model."),
+            Column::real("sigma_mag", "mag", 3, "Sigma of a single prediction."),
+            Column::real("rms_mag", "mag", 3, "RMS of the residuals of the fit; empty if not published."),
+            Column::new("provisional", Kind::Boolean, "True for a provisional model."),
+            Column::real("size_m", "m", 2, "Size of the satellite."),
             Column::new("aliases", Kind::List { separator: " " }, "Other names."),
-            Column::new("title", Kind::Text, "What it is."),
-            Column::new("source", Kind::Text, "Whose data, which publication."),
+            Column::new("title", Kind::Text, "Description."),
+            Column::new("source", Kind::Text, "Source of the data and publication."),
         ],
         rows: models.iter().filter_map(|model| model.file().map(row)).collect(),
     }

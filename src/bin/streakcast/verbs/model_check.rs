@@ -48,7 +48,7 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     let photometry = typed.data.as_deref().map(Photometry::read).transpose()?;
     // Shipped files are validated by tests.
     if !typed.files.is_empty() {
-        checked.iter().for_each(|(origin, model)| notices.say(&format!("{origin}: {} is good", model.source())));
+        checked.iter().for_each(|(origin, model)| notices.info(&format!("{origin}: {} is valid", model.source())));
     }
     let rows: Vec<_> = checked.iter().flat_map(|(_, model)| compare(model, photometry.as_ref())).collect();
     let mut provenance = Provenance::new();

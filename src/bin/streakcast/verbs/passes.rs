@@ -1,4 +1,4 @@
-//! `passes`: every satellite that crosses the field during one exposure.
+//! `passes`: satellites that cross the field during one exposure.
 
 use crate::arguments::OutputArguments;
 use clap::Args;
@@ -15,6 +15,7 @@ use streakcast::schedule::{StreakRow, exposure_table, streak_table};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::Answer;
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -24,10 +25,10 @@ pub struct PassesArguments {
     /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Report how many of the crossings are brighter than this, in the band asked for; all of them are listed
+    /// Report how many of the crossings are brighter than this, in the band of --band; all are listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
-    /// Points along each track
+    /// Number of points along each track, 0 to 100000; none if omitted
     #[arg(long, value_name = "N")]
     pub samples: Option<usize>,
     #[command(flatten)]
@@ -105,6 +106,7 @@ pub struct Prediction {
 
 /// Predicts the passes of the configuration's exposure.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
+    Required::of(config).times().pointing().satellites().site().field().check()?;
     let notices = super::judged::begin(config)?;
     let exposure = config.one_exposure()?;
     let plan = config.observation()?;
@@ -120,7 +122,7 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     notices.warn(&prepared.warnings);
 
     let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
-    notices.warn(&prepared.left_out_warning(&answer.left_out, exposure.start)?);
+    notices.warn_left_out(&prepared, &answer.left_out, exposure.start)?;
     state(&mut prepared, config, &exposure, &options, plan.telescope.as_ref().map(|telescope| telescope.name.as_str()));
     Ok(Prediction { exposure, telescope: plan.telescope, options, prepared, answer, notices })
 }
@@ -131,7 +133,7 @@ impl Prediction {
         self.answer.by_exposure.first().map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the passes as a table, with nested tables if wanted.
+    /// Returns the passes as a table, with nested tables if `is_nested`.
     pub fn table(&self, is_nested: bool) -> Table {
         let rows = self.found().iter().map(|pass| StreakRow {
             exposure: &self.exposure,
@@ -153,8 +155,8 @@ fn state(
     telescope: Option<&str>,
 ) {
     // A start that ends in Z has a scale.
-    let names_its_own = config.exposure.start.as_ref().is_some_and(|start| parse_moment(start.as_str(), None).is_ok());
-    let scale = config.given_time_scale().filter(|_| !names_its_own).unwrap_or("utc").to_ascii_lowercase();
+    let has_scale = config.exposure.start.as_ref().is_some_and(|start| parse_moment(start.as_str(), None).is_ok());
+    let scale = config.given_time_scale().filter(|_| !has_scale).unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &options.photometry);
     prepared.provenance.state(
         "options",
@@ -183,7 +185,7 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
     Table {
         columns: vec![
             Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-            Column::new("reason", Kind::Text, "Why the satellite was left out."),
+            Column::new("reason", Kind::Text, "Reason for leaving the satellite out."),
         ],
         rows: left_out
             .iter()
@@ -199,9 +201,9 @@ fn summary(notices: &Notices, config: &Config, count: usize, magnitudes: impl It
     match limit {
         Some(limit) => {
             let bright = magnitudes.filter(|magnitude| *magnitude < limit).count();
-            notices.say(&format!("{crossings}, {bright} brighter than mag {limit}"));
+            notices.info(&format!("{crossings}, {bright} brighter than mag {limit}"));
         }
-        None if count == 0 => notices.say("no passes"),
+        None if count == 0 => notices.info("no passes"),
         None => {}
     }
 }

@@ -1,4 +1,4 @@
-//! `reproduce`: counts of a paper beside ours.
+//! `reproduce`: comparison of published counts with computed ones.
 
 use std::path::PathBuf;
 
@@ -29,28 +29,28 @@ use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum Paper {
-    /// Visits of LSST with streaks: Hu et al. 2022
+    /// LSST visits with streaks: Hu et al. 2022
     Hu2022,
     /// Satellites brighter than 7 mag: Lu 2024 (arXiv 2403.11118)
     Lu2024b,
-    /// Satellites above an altitude by the density of shells: Bassa et al. 2022
+    /// Satellites above an altitude from the density of shells: Bassa et al. 2022
     Bassa2022,
 }
 
 #[derive(Args)]
 pub struct ReproduceArguments {
-    /// The paper
+    /// Paper to reproduce
     pub paper: Paper,
-    /// For hu2022: visits of LSST, as thirteen nights of its baseline (opsim SQLite and all that flag reads)
+    /// LSST visits for hu2022, for example thirteen nights of a baseline (opsim SQLite, or any schedule of flag)
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
-    /// Scale of times that name none: utc, tai or tt
+    /// Time scale of times without one: utc, tai or tt
     #[arg(long, value_name = "SCALE")]
     pub time_scale: Option<String>,
-    /// Threads, 1 to 1024; all cores where unsaid
+    /// Number of threads, 1 to 1024; all cores if omitted
     #[arg(long, value_name = "N")]
     pub threads: Option<usize>,
-    /// No warnings, no progress
+    /// Suppress warnings, summaries and progress
     #[arg(long, short)]
     pub quiet: bool,
     #[command(flatten)]
@@ -67,8 +67,8 @@ const ON_SCREEN: &[Shown] = &[
     shown("agrees", "within 20 %"),
 ];
 
-/// Where no number is printed, the method's stands in its place.
-const OF_A_METHOD: &[Shown] = &[
+/// Columns for a paper without printed counts: those of its method.
+const METHOD_ON_SCREEN: &[Shown] = &[
     shown("quantity", "quantity"),
     rounded("by_method", "by their formula", 2),
     rounded("ours", "ours", 2),
@@ -76,15 +76,16 @@ const OF_A_METHOD: &[Shown] = &[
     shown("agrees", "within 20 %"),
 ];
 
-/// The visits of Hu et al. whose counts are released: the first ten thousand, 2023-10-01 to 13; a baseline's first nights have about as many.
+/// Dates of the visits with published counts (Hu et al.): the first ten thousand, 2023-10-01 to 13. The first nights of
+/// a baseline have about as many.
 const FIRST_VISITS_MJD: [f64; 2] = [60_218.0, 60_231.0];
 const FIRST_VISITS: std::ops::RangeInclusive<usize> = 9_000..=11_000;
 
 /// Rubin's field, degrees across.
 const RUBIN_FIELD_DEG: f64 = 3.5;
-/// The Sun's altitude below which Lu's satellites are counted here, degrees.
+/// Highest altitude of the Sun for the counts of Lu (2024), degrees.
 const LU_SUN_DEG: f64 = -12.0;
-/// Between two moments of a night, seconds.
+/// Time step of a night, seconds.
 const LU_STEP_S: f64 = 1200.0;
 
 pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
@@ -95,12 +96,12 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         ..Config::default()
     };
     if typed.paper != Paper::Hu2022 {
-        for (flag, is_said) in [("--schedule", typed.schedule.is_some()), ("--time-scale", typed.time_scale.is_some())]
+        for (flag, is_given) in [("--schedule", typed.schedule.is_some()), ("--time-scale", typed.time_scale.is_some())]
         {
-            if is_said {
+            if is_given {
                 let paper =
                     typed.paper.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
-                bail!("reproduce {paper} takes no {flag}; allowed: --threads, --quiet, --format, --output");
+                bail!("{flag} is not for reproduce {paper}; allowed: --threads, --quiet, --format, --output");
             }
         }
     }
@@ -112,7 +113,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         Paper::Hu2022 => {
             let path = typed.schedule.as_ref().ok_or_else(|| {
                 anyhow!(
-                    "hu2022 needs visits of LSST; say --schedule FILE (opsim SQLite of a baseline) and --time-scale utc"
+                    "missing visits of LSST; specify --schedule FILE (opsim SQLite of a baseline) and --time-scale utc"
                 )
             })?;
             let schedule = Schedule::read(path, &config.schedule_options()?)?;
@@ -128,15 +129,19 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         sections: vec![Section { name: "reproduced", table: &table }],
         main: &table,
         provenance: &provenance,
-        style: Style { columns: if typed.paper == Paper::Bassa2022 { OF_A_METHOD } else { ON_SCREEN }, bold_row: None },
+        style: Style {
+            columns: if typed.paper == Paper::Bassa2022 { METHOD_ON_SCREEN } else { ON_SCREEN },
+            bold_row: None,
+        },
     })?;
-    let mut told: Vec<String> = Vec::new();
+    let mut printed: Vec<String> = Vec::new();
     for row in &rows {
-        let reason = if row.reason.is_empty() { String::new() } else { format!("why ours differ: {}", row.reason) };
+        let reason =
+            if row.reason.is_empty() { String::new() } else { format!("reason for the difference: {}", row.reason) };
         for words in [row.source.to_owned(), row.assumed.clone(), reason] {
-            if !words.is_empty() && !told.contains(&words) {
-                notices.say(&words);
-                told.push(words);
+            if !words.is_empty() && !printed.contains(&words) {
+                notices.info(&words);
+                printed.push(words);
             }
         }
     }
@@ -145,13 +150,13 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
 
 fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::Result<Vec<Reproduced>> {
     let span = exposures.iter().map(|one| one.start).min().zip(exposures.iter().map(|one| one.start).max());
-    let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no visit that can be judged"))?;
+    let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no valid visit"))?;
     let is_within = FIRST_VISITS_MJD[0] <= mjd_utc(first) && mjd_utc(last) < FIRST_VISITS_MJD[1];
     let is_first_visits = is_within && FIRST_VISITS.contains(&exposures.len());
     if !is_first_visits {
         notices.warn(&[format!(
-            "{} visits from {} to {} are not the paper's first 10,000 (2023-10-01 to 13), whose counts are known: the year alone stands beside them, and \
-             season, field and schedule make more than 20 %",
+            "{} visits from {} to {} are not the first 10,000 of the paper (2023-10-01 to 13): they are compared with the whole \
+             year, and season, field and schedule make differences of more than 20 %",
             exposures.len(),
             format_utc(first, 0),
             format_utc(last, 0)
@@ -159,8 +164,8 @@ fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::
     }
     let field = Field::circle(RUBIN_FIELD_DEG.to_radians())?;
     let assumed = format!(
-        "ours: {} visits from {} to {}, a circular field of {RUBIN_FIELD_DEG} deg, every lit satellite whatever its magnitude, shells of this library; \
-         theirs: the visits of a year",
+        "computed: {} visits from {} to {}, a circular field of {RUBIN_FIELD_DEG} deg, lit satellites of any magnitude, shells of \
+         this library; published: the visits of a year",
         exposures.len(),
         format_utc(first, 0),
         format_utc(last, 0)
@@ -186,8 +191,9 @@ fn of_lu() -> anyhow::Result<Vec<Reproduced>> {
     let constellations = lu2024b_constellations()?;
     let site = Site::from_mpc("X05")?;
     let assumed = format!(
-        "ours: Rubin Observatory, the 15th of each month of 2025 every {:.0} min with the Sun below {LU_SUN_DEG} deg, all lit satellites above the altitude \
-         alike; our model of V1.5, fitted to other photometry than the paper's; the paper's abstract names neither altitude nor hours",
+        "computed: Rubin Observatory, the 15th of each month of 2025 every {:.0} min with the Sun below {LU_SUN_DEG} deg, all lit \
+         satellites above the altitude, a model of V1.5 fitted to other photometry than that of the paper; the abstract of the \
+         paper has neither altitude nor hours",
         LU_STEP_S / 60.0
     );
     let mut sums: Option<Vec<Reproduced>> = None;
@@ -220,8 +226,8 @@ fn of_lu() -> anyhow::Result<Vec<Reproduced>> {
 
 fn of_bassa() -> anyhow::Result<Vec<Reproduced>> {
     let start = parse_instant("2025-03-20T00:00:00Z", None)?;
-    let assumed = "ours: SGP4 on the shells of this library over Paranal, the mean of 144 moments of a day; of the paper only the method is compared, no \
-                   printed count";
+    let assumed = "computed: SGP4 with the shells of this library over Paranal, the mean of 144 moments of a day; compared with the method of \
+                   the paper, which has no printed counts";
     let mut rows = Vec::new();
     for name in ["starlink-gen1", "starlink-gen2", "oneweb", "kuiper", "guowang"] {
         let constellation = Constellation::by_name(name)?;

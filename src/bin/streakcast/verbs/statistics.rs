@@ -1,4 +1,4 @@
-//! `statistics`: how many satellites are lit over a site, how bright, and how many trails an exposure gets.
+//! `statistics`: counts of sunlit satellites over a site, their magnitudes, and trails per exposure.
 
 use crate::arguments::OutputArguments;
 use anyhow::anyhow;
@@ -12,14 +12,15 @@ use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct StatisticsArguments {
-    /// Nights by their evening's local date; several show the season, as 2024-03-20 2024-06-21
-    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', required = true)]
+    /// Nights by the local date of their evening, for example 2024-03-20 2024-06-21
+    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',')]
     pub night: Vec<String>,
-    /// Altitudes of the Sun at which is counted, degrees
+    /// Altitudes of the Sun for the counts, degrees
     #[arg(
         long,
         value_name = "DEG,...",
@@ -28,19 +29,19 @@ pub struct StatisticsArguments {
         default_values_t = [0.0, -6.0, -12.0, -18.0, -24.0, -30.0, -36.0, -42.0, -48.0]
     )]
     pub sun_altitude_deg: Vec<f64>,
-    /// Lowest altitudes of satellites, degrees: a row each
+    /// Lowest altitudes of satellites, degrees, with one row each
     #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', default_values_t = [20.0, 30.0])]
     pub min_altitude: Vec<f64>,
-    /// Latitudes instead of the site's, degrees north, on its longitude
+    /// Latitudes to use instead of that of the site, degrees north
     #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub latitudes: Vec<f64>,
-    /// Length of the exposure with its unit
+    /// Exposure time with its unit
     #[arg(long, value_name = "TIME", default_value = "30s")]
     pub exposure: String,
-    /// Moments that each count is the mean of
+    /// Number of moments averaged in each count
     #[arg(long, value_name = "N", default_value_t = 11)]
     pub moments: usize,
-    /// Time over which they are spread, with its unit
+    /// Time range of the averaged moments, with its unit
     #[arg(long, value_name = "TIME", default_value = "10min")]
     pub spread: String,
     #[command(flatten)]
@@ -71,9 +72,11 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.with_file()?;
+    let has_night = !typed.night.is_empty();
+    Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
     if config.field.is_some() {
-        return Err(anyhow!("statistics takes no --field; allowed: a circle, as --fov {FIELD}"));
+        return Err(anyhow!("--field is not for statistics; allowed: a circular field, for example --fov {FIELD}"));
     }
     let fov = config.fov.as_ref().map_or(FIELD, Quantity::as_str);
     let field_rad = parse_angle_deg("fov", fov)?.to_radians();
@@ -89,7 +92,7 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let (mut first, mut left_out) = (None, Vec::new());
     for night in &typed.night {
         for latitude_deg in &latitudes_deg {
-            let place = match latitude_deg {
+            let at_latitude = match latitude_deg {
                 Some(latitude_deg) => Config {
                     site: SiteConfig {
                         lat: Some(*latitude_deg),
@@ -101,8 +104,8 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
                 },
                 None => config.clone(),
             };
-            let (start, end) = time_range(Some(night), None, None, &place)?;
-            let prepared = place.prepare(start, end)?;
+            let (start, end) = time_range(Some(night), None, None, &at_latitude)?;
+            let prepared = at_latitude.prepare(start, end)?;
             let request = StatisticsRequest {
                 start,
                 end,
@@ -115,11 +118,11 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
                 photometry,
             };
             let (counts, missed, without) = sky_counts(&prepared.sky, &request)?;
-            let latitude_rad = place.site()?.latitude_rad;
+            let latitude_rad = at_latitude.site()?.latitude_rad;
             if !missed.is_empty() {
                 let missed: Vec<String> = missed.iter().map(|sun_rad| format!("{:.0}", sun_rad.to_degrees())).collect();
                 notices.warn(&[format!(
-                    "in the night of {night} at latitude {:.1} deg the Sun does not go through {} deg",
+                    "in the night of {night} at latitude {:.1} deg the Sun does not reach altitude {} deg",
                     latitude_rad.to_degrees(),
                     missed.join(", ")
                 )]);
@@ -127,7 +130,7 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             found.push((latitude_rad, request, counts));
             if first.is_none() {
                 notices.warn(&prepared.warnings);
-                notices.warn(&prepared.left_out_warning(&without, start)?);
+                notices.warn_left_out(&prepared, &without, start)?;
                 left_out = without;
                 first = Some(prepared);
             }

@@ -1,4 +1,4 @@
-//! `windows`: time windows in which targets can be exposed without any satellite that matters.
+//! `windows`: time windows in which targets can be exposed without a crossing above the limits.
 
 use std::path::PathBuf;
 
@@ -18,23 +18,24 @@ use super::judged::{begin, given_field};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Answer, FORMATS, Output};
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct WindowsArguments {
-    /// The targets: CSV, ECSV or JSON with name, ra_deg, dec_deg, exposure_s (ra and dec may be written 12h34m -30d30m)
+    /// Targets: CSV, ECSV or JSON with columns name, ra_deg, dec_deg, exposure_s (or ra and dec as 12h34m -30d30m)
     #[arg(long, value_name = "FILE")]
-    pub targets: PathBuf,
-    /// The night that begins on this evening, local date of the site, as 2024-08-14
+    pub targets: Option<PathBuf>,
+    /// Night that begins on this evening, local date of the site, for example 2024-08-14
     #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
     pub night: Option<String>,
-    /// Earliest shutter opening, as 2024-08-14T23:30:00Z
+    /// Earliest shutter opening, for example 2024-08-14T23:30:00Z
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end")]
     pub start: Option<String>,
     /// Latest shutter opening
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start")]
     pub end: Option<String>,
-    /// Length of the exposure of rows without one, with its unit
+    /// Default exposure time for rows without one, with its unit
     #[arg(long, value_name = "TIME")]
     pub exposure: Option<String>,
     /// Lowest altitude of a target while the shutter is open, degrees
@@ -43,7 +44,7 @@ pub struct WindowsArguments {
     /// Highest altitude of the Sun while the shutter is open, degrees
     #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true)]
     pub max_sun_altitude_deg: f64,
-    /// Time from the beginning of a request or block to its shutter opening, for lco and eso-p2, with its unit
+    /// Time from the start of a request or block to its shutter opening, for lco and eso-p2, with its unit
     #[arg(long, value_name = "TIME")]
     pub overhead: Option<String>,
     #[command(flatten)]
@@ -64,6 +65,15 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let has_range = typed.night.is_some() || typed.start.is_some();
+    Required::of(&config)
+        .input(typed.targets.is_some(), "targets", "--targets FILE")
+        .input(has_range, "time range", "--night DATE, or --start TIME and --end TIME")
+        .satellites()
+        .site()
+        .field()
+        .check()?;
+    let path = typed.targets.unwrap_or_default();
     let shape = typed.output.format.as_deref().and_then(SchedulerFormat::by_name);
     let output = match shape {
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
@@ -77,14 +87,14 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let plan = config.observation()?;
     if plan.policy.max_lost_fraction.is_some() {
         return Err(anyhow!(
-            "the policy's max_lost_fraction makes no windows; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+            "max_lost_fraction of the policy is not for windows; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
         ));
     }
     let min_altitude_deg = in_degrees("min-altitude", typed.min_altitude)?;
     let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
-    let listed = read_targets(&typed.targets, seconds("exposure", &typed.exposure)?, plan.rotation_rad)?;
+    let listed = read_targets(&path, seconds("exposure", &typed.exposure)?, plan.rotation_rad)?;
 
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
@@ -96,7 +106,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };
     let report = clear_windows(&targets, from, to, &request)?;
-    notices.warn(&prepared.left_out_warning(&report.left_out, from)?);
+    notices.warn_left_out(&prepared, &report.left_out, from)?;
     let found = found(&listed, &report);
     for one in &found {
         if let Err(reason) = &one.listed.target {
@@ -108,7 +118,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     prepared.provenance.state(
         "options",
         json!({
-            "targets": typed.targets.display().to_string(),
+            "targets": path.display().to_string(),
             "from_utc": format_utc(from, 3),
             "to_utc": format_utc(to, 3),
             "field": given_field(&config),
@@ -124,7 +134,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         if !left_out.is_empty() {
             let names: Vec<&str> = left_out.iter().map(|listed| listed.name.as_str()).collect();
             notices.warn(&[format!(
-                "no window, and so not in the file, where none would mean any time: {}",
+                "targets without a window are omitted from the file, where no window would mean any time: {}",
                 names.join(", ")
             )]);
         }
@@ -142,11 +152,11 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         })?;
     }
     let count: usize = report.by_target.iter().map(|one| one.windows.len()).sum();
-    notices.say(&format!("{} targets: {count} windows", listed.len()));
+    notices.info(&format!("{} targets: {count} windows", listed.len()));
     Ok(Outcome::Done)
 }
 
-/// Every row of the list with what was found for it.
+/// Pairs every row of the list with its windows.
 fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundWindows<'a>> {
     let mut answers = report.by_target.iter();
     listed

@@ -12,13 +12,13 @@ pub struct FetchArguments {
 
 #[derive(Subcommand)]
 pub enum FetchSource {
-    /// A group of CelesTrak's general perturbations elements, as starlink or active
+    /// Download a group of element sets (GP) from CelesTrak, for example starlink or active
     Celestrak(CelestrakArguments),
-    /// A file of CelesTrak's supplemental elements (from operators' own ephemerides), as starlink or oneweb
+    /// Download supplemental element sets (SupGP, from ephemerides of operators) from CelesTrak, for example oneweb
     Supgp(SupgpArguments),
-    /// The whole catalogue of Space-Track, with an account of your own
+    /// Download the whole catalogue of Space-Track; requires an account
     SpaceTrack(SpaceTrackArguments),
-    /// The element sets that SatChecker holds nearest to a moment
+    /// Download the element sets of SatChecker closest to a time
     Satchecker(SatcheckerArguments),
 }
 
@@ -27,7 +27,7 @@ pub struct CelestrakArguments {
     /// Name of the group
     #[arg(long, value_name = "GROUP")]
     pub group: String,
-    /// Format of the elements; TLE and its like have no room for catalogue numbers of 100000 and more
+    /// Format of the elements; tle and 2le have no catalogue numbers above 99999
     #[arg(long, value_name = "FORMAT", default_value = "csv")]
     pub elements_format: ElementsFormat,
     #[command(flatten)]
@@ -48,13 +48,13 @@ pub struct SupgpArguments {
 
 #[derive(Args)]
 pub struct SpaceTrackArguments {
-    /// File with two lines, user name and password, that nobody else can read
+    /// File with user name and password on two lines, readable only by its owner
     #[arg(long, value_name = "FILE", conflicts_with_all = ["identity_env", "password_env"], required_unless_present = "identity_env")]
     pub credentials: Option<PathBuf>,
-    /// Environment variable that holds the user name
+    /// Environment variable with the user name, instead of --credentials
     #[arg(long, value_name = "NAME", requires = "password_env")]
     pub identity_env: Option<String>,
-    /// Environment variable that holds the password
+    /// Environment variable with the password, instead of --credentials
     #[arg(long, value_name = "NAME", requires = "identity_env")]
     pub password_env: Option<String>,
     #[command(flatten)]
@@ -63,7 +63,7 @@ pub struct SpaceTrackArguments {
 
 #[derive(Args)]
 pub struct SatcheckerArguments {
-    /// The moment, as 2024-08-14T00:30:00Z
+    /// Time of the elements, for example 2024-08-14T00:30:00Z
     #[arg(long, value_name = "TIME")]
     pub epoch: String,
     #[command(flatten)]
@@ -72,30 +72,30 @@ pub struct SatcheckerArguments {
 
 #[derive(Args)]
 pub struct CommonFetchArguments {
-    /// Folder to keep the files in; that of the system for caches, in it streakcast, where unsaid
+    /// Cache folder; the folder streakcast in the cache folder of the system if omitted
     #[arg(long, value_name = "FOLDER")]
     pub cache: Option<PathBuf>,
-    /// Give up where all of it is not there after so long, with its unit
+    /// Timeout of the whole download, with its unit
     #[arg(long, value_name = "TIME", default_value = "120s")]
     pub timeout: String,
-    /// Take a file with less than half of the records of the one before
+    /// Accept a file with less than half of the records of the previous one
     #[arg(long)]
     pub accept_fewer: bool,
-    /// No word on standard error but errors
+    /// Suppress everything except errors on standard error
     #[arg(long, short)]
     pub quiet: bool,
-    /// Another server in place of the source's own, for tests
+    /// Base address of another server, for tests
     #[arg(long, value_name = "URL", hide = true)]
     pub base_url: Option<String>,
-    /// Largest answer that is taken, bytes, for tests
+    /// Largest accepted response, bytes, for tests
     #[arg(long, value_name = "N", hide = true, default_value_t = 256 << 20)]
     pub max_bytes: u64,
-    /// The time, for tests
+    /// Time of the request, for tests
     #[arg(long, value_name = "TIME", hide = true)]
     pub now: Option<String>,
 }
 
-/// What elements come as.
+/// Format of element sets.
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum ElementsFormat {
     Csv,
@@ -108,7 +108,7 @@ pub enum ElementsFormat {
 }
 
 impl ElementsFormat {
-    /// As CelesTrak spells it.
+    /// Returns the name in requests to CelesTrak.
     pub fn name(self) -> &'static str {
         match self {
             ElementsFormat::Csv => "csv",

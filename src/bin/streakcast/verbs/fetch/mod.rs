@@ -1,11 +1,11 @@
-//! `fetch`: element sets from their sources into a cache. Each source is requested by name, at most once in the interval that it allows;
-//! a file is replaced only by data that have been read as element sets.
+//! `fetch`: downloads of element sets into a cache. Each source receives at most one request per allowed interval. A
+//! file is replaced only by data that have been read as element sets.
 //!
-//! `sources` holds the addresses, `ask` sends requests, `verify` checks data and holds the sidecar with the time of the last request, `run`
-//! does these in order.
+//! `sources` holds the addresses, `request` sends requests, `verify` checks data and holds the sidecar with the time of
+//! the last request, `run` combines them.
 
 mod arguments;
-mod ask;
+mod request;
 mod run;
 mod sources;
 mod verify;

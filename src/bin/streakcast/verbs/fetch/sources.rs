@@ -1,4 +1,4 @@
-//! The sources: addresses, what they ask of their users, and how often.
+//! Sources: addresses, usage policies and intervals between requests.
 
 use anyhow::anyhow;
 use hifitime::{Epoch, TimeScale};
@@ -6,23 +6,23 @@ use streakcast::frames::parse_moment;
 
 use super::arguments::{CommonFetchArguments, FetchSource};
 
-/// CelesTrak looks for new data every two hours, and answers 403 to who asks for the same data again before.
+/// CelesTrak updates its data every two hours, and rejects earlier requests for the same data with 403.
 const CELESTRAK_WAIT_S: f64 = 7_200.0;
-/// Space-Track: element sets once an hour. The same for SatChecker, which names no time.
+/// Space-Track allows one request for element sets per hour. The same is used for SatChecker, which has no rule.
 const WAIT_S: f64 = 3_600.0;
 
-/// One set of elements at one source.
-pub struct Wanted {
-    /// Of the source, in outputs.
-    pub source: &'static str,
+/// Data set of a source.
+pub struct Source {
+    /// Name of the source in outputs.
+    pub name: &'static str,
     /// File name in the cache.
     pub file: String,
     pub url: String,
-    /// Where Space-Track's users log in and out.
+    /// Login and logout of Space-Track.
     pub login: Option<Login>,
-    /// What the source asks of its users.
+    /// Address of the usage policy.
     pub policy: &'static str,
-    /// The same set is not asked for again before, seconds.
+    /// Least interval between requests for the same data set, seconds.
     pub wait_s: f64,
 }
 
@@ -41,16 +41,16 @@ impl FetchSource {
         }
     }
 
-    pub fn wanted(&self) -> anyhow::Result<Wanted> {
-        let base = |own: &str| {
-            let base = self.common().base_url.as_deref().unwrap_or(own);
+    pub fn source(&self) -> anyhow::Result<Source> {
+        let base = |default: &str| {
+            let base = self.common().base_url.as_deref().unwrap_or(default);
             base.trim_end_matches('/').to_owned()
         };
         Ok(match self {
             FetchSource::Celestrak(typed) => {
                 let (group, format) = (plain("group", &typed.group)?, typed.elements_format.name());
-                Wanted {
-                    source: "CelesTrak",
+                Source {
+                    name: "CelesTrak",
                     file: format!("celestrak-{group}.{format}"),
                     url: format!(
                         "{}/NORAD/elements/gp.php?GROUP={group}&FORMAT={format}",
@@ -64,8 +64,8 @@ impl FetchSource {
             FetchSource::Supgp(typed) => {
                 let (file, format) = (plain("file", &typed.file)?, typed.elements_format.name());
                 let base = base("https://celestrak.org");
-                Wanted {
-                    source: "CelesTrak SupGP",
+                Source {
+                    name: "CelesTrak SupGP",
                     file: format!("supgp-{file}.{format}"),
                     url: format!("{base}/NORAD/elements/supplemental/sup-gp.php?FILE={file}&FORMAT={format}"),
                     login: None,
@@ -75,10 +75,10 @@ impl FetchSource {
             }
             FetchSource::SpaceTrack(_) => {
                 let base = base("https://www.space-track.org");
-                Wanted {
-                    source: "Space-Track",
+                Source {
+                    name: "Space-Track",
                     file: "space-track-gp.csv".to_owned(),
-                    // The query that Space-Track itself recommends for the newest element set of all that is in orbit.
+                    // The query recommended by Space-Track for the newest element sets of all objects in orbit.
                     url: format!(
                         "{base}/basicspacedata/query/class/gp/decay_date/null-val/epoch/%3Enow-30/orderby/norad_cat_id/format/csv"
                     ),
@@ -93,8 +93,8 @@ impl FetchSource {
             FetchSource::Satchecker(typed) => {
                 let julian_date = julian_date(parse_moment(&typed.epoch, None)?);
                 let base = base("https://satchecker.cps.iau.org");
-                Wanted {
-                    source: "SatChecker",
+                Source {
+                    name: "SatChecker",
                     file: format!("satchecker-{julian_date}.tle"),
                     url: format!("{base}/tools/tles-at-epoch/?epoch={julian_date}&format=txt"),
                     login: None,
@@ -106,13 +106,13 @@ impl FetchSource {
     }
 }
 
-/// Julian date (UTC) to a minute: sets of one hour are the same, and so is their file.
+/// Returns the Julian date (UTC) rounded to an hour: requests within an hour share a file.
 fn julian_date(epoch: Epoch) -> String {
     let days = epoch.to_time_scale(TimeScale::UTC).to_jde_utc_days();
     format!("{:.4}", (days * 24.0).round() / 24.0)
 }
 
-/// A name that stands in an address and in a file name as it is.
+/// Returns a name that is valid in an address and in a file name.
 fn plain<'a>(what: &str, name: &'a str) -> anyhow::Result<&'a str> {
     let is_plain = !name.is_empty()
         && name.len() <= 64
@@ -121,7 +121,7 @@ fn plain<'a>(what: &str, name: &'a str) -> anyhow::Result<&'a str> {
         Ok(name)
     } else {
         Err(anyhow!(
-            "{what} '{name}'; allowed: 1 to 64 letters, digits, - and _, as the source lists it (starlink, active)"
+            "invalid {what} '{name}'; allowed: 1 to 64 letters, digits, - and _, for example starlink or active"
         ))
     }
 }

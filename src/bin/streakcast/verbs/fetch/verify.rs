@@ -1,4 +1,4 @@
-//! Checks of downloaded element sets, and the sidecar of a cached file: time and status of its request.
+//! Checks of downloaded element sets, and the sidecar of a cached file with time and status of its request.
 
 use std::path::Path;
 
@@ -10,28 +10,29 @@ use streakcast::output::{format_utc, write_atomically};
 
 use crate::cache::FetchRecord;
 
-/// Records that may be bad, as a share: more, and the file is damaged.
-const MOST_REJECTED: f64 = 0.01;
-/// A file with fewer records than this share of the one before has lost some.
+/// Largest share of invalid records.
+const MAX_REJECTED: f64 = 0.01;
+/// Least number of records, as a share of the previous file.
 const LEAST_SHARE: f64 = 0.5;
 
-/// Reads the bytes as element sets; says what they are instead.
+/// Reads the bytes as element sets.
 ///
 /// # Errors
-/// An error page, a sentence of the source, a file cut off within a record, or one that has lost more than half of its records.
+/// An error page, a text of the source, a file truncated within a record, or a file with less than half of the previous
+/// records.
 pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: bool) -> anyhow::Result<SourceFile> {
     let options = ReadOptions { keep: Keep::All, ..ReadOptions::default() };
     let catalogue = Satellites::from_bytes(name, bytes, &options)
-        .map_err(|error| anyhow!("what came is no element sets ({}); {error}", first_words(bytes)))?;
-    let source = catalogue.sources.into_iter().next().ok_or_else(|| anyhow!("nothing came"))?;
+        .map_err(|error| anyhow!("the response has no element sets ({}); {error}", first_words(bytes)))?;
+    let source = catalogue.sources.into_iter().next().ok_or_else(|| anyhow!("the response is empty"))?;
     let all = source.records + source.rejected;
-    // The last record of a file that was cut off is broken, whatever the share of the others.
+    // The last record of a truncated file is invalid, whatever the share of the others.
     let last_line = bytes.split(|byte| *byte == b'\n').count();
-    let is_cut = catalogue.rejected.last().is_some_and(|rejected| rejected.line + 3 >= last_line);
-    if source.rejected as f64 > MOST_REJECTED * all as f64 || is_cut {
+    let is_truncated = catalogue.rejected.last().is_some_and(|rejected| rejected.line + 3 >= last_line);
+    if source.rejected as f64 > MAX_REJECTED * all as f64 || is_truncated {
         let first = catalogue.rejected.first().map(ToString::to_string).unwrap_or_default();
         return Err(anyhow!(
-            "what came is damaged: {} of {all} records cannot be read, the first: {first}",
+            "the response is damaged: {} of {all} records are invalid, the first: {first}",
             source.rejected
         ));
     }
@@ -40,14 +41,14 @@ pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: boo
         && (source.records as f64) < LEAST_SHARE * before as f64
     {
         return Err(anyhow!(
-            "what came has {} records where there were {before}: more than half are missing (--accept-fewer takes it)",
+            "the response has {} records instead of {before}: more than half are missing (--accept-fewer accepts it)",
             source.records
         ));
     }
     Ok(source)
 }
 
-/// The beginning of an answer, for an error on one line.
+/// Returns the beginning of a response, for an error on one line.
 pub fn first_words(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]);
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -66,21 +67,21 @@ impl FetchRecord {
             .map_err(|error| anyhow!("cannot write {}: {error}", path.display()))
     }
 
-    /// Away with the sidecar of a file: its source was never asked.
+    /// Removes the sidecar of a file without a request.
     pub fn remove(file: &Path) -> anyhow::Result<()> {
         let path = Self::path_beside(file);
         std::fs::remove_file(&path).map_err(|error| anyhow!("cannot remove {}: {error}", path.display()))
     }
 
-    /// Seconds until the source may be asked again; `None` where it may be now. A stamp from the future (a clock that was set back) does not bind for longer
-    /// than the wait.
+    /// Returns the seconds until the next request is allowed; `None` if it is allowed now. A time stamp in the future (of a
+    /// clock that was set back) does not extend the wait.
     pub fn wait_left_s(&self, now: Epoch, wait_s: f64) -> Option<f64> {
-        let asked = parse_moment(self.asked_utc.as_deref()?, None).ok()?;
-        let since_s = seconds_between(asked, now);
+        let requested = parse_moment(self.asked_utc.as_deref()?, None).ok()?;
+        let since_s = seconds_between(requested, now);
         (since_s > -wait_s && since_s < wait_s).then_some(wait_s - since_s)
     }
 
-    /// The stamp of a question, written before it is asked: a crash does not ask again.
+    /// Sets the time of a request. It is written before the request: no second one follows a crash.
     pub fn stamp(&mut self, now: Epoch, wait_s: f64, answer: &str) {
         self.asked_utc = Some(format_utc(now, 0));
         self.answer = Some(answer.to_owned());
@@ -99,18 +100,18 @@ mod tests {
     #[test]
     fn only_whole_element_sets_pass() {
         assert_eq!(verify("a", PAIR.as_bytes(), None, false).unwrap().records, 1);
-        let said = |bytes: &[u8], before| verify("a", bytes, before, false).unwrap_err().to_string();
-        assert!(said(b"<!DOCTYPE html><html>Forbidden</html>", None).contains("it begins: <!DOCTYPE html>"));
-        assert!(said(b"No GP data found", None).contains("it begins: No GP data found"));
-        assert!(said(b"", None).contains("nothing"));
+        let error = |bytes: &[u8], before| verify("a", bytes, before, false).unwrap_err().to_string();
+        assert!(error(b"<!DOCTYPE html><html>Forbidden</html>", None).contains("it begins: <!DOCTYPE html>"));
+        assert!(error(b"No GP data found", None).contains("it begins: No GP data found"));
+        assert!(error(b"", None).contains("nothing"));
         let cut = PAIR.repeat(200) + &PAIR[..60];
-        assert!(said(cut.as_bytes(), None).contains("damaged"), "{}", said(cut.as_bytes(), None));
-        assert!(said(PAIR.as_bytes(), Some(3)).contains("--accept-fewer"));
+        assert!(error(cut.as_bytes(), None).contains("damaged"), "{}", error(cut.as_bytes(), None));
+        assert!(error(PAIR.as_bytes(), Some(3)).contains("--accept-fewer"));
         assert!(verify("a", PAIR.as_bytes(), Some(3), true).is_ok());
     }
 
     #[test]
-    fn the_wait_ends_and_a_clock_that_was_set_back_does_not_bind_for_ever() {
+    fn the_wait_ends_also_after_a_clock_was_set_back() {
         let now = |text: &str| parse_moment(text, None).unwrap();
         let mut record = FetchRecord::default();
         assert_eq!(record.wait_left_s(now("2024-08-14T00:00:00Z"), 3600.0), None);

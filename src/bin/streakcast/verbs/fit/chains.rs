@@ -1,4 +1,4 @@
-//! The walkers of `fit run --mcmc`: a chain begun, or one gone on with, drawn and saved on the way.
+//! Sampling of `fit run --mcmc`: a new or resumed chain, saved regularly.
 
 use std::path::Path;
 
@@ -9,20 +9,25 @@ use streakcast::fit::{
 };
 
 use super::arguments::FitRunArguments;
-use super::points::Placed;
+use super::points::FitInput;
 
-/// Chains are saved after so many steps, if at all.
-const SAVED_EVERY: usize = 500;
+/// Number of steps between saves of the chains.
+const SAVE_EVERY: usize = 500;
 
-/// A chain that is to be drawn.
-pub struct Begun {
+/// Sampling run, ready to start.
+pub struct SamplingRun {
     settings: PosteriorSettings,
     about: ChainAbout,
     resumed: Option<Chain>,
 }
 
-/// What is drawn, and the chain that it goes on from, if there is one.
-pub fn begun(typed: &FitRunArguments, placed: &Placed, problem: &Problem, steps: usize) -> anyhow::Result<Begun> {
+/// Prepares a sampling run, with the saved chain if there is one.
+pub fn prepare(
+    typed: &FitRunArguments,
+    input: &FitInput,
+    problem: &Problem,
+    steps: usize,
+) -> anyhow::Result<SamplingRun> {
     let settings = PosteriorSettings { steps, burn_in: typed.burn_in, walkers: typed.walkers, seed: typed.seed };
     let about = ChainAbout {
         software: format!("streakcast {}", env!("CARGO_PKG_VERSION")),
@@ -33,28 +38,31 @@ pub fn begun(typed: &FitRunArguments, placed: &Placed, problem: &Problem, steps:
     let resumed =
         typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
     if let Some(chain) = resumed.as_ref().filter(|chain| chain.steps() > steps) {
-        return Err(anyhow!("mcmc {steps}: the chains hold {} steps already; allowed: as many or more", chain.steps()));
+        return Err(anyhow!(
+            "invalid mcmc {steps}: the chains already have {} steps; allowed: as many or more",
+            chain.steps()
+        ));
     }
     if let Some(chain) = &resumed {
-        placed.notices.say(&format!("going on after {} steps", chain.steps()));
+        input.notices.info(&format!("continuing after {} steps", chain.steps()));
     }
-    Ok(Begun { settings, about, resumed })
+    Ok(SamplingRun { settings, about, resumed })
 }
 
-pub fn drawn(
+pub fn sample(
     typed: &FitRunArguments,
-    placed: &Placed,
+    input: &FitInput,
     problem: &Problem,
     fit: &Fit,
-    begun: Begun,
+    run: SamplingRun,
 ) -> anyhow::Result<(Chain, Posterior)> {
-    let Begun { settings, about, resumed } = begun;
-    let bar: ProgressBar = placed.notices.steps(settings.steps);
+    let SamplingRun { settings, about, resumed } = run;
+    let bar: ProgressBar = input.notices.steps(settings.steps);
     let objective = problem.objective();
     let save = |chain: &Chain| typed.chains.as_deref().map_or(Ok(()), |path| write_chain(path, chain, &about));
     let chain = draw(&objective, fit, &settings, resumed, |chain| {
         bar.set_position(chain.steps() as u64);
-        if chain.steps() % SAVED_EVERY == 0 { save(chain) } else { Ok(()) }
+        if chain.steps() % SAVE_EVERY == 0 { save(chain) } else { Ok(()) }
     })?;
     bar.finish_and_clear();
     save(&chain)?;
@@ -62,21 +70,21 @@ pub fn drawn(
     let slow = found.marginals.iter().filter(|marginal| !marginal.autocorrelation.is_trusted);
     for marginal in slow {
         let tau = marginal.autocorrelation.steps;
-        placed.notices.say(&format!(
-            "warning: {} moves slowly: {} steps are fewer than 50 of its autocorrelation times ({tau:.0} steps)",
+        input.notices.info(&format!(
+            "warning: {} is not converged: {} steps are fewer than 50 of its autocorrelation times ({tau:.0} steps)",
             marginal.name, found.steps
         ));
     }
     Ok((chain, found))
 }
 
-/// A chain of the same fit, to go on with.
+/// Reads a saved chain of the same fit.
 fn resumed(path: &Path, about: &ChainAbout, typed: &FitRunArguments) -> anyhow::Result<Chain> {
     let (chain, was) = read_chain(path)?;
     let same = was.fingerprint == about.fingerprint && was.seed == about.seed && was.parameters == about.parameters;
     if !same || chain.walkers() != typed.walkers {
         return Err(anyhow!(
-            "chains {}: they are of another fit (other points, parameters, walkers or seed); allowed: the same, or a new file",
+            "chains {}: of another fit (other points, parameters, walkers or seed); allowed: chains of the same fit, or a new file",
             path.display()
         ));
     }

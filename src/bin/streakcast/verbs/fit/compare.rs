@@ -1,4 +1,4 @@
-//! `fit compare`: the paper's tests, and forms of law on unseen points.
+//! `fit compare`: tests of Lu (2024), and forms of the model on held-out points.
 
 use anyhow::anyhow;
 use streakcast::fit::{
@@ -21,8 +21,8 @@ const STANDINGS_ON_SCREEN: &[Shown] = &[
     rounded("rms_mag", "rms", 3),
     rounded("core_mag", "core", 3),
     rounded("aic", "AIC", 0),
-    rounded("held_out_rms_mag", "unseen rms", 3),
-    rounded("held_out_core_mag", "unseen core", 3),
+    rounded("held_out_rms_mag", "held-out rms", 3),
+    rounded("held_out_core_mag", "held-out core", 3),
     rounded("within_one_sigma", "within", 2),
 ];
 const OFFSETS_ON_SCREEN: &[Shown] = &[
@@ -33,7 +33,7 @@ const OFFSETS_ON_SCREEN: &[Shown] = &[
     rounded("panel_offset_sigma_deg", "sigma", 3),
     rounded("rms_mag", "rms", 4),
 ];
-const RIVALS_ON_SCREEN: &[Shown] = &[
+const PAIRS_ON_SCREEN: &[Shown] = &[
     shown("model", "model"),
     shown("n", "n"),
     shown("parameters", "k"),
@@ -46,16 +46,16 @@ const RIVALS_ON_SCREEN: &[Shown] = &[
 pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     if typed.form.folds < 2 {
-        return Err(anyhow!("folds {}; allowed: 2 or more", typed.form.folds));
+        return Err(anyhow!("invalid folds {}; allowed: 2 or more", typed.form.folds));
     }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
-    let placed = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
-    let mismatch = placed.band_mismatch(chosen.band);
-    placed.notices.warn(&mismatch);
+    let input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
+    let mismatch = input.band_mismatch(chosen.band);
+    input.notices.warn(&mismatch);
     let own =
         CompetingForm { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
-    let mut provenance = provenance(&typed.photometry, &typed.reduction, &placed);
+    let mut provenance = provenance(&typed.photometry, &typed.reduction, &input);
     if let Some(mismatch) = mismatch {
         provenance.state("band", mismatch);
     }
@@ -73,7 +73,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     provenance.state("earthshine", if typed.form.no_earthshine { "off" } else { "computed" });
     let tests = match &chosen.form {
         FittedForm::TwoPanel(two_panel) => {
-            Some(paper_tests(two_panel, &placed.points, &chosen.settings, typed.reduction.layer_deg)?)
+            Some(paper_tests(two_panel, &input.points, &chosen.settings, typed.reduction.layer_deg)?)
         }
         FittedForm::Panels(_) => None,
     };
@@ -85,18 +85,18 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     entrants.extend(baseline_forms(two_panels.as_ref()));
     let folds = typed.form.folds;
     provenance.state("folds", folds);
-    let standings = compare_forms(&entrants, &placed.points, placed.tracks(), &chosen.settings, folds)?;
+    let standings = compare_forms(&entrants, &input.points, input.tracks(), &chosen.settings, folds)?;
     let standings = form_score_table(&standings);
     let (offsets, rivals) = match &tests {
         Some(tests) => (offset_table(&tests.offsets), paired_model_table(&[&tests.sail_glossy, &tests.earthshine])),
         None => (offset_table(&[]), paired_model_table(&[])),
     };
     for (span, n) in tests.iter().flat_map(|tests| &tests.left_out) {
-        placed.notices.say(&format!("layer {} to {} deg left out: {n} points", span[0], span[1]));
+        input.notices.info(&format!("layer {} to {} deg omitted: {n} points", span[0], span[1]));
     }
-    let dropped = placed.measurements.dropped.table();
+    let dropped = input.measurements.dropped.table();
     if output.is_table() {
-        let parts = [(&offsets, OFFSETS_ON_SCREEN), (&rivals, RIVALS_ON_SCREEN), (&standings, STANDINGS_ON_SCREEN)];
+        let parts = [(&offsets, OFFSETS_ON_SCREEN), (&rivals, PAIRS_ON_SCREEN), (&standings, STANDINGS_ON_SCREEN)];
         return output
             .write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty()))
             .map(|()| Outcome::Done);

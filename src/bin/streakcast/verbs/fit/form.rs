@@ -1,4 +1,4 @@
-//! The form that is fitted, as typed: a model's, what is free in it, what a residual costs.
+//! Form to fit, from the flags: model, free parameters, loss function.
 
 use anyhow::anyhow;
 use streakcast::fit::{FitSettings, Form, Loss, PanelsForm, Parameter, TwoPanelForm};
@@ -7,16 +7,16 @@ use streakcast::photometry::{Band, Earthshine, ModelFile, ModelLibrary, PANEL_OF
 use super::arguments::{FormArguments, LossName};
 use crate::verbs::map::model_of;
 
-/// The model whose form is fitted.
-pub struct Chosen {
+/// Model to fit, with its settings.
+pub struct ChosenForm {
     pub file: ModelFile,
-    /// Of the model's magnitudes.
+    /// Band of the model.
     pub band: Band,
     pub form: FittedForm,
     pub settings: FitSettings,
 }
 
-/// One of the forms that model files have room for.
+/// Forms of model files that can be fitted.
 pub enum FittedForm {
     TwoPanel(TwoPanelForm),
     Panels(PanelsForm),
@@ -30,7 +30,7 @@ impl FittedForm {
         }
     }
 
-    /// The paper's form with this one's sizes, where it has any.
+    /// Returns the two-panel form of Lu (2024) with the sizes of this one, if it has any.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         match self {
             Self::TwoPanel(form) => Some(form.clone()),
@@ -38,7 +38,7 @@ impl FittedForm {
         }
     }
 
-    /// The same, to be owned.
+    /// Returns the form in a box.
     pub fn boxed(&self) -> Box<dyn Form> {
         match self {
             Self::TwoPanel(form) => Box::new(form.clone()),
@@ -47,8 +47,8 @@ impl FittedForm {
     }
 }
 
-/// What is fitted, and how.
-pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
+/// Resolves form and settings of a fit.
+pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<ChosenForm> {
     let model = model_of(&ModelLibrary::embedded(), &typed.model)?;
     let file = model.file().cloned().ok_or_else(|| anyhow!("model {} has no file", typed.model))?;
     let (band, system) = model.band();
@@ -60,8 +60,8 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
         }
         (_, _, Some(spec)) => FittedForm::Panels(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
         _ => {
-            let wanted = "allowed are models of kind two_panel or panels (streakcast model list)";
-            return Err(anyhow!("model {} has nothing to fit; {wanted}", typed.model));
+            let allowed = "allowed: models of kind two_panel or panels (streakcast model list)";
+            return Err(anyhow!("model {} has no parameters to fit; {allowed}", typed.model));
         }
     };
     let parameters = form.as_form().parameters();
@@ -70,11 +70,12 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
     for entry in &typed.hold {
         let parsed =
             entry.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
-        let (name, value) = parsed.ok_or_else(|| anyhow!("hold {entry}; allowed: NAME=NUMBER, as c1=0"))?;
+        let (name, value) =
+            parsed.ok_or_else(|| anyhow!("invalid hold {entry}; allowed: NAME=NUMBER, for example c1=0"))?;
         let found = parameters.iter().find(|parameter| parameter.name == name);
-        let parameter = found.ok_or_else(|| anyhow!("hold {name}: no such parameter; allowed: {}", known()))?;
+        let parameter = found.ok_or_else(|| anyhow!("hold {name}: unknown parameter; allowed: {}", known()))?;
         if !(parameter.least..=parameter.greatest).contains(&value) {
-            return Err(anyhow!("hold {name}={value}; allowed: {} to {}", parameter.least, parameter.greatest));
+            return Err(anyhow!("invalid hold {name}={value}; allowed: {} to {}", parameter.least, parameter.greatest));
         }
         held.push((name.to_owned(), value));
     }
@@ -84,7 +85,7 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
         free = parameters.iter().filter(fitted).map(|parameter| parameter.name.clone()).collect();
     }
     if let Some(name) = free.iter().find(|name| parameters.iter().all(|parameter| parameter.name != **name)) {
-        return Err(anyhow!("free {name}: no such parameter; allowed: {}", known()));
+        return Err(anyhow!("free {name}: unknown parameter; allowed: {}", known()));
     }
     free.retain(|name| held.iter().all(|(other, _)| other != name));
     let loss = match typed.loss {
@@ -94,5 +95,5 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
         None if raw_points => Loss::SoftL1,
         None => Loss::Squares,
     };
-    Ok(Chosen { file, band, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
+    Ok(ChosenForm { file, band, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
 }

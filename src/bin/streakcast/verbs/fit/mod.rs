@@ -1,4 +1,4 @@
-//! `fit`: from photometry to a model.
+//! `fit`: fits of brightness models to photometry.
 
 mod arguments;
 mod chains;

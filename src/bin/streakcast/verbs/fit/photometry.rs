@@ -1,4 +1,4 @@
-//! Photometry as typed: what is read, where satellites stood, what is used.
+//! Photometry from the flags: tables, geometry and selection.
 
 use std::collections::HashMap;
 use std::fs;
@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use streakcast::config::{Config, RunConfig};
 use streakcast::elements::{History, Keep, NoradId, ReadOptions as CatalogueOptions, Satellites, StationRule};
-use streakcast::fit::measurements::{ColumnMap, Format, OrbitRadius, PhotometryOptions, Place, Placement, Selection};
+use streakcast::fit::measurements::{
+    ColumnMap, Format, OrbitRadius, PhotometryOptions, Placement, PositionSource, Selection,
+};
 use streakcast::frames::EopTable;
 use streakcast::output::Provenance;
 
@@ -20,12 +22,12 @@ pub fn config(typed: &TableArguments) -> Config {
 }
 
 pub fn read_options(typed: &TableArguments, config: &Config) -> anyhow::Result<PhotometryOptions> {
-    let columns = typed.columns.as_ref().map(|said| {
-        // A file, or the pairs themselves.
-        let text = if said.contains('=') {
-            said.clone()
+    let columns = typed.columns.as_ref().map(|given| {
+        // A file, or the pairs directly.
+        let text = if given.contains('=') {
+            given.clone()
         } else {
-            fs::read_to_string(said).map_err(|error| anyhow!("columns {said}: {error}"))?
+            fs::read_to_string(given).map_err(|error| anyhow!("columns {given}: {error}"))?
         };
         Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
     });
@@ -38,18 +40,18 @@ pub fn read_options(typed: &TableArguments, config: &Config) -> anyhow::Result<P
     })
 }
 
-/// Element sets, if any are named.
+/// Reads the element sets, if any are given.
 pub fn history(typed: &PhotometryArguments) -> anyhow::Result<Option<History>> {
     if typed.elements.is_empty() {
         return Ok(None);
     }
     if typed.height_km.is_some() {
-        return Err(anyhow!("--height-km and --elements: the geometry comes from one of them"));
+        return Err(anyhow!("--height-km and --elements exclude each other; specify one of them"));
     }
     history_of(&typed.elements).map(Some)
 }
 
-/// All element sets of these files.
+/// Reads all element sets of these files.
 pub fn history_of(paths: &[PathBuf]) -> anyhow::Result<History> {
     let options = CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() };
     Ok(Satellites::read(paths, &options)?.into_history())
@@ -57,12 +59,12 @@ pub fn history_of(paths: &[PathBuf]) -> anyhow::Result<History> {
 
 pub fn placement<'h>(typed: &PhotometryArguments, history: Option<&'h History>) -> anyhow::Result<Placement<'h>> {
     let Some(history) = history else { return Ok(Placement::recorded(typed.height_km)) };
-    let place = match typed.elements_radius {
-        true => Place::Recorded { radius: Some(OrbitRadius::Elements) },
-        false => Place::Elements { fit_offset_s: typed.fit_offset_s },
+    let source = match typed.elements_radius {
+        true => PositionSource::Recorded { radius: Some(OrbitRadius::Elements) },
+        false => PositionSource::Elements { fit_offset_s: typed.fit_offset_s },
     };
     Ok(Placement {
-        place,
+        source,
         max_element_age_days: typed.max_element_age_days,
         eop: EopTable::embedded(),
         identified: typed.identified.as_deref().map(identified).transpose()?.unwrap_or_default(),
@@ -87,12 +89,12 @@ pub fn selection(typed: &PhotometryArguments) -> Selection {
     }
 }
 
-/// Names of files, one after the other.
+/// Returns the names of files, separated by commas.
 pub fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<String>>().join(", ")
 }
 
-/// Files and thresholds, as they were typed or stand where nothing was.
+/// States files and thresholds in the provenance, with defaults.
 pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
     provenance.state("photometry", names(&typed.tables.photometry));
     if !typed.elements.is_empty() {
@@ -120,19 +122,19 @@ pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
     provenance.state("sun_distance_taken_out", typed.sun_distance);
 }
 
-/// Tracks and the satellites they are of; rows without a number are tracks that nobody identified.
+/// Reads the satellites of tracks. Rows without a number are unidentified tracks.
 fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
-    let unreadable = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(unreadable)?;
-    let headers = reader.headers().map_err(unreadable)?.clone();
+    let read_error = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(read_error)?;
+    let headers = reader.headers().map_err(read_error)?.clone();
     let column = |name: &str| {
         let found = headers.iter().position(|header| header.trim() == name);
-        found.ok_or_else(|| anyhow!("identified {}: no column {name}; needed are track and norad", path.display()))
+        found.ok_or_else(|| anyhow!("identified {}: missing column {name}; required: track and norad", path.display()))
     };
     let (track, norad) = (column("track")?, column("norad")?);
     let mut tracks = HashMap::new();
     for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(unreadable)?;
+        let record = record.map_err(read_error)?;
         let (track, text) =
             (record.get(track).unwrap_or_default().trim(), record.get(norad).unwrap_or_default().trim());
         if text.is_empty() {
@@ -140,7 +142,7 @@ fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
         }
         let number: u32 = text.parse().map_err(|_| {
             anyhow!(
-                "identified {}: row {}: norad {text}; allowed: a catalogue number, or nothing",
+                "identified {}: row {}: invalid norad {text}; allowed: a catalogue number, or an empty cell",
                 path.display(),
                 row + 1
             )

@@ -1,4 +1,4 @@
-//! Photometry as typed, made into points of a fit.
+//! Points of a fit from photometry.
 
 use anyhow::anyhow;
 use streakcast::fit::measurements::{
@@ -14,24 +14,24 @@ use super::photometry;
 use crate::notices::Notices;
 use crate::verbs::judged::begin;
 
-/// Photometry in its geometry.
-pub struct Placed {
+/// Photometry with its geometry.
+pub struct FitInput {
     pub measurements: Measurements,
     pub filters: FilterCounts,
-    /// Pixels, unless single measurements were asked for.
+    /// Pixels, unless single measurements are used.
     pub reduction: Option<Reduction>,
-    /// Points to be fitted.
+    /// Points of the fit.
     pub points: Vec<FitPoint>,
     pub notices: Notices,
 }
 
-impl Placed {
-    /// What there is to say of photometry that is not in the model's band.
+impl FitInput {
+    /// Returns a warning of photometry in another band than that of the model.
     pub fn band_mismatch(&self, band: Band) -> Option<String> {
         self.filters.mismatch(band).map(|mismatch| mismatch.to_string())
     }
 
-    /// The measurements behind pixels, and how these are made of them: what is held out of fits to pixels.
+    /// Returns the measurements of pixels and the options of the reduction, for cross-validation by track.
     pub fn tracks(&self) -> Option<(&Measurements, ReduceOptions)> {
         self.reduction.as_ref().map(|reduction| (&self.measurements, reduction.options))
     }
@@ -41,11 +41,11 @@ pub fn read(
     typed: &PhotometryArguments,
     reduction: &ReductionArguments,
     weights: &RawWeights,
-) -> anyhow::Result<Placed> {
+) -> anyhow::Result<FitInput> {
     let config = photometry::config(&typed.tables);
     let notices = begin(&config)?;
     if !(0.01..=180.0).contains(&reduction.layer_deg) {
-        return Err(anyhow!("layer-deg {}; allowed: 0.01 to 180", reduction.layer_deg));
+        return Err(anyhow!("invalid layer-deg {}; allowed: 0.01 to 180", reduction.layer_deg));
     }
     let options = reduce_options(reduction);
     Reducer::new(options)?;
@@ -53,14 +53,14 @@ pub fn read(
     let (placement, selection) = (photometry::placement(typed, history.as_ref())?, photometry::selection(typed));
     let mut reader = RecordReader::open(&typed.tables.photometry, &photometry::read_options(&typed.tables, &config)?)?;
     let measurements = measure(&mut reader, &placement, &selection)?;
-    tell(&notices, &measurements.dropped, measurements.points.len());
+    report_counts(&notices, &measurements.dropped, measurements.points.len());
     let filters = reader.filters().clone();
     let (pixels, points) = if reduction.raw_points {
         (None, points_of_measurements(&measurements, weights))
     } else {
         let pixels = reduce(&measurements.points, options)?;
         let points = points_of_pixels(&pixels);
-        notices.say(&format!(
+        notices.info(&format!(
             "{} points in {} pixels, {} of them kept ({} points or more, spread of {} mag or less)",
             pixels.points,
             pixels.pixels.len(),
@@ -71,15 +71,15 @@ pub fn read(
         (Some(pixels), points)
     };
     if points.is_empty() {
-        return Err(nothing_left(&measurements, pixels.as_ref()));
+        return Err(no_points(&measurements, pixels.as_ref()));
     }
-    Ok(Placed { measurements, filters, reduction: pixels, points, notices })
+    Ok(FitInput { measurements, filters, reduction: pixels, points, notices })
 }
 
-/// How single measurements are weighed, as typed.
+/// Returns the weights of single measurements.
 pub fn weights(typed: &WeightArguments) -> anyhow::Result<RawWeights> {
     if !(typed.scatter_mag > 0.0 && typed.scatter_mag.is_finite()) {
-        return Err(anyhow!("scatter-mag {}; allowed: more than 0", typed.scatter_mag));
+        return Err(anyhow!("invalid scatter-mag {}; allowed: above 0", typed.scatter_mag));
     }
     Ok(RawWeights { scatter_mag: typed.scatter_mag, by_group: !typed.equal_weights })
 }
@@ -99,11 +99,11 @@ fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
     }
 }
 
-/// What an answer rests on: files, thresholds of the selection and the reduction, rows used and left out.
-pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArguments, placed: &Placed) -> Provenance {
+/// Returns the provenance: files, thresholds of selection and reduction, rows used and left out.
+pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArguments, input: &FitInput) -> Provenance {
     let mut provenance = Provenance::new();
     photometry::state(photometry, &mut provenance);
-    if let Some(pixels) = &placed.reduction {
+    if let Some(pixels) = &input.reduction {
         provenance.state("layer_deg", reduction.layer_deg);
         let options = &pixels.options;
         provenance.state("nside", i64::from(options.nside));
@@ -114,31 +114,31 @@ pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArgumen
         provenance.state("folded", options.fold);
         provenance.state("pixels_kept", pixels.kept().count());
     }
-    provenance.state("measurements", placed.measurements.points.len());
-    let dropped = &placed.measurements.dropped;
+    provenance.state("measurements", input.measurements.points.len());
+    let dropped = &input.measurements.dropped;
     provenance.state("rows_left_out", dropped.total() as i64);
     for (reason, count, _) in dropped.iter() {
         provenance.state(&format!("left_out_{}", reason.name()), count as i64);
     }
-    for (filter, rows) in placed.filters.iter() {
+    for (filter, rows) in input.filters.iter() {
         provenance.state(&format!("rows_through_{}", filter.unwrap_or("no_named_filter")), rows as i64);
     }
     provenance
 }
 
-/// Why no point is left, and which option may help.
-fn nothing_left(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow::Error {
+/// Returns the error of a selection without points, with options that may help.
+fn no_points(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow::Error {
     let most = measurements.dropped.iter().max_by_key(|(_, count, _)| *count);
     match (measurements.points.len(), pixels, most) {
         (0, _, Some((reason, count, _))) => anyhow!(
-            "no measurement is left: {} rows left out, {count} of them for {}{}",
+            "no measurement remains: {} rows left out, {count} of them for {}{}",
             measurements.dropped.total(),
             reason.name().replace('_', " "),
             remedy(reason)
         ),
-        (0, ..) => anyhow!("no measurement is left: the tables hold none"),
+        (0, ..) => anyhow!("no measurement remains: the tables have none"),
         (n, ..) => anyhow!(
-            "no pixel is left of {n} measurements; allowed by --min-count, --max-iqr and --min-tracks, or point by point with --raw-points"
+            "no pixel remains of {n} measurements; change --min-count, --max-iqr or --min-tracks, or use --raw-points"
         ),
     }
 }
@@ -146,18 +146,18 @@ fn nothing_left(measurements: &Measurements, pixels: Option<&Reduction>) -> anyh
 fn remedy(reason: DropReason) -> &'static str {
     match reason {
         DropReason::NoGeometry => " (distance and phase need --height-km, others a site or --elements)",
-        DropReason::NoElements => " (the rows must name a satellite that --elements hold)",
+        DropReason::NoElements => " (the satellites of the rows must be in --elements)",
         DropReason::StaleElements => " (see --max-element-age-days)",
         DropReason::WrongFilter => " (see --filter)",
         _ => "",
     }
 }
 
-/// How many rows were used, and why others were not.
-fn tell(notices: &Notices, dropped: &DropCounts, used: usize) {
-    notices.say(&format!("{used} measurements, {} rows left out", dropped.total()));
+/// Reports the number of rows used, and the reasons for omitted ones.
+fn report_counts(notices: &Notices, dropped: &DropCounts, used: usize) {
+    notices.info(&format!("{used} measurements, {} rows left out", dropped.total()));
     for (reason, count, example) in dropped.iter() {
         let first = example.map(|one| format!(" (first: {one})")).unwrap_or_default();
-        notices.say(&format!("  {count} {}{first}", reason.name().replace('_', " ")));
+        notices.info(&format!("  {count} {}{first}", reason.name().replace('_', " ")));
     }
 }

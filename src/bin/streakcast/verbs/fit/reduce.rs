@@ -1,4 +1,4 @@
-//! `fit reduce`: photometry as pixels of the body frame or point by point; `fit identify`: the satellite of each track.
+//! `fit reduce`: photometry as pixels of the body frame or single points. `fit identify`: the satellite of each track.
 
 use anyhow::anyhow;
 use streakcast::fit::RawWeights;
@@ -44,16 +44,16 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
         streakcast::plot::PictureFormat::of(picture)?;
         crate::output::check(picture)?;
     }
-    let placed = read(&typed.photometry, &typed.reduction, &RawWeights::default())?;
-    let dropped = placed.measurements.dropped.table();
-    let provenance = provenance(&typed.photometry, &typed.reduction, &placed);
-    let (table, name, columns) = match &placed.reduction {
+    let input = read(&typed.photometry, &typed.reduction, &RawWeights::default())?;
+    let dropped = input.measurements.dropped.table();
+    let provenance = provenance(&typed.photometry, &typed.reduction, &input);
+    let (table, name, columns) = match &input.reduction {
         Some(pixels) => (pixels.table(), "pixels", PIXELS_ON_SCREEN),
-        None => (placed.measurements.table(), "measurements", POINTS_ON_SCREEN),
+        None => (input.measurements.table(), "measurements", POINTS_ON_SCREEN),
     };
     #[cfg(feature = "plot")]
     if let Some(path) = &typed.picture {
-        super::report::pixels_picture(path, placed.reduction.as_ref(), typed.layer)?;
+        super::report::pixels_picture(path, input.reduction.as_ref(), typed.layer)?;
     }
     output.write(&Answer {
         sections: vec![Section { name, table: &table }, Section { name: "dropped", table: &dropped }],
@@ -86,7 +86,7 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
         ("least-lead", typed.least_lead),
     ] {
         if !(value >= 0.0 && value.is_finite()) {
-            return Err(anyhow!("{name} {value}; allowed: 0 or more"));
+            return Err(anyhow!("invalid {name} {value}; allowed: 0 or more"));
         }
     }
     let config = photometry::config(&typed.tables);
@@ -107,7 +107,7 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
     };
     let tracks = identify_tracks(&records, &history, &EopTable::embedded(), &options, &limits);
     let sure = tracks.iter().filter(|track| track.is_sure).count();
-    notices.say(&format!("{sure} of {} tracks identified", tracks.len()));
+    notices.info(&format!("{sure} of {} tracks identified", tracks.len()));
     let table = identification_table(&tracks);
     let mut provenance = Provenance::new();
     for (name, paths) in [("photometry", &typed.tables.photometry), ("elements", &typed.elements)] {

@@ -1,4 +1,4 @@
-//! Reports of fits: what was read, what was fitted, what is wrong with it, with pictures.
+//! Reports of fits: data, parameters, faults and pictures.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -11,15 +11,15 @@ use streakcast::fit::{
 use streakcast::photometry::ModelFile;
 
 use super::arguments::FitRunArguments;
-use super::form::Chosen;
-use super::points::Placed;
+use super::form::ChosenForm;
+use super::points::FitInput;
 use crate::output::write_bytes;
 
-/// Results of a fit, of which the model file and the report are made.
+/// Results of a fit for the model file and the report.
 pub struct FitResults<'a> {
     pub typed: &'a FitRunArguments,
-    pub chosen: &'a Chosen,
-    pub placed: &'a Placed,
+    pub chosen: &'a ChosenForm,
+    pub input: &'a FitInput,
     pub problem: &'a Problem,
     pub fit: &'a Fit,
     pub faults: &'a [Fault],
@@ -29,38 +29,38 @@ pub struct FitResults<'a> {
     pub posterior: Option<(&'a Chain, &'a Posterior)>,
 }
 
-/// A picture of a report: the end of its file's name, its caption, its PNG.
+/// Picture of a report: end of its file name, caption, PNG.
 type Drawn = (&'static str, String, Vec<u8>);
 
-/// Reports end in `.md`, `.html` or `.htm`.
+/// Checks that the extension of a report is `.md`, `.html` or `.htm`.
 pub fn check_name(path: &Path) -> anyhow::Result<()> {
-    if is_html(path) || ends_in(path, &["md"]) {
+    if is_html(path) || has_extension(path, &["md"]) {
         return Ok(());
     }
-    Err(anyhow!("report {}: allowed are names that end in .md or .html", path.display()))
+    Err(anyhow!("invalid report {}; allowed: a file with the extension .md or .html", path.display()))
 }
 
 fn is_html(path: &Path) -> bool {
-    ends_in(path, &["html", "htm"])
+    has_extension(path, &["html", "htm"])
 }
 
-fn ends_in(path: &Path, ends: &[&str]) -> bool {
+fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
-    end.is_some_and(|end| ends.contains(&end.as_str()))
+    end.is_some_and(|end| extensions.contains(&end.as_str()))
 }
 
-/// Of fits that are not by squares.
-const ROBUST: &str = "The fit is robust: it does not stand where the RMS is least, and points far off count little. The core says how the others scatter; \
-Akaike's criterion below is that of the loss (sum of losses + 2k), not of the RMS.";
-/// Errors of a fit so many times those of the draws are not alike.
-const MUCH_LARGER: f64 = 1.2;
-/// Ends of the names of all pictures that a report may have.
+/// Note on fits with a robust loss.
+const ROBUST: &str = "The fit is robust: it does not minimise the RMS, and outliers have low weights. The core is the scatter of the other \
+points; Akaike's criterion below is that of the loss (sum of losses + 2k), not of the RMS.";
+/// Ratio of the errors of the fit to those of the posterior above which they differ.
+const LARGE_RATIO: f64 = 1.2;
+/// Ends of the file names of all pictures of a report.
 const PICTURES: [&str; 6] = ["histogram", "residuals", "phase", "maps", "pixels", "corner"];
 
-/// Every file that a report may write: itself, and the pictures beside it.
+/// Returns all files of a report: itself, and its separate pictures.
 pub fn files(path: &Path) -> Vec<PathBuf> {
-    let beside = PICTURES.iter().filter(|_| !is_html(path) && cfg!(feature = "plot"));
-    std::iter::once(path.to_owned()).chain(beside.map(|end| path.with_file_name(picture_name(path, end)))).collect()
+    let pictures = PICTURES.iter().filter(|_| !is_html(path) && cfg!(feature = "plot"));
+    std::iter::once(path.to_owned()).chain(pictures.map(|end| path.with_file_name(picture_name(path, end)))).collect()
 }
 
 fn picture_name(report: &Path, end: &str) -> String {
@@ -68,7 +68,7 @@ fn picture_name(report: &Path, end: &str) -> String {
     format!("{stem}-{end}.png")
 }
 
-/// Writes the report: pictures beside a `.md`, within a `.html`.
+/// Writes the report: a `.md` with separate pictures, a `.html` with embedded ones.
 pub fn write(path: &Path, results: &FitResults, file: &ModelFile) -> anyhow::Result<()> {
     let drawn = pictures(results, file)?;
     let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
@@ -89,22 +89,24 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
     report.paragraph(&format!("{}. Data: {}.", file.title, file.provenance.data));
     report.section("Verdict");
     if results.faults.is_empty() {
-        report.paragraph("Sound: every parameter stands between its bounds, is told apart from the others, and rests on enough points.");
+        report.paragraph(
+            "Sound: every parameter is within its bounds, distinct from the others, and constrained by enough points.",
+        );
     } else {
         report.paragraph("**Not sound:**");
         report.list(results.faults.iter().map(ToString::to_string));
     }
     report.section("Points");
-    let measurements = &results.placed.measurements;
+    let measurements = &results.input.measurements;
     report.paragraph(&format!(
-        "{} measurements in {} groups; {} rows left out; {} points fitted, {} where the model sees nothing lit.",
+        "{} measurements in {} groups; {} rows left out; {} points fitted, {} without sunlit surfaces in the model.",
         measurements.points.len(),
         measurements.groups.len(),
         measurements.dropped.total(),
         fit.kept.len(),
-        results.placed.points.len() - fit.kept.len()
+        results.input.points.len() - fit.kept.len()
     ));
-    if let Some(mismatch) = results.placed.band_mismatch(results.chosen.band) {
+    if let Some(mismatch) = results.input.band_mismatch(results.chosen.band) {
         report.paragraph(&format!("**Band:** {mismatch}."));
     }
     if measurements.dropped.total() > 0 {
@@ -113,7 +115,7 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
     report.section("Parameters");
     report.table(&parameter_table(fit, &points_behind(results.problem, fit)));
     report.paragraph(&format!(
-        "Errors: {:?}. Costs that the starting places led to: {}.",
+        "Errors: {:?}. Costs from the starting points: {}.",
         fit.uncertainty.kind,
         costs(&fit.costs)
     ));
@@ -132,30 +134,30 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
         report.paragraph(ROBUST);
     }
     if !results.standings.is_empty() {
-        report.section("On unseen points");
-        report.paragraph(match &results.placed.reduction {
-            None => "Each form fitted without one fold of tracks or nights at a time, and held against it.",
-            Some(_) => "Each form fitted to the pixels of all tracks but those of one fold at a time, and held against the pixels that these make alone.",
+        report.section("Held-out points");
+        report.paragraph(match &results.input.reduction {
+            None => "Each form is fitted without one fold of tracks or nights at a time, and compared with it.",
+            Some(_) => "Each form is fitted to the pixels without the tracks of one fold at a time, and compared with the pixels of these.",
         });
         report.table(&form_score_table(results.standings));
     }
     if let Some((_, posterior)) = results.posterior {
         report.section("Posterior");
         report.paragraph(&format!(
-            "{} steps of {} walkers after burn-in, {:.0} % of proposals taken; seed {}.",
+            "{} steps of {} walkers after burn-in, {:.0} % of proposals accepted; seed {}.",
             posterior.steps,
             results.typed.walkers,
             100.0 * posterior.acceptance,
             results.typed.seed
         ));
-        let narrow = posterior.overconfident(fit, MUCH_LARGER);
-        let words: Vec<String> = narrow.iter().map(|(name, times)| format!("{name} {times:.1}")).collect();
-        report.paragraph(&match words.is_empty() {
-            true => "Points are taken as independent here. The errors of the fit (fit_sigma) are alike: either may be used.".to_owned(),
+        let narrow = posterior.overconfident(fit, LARGE_RATIO);
+        let ratios: Vec<String> = narrow.iter().map(|(name, times)| format!("{name} {times:.1}")).collect();
+        report.paragraph(&match ratios.is_empty() {
+            true => "Points are assumed to be independent. The errors of the fit (fit_sigma) agree: either may be used.".to_owned(),
             false => format!(
-                "Points are taken as independent here, and tracks or nights share their faults: the errors of the fit (fit_sigma) are larger ({} times). \
-                 Use those; of the draws, the shape.",
-                words.join(", ")
+                "Points are assumed to be independent, and tracks or nights have common errors: the errors of the fit (fit_sigma) \
+                 are larger ({} times). Use these; use only the shape of the posterior.",
+                ratios.join(", ")
             ),
         });
         report.table(&marginal_table(posterior, fit));
@@ -164,7 +166,7 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
         report.section("Pictures");
         pictures.iter().for_each(|(name, (_, caption, _))| report.picture(caption, name));
     }
-    report.section("How");
+    report.section("Method");
     report.list(file.provenance.notes.iter().cloned());
     report.paragraph(&format!("Sigma {:.3} mag: {}.", file.sigma_mag, file.sigma_origin));
     report
@@ -179,7 +181,7 @@ fn pictures(_: &FitResults, _: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
     Ok(Vec::new())
 }
 
-/// There are no pictures to put into a page.
+/// Returns no picture in builds without plots.
 #[cfg(not(feature = "plot"))]
 fn data_url(_: &[u8]) -> String {
     String::new()
@@ -208,9 +210,10 @@ mod drawn {
     use super::{Drawn, FitResults};
     use crate::output::write_bytes;
 
-    /// Cells of O-C maps, and how many layers are shown.
+    /// HEALPix resolution of maps of residuals.
     const NSIDE: u32 = 16;
-    const MOST_LAYERS: usize = 6;
+    /// Largest number of layers in maps of residuals.
+    const MAX_LAYERS: usize = 6;
 
     pub fn pictures(results: &FitResults, file: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
         let (fit, points) = (results.fit, results.problem.points());
@@ -228,8 +231,8 @@ mod drawn {
         let measured = column(|p| p.magnitude);
         let model: Vec<f64> = measured.iter().zip(residuals).map(|(measured, residual)| measured - residual).collect();
         let title = format!("{name}: observed minus computed");
-        // Single measurements are held against what is foretold of them, pixels against their own scatter.
-        let scatter = if results.placed.reduction.is_some() { rms(residuals) } else { file.sigma_mag };
+        // Single measurements are compared with their predicted sigma, pixels with their own scatter.
+        let scatter = if results.input.reduction.is_some() { rms(residuals) } else { file.sigma_mag };
         let sigma_mag = scatter.max(1e-3);
         add(
             "histogram",
@@ -254,9 +257,9 @@ mod drawn {
         };
         add("phase", "Magnitudes against the phase angle", phase_curve(&curve)?)?;
         if let Some(picture) = residual_maps(&title, points, residuals)? {
-            add("maps", "Residuals over the satellite's sky", picture)?;
+            add("maps", "Residuals over the directions around the satellite", picture)?;
         }
-        if let Some(reduction) = &results.placed.reduction {
+        if let Some(reduction) = &results.input.reduction {
             add("pixels", "Number of points and spread of the pixels", of_counts(reduction)?)?;
         }
         if let Some((chain, posterior)) = results.posterior {
@@ -283,7 +286,7 @@ mod drawn {
         Ok(drawn)
     }
 
-    /// Mean residuals in cells of the observer's direction, for the layers of one degree that hold most points.
+    /// Draws mean residuals in cells of the observer's direction, for the layers of one degree with most points.
     fn residual_maps(title: &str, points: &[FitPoint], residuals: &[f64]) -> anyhow::Result<Option<Picture>> {
         let mut all = BTreeMap::<i64, BTreeMap<u64, (f64, f64)>>::new();
         for (point, residual) in points.iter().zip(residuals) {
@@ -295,7 +298,7 @@ mod drawn {
         }
         let mut fullest: Vec<i64> = all.keys().copied().collect();
         fullest.sort_by_key(|layer| std::cmp::Reverse(all[layer].len()));
-        fullest.truncate(MOST_LAYERS);
+        fullest.truncate(MAX_LAYERS);
         fullest.sort_by_key(|layer| std::cmp::Reverse(*layer));
         let cells: Vec<(String, Vec<(u64, f64)>)> = fullest
             .iter()
@@ -326,9 +329,9 @@ mod drawn {
         })?)
     }
 
-    /// Figure 2 of one layer, or figure 3 of all pixels.
+    /// Draws figure 2 for one layer, or figure 3 for all pixels.
     pub fn pixels_picture(path: &Path, reduction: Option<&Reduction>, layer_deg: Option<f64>) -> anyhow::Result<()> {
-        let reduction = reduction.ok_or_else(|| anyhow!("--picture draws pixels; leave --raw-points out"))?;
+        let reduction = reduction.ok_or_else(|| anyhow!("--picture is for pixels; omit --raw-points"))?;
         let picture = match layer_deg {
             None => of_counts(reduction)?,
             Some(sun_deg) => {
@@ -336,7 +339,7 @@ mod drawn {
                 let layer = (sun_deg / width_deg).floor() as i32;
                 let inside: Vec<&Pixel> = reduction.pixels.iter().filter(|pixel| pixel.layer == layer).collect();
                 if inside.is_empty() {
-                    return Err(anyhow!("no pixel in the layer that holds the Sun's latitude {sun_deg} deg"));
+                    return Err(anyhow!("no pixel in the layer at the Sun's latitude {sun_deg} deg"));
                 }
                 let of = |value: fn(&Pixel) -> f64| {
                     inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>()

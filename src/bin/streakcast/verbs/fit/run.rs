@@ -1,4 +1,4 @@
-//! `fit run`: a model file with covariance, and a report of how it came about.
+//! `fit run`: a fitted model file with covariance, and a report.
 
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -15,8 +15,8 @@ use streakcast::photometry::ModelFile;
 
 use super::arguments::{FitArguments, FitRunArguments, FitVerb};
 use super::chains;
-use super::form::{Chosen, form};
-use super::points::{Placed, read, weights};
+use super::form::{ChosenForm, form};
+use super::points::{FitInput, read, weights};
 use super::report::{self, FitResults};
 use crate::failure::Outcome;
 use crate::output::{Output, check};
@@ -33,15 +33,15 @@ pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
 fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
     let output = checked(typed, &chosen)?;
-    let placed = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
-    let problem = Problem::new(chosen.form.as_form(), &placed.points, &chosen.settings)?;
-    // A chain that cannot be gone on with is told before the work, not after.
-    let begun = typed.mcmc.map(|steps| chains::begun(typed, &placed, &problem, steps)).transpose()?;
-    let notices = &placed.notices;
-    notices.warn(&placed.band_mismatch(chosen.band));
-    let fit = with_errors_of_tracks(typed.jackknife, &chosen, &placed, problem.solve()?)?;
+    let input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
+    let problem = Problem::new(chosen.form.as_form(), &input.points, &chosen.settings)?;
+    // Errors of a saved chain are reported before the work.
+    let sampling = typed.mcmc.map(|steps| chains::prepare(typed, &input, &problem, steps)).transpose()?;
+    let notices = &input.notices;
+    notices.warn(&input.band_mismatch(chosen.band));
+    let fit = with_jackknife(typed.jackknife, &chosen, &input, problem.solve()?)?;
     let in_sample = ResidualStatistics::of(&fit.residuals_mag).ok_or_else(|| anyhow!("no point was fitted"))?;
-    notices.say(&format!(
+    notices.info(&format!(
         "{} points, {} parameters: RMS {:.3} mag, core {:.3} mag",
         in_sample.n,
         fit.free.len(),
@@ -49,13 +49,13 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         in_sample.core_mag
     ));
     let faults = faults(&problem, &fit);
-    let standings = standings(typed, &chosen, &placed)?;
-    let single_mag = single(&chosen, &placed, &fit);
-    let drawn = begun.map(|begun| chains::drawn(typed, &placed, &problem, &fit, begun)).transpose()?;
+    let standings = standings(typed, &chosen, &input)?;
+    let single_mag = single(&chosen, &input, &fit);
+    let drawn = sampling.map(|run| chains::sample(typed, &input, &problem, &fit, run)).transpose()?;
     let results = FitResults {
         typed,
         chosen: &chosen,
-        placed: &placed,
+        input: &input,
         problem: &problem,
         fit: &fit,
         faults: &faults,
@@ -69,27 +69,29 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         report::write(path, &results, &file)?;
     }
     for fault in &faults {
-        notices.say(&format!("not sound: {fault}"));
+        notices.info(&format!("not sound: {fault}"));
     }
     Ok(if faults.is_empty() { Outcome::Done } else { Outcome::No })
 }
 
-/// Pixels share tracks: how certain a fit to them is, sets of tracks that are left out tell.
-fn with_errors_of_tracks(sets: usize, chosen: &Chosen, placed: &Placed, fit: Fit) -> anyhow::Result<Fit> {
-    let Some(reduction) = placed.reduction.as_ref().filter(|_| sets > 0) else { return Ok(fit) };
-    match jackknife(chosen.form.as_form(), &placed.measurements, reduction.options, &fit, &chosen.settings, sets) {
+/// Replaces the covariance of a fit to pixels, which share tracks, by that of a jackknife over sets of tracks.
+fn with_jackknife(sets: usize, chosen: &ChosenForm, input: &FitInput, fit: Fit) -> anyhow::Result<Fit> {
+    let Some(reduction) = input.reduction.as_ref().filter(|_| sets > 0) else { return Ok(fit) };
+    match jackknife(chosen.form.as_form(), &input.measurements, reduction.options, &fit, &chosen.settings, sets) {
         Ok(covariance) => Ok(fit.with_covariance(covariance, CovarianceKind::Jackknife)),
-        // As of a table that names no tracks.
+        // For example a table without track names.
         Err(problem @ FitError::Sets { .. }) => {
-            placed.notices.say(&format!("warning: errors take pixels as independent, which is too good: {problem}"));
+            input
+                .notices
+                .info(&format!("warning: errors are too small, with pixels assumed to be independent: {problem}"));
             Ok(fit)
         }
         Err(problem) => Err(problem.into()),
     }
 }
 
-/// The form and those that it has to beat, on the same unseen folds.
-fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyhow::Result<Vec<FormScore>> {
+/// Compares the form with baselines on the same held-out folds.
+fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> anyhow::Result<Vec<FormScore>> {
     if typed.form.folds == 0 {
         return Ok(Vec::new());
     }
@@ -97,26 +99,24 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
         CompetingForm { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
     entrants.extend(baseline_forms(chosen.form.as_two_panels().as_ref()));
-    let standings = match compare_forms(&entrants, &placed.points, placed.tracks(), &chosen.settings, typed.form.folds)
-    {
+    let standings = match compare_forms(&entrants, &input.points, input.tracks(), &chosen.settings, typed.form.folds) {
         Ok(standings) => standings,
-        // A fit of one night, or of few pixels, is a fit all the same.
+        // A fit of one night, or of few pixels, is valid without cross-validation.
         Err(problem @ (FitError::NoneUnseen { .. } | FitError::TooFew { .. })) => {
-            placed.notices.say(&format!("warning: nothing is said of unseen points: {problem}"));
+            input.notices.info(&format!("warning: no cross-validation: {problem}"));
             return Ok(Vec::new());
         }
         Err(FitError::Folds { groups, folds }) => {
-            let words = format!(
-                "warning: {groups} tracks or nights cannot be held out in {folds} folds (--folds): nothing is said of unseen points"
-            );
-            placed.notices.say(&words);
+            let message =
+                format!("warning: no cross-validation: {groups} tracks or nights for {folds} folds (--folds)");
+            input.notices.info(&message);
             return Ok(Vec::new());
         }
         Err(error) => return Err(error.into()),
     };
     for one in &standings {
-        placed.notices.say(&format!(
-            "  unseen: {:<22} k {} RMS {:.3} core {:.3} mag, {:.0} % within one sigma",
+        input.notices.info(&format!(
+            "  held out: {:<22} k {} RMS {:.3} core {:.3} mag, {:.0} % within one sigma",
             one.name,
             one.parameters,
             one.held_out.rms_mag,
@@ -128,9 +128,9 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
 }
 
 /// Residuals of single measurements about the fit.
-fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
+fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<f64> {
     let points: Vec<FitPoint> =
-        points_of_measurements(&placed.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
+        points_of_measurements(&input.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
     let predicted = predict(chosen.form.as_form(), &points, &fit.values());
     points
         .iter()
@@ -141,34 +141,34 @@ fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
 }
 
 fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
-    let FitResults { typed, chosen, placed, problem, fit, .. } = results;
-    // What is announced is for single measurements that were not seen: held-out ones where there are any.
+    let FitResults { typed, chosen, input, problem, fit, .. } = results;
+    // The sigma is for new single measurements: from held-out ones if there are any.
     let held = results.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
     let (sigma_mag, origin) = match held {
         Some(held) => (
             sigma_68_mag(held),
-            format!("holds 68.3 % of single measurements on unseen tracks or nights ({} folds)", typed.form.folds),
+            format!("holds 68.3 % of single measurements of held-out tracks or nights ({} folds)", typed.form.folds),
         ),
         None => (sigma_68_mag(results.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
     let files: Vec<String> = typed.photometry.tables.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
-    let words = ModelDescription {
+    let description = ModelDescription {
         name: typed.name.clone().unwrap_or_else(|| format!("{}-fit", base.name)),
         title: format!("{} fitted to photometry", base.title.split(',').next().unwrap_or(&base.title)),
         source: format!("streakcast {} fit run, form of {}", env!("CARGO_PKG_VERSION"), base.name),
         data: typed.data.clone().unwrap_or_else(|| files.join(", ")),
         date: typed.date.clone().unwrap_or_else(this_month),
         provisional: !results.faults.is_empty(),
-        notes: notes(typed, placed, chosen),
+        notes: notes(typed, input, chosen),
         sigma_origin: origin,
     };
     let rms_mag = rms(&fit.residuals_mag);
-    Ok(model_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?)
+    Ok(model_file(base, fit, problem.points(), rms_mag, sigma_mag, &description)?)
 }
 
-fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<String> {
-    let kind = match &placed.reduction {
+fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<String> {
+    let kind = match &input.reduction {
         Some(reduction) => format!(
             "Fitted to reduced pixels: layers of {} deg, nside {}, at least {} points, spread of {} mag or less; {} points in all.",
             typed.reduction.layer_deg,
@@ -181,16 +181,16 @@ fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<Strin
     };
     let light = if typed.form.no_earthshine { "Without earthshine." } else { "With earthshine." };
     let mut notes = vec![kind, light.to_owned(), format!("Loss: {:?}.", chosen.settings.loss)];
-    notes.extend(placed.band_mismatch(chosen.band).map(|mismatch| format!("Band: {mismatch}.")));
+    notes.extend(input.band_mismatch(chosen.band).map(|mismatch| format!("Band: {mismatch}.")));
     notes.push(format!("Sunlight passes at least {} km above the ground.", typed.photometry.least_grazing_km));
     notes.extend(chosen.settings.held.iter().map(|(name, value)| format!("{name} was held at {value}.")));
     notes
 }
 
-/// Where the model file goes, once nothing is wrong.
-pub fn checked(typed: &FitRunArguments, chosen: &Chosen) -> anyhow::Result<Output> {
+/// Checks all flags and returns the output of the model file.
+pub fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Output> {
     let output = Output::new(Some("json"), Some(typed.output.clone()))?;
-    distinct(typed)?;
+    check_distinct(typed)?;
     if let Some(chains) = &typed.chains {
         check(chains)?;
     }
@@ -201,24 +201,24 @@ pub fn checked(typed: &FitRunArguments, chosen: &Chosen) -> anyhow::Result<Outpu
     let free = chosen.settings.free.len();
     if let Some(steps) = typed.mcmc {
         if typed.burn_in >= steps {
-            return Err(anyhow!("burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
+            return Err(anyhow!("invalid burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
         }
         check_walkers(typed.walkers, free)?;
     }
     if typed.form.folds == 1 {
-        return Err(anyhow!("folds 1; allowed: 0, or 2 or more"));
+        return Err(anyhow!("invalid folds 1; allowed: 0, or 2 or more"));
     }
     let is_reduced = !typed.reduction.raw_points;
     if is_reduced && typed.jackknife > 0 && typed.jackknife <= free {
         return Err(anyhow!(
-            "jackknife {}; allowed: more than the {free} free parameters, or 0 for none",
+            "invalid jackknife {}; allowed: more than the {free} free parameters, or 0 for none",
             typed.jackknife
         ));
     }
     if let Some(date) = typed.date.as_deref().filter(|date| !is_date(date)) {
-        return Err(anyhow!("date {date}; allowed: a month as 2026-11, or a day as 2026-11-22"));
+        return Err(anyhow!("invalid date {date}; allowed: a month like 2026-11, or a day like 2026-11-22"));
     }
-    // Names as the model file will hold them.
+    // The names of the model file are validated before the fit.
     let mut file = chosen.file.clone();
     file.name = typed.name.clone().unwrap_or(file.name);
     file.provenance.data = typed.data.clone().unwrap_or(file.provenance.data);
@@ -226,28 +226,28 @@ pub fn checked(typed: &FitRunArguments, chosen: &Chosen) -> anyhow::Result<Outpu
     Ok(output)
 }
 
-/// That no output stands where another does, or where the photometry is.
-fn distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
+/// Checks that all outputs differ from each other and from the photometry.
+fn check_distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
     let reports = typed.report.iter().flat_map(|report| report::files(report));
     let outputs = std::iter::once(typed.output.clone()).chain(typed.chains.clone()).chain(reports);
-    let mut taken: Vec<PathBuf> = typed.photometry.tables.photometry.iter().map(|path| place_of(path)).collect();
+    let mut taken: Vec<PathBuf> = typed.photometry.tables.photometry.iter().map(|path| absolute_path(path)).collect();
     for path in outputs {
-        let place = place_of(&path);
-        if taken.contains(&place) {
-            return Err(anyhow!("{} is named twice; every output needs a file of its own", path.display()));
+        let absolute = absolute_path(&path);
+        if taken.contains(&absolute) {
+            return Err(anyhow!("{} is given twice; every output needs its own file", path.display()));
         }
-        taken.push(place);
+        taken.push(absolute);
     }
     Ok(())
 }
 
-/// Folder and name, whatever way they are written.
-fn place_of(path: &Path) -> PathBuf {
+/// Returns the path with its canonical folder.
+fn absolute_path(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
 }
 
-/// A month or a day that there is.
+/// Returns true for a valid month or day.
 fn is_date(text: &str) -> bool {
     let digits = |part: &str, length: usize| part.len() == length && part.bytes().all(|byte| byte.is_ascii_digit());
     let parts: Vec<&str> = text.split('-').collect();
@@ -262,7 +262,7 @@ fn is_date(text: &str) -> bool {
         && year.parse().is_ok_and(|year| Epoch::maybe_from_gregorian_utc(year, month, day, 0, 0, 0, 0).is_ok())
 }
 
-/// As `2026-11`.
+/// Returns this month as `2026-11`.
 pub fn this_month() -> String {
     let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let (year, month, ..) = Epoch::from_unix_seconds(since_1970.as_secs_f64()).to_gregorian_utc();

@@ -1,4 +1,4 @@
-//! Flags of `gate`, and the request that they make, checked before elements are read.
+//! Flags of `gate`, and the request of them, checked before elements are read.
 
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -14,6 +14,7 @@ use streakcast::geometry::Site;
 use streakcast::schedule::{MagnitudeLimit, Policy};
 
 use super::clock::Clock;
+use crate::required::Required;
 
 #[derive(Args)]
 pub struct GateArguments {
@@ -23,46 +24,46 @@ pub struct GateArguments {
     /// Declination of the field's centre (ICRS): -30.5 or -30d30m
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "ra")]
     pub dec: Option<Quantity>,
-    /// Length of the exposure with its unit, as 300s; with --stdin what the host says counts
+    /// Exposure time with its unit, for example 300s; overridden by the host with --stdin
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub exposure: Option<Quantity>,
-    /// Crossings brighter than this are waited for, in the band asked for: 7, or by filter L=7,Ha=3,default=6; all lit ones where unsaid
+    /// Limiting magnitude of crossings to avoid: 7, or by filter L=7,Ha=3,default=6; all lit crossings if omitted
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Policy file (TOML): limits by magnitude, probability, margin
     #[arg(long, value_name = "FILE")]
     pub policy: Option<PolicyChoice>,
-    /// The longest wait with its unit
+    /// Longest wait with its unit
     #[arg(long, value_name = "TIME", default_value = "90s")]
     pub max_wait: String,
-    /// Time kept clear before and after, with its unit: how long the host may take to open the shutter; 2s where no policy says another
+    /// Margin kept clear before and after the exposure, with its unit; that of the policy, else 2s, if omitted
     #[arg(long, value_name = "TIME")]
     pub margin: Option<String>,
-    /// Exit 1 where it is not clear in time, 2 on any fault; without it both are 0 and a line of log
+    /// Exit with code 1 if there is no clear start in time, 2 on a fault; without it both exit with 0 and a line of log
     #[arg(long)]
     pub strict: bool,
-    /// Read what the host says on standard input: ekos (the JSON of its pre-capture script)
+    /// Read the job from standard input: ekos (JSON of its pre-capture script)
     #[arg(long, value_name = "HOST", help_heading = "Host")]
     pub stdin: Option<Host>,
-    /// Places by name (TOML), for hosts that tell a target's name alone
+    /// File of target coordinates by name (TOML), for hosts that send only the name
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub targets: Option<PathBuf>,
-    /// The target's name in that file; with --stdin what the host says counts
+    /// Name of the target in --targets; overridden by the host with --stdin
     #[arg(long, value_name = "NAME", requires = "targets", help_heading = "Host")]
     pub target: Option<String>,
-    /// Ask a running mount where it points: an INDI server, as localhost or 10.0.0.2:7624
+    /// Read the pointing from a mount on an INDI server, for example localhost or 10.0.0.2:7624
     #[arg(long, value_name = "HOST:PORT", help_heading = "Host")]
     pub indi: Option<String>,
-    /// Which of several mounts
+    /// Name of the mount, if the INDI server has several
     #[arg(long, value_name = "NAME", requires = "indi", help_heading = "Host")]
     pub indi_device: Option<String>,
-    /// How long standard input and the INDI server may keep silent, with its unit
+    /// Timeout of standard input and the INDI server, with its unit
     #[arg(long, value_name = "TIME", default_value = "5s", help_heading = "Host")]
     pub timeout: String,
-    /// What was found, and counters over all runs (JSON), for hosts that show neither output nor log
+    /// File of the result and of counters over all runs (JSON), for hosts that show neither output nor log
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub status_file: Option<PathBuf>,
-    /// A rehearsal: the clock stands at this moment, and waits pass at once
+    /// Rehearsal at this time: waits pass at once
     #[arg(long, value_name = "TIME", help_heading = "Time")]
     pub now: Option<String>,
     #[command(flatten)]
@@ -74,7 +75,7 @@ pub enum Host {
     Ekos,
 }
 
-/// Default time that a host may take from the end of this command to the opening of the shutter, seconds.
+/// Default margin: allowed delay of a host from the end of this command to the shutter opening, seconds.
 const DEFAULT_MARGIN_S: f64 = 2.0;
 
 /// A request to the gate.
@@ -106,10 +107,27 @@ impl Request {
             ..typed.config
         };
         let config = flags.with_file()?;
+        let has_name = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
+        let has_pointing = config.exposure.ra.is_some() && config.exposure.dec.is_some();
+        let required = Required::of(&config)
+            .input(
+                has_pointing || has_name || typed.indi.is_some(),
+                "pointing",
+                "--ra and --dec, --targets with --target or --stdin ekos, or --indi localhost",
+            )
+            .input(
+                config.exposure.duration.is_some() || typed.stdin.is_some(),
+                "exposure time",
+                "--exposure TIME, for example 300s, or --stdin ekos",
+            )
+            .satellites()
+            .field();
+        // An INDI server may send the site.
+        if typed.indi.is_some() { required } else { required.site() }.check()?;
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
             return Err(anyhow!(
-                "the policy's max_lost_fraction cannot be waited for; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+                "max_lost_fraction of the policy is not for gate; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
             ));
         }
         let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
@@ -125,25 +143,12 @@ impl Request {
         };
         let duration = text(&config.exposure.duration);
         let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
-        let names = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
-        if pointing.is_none() && !names && typed.indi.is_none() {
-            return Err(anyhow!(
-                "no pointing; say --ra and --dec, --targets with --target or --stdin ekos, or --indi localhost"
-            ));
-        }
-        if duration_s.is_none() && typed.stdin.is_none() {
-            return Err(anyhow!("no length of the exposure; say --exposure 300s, or --stdin ekos"));
-        }
         if config.is_in_orbit() {
-            return Err(anyhow!("a telescope in orbit has no gate; say a site"));
+            return Err(anyhow!("gate is not for a telescope in orbit; specify a site"));
         }
-        // An INDI server knows the site.
         let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
         let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
-        if !config.has_satellites() {
-            return Err(anyhow!("no satellites; say --elements FILE..."));
-        }
         let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
         if max_wait_s > Policy::LONGEST_DELAY_S {
             return Err(anyhow!("max-wait {max_wait_s} s: allowed 0 to {} s", Policy::LONGEST_DELAY_S));

@@ -1,4 +1,4 @@
-//! The clock: that of the machine, or one that stands at a given moment and lets waits pass at once.
+//! Clock of the machine, or of a rehearsal in which waits pass at once.
 
 use std::cell::Cell;
 use std::thread::sleep;
@@ -7,14 +7,14 @@ use std::time::{Duration, Instant, SystemTime};
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
 
-/// Between looks at the clock while waiting: a machine that slept or was set right is noticed.
-const LONGEST_NAP: Duration = Duration::from_secs(1);
+/// Longest sleep without reading the clock: detects a suspended machine and a clock that was set.
+const MAX_SLEEP: Duration = Duration::from_secs(1);
 
-/// The time, and waiting.
+/// Source of the time, and of waits.
 pub enum Clock {
-    /// The machine's own.
+    /// Clock of the machine.
     Machine,
-    /// A rehearsal's.
+    /// Time of a rehearsal.
     Rehearsal(Cell<Epoch>),
 }
 
@@ -23,19 +23,19 @@ impl Clock {
         match self {
             Clock::Machine => {
                 let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-                // The machine counts days of 86400 s, as UTC does on paper.
+                // Unix time has days of 86400 s, without leap seconds.
                 Epoch::from_unix_seconds(since_1970.as_secs_f64())
             }
             Clock::Rehearsal(now) => now.get(),
         }
     }
 
-    /// True for the machine's own clock.
+    /// Returns true for the clock of the machine.
     pub fn is_real(&self) -> bool {
         matches!(self, Clock::Machine)
     }
 
-    /// Waits until a moment; at once where it has passed. Never longer than it is away now, whatever becomes of the clock meanwhile.
+    /// Waits until a moment, at most as long as it is away now, even if the clock is set meanwhile.
     pub fn sleep_until(&self, moment: Epoch) {
         match self {
             Clock::Machine => {
@@ -48,15 +48,16 @@ impl Clock {
     }
 }
 
-/// Naps until nothing is left, and no longer than is left now: what is left goes by a clock that may be set, `elapsed` by one that is not.
-fn wait(left: impl Fn() -> Duration, elapsed: impl Fn() -> Duration, nap: impl Fn(Duration)) {
+/// Sleeps until `left` is zero, at most as long as `left` is now. `left` is read from a clock that may be set,
+/// `elapsed` from one that cannot.
+fn wait(left: impl Fn() -> Duration, elapsed: impl Fn() -> Duration, pause: impl Fn(Duration)) {
     let longest = left();
     loop {
         let rest = longest.saturating_sub(elapsed()).min(left());
         if rest.is_zero() {
             return;
         }
-        nap(rest.min(LONGEST_NAP));
+        pause(rest.min(MAX_SLEEP));
     }
 }
 
@@ -64,7 +65,7 @@ fn wait(left: impl Fn() -> Duration, elapsed: impl Fn() -> Duration, nap: impl F
 mod tests {
     use super::*;
 
-    /// A wait of 40 s with the clock set after 5 s: waited, seconds.
+    /// Returns the time spent in a wait of 40 s if the clock is set by `step_s` after 5 s, seconds.
     fn waited_s(step_s: f64) -> f64 {
         let elapsed_s = Cell::new(0.0);
         let left = || {
@@ -72,12 +73,12 @@ mod tests {
             Duration::try_from_secs_f64(40.0 - elapsed_s.get() - step_s).unwrap_or_default()
         };
         let elapsed = || Duration::from_secs_f64(elapsed_s.get());
-        wait(left, elapsed, |nap| elapsed_s.set(elapsed_s.get() + nap.as_secs_f64()));
+        wait(left, elapsed, |pause| elapsed_s.set(elapsed_s.get() + pause.as_secs_f64()));
         elapsed_s.get()
     }
 
     #[test]
-    fn a_clock_that_is_set_stalls_nobody() {
+    fn setting_the_clock_does_not_extend_a_wait() {
         assert_eq!([0.0, -3600.0, 30.0, 3600.0].map(waited_s), [40.0, 40.0, 10.0, 5.0]);
     }
 }

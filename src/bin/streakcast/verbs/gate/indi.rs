@@ -1,4 +1,4 @@
-//! A client of INDI: asks a server where its mount points and stands. Plain XML over TCP, nothing is ever set.
+//! INDI client: reads pointing and site of a mount from a server, XML over TCP. It sets no property.
 
 use std::io::{self, BufReader, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -12,30 +12,30 @@ use streakcast::frames::{Direction, Gcrs, OfDate, seconds_between};
 use streakcast::geometry::{Site, icrs_of_apparent};
 
 use super::clock::Clock;
-use super::status::{Fault, FaultKind};
+use super::status_file::{Fault, FaultKind};
 
 const PORT: u16 = 7624;
-/// A server that says more than this before it says where the mount points is none, bytes.
-const MOST_BYTES: usize = 16 << 20;
-/// How long the place of the observatory, and a second mount, are waited for once a mount's pointing is known.
+/// Limit on the data read before the pointing arrives, bytes.
+const MAX_BYTES: usize = 16 << 20;
+/// Wait for the site, and for a second mount, after the pointing of a mount has arrived.
 const GRACE: Duration = Duration::from_millis(700);
-/// Clocks this far apart are told, seconds: INDI gives whole seconds, and networks have their moments.
+/// Difference between clocks above which a fault is reported, seconds. Time stamps of INDI have whole seconds.
 const CLOCK_TOLERANCE_S: f64 = 3.0;
 
-/// What a mount says of itself.
+/// Pointing and site of a mount.
 #[derive(Debug)]
 pub struct Mount {
     pub device: String,
-    /// Where it points.
+    /// Pointing.
     pub pointing: Direction<Gcrs>,
-    /// Where it stands, where it says so.
+    /// Site, if the mount sends it.
     pub site: Option<Site>,
-    /// The server's clock less ours, seconds, where it is wrong.
-    pub clock_wrong_s: Option<f64>,
+    /// Clock of the server minus that of this machine, seconds, if above the tolerance.
+    pub clock_error_s: Option<f64>,
 }
 
-/// Asks a server, at most so long.
-pub fn ask(address: &str, device: Option<&str>, timeout: Duration, clock: &Clock) -> Result<Mount, Fault> {
+/// Reads a mount from a server within `timeout`.
+pub fn read_mount(address: &str, device: Option<&str>, timeout: Duration, clock: &Clock) -> Result<Mount, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Indi, format!("INDI server {address}: {what}"));
     let deadline = Instant::now() + timeout;
     let mut stream = connect(address, timeout).map_err(|error| fault(error.to_string()))?;
@@ -43,9 +43,9 @@ pub fn ask(address: &str, device: Option<&str>, timeout: Duration, clock: &Clock
         .set_write_timeout(Some(timeout))
         .and_then(|()| stream.write_all(b"<getProperties version=\"1.7\"/>\n"))
         .map_err(|error| fault(error.to_string()))?;
-    let mut heard = Heard { wanted: device.map(str::to_owned), ..Heard::default() };
-    let ended = heard.listen(Patient { stream, deadline, left: MOST_BYTES }, clock);
-    heard.mount(clock).map_err(|what| match ended {
+    let mut properties = Properties { requested_device: device.map(str::to_owned), ..Properties::default() };
+    let ended = properties.read(LimitedStream { stream, deadline, left: MAX_BYTES }, clock);
+    properties.mount(clock).map_err(|what| match ended {
         Some(error) => fault(format!("{what} ({error})")),
         None => fault(what),
     })
@@ -58,8 +58,8 @@ fn connect(address: &str, timeout: Duration) -> io::Result<TcpStream> {
         format!("{address}:{PORT}")
     };
     let mut last = io::Error::new(io::ErrorKind::NotFound, "no such host");
-    for place in with_port.to_socket_addrs()? {
-        match TcpStream::connect_timeout(&place, timeout) {
+    for socket in with_port.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&socket, timeout) {
             Ok(stream) => return Ok(stream),
             Err(error) => last = error,
         }
@@ -67,25 +67,25 @@ fn connect(address: &str, timeout: Duration) -> io::Result<TcpStream> {
     Err(last)
 }
 
-/// A stream that ends at a deadline, however slowly it trickles, and after so many bytes.
-struct Patient {
+/// Stream with a deadline and a limit on the number of bytes.
+struct LimitedStream {
     stream: TcpStream,
     deadline: Instant,
     left: usize,
 }
 
-impl Read for Patient {
+impl Read for LimitedStream {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         let rest = self.deadline.saturating_duration_since(Instant::now());
         if rest.is_zero() {
-            return Err(io::Error::new(io::ErrorKind::TimedOut, "no answer in time"));
+            return Err(io::Error::new(io::ErrorKind::TimedOut, "no response in time"));
         }
         if self.left == 0 {
-            return Err(io::Error::other("it does not stop talking"));
+            return Err(io::Error::other("response too long"));
         }
         self.stream.set_read_timeout(Some(rest))?;
         let read = self.stream.read(buffer).map_err(|error| match error.kind() {
-            io::ErrorKind::WouldBlock => io::Error::new(io::ErrorKind::TimedOut, "no answer in time"),
+            io::ErrorKind::WouldBlock => io::Error::new(io::ErrorKind::TimedOut, "no response in time"),
             _ => error,
         })?;
         self.left = self.left.saturating_sub(read);
@@ -93,7 +93,7 @@ impl Read for Patient {
     }
 }
 
-/// One vector of numbers on its way.
+/// Vector of numbers that is being read.
 #[derive(Debug, Default)]
 struct Vector {
     device: String,
@@ -118,20 +118,20 @@ struct Pointing {
     declination_deg: f64,
 }
 
-/// What was heard so far.
+/// Properties received so far.
 #[derive(Debug, Default)]
-struct Heard {
-    wanted: Option<String>,
+struct Properties {
+    requested_device: Option<String>,
     devices: Vec<String>,
     pointings: Vec<Pointing>,
     /// Device, latitude, longitude, height: degrees and metres.
     sites: Vec<(String, f64, f64, f64)>,
-    clock_wrong_s: Option<f64>,
+    clock_error_s: Option<f64>,
 }
 
-impl Heard {
-    /// Listens until all is known that is needed, the server stops, or the time is over; why it ended early.
-    fn listen(&mut self, stream: Patient, clock: &Clock) -> Option<String> {
+impl Properties {
+    /// Reads until all required properties have arrived. Returns the reason if the stream ends early.
+    fn read(&mut self, stream: LimitedStream, clock: &Clock) -> Option<String> {
         let mut reader = Reader::from_reader(BufReader::new(stream));
         let (mut vector, mut item, mut text) = (None::<Vector>, None::<String>, String::new());
         let mut buffer = Vec::new();
@@ -165,17 +165,17 @@ impl Heard {
                     }
                     _ => {}
                 },
-                Event::Eof => return Some("it closed the connection".to_owned()),
+                Event::Eof => return Some("connection closed by the server".to_owned()),
                 _ => {}
             }
             if let Some(pointing) = self.settled() {
                 let has_site = self.sites.iter().any(|(device, ..)| *device == pointing.device);
-                if has_site && self.wanted.is_some() {
+                if has_site && self.requested_device.is_some() {
                     return None;
                 }
-                // Properties come in one breath: a site, or a second mount, that has not come soon will not come.
-                let patient = reader.get_mut().get_mut();
-                patient.deadline = patient.deadline.min(Instant::now() + GRACE);
+                // Servers send all properties at once: a site, or a second mount, arrives soon or not at all.
+                let limited = reader.get_mut().get_mut();
+                limited.deadline = limited.deadline.min(Instant::now() + GRACE);
             }
         }
     }
@@ -184,7 +184,7 @@ impl Heard {
         if !self.devices.contains(&vector.device) {
             self.devices.push(vector.device.clone());
         }
-        if self.wanted.as_ref().is_some_and(|wanted| *wanted != vector.device) {
+        if self.requested_device.as_ref().is_some_and(|device| *device != vector.device) {
             return;
         }
         let of_date = vector.name == "EQUATORIAL_EOD_COORD";
@@ -199,10 +199,10 @@ impl Heard {
                     declination_deg,
                 });
             }
-            if let Some(theirs) = vector.timestamp.filter(|_| clock.is_real()) {
-                // The stamp is cut to whole seconds: half a second is added on the average.
-                let offset_s = seconds_between(clock.now(), theirs) + 0.5;
-                self.clock_wrong_s = Some(offset_s).filter(|offset_s| offset_s.abs() > CLOCK_TOLERANCE_S);
+            if let Some(server_time) = vector.timestamp.filter(|_| clock.is_real()) {
+                // The time stamp is truncated to whole seconds: on average half a second is missing.
+                let offset_s = seconds_between(clock.now(), server_time) + 0.5;
+                self.clock_error_s = Some(offset_s).filter(|offset_s| offset_s.abs() > CLOCK_TOLERANCE_S);
             }
         }
         if vector.name == "GEOGRAPHIC_COORD"
@@ -213,7 +213,7 @@ impl Heard {
         }
     }
 
-    /// The pointing of a mount that is not on its way to another.
+    /// Returns the pointing of a mount that is not slewing.
     fn settled(&self) -> Option<&Pointing> {
         self.pointings.iter().find(|pointing| matches!(pointing.state.as_str(), "Idle" | "Ok" | ""))
     }
@@ -223,20 +223,20 @@ impl Heard {
         mounts.sort_unstable();
         mounts.dedup();
         if mounts.len() > 1 {
-            return Err(format!("several mounts ({}); say which with --indi-device", mounts.join(", ")));
+            return Err(format!("several mounts ({}); specify one with --indi-device", mounts.join(", ")));
         }
         let Some(pointing) = self.settled() else {
-            return Err(match (self.pointings.first(), &self.wanted) {
+            return Err(match (self.pointings.first(), &self.requested_device) {
                 (Some(moving), _) => format!("{} is {}, not at rest", moving.device, moving.state),
-                (None, Some(wanted)) => format!("no coordinates of {wanted}; is it connected?"),
-                (None, None) if self.devices.is_empty() => "no mount answers".to_owned(),
-                (None, None) => format!("no mount among {}; is it connected?", self.devices.join(", ")),
+                (None, Some(device)) => format!("no coordinates of {device}; check its connection"),
+                (None, None) if self.devices.is_empty() => "no mount".to_owned(),
+                (None, None) => format!("no mount among {}; check its connection", self.devices.join(", ")),
             });
         };
         let (right_ascension_deg, declination_deg) = (15.0 * pointing.right_ascension_h, pointing.declination_deg);
         if !(-360.0..=720.0).contains(&right_ascension_deg) || !(-90.0..=90.0).contains(&declination_deg) {
             return Err(format!(
-                "{} points at {} h, {declination_deg} deg",
+                "invalid pointing of {}: {} h, {declination_deg} deg",
                 pointing.device, pointing.right_ascension_h
             ));
         }
@@ -248,14 +248,14 @@ impl Heard {
             Direction::<Gcrs>::from_lon_lat_rad(longitude_rad, latitude_rad)
         };
         let site = self.sites.iter().find(|(device, ..)| *device == pointing.device);
-        // A mount that was never told where it stands says 0, 0: no observatory is there.
+        // A mount without a configured site sends 0, 0.
         let site = site
             .filter(|(_, latitude, longitude, _)| *latitude != 0.0 || *longitude != 0.0)
             .map(|(device, latitude, longitude, height)| Site::new_deg(device, *latitude, *longitude, *height))
             .transpose()
             .map_err(|error| error.to_string())?;
         let device = pointing.device.clone();
-        Ok(Mount { device, pointing: pointing_icrs, site, clock_wrong_s: self.clock_wrong_s })
+        Ok(Mount { device, pointing: pointing_icrs, site, clock_error_s: self.clock_error_s })
     }
 }
 
@@ -276,7 +276,7 @@ fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
     Some(found.value.to_string())
 }
 
-/// A number as INDI writes it: `5.5`, `5:30`, `5 30 00`, `-0:30:00`.
+/// Parses a number in the formats of INDI: `5.5`, `5:30`, `5 30 00`, `-0:30:00`.
 fn sexagesimal(text: &str) -> Option<f64> {
     let text = text.trim();
     let (sign, digits) = match text.strip_prefix('-') {

@@ -6,7 +6,7 @@ mod ekos;
 mod indi;
 mod places;
 mod run;
-mod status;
+mod status_file;
 
 pub use arguments::GateArguments;
 pub use run::run;

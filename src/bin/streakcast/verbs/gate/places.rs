@@ -1,4 +1,4 @@
-//! Places of targets by name, for hosts that tell the name alone.
+//! Coordinates of targets by name, for hosts that send only the name.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,22 +7,23 @@ use serde::Deserialize;
 use streakcast::config::Quantity;
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 
-use super::status::{Fault, FaultKind};
+use super::status_file::{Fault, FaultKind};
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
-    targets: BTreeMap<String, Place>,
+    targets: BTreeMap<String, Coordinates>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Place {
+struct Coordinates {
     ra: Quantity,
     dec: Quantity,
 }
 
-/// The place of a target; its name in any case, with blanks and underscores alike (Ekos turns one into the other).
+/// Returns the coordinates of a target. Case, blanks, underscores and hyphens of the name are ignored (Ekos replaces
+/// blanks by underscores).
 pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Target, format!("targets {}: {what}", path.display()));
     let text = std::fs::read_to_string(path).map_err(|error| fault(error.to_string()))?;
@@ -31,10 +32,10 @@ pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
     let found = file
         .targets
         .get(name)
-        .or_else(|| file.targets.iter().find_map(|(known, place)| (key(known) == key(name)).then_some(place)));
-    let place = found.ok_or_else(|| fault(format!("no target '{name}'; known: {}", known(&file))))?;
-    let angles = parse_right_ascension_deg(place.ra.as_str())
-        .and_then(|ra_deg| Ok((ra_deg, parse_declination_deg(place.dec.as_str())?)))
+        .or_else(|| file.targets.iter().find_map(|(known, target)| (key(known) == key(name)).then_some(target)));
+    let target = found.ok_or_else(|| fault(format!("unknown target '{name}'; allowed: {}", known(&file))))?;
+    let angles = parse_right_ascension_deg(target.ra.as_str())
+        .and_then(|ra_deg| Ok((ra_deg, parse_declination_deg(target.dec.as_str())?)))
         .map_err(|error| fault(format!("target '{name}': {error}")))?;
     Ok(Direction::from_lon_lat_rad(angles.0.to_radians(), angles.1.to_radians()))
 }

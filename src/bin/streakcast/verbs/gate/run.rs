@@ -1,4 +1,4 @@
-//! The run: what the host says, where the mount points, when the field is clear, and what is left behind.
+//! Run of the gate: job of the host, pointing of the mount, wait for a clear field, status file.
 
 use std::path::Path;
 use std::time::{Duration, SystemTime};
@@ -18,32 +18,33 @@ use streakcast::schedule::{
 
 use super::arguments::GateArguments;
 use super::arguments::Request;
-use super::status::{Fault, FaultKind};
-use super::{ekos, indi, places, status};
+use super::status_file::{Fault, FaultKind};
+use super::{ekos, indi, places, status_file};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 
-/// A mount farther than this from the site that was given stands elsewhere, km.
+/// Largest distance between the given site and that of the mount, km.
 const SAME_SITE_KM: f64 = 1.0;
-/// A file of elements written less than this ago may still be being written.
+/// Age below which a file of elements may still be incomplete.
 const FRESH: Duration = Duration::from_secs(10);
-/// One that has stayed so long as it is, is meant to be so.
+/// Age above which a file of elements is complete.
 const SETTLED: Duration = Duration::from_secs(600);
-/// How often, and how long apart, elements are read again that could not be read, seconds.
+/// Attempts to read elements.
 const TRIES: usize = 4;
-const TRY_AGAIN_S: f64 = 0.3;
-/// A clock that is off by more than this after a wait was set meanwhile, seconds.
+/// Pause between attempts, seconds.
+const RETRY_S: f64 = 0.3;
+/// Error of the clock after a wait above which it was set meanwhile, seconds.
 const CLOCK_STEP_S: f64 = 1.0;
-/// Passes named in the status file.
+/// Largest number of passes in the status file.
 const NAMED: usize = 5;
 
-/// How it ended.
+/// Result of a run.
 enum VerdictKind {
-    /// The field is clear, after a wait or at once.
+    /// Clear field, after a wait or at once.
     Clear { waited_s: f64, until: Epoch },
-    /// Not within the longest wait.
+    /// No clear start within the longest wait.
     NotClear,
-    /// No light frame.
+    /// Not a light frame.
     Skipped(String),
 }
 
@@ -51,9 +52,9 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
     let request = Request::new(typed)?;
     let notices = super::super::judged::begin(&request.config)?;
     let began = request.clock.now();
-    let before = status::read(request.status_file.as_deref());
-    let mut said = Map::new();
-    let answer = answer(&request, before.satellites, &mut said, &notices);
+    let before = status_file::read(request.status_file.as_deref());
+    let mut status = Map::new();
+    let answer = answer(&request, before.satellites, &mut status, &notices);
 
     let mut counters = before.counters;
     counters.runs += 1;
@@ -74,7 +75,7 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
         }
         Err(fault) => {
             *counters.faults.entry(fault.kind.name().to_owned()).or_default() += 1;
-            said.insert("fault".into(), fault.kind.name().into());
+            status.insert("fault".into(), fault.kind.name().into());
             ("fault", if request.strict { Err(anyhow!("{fault}")) } else { Ok(Outcome::Done) })
         }
     };
@@ -84,19 +85,19 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
         Ok(Outcome::No) => 1,
         Err(_) => 2,
     };
-    state(&mut said, "verdict", verdict);
-    state(&mut said, "exit_code", code);
-    state(&mut said, "message", line.as_str());
-    state(&mut said, "began_utc", format_utc(began, 3));
-    state(&mut said, "ended_utc", format_utc(request.clock.now(), 3));
-    if let (None, Some(satellites)) = (said.get("satellites"), before.satellites) {
-        state(&mut said, "satellites", satellites);
+    state(&mut status, "verdict", verdict);
+    state(&mut status, "exit_code", code);
+    state(&mut status, "message", line.as_str());
+    state(&mut status, "began_utc", format_utc(began, 3));
+    state(&mut status, "ended_utc", format_utc(request.clock.now(), 3));
+    if let (None, Some(satellites)) = (status.get("satellites"), before.satellites) {
+        state(&mut status, "satellites", satellites);
     }
-    state(&mut said, "counters", json!(counters));
+    state(&mut status, "counters", json!(counters));
     if outcome.is_ok() {
-        notices.say(&line);
+        notices.info(&line);
     }
-    let written = request.status_file.as_ref().map(|path| (path, status::write(path, &said)));
+    let written = request.status_file.as_ref().map(|path| (path, status_file::write(path, &status)));
     match (written, outcome) {
         (Some((path, Err(error))), Ok(_)) if request.strict => Err(anyhow!("cannot write {}: {error}", path.display())),
         (Some((path, Err(error))), outcome) => {
@@ -107,11 +108,11 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
     }
 }
 
-fn state(said: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
-    said.insert(name.to_owned(), value.into());
+fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
+    status.insert(name.to_owned(), value.into());
 }
 
-/// One line of log.
+/// Returns the line of log.
 fn line(answer: &Result<VerdictKind, Fault>, max_wait_s: f64) -> String {
     match answer {
         Ok(VerdictKind::Clear { waited_s, until }) if *waited_s > 0.0 => {
@@ -119,17 +120,17 @@ fn line(answer: &Result<VerdictKind, Fault>, max_wait_s: f64) -> String {
         }
         Ok(VerdictKind::Clear { until, .. }) => format!("gate: clear now, starts until {}", format_utc(*until, 0)),
         Ok(VerdictKind::NotClear) => {
-            format!("warning: gate: no clear start within {max_wait_s} s; go on and be streaked")
+            format!("warning: gate: no clear start within {max_wait_s} s; the exposure starts and will be streaked")
         }
-        Ok(VerdictKind::Skipped(why)) => format!("gate: {why}: nothing to wait for"),
-        Err(fault) => format!("warning: gate: {fault}; nothing was checked, go on"),
+        Ok(VerdictKind::Skipped(why)) => format!("gate: {why}: no wait"),
+        Err(fault) => format!("warning: gate: {fault}; satellites were not checked, the exposure starts"),
     }
 }
 
 fn answer(
     request: &Request,
     satellites_before: Option<usize>,
-    said: &mut Map<String, Value>,
+    status: &mut Map<String, Value>,
     notices: &Notices,
 ) -> Result<VerdictKind, Fault> {
     let job = match request.stdin {
@@ -143,9 +144,9 @@ fn answer(
     let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| request.target.clone());
     let duration_s = job.as_ref().and_then(|job| job.exposure).or(request.duration_s);
     let duration_s = duration_s.filter(|duration_s| (0.0..=86_400.0).contains(duration_s)).ok_or_else(|| {
-        Fault::new(FaultKind::Host, format!("no length of the exposure (0 to 86400 s): {duration_s:?}"))
+        Fault::new(FaultKind::Host, format!("missing or invalid exposure time {duration_s:?}; allowed: 0 to 86400 s"))
     })?;
-    let (pointing, site) = place(request, name.as_deref(), said)?;
+    let (pointing, site) = pointing_and_site(request, name.as_deref(), status)?;
     let exposure = Exposure {
         id: name.unwrap_or_else(|| "1".to_owned()),
         start: request.clock.now(),
@@ -154,14 +155,14 @@ fn answer(
         rotation_rad: request.plan.rotation_rad,
     };
     let round = |radians: f64| (radians.to_degrees() * 1e6).round() / 1e6;
-    state(said, "target", exposure.id.as_str());
-    state(said, "ra_deg", round(pointing.longitude_rad()));
-    state(said, "dec_deg", round(pointing.latitude_rad()));
-    state(said, "exposure_s", duration_s);
-    state(said, "band", band.clone());
-    state(said, "limit_mag", request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
+    state(status, "target", exposure.id.as_str());
+    state(status, "ra_deg", round(pointing.longitude_rad()));
+    state(status, "dec_deg", round(pointing.latitude_rad()));
+    state(status, "exposure_s", duration_s);
+    state(status, "band", band.clone());
+    state(status, "limit_mag", request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
 
-    let prepared = prepare(request, &site, satellites_before, said, notices)?;
+    let prepared = prepare(request, &site, satellites_before, status, notices)?;
     let now = request.clock.now();
     let window_request = WindowRequest {
         against: request.plan.request(&prepared.sky),
@@ -171,7 +172,7 @@ fn answer(
     };
     let target = WindowTarget { exposure, band };
     let setup_fault = |error: &dyn std::fmt::Display| Fault::new(FaultKind::Setup, error);
-    // The windows reach beyond the longest wait, so that it can be said until when the field stays clear.
+    // The windows extend beyond the longest wait, for the end of the clear interval.
     let horizon = seconds_after(now, request.max_wait_s + duration_s.max(60.0));
     let report = clear_windows(std::slice::from_ref(&target), now, horizon, &window_request)
         .map_err(|error| setup_fault(&error))?;
@@ -181,25 +182,25 @@ fn answer(
         let message = format!("target {} is below the horizon of {}", target.exposure.id, site.name);
         return Err(Fault::new(FaultKind::Target, message));
     }
-    // The reading took its time.
+    // Reading the elements took some time.
     let now = request.clock.now();
     let last = seconds_after(now, request.max_wait_s);
-    name_passes(&found, &prepared, now, seconds_after(last, duration_s), said);
+    name_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
     let Some(ClearWindow { first, last: until }) = next_window(&found.windows, now, last) else {
         return Ok(VerdictKind::NotClear);
     };
     let waited_s = seconds_between(now, first).max(0.0);
-    state(said, "waited_s", (waited_s * 1e3).round() / 1e3);
-    state(said, "start_utc", format_utc(first, 3));
-    state(said, "clear_until_utc", format_utc(until, 3));
+    state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
+    state(status, "start_utc", format_utc(first, 3));
+    state(status, "clear_until_utc", format_utc(until, 3));
     if waited_s > 0.0 {
-        tell_waiting(request, said);
+        write_waiting(request, status);
         request.clock.sleep_until(first);
         let now = request.clock.now();
         let late_s = seconds_between(first, now);
         if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
             let message = format!(
-                "the clock was set, or the machine slept, during the wait: {late_s:+.1} s from the clear start"
+                "the clock was set, or the machine was suspended, during the wait: {late_s:+.1} s from the clear start"
             );
             return Err(Fault::new(FaultKind::Clock, message));
         }
@@ -207,11 +208,11 @@ fn answer(
     Ok(VerdictKind::Clear { waited_s, until })
 }
 
-/// Where the field lies and where the telescope stands: typed, by the target's name, or by asking the mount.
-fn place(
+/// Returns pointing and site: as given, by the name of the target, or from the mount.
+fn pointing_and_site(
     request: &Request,
     name: Option<&str>,
-    said: &mut Map<String, Value>,
+    status: &mut Map<String, Value>,
 ) -> Result<(Direction<Gcrs>, Site), Fault> {
     let named = match (&request.targets, name) {
         (Some(path), Some(name)) if request.pointing.is_none() => Some(places::look_up(path, name)),
@@ -219,11 +220,11 @@ fn place(
     };
     let mount = match &request.indi {
         Some(address) => {
-            let mount = indi::ask(address, request.indi_device.as_deref(), request.timeout, &request.clock)?;
-            state(said, "mount", mount.device.as_str());
-            if let Some(wrong_s) = mount.clock_wrong_s {
+            let mount = indi::read_mount(address, request.indi_device.as_deref(), request.timeout, &request.clock)?;
+            state(status, "mount", mount.device.as_str());
+            if let Some(error_s) = mount.clock_error_s {
                 let message = format!(
-                    "the clock of the INDI server is {wrong_s:+.1} s from this machine's (37 s: one of them tells TAI for UTC)"
+                    "the clock of the INDI server differs by {error_s:+.1} s from that of this machine (37 s: one of them is in TAI)"
                 );
                 return Err(Fault::new(FaultKind::Clock, message));
             }
@@ -233,36 +234,37 @@ fn place(
     };
     let pointing = match (request.pointing, named, &mount) {
         (Some(pointing), ..) | (None, Some(Ok(pointing)), _) => pointing,
-        // A name that the file lacks is no matter where the mount itself can say.
+        // The pointing of the mount replaces a name that is missing from the file.
         (None, _, Some(mount)) => mount.pointing,
         (None, Some(Err(fault)), None) => return Err(fault),
         (None, None, None) => {
-            return Err(Fault::new(FaultKind::Target, "the host names no target, and nothing else says where it is"));
+            return Err(Fault::new(FaultKind::Target, "missing target: neither the host nor a flag has coordinates"));
         }
     };
     let mount_site = mount.and_then(|mount| mount.site);
     let site = match (&request.site, mount_site) {
-        (Some(site), Some(theirs)) => {
-            let apart_km = (site.itrs() - theirs.itrs()).norm_km();
+        (Some(site), Some(mount_site)) => {
+            let apart_km = (site.itrs() - mount_site.itrs()).norm_km();
             if apart_km > SAME_SITE_KM {
-                let message = format!("the mount {} stands {apart_km:.1} km from {}", theirs.name, site.name);
+                let message =
+                    format!("the site of the mount {} is {apart_km:.1} km from {}", mount_site.name, site.name);
                 return Err(Fault::new(FaultKind::Site, message));
             }
             site.clone()
         }
         (Some(site), None) => site.clone(),
-        (None, Some(theirs)) => theirs,
-        (None, None) => return Err(Fault::new(FaultKind::Site, "the mount does not say where it stands; say --site")),
+        (None, Some(mount_site)) => mount_site,
+        (None, None) => return Err(Fault::new(FaultKind::Site, "the mount sends no site; specify --site")),
     };
     Ok((pointing, site))
 }
 
-/// The sky over the site, its elements read again where they were just being written.
+/// Prepares the sky over the site. Elements are read again if their file may be incomplete.
 fn prepare(
     request: &Request,
     site: &Site,
     satellites_before: Option<usize>,
-    said: &mut Map<String, Value>,
+    status: &mut Map<String, Value>,
     notices: &Notices,
 ) -> Result<PreparedSky, Fault> {
     let named = NameOrTable::Table(SiteTable {
@@ -289,26 +291,28 @@ fn prepare(
             break prepared;
         }
         tries += 1;
-        // Waiting for a file is real even where the clock is not.
-        std::thread::sleep(Duration::from_secs_f64(TRY_AGAIN_S));
+        // This wait is real also in a rehearsal.
+        std::thread::sleep(Duration::from_secs_f64(RETRY_S));
     };
     let prepared = prepared.map_err(|error| {
         Fault::new(if is_of_elements(&error) { FaultKind::Elements } else { FaultKind::Setup }, error)
     })?;
     notices.warn(&prepared.warnings);
     let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
-    state(said, "elements_rejected", rejected);
-    // Fewer than the last time, and not because somebody wanted it so.
+    state(status, "elements_rejected", rejected);
+    // Fewer satellites than in the last run indicate an incomplete file, unless the file is old enough.
     let cut_short = is_cut_short(&prepared);
     let least = |before: usize| if cut_short { before - before / 10 } else { before.div_ceil(2) };
-    let meant = files.is_empty() || !cut_short && files.iter().all(|path| age(path).is_some_and(|age| age >= SETTLED));
-    let shrank = satellites_before.filter(|before| satellites < least(*before) && !meant);
+    let is_settled =
+        files.is_empty() || !cut_short && files.iter().all(|path| age(path).is_some_and(|age| age >= SETTLED));
+    let shrank = satellites_before.filter(|before| satellites < least(*before) && !is_settled);
     if rejected > satellites || shrank.is_some() {
-        let before = shrank.map_or_else(String::new, |before| format!(", {before} the last time"));
-        let message = format!("half-written elements? {satellites} satellites, {rejected} records rejected{before}");
+        let before = shrank.map_or_else(String::new, |before| format!(", {before} in the last run"));
+        let message =
+            format!("elements may be incomplete: {satellites} satellites, {rejected} records rejected{before}");
         return Err(Fault::new(FaultKind::Elements, message));
     }
-    state(said, "satellites", satellites);
+    state(status, "satellites", satellites);
     let stale = share_of_stale(prepared.sky.elements(), now, OLD_ELEMENTS_DAYS);
     if stale > 0.5 {
         let message = format!("{:.0} % of the elements are more than {OLD_ELEMENTS_DAYS} days from now", 100.0 * stale);
@@ -337,14 +341,14 @@ fn is_cut_short(prepared: &PreparedSky) -> bool {
     attached.and_then(|(_, names)| names.as_array()).is_some_and(|names| !names.is_empty())
 }
 
-/// How long ago a file was changed, by its date; not known of times to come, which are another machine's.
+/// Returns the time since the last change of a file; `None` for dates in the future.
 fn age(path: &Path) -> Option<Duration> {
     let changed = std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok()?;
     SystemTime::now().duration_since(changed).ok()
 }
 
-/// The passes that are waited for, in the status file.
-fn name_passes(found: &TargetWindows, prepared: &PreparedSky, from: Epoch, to: Epoch, said: &mut Map<String, Value>) {
+/// Adds the avoided passes to the status.
+fn name_passes(found: &TargetWindows, prepared: &PreparedSky, from: Epoch, to: Epoch, status: &mut Map<String, Value>) {
     let ahead: Vec<&Pass> =
         found.dodged.iter().filter(|pass| pass.exit.epoch >= from && pass.enter.epoch <= to).collect();
     let named: Vec<Value> = ahead
@@ -361,16 +365,16 @@ fn name_passes(found: &TargetWindows, prepared: &PreparedSky, from: Epoch, to: E
             })
         })
         .collect();
-    state(said, "n_dodged", ahead.len());
-    state(said, "dodged", named);
+    state(status, "n_dodged", ahead.len());
+    state(status, "dodged", named);
 }
 
-/// That it is waiting, for whoever looks meanwhile; the counters come at the end.
-fn tell_waiting(request: &Request, said: &Map<String, Value>) {
+/// Writes the status of a wait; the counters are updated at the end.
+fn write_waiting(request: &Request, status: &Map<String, Value>) {
     let Some(path) = &request.status_file else { return };
-    let mut said = said.clone();
-    state(&mut said, "verdict", "waiting");
-    state(&mut said, "counters", json!(status::read(Some(path)).counters));
-    // What cannot be written now is told at the end.
-    let _ = status::write(path, &said);
+    let mut status = status.clone();
+    state(&mut status, "verdict", "waiting");
+    state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
+    // An error is reported at the end.
+    let _ = status_file::write(path, &status);
 }

@@ -15,16 +15,16 @@ pub struct MapArguments {
 
 #[derive(Subcommand)]
 pub enum MapVerb {
-    /// Magnitude at 1000 km in every direction below a satellite
+    /// Map the magnitude at 1000 km over the directions below a satellite
     Body(Box<MapBodyArguments>),
-    /// Apparent magnitude over the sky of a site, for satellites of one height
+    /// Map the apparent magnitude over the sky of a site, for satellites of one height
     Sky(Box<MapSkyArguments>),
-    /// The twelve maps of figures 6 to 9 of Lu (2024) as four pictures
+    /// Draw the twelve maps of figures 6 to 9 of Lu (2024) as four pictures
     #[cfg(feature = "plot")]
     Paper(Box<MapPaperArguments>),
 }
 
-/// Light of the magnitudes, and the run.
+/// Options of the magnitudes and of the run.
 #[derive(Args)]
 pub struct LightArguments {
     #[command(flatten)]
@@ -33,34 +33,34 @@ pub struct LightArguments {
     pub run: RunConfig,
 }
 
-/// Which directions, and where the map goes.
+/// Grid of directions, and outputs.
 #[derive(Args)]
 pub struct MapOutputArguments {
-    /// Steps of the grid in degrees, 0.1 to 5, a whole number of them in 90; 2 where unsaid
+    /// Step of the grid, degrees, 0.1 to 5, a divisor of 90; 2 if omitted
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, conflicts_with = "nside", help_heading = "Output")]
     pub step_deg: Option<f64>,
-    /// HEALPix cells in RING order instead of steps: 1 to 1024; 64 where the format is fits
+    /// HEALPix resolution (RING order) instead of --step-deg, 1 to 1024; 64 for the format fits
     #[arg(long, value_name = "N", help_heading = "Output")]
     pub nside: Option<u32>,
-    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, fits (HEALPix, needs -o); by the end of -o where unsaid
+    /// Output format: table, csv, ecsv, json, jsonl, fits (HEALPix, needs -o); by the extension of -o if omitted
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
-    /// File to write, whole or not at all; standard output where unsaid, nothing there where only a picture is wanted
+    /// Output file; standard output if omitted, or no table with only --picture
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
-    /// Picture of the same map: a file that ends in .png or .svg
+    /// Picture of the map: a file with the extension .png or .svg
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
 }
 
-/// What a map of a satellite's own sky shows.
+/// Parameters of a map over the directions around a satellite.
 #[derive(Args)]
 pub struct BodyViewArguments {
-    /// Brightness model by name (streakcast model list), or a model file
+    /// Brightness model: name (listed by streakcast model list) or model file
     #[arg(long, value_name = "NAME")]
     pub model: String,
-    /// The Sun above the plane of the chassis, degrees (negative below it)
+    /// Latitude of the Sun above the plane of the chassis, degrees (negative below)
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub sun_latitude_deg: f64,
     /// Height of the satellite above 6378.137 km, km
@@ -78,13 +78,13 @@ pub struct MapBodyArguments {
     pub output: MapOutputArguments,
 }
 
-/// What a map of a site's sky shows.
+/// Parameters of a map over the sky of a site.
 #[derive(Args)]
 pub struct SkyViewArguments {
-    /// Brightness model by name (streakcast model list), or a model file
+    /// Brightness model: name (listed by streakcast model list) or model file
     #[arg(long, value_name = "NAME")]
     pub model: String,
-    /// The Sun above the horizon, degrees (negative below it)
+    /// Altitude of the Sun, degrees (negative below the horizon)
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub sun_altitude_deg: f64,
     /// Azimuth of the Sun from north through east, degrees
@@ -93,10 +93,10 @@ pub struct SkyViewArguments {
     /// Height of the satellites above 6378.137 km, km
     #[arg(long, value_name = "KM", default_value_t = 550.0, allow_hyphen_values = true)]
     pub height_km: f64,
-    /// The Earth's shadow: geometric (the solid Earth), or atmosphere (bent and reddened light too)
+    /// Model of the Earth's shadow: geometric (solid Earth; default) or atmosphere (with refracted and reddened light)
     #[arg(long, value_name = "MODEL")]
     pub shadow: Option<String>,
-    /// Extinction of the air, mag per airmass; magnitudes above the air where unsaid
+    /// Atmospheric extinction, mag per airmass; magnitudes outside the atmosphere if omitted
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub extinction: Option<f64>,
     #[command(flatten)]
@@ -113,7 +113,7 @@ pub struct MapSkyArguments {
     pub output: MapOutputArguments,
 }
 
-/// Which pictures.
+/// Format of the pictures.
 #[cfg(feature = "plot")]
 #[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
 pub enum PictureName {
@@ -124,13 +124,13 @@ pub enum PictureName {
 #[cfg(feature = "plot")]
 #[derive(Args)]
 pub struct MapPaperArguments {
-    /// Folder for figure-6 to figure-9; it is made where it is missing
+    /// Folder for figure-6 to figure-9; created if missing
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
-    /// Pixels or lines
+    /// Picture format
     #[arg(long, value_name = "FORMAT", default_value = "png")]
     pub format: PictureName,
-    /// Brightness model by name (streakcast model list), or a model file
+    /// Brightness model: name (listed by streakcast model list) or model file
     #[arg(long, value_name = "NAME", default_value = "starlink-v1.5")]
     pub model: String,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! `map`: magnitudes over a satellite's own sky and over that of a site, as tables, FITS and pictures.
+//! `map`: magnitudes over the sky of a site and over the directions around a satellite, as tables, FITS and pictures.
 
 mod arguments;
 #[cfg(feature = "plot")]

@@ -14,7 +14,7 @@ use crate::failure::Outcome;
 use crate::output::{check, write_bytes};
 use crate::verbs::judged::begin;
 
-/// The bytes of a picture, where one is wanted.
+/// Returns the bytes of a picture, if a path is given.
 pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::Result<Option<Vec<u8>>> {
     path.map(|path| Ok(picture().to_bytes(PictureFormat::of(path)?)?)).transpose()
 }
@@ -26,7 +26,7 @@ pub fn write(path: Option<&Path>, bytes: Option<Vec<u8>>) -> anyhow::Result<()> 
     }
 }
 
-/// All four figures are drawn before the first is written.
+/// Draws all four figures, then writes them.
 pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
     let config = typed.light.config(SiteConfig::default())?;
     let notices = begin(&config)?;
@@ -35,15 +35,15 @@ pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
         PictureName::Png => (PictureFormat::Png, "png"),
         PictureName::Svg => (PictureFormat::Svg, "svg"),
     };
-    // The paper's maps are those above the air.
+    // The maps of the paper are for magnitudes outside the atmosphere.
     let options = PhotometryOptions { extinction_mag_per_airmass: None, ..config.photometry()? };
     let folder = &typed.output;
     if !folder.is_dir() {
-        fs::create_dir(folder).map_err(|error| anyhow!("cannot make the folder {}: {error}", folder.display()))?;
+        fs::create_dir(folder).map_err(|error| anyhow!("cannot create the folder {}: {error}", folder.display()))?;
     }
     notices.warn(&super::run::provisional(&model));
-    let of_a_site = [("extinction", config.extinction.is_some()), ("shadow", config.shadow.is_some())];
-    notices.warn(&super::run::without_part(&config, &of_a_site, "the paper's figures"));
+    let site_options = [("extinction", config.extinction.is_some()), ("shadow", config.shadow.is_some())];
+    notices.warn(&super::run::unused_options(&config, &site_options, "the paper's figures"));
     let mut pictures = Vec::new();
     for figure in &PAPER_FIGURES {
         let path = folder.join(format!("figure-{}.{end}", figure.number));

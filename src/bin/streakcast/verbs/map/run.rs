@@ -1,4 +1,4 @@
-//! `map`: magnitudes over a satellite's own sky and over that of a site, as tables, FITS and pictures.
+//! Maps of `map body` and `map sky`: numbers, pictures or both.
 
 use std::fs;
 use std::path::Path;
@@ -47,7 +47,7 @@ pub fn run(typed: MapArguments) -> anyhow::Result<Outcome> {
     }
 }
 
-/// A map of a satellite's own sky: numbers, picture or both.
+/// Writes a map over the directions around a satellite.
 pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> anyhow::Result<Outcome> {
     let config = typed.light.config(SiteConfig::default())?;
     let notices = begin(&config)?;
@@ -55,11 +55,11 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
     let view = BodyView::new(&model, typed.sun_latitude_deg.to_radians(), typed.height_km, config.photometry()?)?;
     let target = Target::new(&to, config.format.as_deref())?;
     notices.warn(&provisional(&model));
-    let of_a_site = [("extinction", config.extinction.is_some()), ("shadow", config.shadow.is_some())];
-    notices.warn(&without_part(&config, &of_a_site, "a map of a satellite's own sky"));
+    let site_options = [("extinction", config.extinction.is_some()), ("shadow", config.shadow.is_some())];
+    notices.warn(&unused_options(&config, &site_options, "a map of the directions around a satellite"));
     if view.sun_latitude_rad() < view.limb_latitude_rad() {
-        notices.say(&format!(
-            "warning: at {} km the Sun is below the Earth's limb ({:.1} deg); magnitudes are those of full sunlight all the same",
+        notices.info(&format!(
+            "warning: at {} km the Sun is below the Earth's limb ({:.1} deg); magnitudes are for full sunlight nevertheless",
             typed.height_km,
             view.limb_latitude_rad().to_degrees()
         ));
@@ -81,7 +81,7 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
     Ok(Outcome::Done)
 }
 
-/// A map of the sky: numbers, picture or both.
+/// Writes a map over the sky of a site.
 pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyhow::Result<Outcome> {
     let config = typed.light.config(typed.site.clone())?;
     let notices = begin(&config)?;
@@ -93,7 +93,7 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
     };
     if config.is_in_orbit() {
         bail!(
-            "the configuration's observer is in orbit, and a map needs one on the ground: say --site, --mpc or --lat"
+            "the observer of the configuration is in orbit; specify a site on the ground: --site, --mpc, or --lat and --lon"
         );
     }
     let options = config.photometry()?;
@@ -103,7 +103,7 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
         SkyView::new(&model, earth, typed.height_km, sun_azimuth, sun_altitude, options)?.with_shadow(config.shadow()?);
     let target = Target::new(&to, config.format.as_deref())?;
     notices.warn(&provisional(&model));
-    notices.warn(&without_part(&config, &[], "a map of the sky"));
+    notices.warn(&unused_options(&config, &[], "a map of the sky"));
     #[cfg(feature = "plot")]
     let picture = pictures::made(to.picture.as_deref(), || streakcast::plot::sky_picture(&view))?;
     match &target {
@@ -121,7 +121,8 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
     Ok(Outcome::Done)
 }
 
-/// A model of the library, or of a file: what ends in .json or has a folder in it, and what is no model but a file.
+/// Returns a model of the library, or of a file: a name with the extension .json or a folder, or the name of an
+/// existing file that is not in the library.
 pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
     let path = Path::new(name);
     let is_path =
@@ -133,16 +134,16 @@ pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<Bright
     }
     known.ok_or_else(|| {
         let names = library.names().collect::<Vec<_>>().join(", ");
-        anyhow!("unknown model '{name}', and no file has that name; known are {names}")
+        anyhow!("unknown model '{name}', and no file of that name; allowed: {names}")
     })
 }
 
-/// A warning of what a configuration says about light and a map leaves out.
-pub fn without_part(config: &Config, more: &[(&str, bool)], map: &str) -> Option<String> {
+/// Returns a warning of options of the configuration that a map does not use.
+pub fn unused_options(config: &Config, more: &[(&str, bool)], map: &str) -> Option<String> {
     let sun = ("sun_distance", config.sun_distance == Some(true));
-    let said: Vec<&str> = [sun].iter().chain(more).filter(|(_, is_said)| *is_said).map(|(key, _)| *key).collect();
-    let verb = if said.len() == 1 { "has" } else { "have" };
-    (!said.is_empty()).then(|| format!("the configuration's {} {verb} no part in {map}", said.join(", ")))
+    let unused: Vec<&str> = [sun].iter().chain(more).filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
+    let verb = if unused.len() == 1 { "has" } else { "have" };
+    (!unused.is_empty()).then(|| format!("{} of the configuration {verb} no effect on {map}", unused.join(", ")))
 }
 
 /// Returns the site, if one is given.
@@ -152,7 +153,7 @@ pub fn site_of(config: &Config) -> anyhow::Result<Option<Site>> {
 
 pub fn provisional(model: &BrightnessModel) -> Option<String> {
     let is_provisional = model.file().is_some_and(|file| file.provenance.provisional);
-    is_provisional.then(|| format!("model {} is provisional (streakcast model show tells why)", model.source()))
+    is_provisional.then(|| format!("model {} is provisional (see streakcast model show)", model.source()))
 }
 
 fn provenance_of(facts: &[Fact]) -> Provenance {

@@ -1,4 +1,4 @@
-//! Where a map goes: a table, HEALPix in FITS, a picture, and what is said to names that do not fit.
+//! Destination of a map: table, HEALPix in FITS, or picture.
 
 use std::ffi::OsStr;
 use std::path::Path;
@@ -15,9 +15,9 @@ use super::arguments::MapOutputArguments;
 use crate::output::check;
 use crate::output::{FORMATS, Format, Output};
 
-/// Where the numbers go; looked at before any work.
+/// Destination of the numbers, checked before any work.
 pub enum Target {
-    /// Only a picture is wanted.
+    /// Only a picture is requested.
     #[cfg(feature = "plot")]
     Nothing,
     Table(Output, Grid),
@@ -25,35 +25,37 @@ pub enum Target {
     Fits(PathBuf, Grid),
 }
 
-/// What a file's name asks for by its end.
+/// Kind of output by the extension of a file.
 #[derive(Copy, Clone, PartialEq, Eq)]
 enum Ending {
     Fits,
     Table,
-    /// Any other, and none.
-    Open,
+    /// Any other extension, or none.
+    Other,
 }
 
 impl Ending {
     fn of(path: Option<&Path>) -> anyhow::Result<Self> {
-        let Some(path) = path else { return Ok(Self::Open) };
+        let Some(path) = path else { return Ok(Self::Other) };
         let end = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
         let shown = path.display();
         match end.as_str() {
             "fits" | "fit" => Ok(Self::Fits),
-            "gz" => bail!("output {shown}: nothing is compressed here; say {}", path.with_extension("").display()),
-            // So no spelling of the picture's own name gets as far as a table.
+            "gz" => bail!(
+                "output {shown}: compressed output is not supported; specify {}",
+                path.with_extension("").display()
+            ),
             #[cfg(feature = "plot")]
-            "png" | "svg" => bail!("output {shown}: pictures are made by --picture {shown}"),
+            "png" | "svg" => bail!("output {shown}: pictures are written with --picture {shown}"),
             #[cfg(not(feature = "plot"))]
-            "png" | "svg" => bail!("output {shown}: this streakcast was built without pictures (feature plot)"),
-            _ => Ok(if Format::by_name(&end).is_some() { Self::Table } else { Self::Open }),
+            "png" | "svg" => bail!("output {shown}: this build has no pictures; it needs the cargo feature plot"),
+            _ => Ok(if Format::by_name(&end).is_some() { Self::Table } else { Self::Other }),
         }
     }
 }
 
 impl Target {
-    /// The format said, else that of the file's name, else that of the configuration.
+    /// Opens a target in the given format, else that of the file extension, else that of the configuration.
     pub fn new(typed: &MapOutputArguments, configured: Option<&str>) -> anyhow::Result<Self> {
         let grid = match (typed.nside, typed.step_deg) {
             (Some(nside), _) => Grid::healpix(nside)?,
@@ -61,17 +63,17 @@ impl Target {
         };
         let output = typed.output.as_deref();
         let ending = Ending::of(output)?;
-        let format = typed.format.as_deref().or(configured.filter(|_| ending == Ending::Open));
+        let format = typed.format.as_deref().or(configured.filter(|_| ending == Ending::Other));
         if let Some(name) = format
             && name != "fits"
             && Format::by_name(name).is_none()
         {
-            bail!("format '{name}' is not known; allowed: {FORMATS}, fits");
+            bail!("unknown format '{name}'; allowed: {FORMATS}, fits");
         }
         if let (Some(name), Some(path)) = (format, output) {
             let is_other = if name == "fits" { ending == Ending::Table } else { ending == Ending::Fits };
             if is_other {
-                bail!("format {name} in a file {}: its name should end in .{name}", path.display());
+                bail!("format {name} for the file {}; allowed: the extension .{name}", path.display());
             }
         }
         #[cfg(feature = "plot")]
@@ -88,21 +90,22 @@ impl Target {
         Ok(Self::Table(Output::new(format, typed.output.clone())?, grid))
     }
 
-    /// A picture has its own pixels: which directions a table holds is nothing to it.
+    /// Rejects the grid of a table without a table: a picture has its own pixels.
     #[cfg(feature = "plot")]
     fn picture_alone(typed: &MapOutputArguments) -> anyhow::Result<Self> {
         let of_tables = [("--nside", typed.nside.is_some()), ("--step-deg", typed.step_deg.is_some())];
-        match of_tables.iter().find(|(_, is_said)| *is_said) {
-            Some((flag, _)) => bail!("{flag} is for tables and FITS, not for pictures: needs -o or --format beside it"),
+        match of_tables.iter().find(|(_, is_given)| *is_given) {
+            Some((flag, _)) => bail!("{flag} is for tables and FITS, not for pictures; specify also -o or --format"),
             None => Ok(Self::Nothing),
         }
     }
 
     #[cfg(feature = "fits")]
     fn fits(typed: &MapOutputArguments, grid: Grid) -> anyhow::Result<Self> {
-        let path = typed.output.clone().ok_or_else(|| anyhow!("format fits needs a file; say -o map.fits"))?;
+        let path =
+            typed.output.clone().ok_or_else(|| anyhow!("format fits needs an output file; specify -o map.fits"))?;
         if typed.step_deg.is_some() {
-            bail!("format fits holds HEALPix maps; say --nside {DEFAULT_NSIDE} instead of --step-deg");
+            bail!("format fits is for HEALPix maps; specify --nside {DEFAULT_NSIDE} instead of --step-deg");
         }
         check(&path)?;
         Ok(Self::Fits(path, if typed.nside.is_some() { grid } else { Grid::healpix(DEFAULT_NSIDE)? }))
@@ -110,15 +113,15 @@ impl Target {
 
     #[cfg(not(feature = "fits"))]
     fn fits(_: &MapOutputArguments, _: Grid) -> anyhow::Result<Self> {
-        Err(anyhow!("this streakcast was built without FITS (feature fits); allowed: {FORMATS}"))
+        Err(anyhow!("this build has no FITS (cargo feature fits); allowed: {FORMATS}"))
     }
 }
 
-/// The bytes of a FITS file, made in the system's folder for such.
+/// Returns the bytes of a FITS file, written in the temporary folder of the system.
 #[cfg(feature = "fits")]
 pub fn fits_bytes(made: impl FnOnce(&Path) -> Result<Vec<u8>, MapError>) -> anyhow::Result<Vec<u8>> {
     made(&std::env::temp_dir()).map_err(|error| match error {
-        MapError::Scratch(_) => anyhow!("{error}; the environment variable TMPDIR can name another folder"),
+        MapError::Scratch(_) => anyhow!("{error}; the environment variable TMPDIR sets another folder"),
         error => error.into(),
     })
 }

@@ -12,7 +12,7 @@ use crate::verbs::map::{BodyViewArguments, SkyViewArguments};
 #[derive(Args)]
 #[command(arg_required_else_help = true, args_conflicts_with_subcommands = true)]
 pub struct PlotArguments {
-    /// All plots, with what each of them needs
+    /// List all plots with their required flags
     #[arg(long)]
     pub list: bool,
     #[command(subcommand)]
@@ -21,72 +21,72 @@ pub struct PlotArguments {
 
 #[derive(Subcommand)]
 pub enum PlotVerb {
-    /// Timeline of a night: exposures that are struck, in the colour of the brightest streak
+    /// Plot a timeline of a night: streaked exposures, coloured by the brightest streak
     Night(Box<PlotNightArguments>),
-    /// A field with its streaks: gnomonic, north up, east left, with entry, exit and magnitude
+    /// Plot a field with its streaks: gnomonic, north up, east left, with entry, exit and magnitude
     Field(Box<PlotFieldArguments>),
-    /// Magnitude along a track with its error, and when the satellite is in the field
+    /// Plot the magnitude along a track with its error, and the interval inside the field
     LightCurve(Box<PlotLightCurveArguments>),
-    /// Passes of a forecast over the sky of their site, from rise to set, with times and magnitudes
+    /// Plot passes of a forecast over the sky of their site, from rise to set, with times and magnitudes
     SkyChart(Box<PlotSkyChartArguments>),
-    /// Expected streaks an exposure over the sky of a site at one moment
+    /// Plot the expected number of streaks per exposure over the sky of a site
     SkyRate(Box<PlotSkyRateArguments>),
-    /// Trails an exposure against the Sun's altitude, of a schedule or of a night
+    /// Plot trails per exposure against the Sun's altitude, for a schedule or a grid of a night
     SunAltitude(Box<PlotSunAltitudeArguments>),
-    /// Magnitudes over the sky of a site, for satellites of one height
+    /// Plot magnitudes over the sky of a site, for satellites of one height
     Sky(Box<PlotSkyArguments>),
-    /// Magnitudes at 1000 km over a satellite's own sky
+    /// Plot magnitudes at 1000 km over the directions around a satellite
     Body(Box<PlotBodyArguments>),
-    /// Posterior of a fit: each parameter, and each pair of parameters
+    /// Plot the posterior of a fit: each parameter, and each pair of parameters
     #[cfg(feature = "fit")]
     Corner(Box<PlotCornerArguments>),
-    /// Observed less computed magnitudes against the angles of the geometry
+    /// Plot observed minus computed magnitudes against the angles of the geometry
     Residuals(Box<PlotResidualsArguments>),
-    /// Observed less computed magnitudes as a histogram
+    /// Plot a histogram of observed minus computed magnitudes
     Histogram(Box<PlotResidualsArguments>),
-    /// Magnitudes against the phase angle, observed and computed
+    /// Plot observed and computed magnitudes against the phase angle
     PhaseCurve(Box<PlotResidualsArguments>),
 }
 
-/// Where the picture goes, and the numbers that are in it.
+/// Outputs: pictures and their data.
 #[derive(Args)]
 pub struct PictureArguments {
-    /// Picture to write, by its end PNG or SVG; may be said again
-    #[arg(long, short, value_name = "FILE", required = true, help_heading = "Picture")]
+    /// Output picture, .png or .svg; may be repeated
+    #[arg(long, short, value_name = "FILE", help_heading = "Picture (required: -o)")]
     pub output: Vec<PathBuf>,
-    /// The numbers in the picture: a file that ends in .ecsv, .csv, .json or .jsonl; the picture's name with .ecsv where unsaid
-    #[arg(long, value_name = "FILE", conflicts_with = "no_data", help_heading = "Picture")]
+    /// Data of the picture: a .ecsv, .csv, .json or .jsonl file; NAME-data.ecsv for the picture NAME.png if omitted
+    #[arg(long, value_name = "FILE", conflicts_with = "no_data", help_heading = "Picture (required: -o)")]
     pub data: Option<PathBuf>,
-    /// The picture alone
-    #[arg(long, help_heading = "Picture")]
+    /// Write no data file
+    #[arg(long, help_heading = "Picture (required: -o)")]
     pub no_data: bool,
 }
 
-/// What stands above a chart.
+/// Title of a plot.
 #[derive(Args)]
 pub struct TitleArguments {
-    /// Words above the picture
-    #[arg(long, value_name = "TEXT", help_heading = "Picture")]
+    /// Title of the picture
+    #[arg(long, value_name = "TEXT", help_heading = "Picture (required: -o)")]
     pub title: Option<String>,
 }
 
-/// The clock of the upper side.
+/// Local time of the upper axis.
 #[derive(Args)]
 pub struct ClockArguments {
-    /// Local clock: so far ahead of UTC, as -4 or +05:45; local mean solar time of the site where unsaid
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture")]
+    /// Local time ahead of UTC, for example -4 or +05:45; local mean solar time of the site if omitted
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
     pub utc_offset: Option<f64>,
 }
 
 #[derive(Args)]
 pub struct PlotNightArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
-    #[arg(long, value_name = "FILE", required_unless_present = "from")]
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
-    /// A table instead of a question: the data of an earlier plot night, or, with --schedule, what flag wrote of it (CSV, ECSV or JSON)
+    /// Input table: data of an earlier plot night, or, with --schedule, output of flag (CSV, ECSV or JSON)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["elements", "shells", "policy", "max_delay"])]
     pub from: Option<PathBuf>,
-    /// Which night of a longer schedule, by the evening's local date, as 2024-08-13; the first where unsaid
+    /// Night of a longer schedule, by the evening's local date, for example 2024-08-13; the first if omitted
     #[arg(long, value_name = "DATE")]
     pub night: Option<String>,
     #[command(flatten)]
@@ -103,12 +103,12 @@ pub struct PlotNightArguments {
 
 #[derive(Args)]
 pub struct PlotFieldArguments {
-    /// A table instead of a question: what passes wrote (CSV, ECSV or JSON)
+    /// Input table: output of passes (CSV, ECSV or JSON)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "ra", "dec", "elements", "shells", "include_dark"])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
     pub exposure: ExposureConfig,
-    /// Crossings of satellites in the Earth's shadow too
+    /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
     #[command(flatten)]
@@ -121,18 +121,18 @@ pub struct PlotFieldArguments {
 
 #[derive(Args)]
 pub struct PlotLightCurveArguments {
-    /// A table instead of a question: the data of an earlier plot light-curve, or what forecast wrote (--light-curves, or JSON with --samples N)
+    /// Input table: data of an earlier plot light-curve, or output of forecast (--light-curves, or JSON with --samples N)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "ra", "dec", "elements", "shells"])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
     pub exposure: ExposureConfig,
-    /// Which of the satellites that cross, or of a forecast's passes; the brightest where unsaid
+    /// NORAD catalogue number of a crossing satellite, or of a pass of a forecast; the brightest if omitted
     #[arg(long, value_name = "ID", value_parser = norad_id)]
     pub norad: Option<u32>,
-    /// So much of the track before entry and after exit, with its unit; at most 10min
+    /// Time before entry and after exit, with its unit, at most 10min
     #[arg(long, value_name = "TIME", default_value = "30s")]
     pub around: String,
-    /// A line at this magnitude
+    /// Draw a line at this magnitude
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<f64>,
     #[command(flatten)]
@@ -147,14 +147,14 @@ pub struct PlotLightCurveArguments {
 
 #[derive(Args)]
 pub struct PlotSkyChartArguments {
-    /// What forecast wrote: the file of --light-curves, or JSON with --samples N
+    /// Input table: output of forecast (--light-curves, or JSON with --samples N)
     #[arg(long, value_name = "FILE")]
     pub from: PathBuf,
-    /// Passes of these satellites alone; else the 22 brightest
+    /// NORAD catalogue numbers of satellites; the 22 brightest passes if omitted
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
-    /// Times on a clock so far ahead of UTC, as -4 or +05:45; UTC where unsaid
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture")]
+    /// Local time ahead of UTC, for example -4 or +05:45; UTC if omitted
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
     pub utc_offset: Option<f64>,
     #[command(flatten)]
     pub title: TitleArguments,
@@ -164,43 +164,43 @@ pub struct PlotSkyChartArguments {
 
 #[derive(Args)]
 pub struct PlotSkyRateArguments {
-    /// A table instead of a question: the data of an earlier plot sky-rate
+    /// Input table: data of an earlier plot sky-rate
     #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "sun_altitude_deg", "elements", "shells", "equatorial"])]
     pub from: Option<PathBuf>,
-    /// Over right ascension and declination: means over the dark hours of nights, without moment
+    /// Plot over right ascension and declination: means over the dark hours of --night
     #[arg(long, requires = "night", conflicts_with_all = ["start", "sun_altitude_deg", "repeats", "over"])]
     pub equatorial: bool,
-    /// With --equatorial the nights, by their evening's local date; several show a season or a year
+    /// Nights for --equatorial, by the local date of their evening
     #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', requires = "equatorial")]
     pub night: Vec<String>,
-    /// With --equatorial the highest altitude of the Sun, degrees
+    /// Highest altitude of the Sun for --equatorial, degrees
     #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true, requires = "equatorial")]
     pub max_sun_altitude_deg: f64,
-    /// With --equatorial the time between two exposures of every cell, with its unit
+    /// Time between two exposures of a cell for --equatorial, with its unit
     #[arg(long, value_name = "TIME", default_value = "10min", requires = "equatorial")]
     pub step: String,
-    /// The moment, as 2024-08-14T00:30:00Z; with --sun-altitude-deg the first time after it that the Sun stands there
+    /// Time of the plot, for example 2024-08-14T00:30:00Z; start of the search with --sun-altitude-deg
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<Quantity>,
-    /// Altitude of the Sun, degrees: the first moment after --start
+    /// Altitude of the Sun, degrees: plot the first time after --start with it
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub sun_altitude_deg: Option<f64>,
-    /// Length of an exposure with its unit
+    /// Exposure time with its unit
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub exposure: Option<Quantity>,
-    /// Streaks brighter than this alone, mag at their brightest
+    /// Count only streaks with a peak brighter than this
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<f64>,
     /// Lowest altitude of a field's centre, degrees, 0 to 80
     #[arg(long, value_name = "DEG", default_value_t = 20.0, allow_hyphen_values = true)]
     pub min_altitude: f64,
-    /// HEALPix division of the sky, 1 to 64: cells of 14.7, 7.3 or 3.7 degrees for 4, 8 or 16
+    /// HEALPix resolution, a power of 2 from 1 to 64: cells of 14.7, 7.3 or 3.7 degrees for 4, 8 or 16
     #[arg(long, value_name = "N", default_value_t = 8)]
     pub nside: u32,
-    /// Exposures averaged in every cell, spread evenly over --over
+    /// Number of exposures averaged in each cell, at equal steps over --over
     #[arg(long, value_name = "N", default_value_t = 30)]
     pub repeats: usize,
-    /// Time about the moment over which they are spread, with its unit
+    /// Time range of the averaged exposures, with its unit
     #[arg(long, value_name = "TIME", default_value = "20min")]
     pub over: String,
     #[command(flatten)]
@@ -213,13 +213,13 @@ pub struct PlotSkyRateArguments {
 
 #[derive(Args)]
 pub struct PlotSunAltitudeArguments {
-    /// The exposures of a schedule; without it, a grid over the sky all night long
+    /// Schedule with the exposures; a grid over the sky for a night if omitted
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
-    /// A table instead of a question: the data of an earlier plot sun-altitude or plot night
+    /// Input table: data of an earlier plot sun-altitude or plot night
     #[arg(long, value_name = "FILE", conflicts_with_all = ["schedule", "start", "exposure", "elements", "shells"])]
     pub from: Option<PathBuf>,
-    /// Where the grid begins: the day from this moment on
+    /// Start of the grid, which covers 24 hours
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, conflicts_with = "schedule")]
     pub start: Option<Quantity>,
     /// Length of an exposure of the grid with its unit
@@ -231,10 +231,10 @@ pub struct PlotSunAltitudeArguments {
     /// Highest altitude of the Sun in the grid, degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
     pub max_sun_altitude_deg: f64,
-    /// Between two visits of the grid, with its unit
+    /// Time step of the grid, with its unit
     #[arg(long, value_name = "TIME", default_value = "10min")]
     pub step: String,
-    /// Width of the bins, degrees
+    /// Width of the bins of the Sun's altitude, degrees
     #[arg(long, value_name = "DEG", default_value_t = 2.0, allow_hyphen_values = true)]
     pub bin: f64,
     #[command(flatten)]
@@ -266,13 +266,13 @@ pub struct PlotBodyArguments {
 #[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct PlotCornerArguments {
-    /// Chains of fit run --mcmc (an .npz)
+    /// Chains of fit run --mcmc (.npz)
     #[arg(long, value_name = "FILE")]
     pub chains: PathBuf,
-    /// Steps at the beginning that are left out; a quarter of them where unsaid
+    /// Number of discarded steps at the beginning; a quarter of them if omitted
     #[arg(long, value_name = "N")]
     pub burn_in: Option<usize>,
-    /// Which parameters, 2 to 9; the first nine where unsaid
+    /// Parameters to plot, 2 to 9; the first nine if omitted
     #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',')]
     pub parameters: Vec<String>,
     #[command(flatten)]
@@ -283,13 +283,13 @@ pub struct PlotCornerArguments {
 
 #[derive(Args)]
 pub struct PlotResidualsArguments {
-    /// Measurements or pixels: a table that fit reduce wrote, with --raw-points or without (CSV, ECSV or JSON)
+    /// Input table: output of fit reduce, with or without --raw-points (CSV, ECSV or JSON)
     #[arg(long, value_name = "FILE")]
     pub from: PathBuf,
-    /// Brightness model by name (streakcast model list), or a model file
+    /// Brightness model: name (listed by streakcast model list) or model file
     #[arg(long, value_name = "NAME")]
     pub model: String,
-    /// Configuration file: band and models of one's own
+    /// Configuration file with band and additional models
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     pub config: Option<PathBuf>,
     #[command(flatten)]

@@ -1,21 +1,21 @@
-//! The clock where the telescope stands, and the Sun over it.
+//! Local time and altitude of the Sun at a site.
 
 use hifitime::Epoch;
 use streakcast::frames::{EopTable, Orientation};
 use streakcast::geometry::{Observer, Site};
 use streakcast::plot::LocalClock;
 
-/// Between two places of the Sun, days: 1.25° at most, on which its way is straight to a few hundredths of a degree.
+/// Step between two positions of the Sun, days: at most 1.25°, linear to a few hundredths of a degree.
 const STEP_DAYS: f64 = 5.0 / 1440.0;
 
-/// A clock and its name.
+/// Local time with its name.
 pub struct Clock {
     ahead_of_utc_h: f64,
     name: String,
 }
 
 impl Clock {
-    /// The one said, else that of the site's longitude, else none.
+    /// Returns the clock of a given offset, else that of the longitude of a site.
     pub fn new(offset_h: Option<f64>, site: Option<&Site>) -> Option<Self> {
         match (offset_h, site) {
             (Some(hours), _) => {
@@ -24,7 +24,7 @@ impl Clock {
                 let rest = if minutes.is_multiple_of(60) { String::new() } else { format!(":{:02}", minutes % 60) };
                 Some(Self { ahead_of_utc_h: hours, name: format!("local time (UTC{sign}{}{rest})", minutes / 60) })
             }
-            // The mean Sun goes 15° an hour.
+            // The mean Sun moves 15° per hour.
             (None, Some(site)) => Some(Self {
                 ahead_of_utc_h: site.longitude_rad.to_degrees() / 15.0,
                 name: "local mean solar time".to_owned(),
@@ -38,18 +38,18 @@ impl Clock {
     }
 }
 
-/// Altitude of the Sun over a site, degrees, at a moment, MJD (UTC).
+/// Returns the altitude of the Sun at a site, degrees, at a time, MJD (UTC).
 pub fn sun_altitude_deg(observer: &Observer, eop: &EopTable, mjd: f64) -> f64 {
     let moment = Epoch::from_mjd_utc(mjd);
     let state = observer.state(&Orientation::at(moment, eop));
     state.sun_altitude_azimuth_rad(moment).map_or(f64::NAN, |(altitude, _)| altitude.to_degrees())
 }
 
-/// Moments and altitudes of the Sun from somewhat before `first` until after `last`, MJD (UTC), degrees.
+/// Returns times, MJD (UTC), and altitudes of the Sun, degrees, from before `first` to after `last`.
 pub fn sun_over(site: &Site, eop: &EopTable, first: f64, last: f64) -> Vec<(f64, f64)> {
     let observer = Observer::new(site.clone());
-    let room = 0.05 * (last - first) + STEP_DAYS;
-    let steps = ((last - first + 2.0 * room) / STEP_DAYS).ceil() as usize;
-    let at = |step: usize| first - room + step as f64 * STEP_DAYS;
+    let margin = 0.05 * (last - first) + STEP_DAYS;
+    let steps = ((last - first + 2.0 * margin) / STEP_DAYS).ceil() as usize;
+    let at = |step: usize| first - margin + step as f64 * STEP_DAYS;
     (0..=steps).map(|step| (at(step), sun_altitude_deg(&observer, eop, at(step)))).collect()
 }

@@ -1,4 +1,4 @@
-//! Tables by the names of their columns: those of an answer, or of a file that a verb wrote before.
+//! Tables by the names of their columns: of a result, or of an output file of a verb.
 
 use std::fs;
 use std::path::Path;
@@ -10,33 +10,33 @@ use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
 use streakcast::output::{Provenance, Table, Value as Cell};
 
-/// Cells as text, as CSV has them; what is missing is empty.
+/// Table with cells as text, as in CSV; missing values are empty.
 pub struct Columns {
     origin: String,
     names: Vec<String>,
-    /// The cells, and the line or number of each row for messages.
+    /// Line or number of each row, for messages, and its cells.
     rows: Vec<(usize, Vec<String>)>,
     provenance: Map<String, Value>,
 }
 
 impl Columns {
-    /// Of an answer.
+    /// Returns the columns of a result.
     pub fn of(table: &Table, provenance: &Provenance) -> Self {
         let cells = |row: &Vec<Cell>| table.columns.iter().zip(row).map(|(column, cell)| column.text(cell)).collect();
         Self {
-            origin: "the answer".to_owned(),
+            origin: "the result".to_owned(),
             names: table.columns.iter().map(|column| column.name.to_owned()).collect(),
             rows: table.rows.iter().enumerate().map(|(index, row)| (index + 1, cells(row))).collect(),
             provenance: provenance.entries().map(|(name, value)| (name.to_owned(), value.clone())).collect(),
         }
     }
 
-    /// A CSV, ECSV or JSON file; of a JSON document the array `section`, or the one that there is.
+    /// Reads a CSV, ECSV or JSON file; of a JSON document the array `section`.
     pub fn read(path: &Path, section: &str) -> anyhow::Result<Self> {
         Self::read_first(path, &[section])
     }
 
-    /// The same of several arrays: the first that the document has.
+    /// The same with several arrays: reads the first in the document.
     pub fn read_first(path: &Path, sections: &[&str]) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
         let text = fs::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
@@ -62,7 +62,7 @@ impl Columns {
                 }
             }
         }
-        // ECSV has blanks between its cells where it says nothing else.
+        // The default delimiter of ECSV is a blank.
         let is_ecsv = text.trim_start().starts_with("# %ECSV");
         let delimiter = if is_ecsv && !text.contains("# delimiter: ','") { b' ' } else { b',' };
         let reader = csv::ReaderBuilder::new().comment(Some(b'#')).delimiter(delimiter).from_reader(text.as_bytes());
@@ -86,15 +86,15 @@ impl Columns {
 
     fn from_json(origin: &str, text: &str, sections: &[&str]) -> anyhow::Result<Self> {
         let broken = |error: serde_json::Error| anyhow!("table {origin}: not JSON: {error}");
-        let wanted = sections.join("' or '");
+        let allowed = sections.join("' or '");
         let (mut document, rows) = match serde_json::from_str::<Value>(text) {
             Ok(Value::Array(rows)) => (Map::new(), rows),
             Ok(Value::Object(mut document)) => match sections.iter().find_map(|section| document.remove(*section)) {
                 Some(Value::Array(rows)) => (document, rows),
-                _ => bail!("table {origin}: it has no array '{wanted}'"),
+                _ => bail!("table {origin} has no array '{allowed}'"),
             },
-            Ok(_) => bail!("table {origin}: allowed is an object with an array '{wanted}', or an array of objects"),
-            // One object a line, the first with what they rest on.
+            Ok(_) => bail!("table {origin}: allowed: an object with an array '{allowed}', or an array of objects"),
+            // JSON lines: one object per line, the first with the provenance.
             Err(error) => {
                 let lines = text.lines().filter(|line| !line.trim().is_empty());
                 let mut rows = lines
@@ -123,7 +123,7 @@ impl Columns {
         Ok(Self { origin: origin.to_owned(), names, rows, provenance })
     }
 
-    /// What messages call it.
+    /// Returns the name in messages.
     pub fn origin(&self) -> &str {
         &self.origin
     }
@@ -140,22 +140,22 @@ impl Columns {
         self.names.iter().any(|known| known == name)
     }
 
-    /// A statement of what the table rests on.
+    /// Returns a statement of the provenance.
     pub fn stated(&self, name: &str) -> Option<&Value> {
         self.provenance.get(name)
     }
 
-    /// What a caption has to say where satellites of shells are among those asked about.
-    pub fn synthetic_words(&self) -> &'static str {
+    /// Returns the note of a caption on simulated satellites.
+    pub fn simulation_note(&self) -> &'static str {
         let shells = self.stated("shells").and_then(Value::as_array);
         match (shells.is_some_and(|shells| !shells.is_empty()), self.stated("elements").is_some()) {
-            (true, true) => " Satellites of shells are synthetic.",
-            (true, false) => " All satellites are synthetic.",
+            (true, true) => " Satellites of shells are simulated.",
+            (true, false) => " All satellites are simulated.",
             (false, _) => "",
         }
     }
 
-    /// The site that the table is of.
+    /// Returns the site of the provenance.
     pub fn site(&self) -> Option<Site> {
         let site = self.stated("site")?;
         let number = |name: &str| site.get(name).and_then(Value::as_f64);
@@ -163,27 +163,27 @@ impl Columns {
         Site::new_deg(name, number("latitude_deg")?, number("longitude_deg")?, number("height_m")?).ok()
     }
 
-    /// The one limiting magnitude of its policy.
+    /// Returns the limiting magnitude of the policy, if it is the same for all bands.
     pub fn limit_mag(&self) -> Option<f64> {
         self.stated("options")?.get("policy")?.get("limit_mag")?.as_f64()
     }
 
-    /// All of these statements.
+    /// Returns all statements of the provenance.
     pub fn provenance(&self) -> Provenance {
         let mut provenance = Provenance::new();
         self.provenance.iter().for_each(|(name, value)| provenance.state(name, value.clone()));
         provenance
     }
 
-    /// The cells of a column.
+    /// Returns the cells of a column.
     pub fn texts(&self, name: &str) -> anyhow::Result<Vec<&str>> {
         let index = self.names.iter().position(|known| known == name).ok_or_else(|| {
-            anyhow!("table {}: it has no column {name}; its columns are {}", self.origin, self.names.join(", "))
+            anyhow!("table {} has no column {name}; its columns are {}", self.origin, self.names.join(", "))
         })?;
         Ok(self.rows.iter().map(|(_, row)| row.get(index).map_or("", String::as_str)).collect())
     }
 
-    /// The numbers of a column; not a number where a cell is empty.
+    /// Returns the numbers of a column; NaN for an empty cell.
     pub fn numbers(&self, name: &str) -> anyhow::Result<Vec<f64>> {
         self.each(name, "a number", |text| match text {
             "" => Some(f64::NAN),
@@ -193,9 +193,9 @@ impl Columns {
         })
     }
 
-    /// The moments of a column, MJD (UTC); not a number where a cell is empty.
+    /// Returns the times of a column, MJD (UTC); NaN for an empty cell.
     pub fn moments(&self, name: &str) -> anyhow::Result<Vec<f64>> {
-        self.each(name, "a time as 2024-08-14T00:30:00.000Z", |text| match text {
+        self.each(name, "a time like 2024-08-14T00:30:00.000Z", |text| match text {
             "" => Some(f64::NAN),
             text => parse_moment(text, None).ok().map(mjd_utc),
         })
@@ -204,7 +204,10 @@ impl Columns {
     fn each(&self, name: &str, allowed: &str, meaning: impl Fn(&str) -> Option<f64>) -> anyhow::Result<Vec<f64>> {
         let values = self.texts(name)?.into_iter().zip(&self.rows).map(|(text, (line, _))| {
             meaning(text).ok_or_else(|| {
-                anyhow!("table {}, line {line}: {name} is '{text}'; allowed: {allowed}, or nothing", self.origin)
+                anyhow!(
+                    "table {}, line {line}: invalid {name} '{text}'; allowed: {allowed}, or an empty cell",
+                    self.origin
+                )
             })
         });
         values.collect()

@@ -9,15 +9,15 @@ use crate::failure::Outcome;
 
 use super::target::Target;
 
-/// Most parameters of one picture.
+/// Largest number of parameters in a picture.
 const MOST: usize = 9;
 
 pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
-    // The chains themselves are the data.
+    // The chains are the data.
     let target = Target::of_table(&typed.picture)?;
     let (chain, about) = read_chain(&typed.chains)?;
     let known = &about.parameters;
-    let wanted: Vec<usize> = match typed.parameters.as_slice() {
+    let selected: Vec<usize> = match typed.parameters.as_slice() {
         [] => (0..known.len().min(MOST)).collect(),
         names => names
             .iter()
@@ -29,12 +29,13 @@ pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
     };
     let burn_in = typed.burn_in.unwrap_or(chain.steps() / 4);
     if burn_in >= chain.steps() {
-        bail!("burn-in {burn_in}: the chains have {} steps; allowed: fewer than that", chain.steps());
+        bail!("invalid burn-in {burn_in}; allowed: less than the {} steps of the chains", chain.steps());
     }
-    let names: Vec<String> = wanted.iter().map(|&index| known[index].clone()).collect();
-    let samples: Vec<Vec<f64>> = wanted.iter().map(|&index| chain.column(index, burn_in)).collect();
-    let words = format!("Posterior: {} walkers, {} steps after burn-in", chain.walkers(), chain.steps() - burn_in);
-    let title = typed.title.title.as_deref().unwrap_or(&words);
+    let names: Vec<String> = selected.iter().map(|&index| known[index].clone()).collect();
+    let samples: Vec<Vec<f64>> = selected.iter().map(|&index| chain.column(index, burn_in)).collect();
+    let default_title =
+        format!("Posterior: {} walkers, {} steps after burn-in", chain.walkers(), chain.steps() - burn_in);
+    let title = typed.title.title.as_deref().unwrap_or(&default_title);
     target.write_picture(&corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?)?;
     Ok(Outcome::Done)
 }

@@ -1,4 +1,4 @@
-//! Points along passes, out of what `forecast` wrote: a table of light curves, or passes that hold their samples.
+//! Points along passes from the output of `forecast`: a table of light curves, or passes with samples.
 
 use anyhow::{anyhow, bail};
 use serde_json::Value;
@@ -8,35 +8,35 @@ use streakcast::plot::SkyTrack;
 
 use super::columns::Columns;
 
-/// Names of satellites of shells end so; the caption says it of all.
+/// End of the names of simulated satellites.
 pub const SYNTHETIC: &str = " (synthetic)";
 
-/// Said where there are such.
+/// Returns the note of a caption on simulated satellites.
 pub fn shells_caption(names: &[&str]) -> &'static str {
-    if names.iter().any(|name| name.ends_with(SYNTHETIC)) { "Satellites of shells are synthetic." } else { "" }
+    if names.iter().any(|name| name.ends_with(SYNTHETIC)) { "Satellites of shells are simulated." } else { "" }
 }
 
-/// Where the points are, in JSON.
+/// JSON arrays with points.
 pub const SECTIONS: &[&str] = &["light_curves", "passes"];
 
-/// One pass with its points.
+/// Pass with its points.
 pub struct Curve {
     pub norad_id: String,
-    /// Of a shell.
+    /// True for a simulated satellite.
     pub is_synthetic: bool,
-    /// With the distances of its first and last point, km.
+    /// Distances of the first and last point, km.
     pub range_km: [f64; 2],
     pub track: SkyTrack,
 }
 
 impl Curve {
-    /// The brightest magnitude; not a number where nothing is seen.
+    /// Returns the brightest magnitude; NaN if the pass is not visible.
     pub fn brightest(&self) -> f64 {
         self.track.magnitude.iter().copied().fold(f64::NAN, f64::min)
     }
 }
 
-/// The passes of a table in its order, those of one satellite alone where a number is said.
+/// Returns the passes of a table in its order, only those of the given satellites if there are any.
 ///
 /// # Errors
 /// A table without points; a satellite that is not in it.
@@ -49,25 +49,25 @@ pub fn curves(columns: &Columns, norad: &[u32]) -> anyhow::Result<Vec<Curve>> {
         of_rows(columns)?
     } else {
         bail!(
-            "table {}: it has no points along passes; allowed: what forecast wrote by --light-curves FILE, or as JSON with --samples N",
+            "table {} has no points along passes; allowed: output of forecast with --light-curves FILE, or as JSON with --samples N",
             columns.origin()
         );
     };
-    let wanted: Vec<String> = norad.iter().map(u32::to_string).collect();
+    let selected: Vec<String> = norad.iter().map(u32::to_string).collect();
     let known: std::collections::BTreeSet<String> = all.iter().map(|curve| curve.norad_id.clone()).collect();
-    if let Some(absent) = wanted.iter().find(|id| !known.contains(*id)) {
+    if let Some(absent) = selected.iter().find(|id| !known.contains(*id)) {
         let shown: Vec<&str> = known.iter().take(10).map(String::as_str).collect();
         let more = if known.len() > shown.len() { ", ..." } else { "" };
         return Err(anyhow!(
-            "norad {absent}: table {} has no pass of it; allowed: {}{more}",
+            "norad {absent} has no pass in table {}; allowed: {}{more}",
             columns.origin(),
             shown.join(", ")
         ));
     }
-    Ok(all.into_iter().filter(|curve| wanted.is_empty() || wanted.contains(&curve.norad_id)).collect())
+    Ok(all.into_iter().filter(|curve| selected.is_empty() || selected.contains(&curve.norad_id)).collect())
 }
 
-/// One row a point; a pass is what belongs to one satellite and one culmination.
+/// Reads one row per point. A pass is the rows of one satellite and one culmination.
 fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     let ids = columns.texts("norad_id")?;
     let culminations = if columns.has("culmination_utc") { columns.texts("culmination_utc")? } else { ids.clone() };
@@ -77,7 +77,7 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     let (azimuth, altitude, range) = (azimuth?, altitude?, range?);
     let (magnitude, sigma) = (columns.numbers("magnitude")?, columns.numbers("magnitude_sigma")?);
     let rows: Vec<usize> = (0..ids.len()).collect();
-    let of_one = |a: &usize, b: &usize| (ids[*a], culminations[*a]) == (ids[*b], culminations[*b]);
+    let same_pass = |a: &usize, b: &usize| (ids[*a], culminations[*a]) == (ids[*b], culminations[*b]);
     let curve = |rows: &[usize]| {
         let (first, last) = (rows[0], rows[rows.len() - 1]);
         let of = |column: &[f64]| column[first..=last].to_vec();
@@ -86,7 +86,7 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
             is_synthetic: names[first].ends_with(SYNTHETIC),
             range_km: [range[first], range[last]],
             track: SkyTrack {
-                name: called(names[first], ids[first]),
+                name: display_name(names[first], ids[first]),
                 time_mjd: of(&time_mjd),
                 azimuth_deg: of(&azimuth),
                 altitude_deg: of(&altitude),
@@ -95,17 +95,17 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
             },
         }
     };
-    Ok(rows.chunk_by(of_one).map(curve).collect())
+    Ok(rows.chunk_by(same_pass).map(curve).collect())
 }
 
-/// One row a pass, its points as JSON in a cell.
+/// Reads one row per pass, with its points as JSON in a cell.
 fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     let (ids, names) = (columns.texts("norad_id")?, columns.texts("name")?);
     let rows = ids.iter().zip(&names).zip(columns.texts("samples")?).enumerate();
     rows.map(|(row, ((id, name), samples))| {
         let fail = |problem: &str| anyhow!("table {}, pass {}: samples {problem}", columns.origin(), row + 1);
         let points: Vec<Value> =
-            serde_json::from_str(samples).map_err(|_| fail("are no list of points; allowed: what forecast wrote"))?;
+            serde_json::from_str(samples).map_err(|_| fail("are not a list of points; allowed: output of forecast"))?;
         let number = |name: &str| -> Vec<f64> {
             points.iter().map(|point| point.get(name).and_then(Value::as_f64).unwrap_or(f64::NAN)).collect()
         };
@@ -121,8 +121,8 @@ fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
             is_synthetic: name.ends_with(SYNTHETIC),
             range_km: ends,
             track: SkyTrack {
-                name: called(name, id),
-                time_mjd: time_mjd.ok_or_else(|| fail("lack a time utc, as 2024-08-14T00:30:00.000Z"))?,
+                name: display_name(name, id),
+                time_mjd: time_mjd.ok_or_else(|| fail("lack a time utc, for example 2024-08-14T00:30:00.000Z"))?,
                 azimuth_deg: number("azimuth_deg"),
                 altitude_deg: number("altitude_deg"),
                 magnitude: number("magnitude"),
@@ -133,6 +133,6 @@ fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     .collect()
 }
 
-fn called(name: &str, id: &str) -> String {
+fn display_name(name: &str, id: &str) -> String {
     if name.is_empty() || name == id { format!("NORAD {id}") } else { name.trim_end_matches(SYNTHETIC).to_owned() }
 }

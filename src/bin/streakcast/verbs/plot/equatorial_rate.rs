@@ -1,5 +1,5 @@
-//! `plot sky-rate --equatorial`: number of streaks of an exposure by its place among the stars, over whole nights; and what it has in
-//! common with that over a site.
+//! `plot sky-rate --equatorial`: mean number of streaks per exposure by right ascension and declination, over nights;
+//! and the parts shared with the map over a site.
 
 use std::collections::BTreeSet;
 
@@ -21,8 +21,8 @@ use crate::verbs::judged::given_field;
 const FRAME: &str = "equatorial";
 const SHORTEST_STEP_S: f64 = 30.0;
 const LONGEST_STEP_S: f64 = 3600.0;
-/// A year and a leap day.
-const MOST_NIGHTS: usize = 366;
+/// Days of a leap year.
+const MAX_NIGHTS: usize = 366;
 
 const COLUMNS: [Column; 6] = [
     Column::new(
@@ -32,7 +32,7 @@ const COLUMNS: [Column; 6] = [
     ),
     Column::real("ra_deg", "deg", 6, "Right ascension of the cell's centre, ICRS."),
     Column::real("dec_deg", "deg", 6, "Declination of the cell's centre, ICRS."),
-    Column::new("exposures", Kind::Integer, "Exposures averaged: dark hours in which the place stands high enough."),
+    Column::new("exposures", Kind::Integer, "Number of exposures averaged."),
     STREAKS,
     BRIGHT,
 ];
@@ -45,22 +45,23 @@ struct Sum {
     bright: usize,
 }
 
-/// Exposes every cell of the site's sky again and again through the dark hours, and puts each where it stands among the stars.
-pub fn asked(
+/// Counts the streaks of exposures of every cell of the local sky through the dark hours, and averages them by right
+/// ascension and declination.
+pub fn compute(
     typed: &PlotSkyRateArguments,
     config: &Config,
     directions: &[(u64, Direction<Horizontal>)],
     notices: &Notices,
 ) -> anyhow::Result<(Table, Provenance)> {
     let exposure = config.exposure.duration.as_ref().map(Quantity::as_str);
-    let exposure = exposure.ok_or_else(|| anyhow!("the length of an exposure is missing; allowed: --exposure 30s"))?;
+    let exposure = exposure.ok_or_else(|| anyhow!("missing exposure time; specify --exposure 30s"))?;
     let duration_s = parse_duration_s("exposure", exposure)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
-        bail!("step {}; allowed: 30s to 1h", typed.step);
+        bail!("invalid step {}; allowed: 30s to 1h", typed.step);
     }
     if !(-90.0..=90.0).contains(&typed.max_sun_altitude_deg) {
-        bail!("max-sun-altitude-deg {}; allowed: -90 to 90 deg", typed.max_sun_altitude_deg);
+        bail!("invalid max-sun-altitude-deg {}; allowed: -90 to 90 deg", typed.max_sun_altitude_deg);
     }
     let mut nights: Vec<&String> = Vec::new();
     typed.night.iter().for_each(|night| {
@@ -68,13 +69,13 @@ pub fn asked(
             nights.push(night)
         }
     });
-    if nights.len() > MOST_NIGHTS {
-        bail!("{} nights; allowed: 1 to {MOST_NIGHTS}", nights.len());
+    if nights.len() > MAX_NIGHTS {
+        bail!("{} nights; allowed: 1 to {MAX_NIGHTS}", nights.len());
     }
     let (field, photometry) = (config.field_of_view()?, config.photometry()?);
-    let places: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
+    let cells: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
     let mut sums = vec![Sum::default(); cell_count(typed.nside) as usize];
-    let (mut provenance, mut said) = (None, BTreeSet::new());
+    let (mut provenance, mut printed) = (None, BTreeSet::new());
     for night in &nights {
         let (from, to) = time_range(Some(night), None, None, config)?;
         let prepared = config.prepare(from, to)?;
@@ -87,7 +88,7 @@ pub fn asked(
             moment = seconds_after(moment, step_s);
         }
         let request = CountRequest {
-            directions: &places,
+            directions: &cells,
             moments: &moments,
             duration_s,
             field: &field,
@@ -95,12 +96,16 @@ pub fn asked(
             limit_mag: typed.limit_mag,
         };
         let counts = prepared.sky.streak_counts(&request)?;
-        let observer = prepared.sky.viewpoint().site().ok_or_else(|| anyhow!("a sky over a site needs a site"))?;
+        let observer = prepared
+            .sky
+            .viewpoint()
+            .site()
+            .ok_or_else(|| anyhow!("missing site; specify --site, --mpc, or --lat and --lon"))?;
         for (moment, all) in moments.iter().zip(&counts.by_moment) {
             let from_horizon =
                 observer.state(&prepared.sky.orientation_over(*moment, *moment).at_s(0.0)).horizon.inverse();
-            for (place, count) in places.iter().zip(all) {
-                let star = from_horizon * *place;
+            for (direction, count) in cells.iter().zip(all) {
+                let star = from_horizon * *direction;
                 let cell = ring_cell(typed.nside, star.longitude_rad(), star.latitude_rad());
                 if let Some(sum) = cell.and_then(|cell| sums.get_mut(cell as usize)) {
                     sum.exposures += 1;
@@ -109,15 +114,17 @@ pub fn asked(
                 }
             }
         }
-        let left_out = prepared.left_out_warning(&counts.left_out, from)?;
-        let warnings = prepared.warnings.iter().cloned().chain(left_out);
-        let new: Vec<String> = warnings.filter(|text| said.insert(text.clone())).collect();
+        let new: Vec<String> =
+            prepared.warnings.iter().filter(|text| printed.insert((*text).clone())).cloned().collect();
         notices.warn(&new);
+        if prepared.left_out_warning(&counts.left_out, from)?.is_some_and(|warning| printed.insert(warning)) {
+            notices.warn_left_out(&prepared, &counts.left_out, from)?;
+        }
         provenance.get_or_insert(prepared.provenance);
     }
     if sums.iter().all(|sum| sum.exposures == 0) {
         bail!(
-            "the Sun does not sink to {} deg in these nights; allowed: a higher --max-sun-altitude-deg",
+            "the Sun does not reach altitude {} deg in these nights; allowed: a higher --max-sun-altitude-deg",
             typed.max_sun_altitude_deg
         );
     }
@@ -158,7 +165,7 @@ fn table(nside: u32, sums: &[Sum], has_limit: bool) -> Table {
     Table { columns: COLUMNS.to_vec(), rows: sums.iter().enumerate().filter_map(row).collect() }
 }
 
-/// True of a table that this wrote.
+/// Returns true for a table of this plot.
 pub fn is_of(columns: &Columns) -> bool {
     columns.stated("options").and_then(|options| options.get("frame")).and_then(Value::as_str) == Some(FRAME)
 }
@@ -175,13 +182,13 @@ pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture
     Ok(equatorial_rate(&EquatorialRate {
         title: title.unwrap_or(&format!("Streaks{} per exposure of {} s", rates.bright, rates.number("exposure_s"))),
         caption: &format!(
-            "Site: {}. Means over the hours of {nights} in which the Sun is below {}° and the place above {}°, every {:.0} min, HEALPix nside {}.{}",
+            "Site: {}. Means over the hours of {nights} with the Sun below {}° and the cell above {}°, every {:.0} min, HEALPix nside {}.{}",
             rates.site,
             rates.angle("max_sun_altitude_deg", None),
             rates.angle("min_altitude_deg", None),
             rates.number("step_s") / 60.0,
             rates.nside,
-            columns.synthetic_words()
+            columns.simulation_note()
         ),
         nside: rates.nside,
         cells: &rates.cells,
@@ -192,26 +199,26 @@ pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture
 pub const STREAKS: Column =
     Column::real("streaks_per_exposure", "", 5, "Mean number of lit satellites that cross an exposure.");
 pub const BRIGHT: Column =
-    Column::real("bright_per_exposure", "", 5, "The same of those brighter than the limit; empty without one.");
+    Column::real("bright_per_exposure", "", 5, "Mean number of those brighter than the limit; empty without one.");
 
-/// A table of either, read.
+/// Table of either map.
 pub struct Rates {
     pub nside: u32,
     pub cells: Vec<u64>,
-    /// Of bright ones alone where a limit was said.
+    /// Rates of all streaks, or of bright ones if a limit is given.
     pub rate: Vec<f64>,
-    /// ` brighter than 7 mag`, or nothing.
+    /// Part of the title: ` brighter than 7 mag`, or empty.
     pub bright: String,
     pub site: String,
     options: Value,
 }
 
 impl Rates {
-    /// `allowed` is what writes such tables.
+    /// Reads a table; `allowed` is the verb that writes such tables.
     pub fn of(columns: &Columns, allowed: &str) -> anyhow::Result<Self> {
         let options = columns.stated("options").cloned().unwrap_or_default();
         let number = |name: &str| options.get(name).and_then(Value::as_f64);
-        let nside = number("nside").ok_or_else(|| lacking("nside", allowed))? as u32;
+        let nside = number("nside").ok_or_else(|| missing_statement("nside", allowed))? as u32;
         let limit = number("limit_mag");
         let name = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str);
         Ok(Self {
@@ -224,17 +231,17 @@ impl Rates {
         })
     }
 
-    /// What the table says of how it was made.
+    /// Returns an option of the provenance.
     pub fn option(&self, name: &str) -> Option<&Value> {
         self.options.get(name)
     }
 
-    /// The same of a number; not a number where it is not said.
+    /// Returns a numeric option; NaN if it is missing.
     pub fn number(&self, name: &str) -> f64 {
         self.option(name).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
-    /// An angle with a true minus sign, degrees; nothing where it is not said.
+    /// Returns an angle with a minus sign U+2212, degrees; empty if it is missing.
     pub fn angle(&self, name: &str, decimals: Option<usize>) -> String {
         let Some(angle) = self.option(name).and_then(Value::as_f64) else { return String::new() };
         let text = decimals.map_or_else(|| angle.to_string(), |decimals| format!("{angle:.decimals$}"));
@@ -242,7 +249,7 @@ impl Rates {
     }
 }
 
-/// A table that does not say what a picture needs.
-pub fn lacking(what: &str, allowed: &str) -> anyhow::Error {
-    anyhow!("this table does not say its {what}; allowed: the data of {allowed}")
+/// Returns the error of a table without a required statement.
+pub fn missing_statement(what: &str, allowed: &str) -> anyhow::Error {
+    anyhow!("the table has no {what}; allowed: data of {allowed}")
 }

@@ -1,4 +1,4 @@
-//! The exposures of a schedule with what strikes them, as the plots of nights need them: one table, asked or read.
+//! Table of exposures with their streaks, for the plots of nights.
 
 use std::path::Path;
 
@@ -14,19 +14,19 @@ use crate::verbs::judged::judge;
 use super::clock::sun_altitude_deg;
 use super::columns::Columns;
 
-/// Exposures with verdicts, and what they rest on.
+/// Exposures with verdicts, and their provenance.
 pub struct Exposures {
     pub table: Table,
     pub provenance: Provenance,
 }
 
 const COLUMNS: [Column; 9] = [
-    Column::new("exposure_id", Kind::Text, "The schedule's name of the exposure."),
+    Column::new("exposure_id", Kind::Text, "Identifier of the exposure in the schedule."),
     Column::time("start_utc", "Shutter opening."),
     Column::real("duration_s", "s", 3, "Length of the exposure."),
-    Column::new("band", Kind::Text, "Band of the exposure as the schedule names it."),
-    Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid where it cannot be judged."),
-    Column::new("n_streaks", Kind::Integer, "Lit satellites whose nominal tracks cross the field."),
+    Column::new("band", Kind::Text, "Band of the exposure in the schedule."),
+    Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid."),
+    Column::new("n_streaks", Kind::Integer, "Lit satellites with nominal tracks across the field."),
     Column::new(
         "n_bright",
         Kind::Integer,
@@ -37,14 +37,14 @@ const COLUMNS: [Column; 9] = [
 ];
 
 /// Judges a schedule.
-pub fn asked(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTable) -> anyhow::Result<Exposures> {
+pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTable) -> anyhow::Result<Exposures> {
     let judged = judge(config, schedule, None)?;
     let observer = site.map(|site| Observer::new(site.clone()));
     let limit = config.policy()?.limit_mag;
     let rows = judged.schedule.exposures.iter().zip(&judged.report.flags);
     let row = |(row, flag): (&ScheduledExposure, &Verdict)| {
         let exposure = row.exposure.as_ref().ok();
-        // A telescope's own limits depend on each streak: they are no one number.
+        // Limits of a telescope depend on each streak: they are not one number.
         let limit = limit.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
         let bright = limit.map(|limit| {
             let crossings = flag.passes.iter().filter(|pass| pass.lit && pass.is_crossing());
@@ -70,7 +70,7 @@ pub fn asked(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTab
     })
 }
 
-/// What `flag` wrote of a schedule, with the times of the schedule.
+/// Returns the table of an output of `flag`, with the times of the schedule.
 pub fn of_flags(
     flags: &Columns,
     path: &Path,
@@ -84,7 +84,7 @@ pub fn of_flags(
         schedule.exposures.len() == ids.len() && schedule.exposures.iter().zip(&ids).all(|(row, id)| row.id == *id);
     if !same {
         bail!(
-            "schedule {}: its {} exposures are not the {} of the flags, in their order; allowed: the schedule that was flagged",
+            "schedule {}: its {} exposures differ from the {} of the flags; allowed: the schedule of the flags",
             path.display(),
             schedule.exposures.len(),
             ids.len()
@@ -110,16 +110,16 @@ pub fn of_flags(
     Ok(Table { columns: COLUMNS.to_vec(), rows: rows.collect() })
 }
 
-/// The rows of one night of a longer table, and which nights there are: dates of the evenings, from noon to noon of the site's meridian (of UTC without one).
+/// Nights of a table: dates of the evenings, from noon to noon of the site's meridian (of UTC without a site).
 pub struct Nights {
-    /// One for each row; none where there is no time.
+    /// Night of each row; `None` without a time.
     pub of_rows: Vec<Option<String>>,
 }
 
 impl Nights {
     pub fn of(columns: &Columns, longitude_deg: f64) -> anyhow::Result<Self> {
         let date = |mjd: f64| {
-            // Noon begins a night.
+            // Nights begin at noon.
             let day = (mjd + longitude_deg / 360.0 - 0.5).floor();
             let (year, month, day, ..) = hifitime::Epoch::from_mjd_utc(day + 0.5).to_gregorian_utc();
             format!("{year:04}-{month:02}-{day:02}")
@@ -135,21 +135,21 @@ impl Nights {
         all
     }
 
-    /// The night asked for, else the first.
-    pub fn choose(&self, wanted: Option<&str>) -> anyhow::Result<String> {
+    /// Returns the given night, else the first.
+    pub fn choose(&self, night: Option<&str>) -> anyhow::Result<String> {
         let all = self.all();
         let allowed = || match all.as_slice() {
             [] => "none: no row has a time".to_owned(),
             [one] => (*one).to_owned(),
             [first, .., last] => format!("{first} to {last}, {} nights", all.len()),
         };
-        match wanted {
+        match night {
             Some(night) if all.contains(&night) => Ok(night.to_owned()),
-            Some(night) => Err(anyhow!("night {night}: no exposure of the schedule is in it; allowed: {}", allowed())),
+            Some(night) => Err(anyhow!("night {night} has no exposure of the schedule; allowed: {}", allowed())),
             None => all
                 .first()
                 .map(|night| (*night).to_owned())
-                .ok_or_else(|| anyhow!("no exposure can be drawn: no row has a time")),
+                .ok_or_else(|| anyhow!("no exposure to draw: no row has a time")),
         }
     }
 }

@@ -16,10 +16,10 @@ use crate::verbs::passes::predict;
 
 use super::columns::Columns;
 use super::curves::{SYNTHETIC, shells_caption};
-use super::target::Target;
+use super::target::{Target, required};
 
-/// Points of a circle.
-const ROUND: usize = 180;
+/// Number of points of a circle.
+const CIRCLE_POINTS: usize = 180;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let include_dark = typed.include_dark.then_some(true);
@@ -29,39 +29,40 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
         begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "passes")?;
-        let exposure = Place::stated(&columns).ok_or_else(|| {
-            anyhow!("table {}: it does not say which exposure it is of; allowed: what passes wrote", path.display())
+        let exposure = Pointing::stated(&columns).ok_or_else(|| {
+            anyhow!("table {} has no statement of its exposure; allowed: output of passes", path.display())
         })?;
         let field = stated_field(&config, &columns)?;
         target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?)?;
         return Ok(outcome(&columns));
     }
+    required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
     let target = Target::new(&typed.picture)?;
-    let asked = predict(&config)?;
-    let table = asked.table(false);
-    let columns = Columns::of(&table, &asked.prepared.provenance);
-    // As a table that is read later says it: one picture of both.
-    let exposure = Place::stated(&columns).ok_or_else(|| anyhow!("the answer does not say its exposure"))?;
+    let prediction = predict(&config)?;
+    let table = prediction.table(false);
+    let columns = Columns::of(&table, &prediction.prepared.provenance);
+    // From the statements of the table, for the same picture as from a file.
+    let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result has no statement of its exposure"))?;
     let picture = picture(&columns, &exposure, Some(&config.field_of_view()?), title)?;
-    target.write(&picture, "passes", &table, &asked.prepared.provenance)?;
+    target.write(&picture, "passes", &table, &prediction.prepared.provenance)?;
     Ok(outcome(&columns))
 }
 
-/// As of `passes`: 1 where nothing crosses, with the picture all the same.
+/// Returns the outcome of `passes`: exit code 1 without crossings; the picture is written nevertheless.
 fn outcome(columns: &Columns) -> Outcome {
     if columns.is_empty() { Outcome::No } else { Outcome::Done }
 }
 
-/// Where the telescope looked.
-struct Place {
+/// Pointing and time of an exposure.
+struct Pointing {
     centre: Direction<Gcrs>,
     rotation_rad: f64,
     start_utc: String,
     exposure_s: f64,
 }
 
-impl Place {
-    /// As the provenance of a table of passes has it.
+impl Pointing {
+    /// Reads the pointing from the provenance of a table of passes.
     fn stated(columns: &Columns) -> Option<Self> {
         let options = columns.stated("options")?;
         let number = |name: &str| options.get(name).and_then(Value::as_f64);
@@ -74,13 +75,13 @@ impl Place {
     }
 }
 
-/// The field that was said now, else that of the table; none of a telescope, whose file is not at hand.
+/// Returns the given field, else that of the table; `None` for the field of a telescope, which the table lacks.
 fn stated_field(config: &Config, columns: &Columns) -> anyhow::Result<Option<Field>> {
     if config.fov.is_some() || config.field.is_some() || config.telescope.is_some() {
         return Ok(Some(config.field_of_view()?));
     }
-    let said = columns.stated("options").and_then(|options| options.get("field"));
-    let text = |name: &str| said.and_then(|said| said.get(name)).and_then(Value::as_str).map(str::to_owned);
+    let field = columns.stated("options").and_then(|options| options.get("field"));
+    let text = |name: &str| field.and_then(|field| field.get(name)).and_then(Value::as_str).map(str::to_owned);
     let config = match (text("circle"), text("file")) {
         (Some(circle), _) => Config { fov: Some(Quantity(circle)), ..Config::default() },
         (None, Some(file)) => Config { field: Some(NameOrTable::Name(file.into())), ..Config::default() },
@@ -89,7 +90,12 @@ fn stated_field(config: &Config, columns: &Columns) -> anyhow::Result<Option<Fie
     Ok(Some(config.field_of_view()?))
 }
 
-fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Option<&str>) -> anyhow::Result<Picture> {
+fn picture(
+    columns: &Columns,
+    pointing: &Pointing,
+    field: Option<&Field>,
+    title: Option<&str>,
+) -> anyhow::Result<Picture> {
     let names = columns.texts("name")?;
     let ids = columns.texts("norad_id")?;
     let (enter, exit) = (columns.moments("enter_utc")?, columns.moments("exit_utc")?);
@@ -113,16 +119,19 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
         sigma_mag: sigma[k],
     };
     let streaks: Vec<FieldStreak> = (0..columns.len()).map(streak).collect();
-    let degrees = |place: &Direction<Gcrs>| [place.longitude_rad().to_degrees(), place.latitude_rad().to_degrees()];
-    let outlines =
-        field.map(|field| field.on_sky(&place.centre, place.rotation_rad).outlines(ROUND)).unwrap_or_default();
+    let degrees =
+        |direction: &Direction<Gcrs>| [direction.longitude_rad().to_degrees(), direction.latitude_rad().to_degrees()];
+    let outlines = field
+        .map(|field| field.on_sky(&pointing.centre, pointing.rotation_rad).outlines(CIRCLE_POINTS))
+        .unwrap_or_default();
     let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|outline| outline.iter().map(degrees).collect()).collect();
-    let [ra_deg, dec_deg] = degrees(&place.centre);
-    let start = parse_moment(&place.start_utc, None).map_or(place.start_utc.clone(), |moment| format_utc(moment, 3));
+    let [ra_deg, dec_deg] = degrees(&pointing.centre);
+    let start =
+        parse_moment(&pointing.start_utc, None).map_or(pointing.start_utc.clone(), |moment| format_utc(moment, 3));
     let start = start.trim_end_matches('Z').trim_end_matches(".000").replace('T', " ");
-    let words = format!("{} UTC, {} s", start, place.exposure_s);
+    let exposure = format!("{} UTC, {} s", start, pointing.exposure_s);
     Ok(field_chart(&FieldChart {
-        title: title.unwrap_or(&format!("Streaks in the field, {words}")),
+        title: title.unwrap_or(&format!("Streaks in the field, {exposure}")),
         caption: shells_caption(&names),
         ra_deg,
         dec_deg,

@@ -19,24 +19,24 @@ use crate::verbs::passes::{Prediction, predict};
 use super::clock::Clock;
 use super::columns::Columns;
 use super::curves::{Curve, SECTIONS, SYNTHETIC, curves, shells_caption};
-use super::target::Target;
+use super::target::{Target, required};
 
-/// Points along a track.
+/// Number of points along a track.
 const POINTS: usize = 400;
-/// More of the track than this around the field leads out of any sky, seconds.
-const MOST_AROUND_S: f64 = 600.0;
+/// Longest time before entry and after exit, seconds.
+const MAX_AROUND_S: f64 = 600.0;
 const DAY_S: f64 = 86_400.0;
 
 const COLUMNS: [Column; 10] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-    Column::time("utc", "Moment of reception."),
+    Column::time("utc", "Time of reception."),
     Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
     Column::real("dec_deg", "deg", 7, "Declination."),
     Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
     Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
     Column::real("range_km", "km", 3, "Distance from the observer."),
-    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty where nothing is seen."),
-    Column::real("magnitude_sigma", "mag", 3, "One sigma of it."),
+    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty if not visible."),
+    Column::real("magnitude_sigma", "mag", 3, "Sigma of the magnitude."),
     Column::new("in_field", Kind::Boolean, "Inside the field while the shutter is open."),
 ];
 
@@ -51,7 +51,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         let clock = Clock::new(typed.clock.utc_offset, site.or_else(|| columns.site()).as_ref());
         let picture = if columns.has("in_field") {
             if let Some(id) = typed.norad {
-                bail!("norad {id}: table {} is of one pass alone; leave it out", path.display());
+                bail!("norad {id}: table {} has only one pass; omit --norad", path.display());
             }
             picture(&columns, typed.limit_mag, clock.as_ref(), title)?
         } else {
@@ -61,16 +61,17 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
+    required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
     let target = Target::new(&typed.picture)?;
     let around_s = parse_duration_s("around", &typed.around)?;
-    if around_s > MOST_AROUND_S {
-        bail!("around {}; allowed: at most 10min", typed.around);
+    if around_s > MAX_AROUND_S {
+        bail!("invalid around {}; allowed: at most 10min", typed.around);
     }
-    let mut asked = predict(&config)?;
-    let pass = chosen(&asked, typed.norad)?;
-    let track = track(&asked, &pass, around_s)?;
-    let name = asked.prepared.sky.elements()[pass.element_index].name.clone();
-    let opening = mjd_utc(asked.exposure.start);
+    let mut prediction = predict(&config)?;
+    let pass = chosen(&prediction, typed.norad)?;
+    let track = track(&prediction, &pass, around_s)?;
+    let name = prediction.prepared.sky.elements()[pass.element_index].name.clone();
+    let opening = mjd_utc(prediction.exposure.start);
     let is_in = |point: &TrackPoint| {
         let seconds = (mjd_utc(point.epoch) - opening) * DAY_S;
         pass.chords.iter().any(|chord| (chord.enter_s - 1e-3..=chord.exit_s + 1e-3).contains(&seconds))
@@ -91,21 +92,24 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         ]
     };
     let table = Table { columns: COLUMNS.to_vec(), rows: track.iter().map(row).collect() };
-    let moments = |seconds: f64| streakcast::output::format_utc(seconds_after(asked.exposure.start, seconds), 6);
+    let moments = |seconds: f64| streakcast::output::format_utc(seconds_after(prediction.exposure.start, seconds), 6);
     let chords: Vec<[String; 2]> =
         pass.chords.iter().map(|chord| [moments(chord.enter_s), moments(chord.exit_s)]).collect();
-    let shutter = [moments(0.0), moments(asked.exposure.duration_s)];
-    asked.prepared.provenance.state("track", json!({ "name": &*name, "in_field_utc": chords, "shutter_utc": shutter }));
-    let columns = Columns::of(&table, &asked.prepared.provenance);
+    let shutter = [moments(0.0), moments(prediction.exposure.duration_s)];
+    prediction
+        .prepared
+        .provenance
+        .state("track", json!({ "name": &*name, "in_field_utc": chords, "shutter_utc": shutter }));
+    let columns = Columns::of(&table, &prediction.prepared.provenance);
     let picture = picture(&columns, typed.limit_mag, clock.as_ref(), title)?;
-    target.write(&picture, "track", &table, &asked.prepared.provenance)?;
+    target.write(&picture, "track", &table, &prediction.prepared.provenance)?;
     Ok(Outcome::Done)
 }
 
-/// The satellite asked for, else the brightest.
-fn chosen(asked: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
+/// Returns the pass of the given satellite, else the brightest.
+fn chosen(prediction: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
     // Near misses have no time in the field.
-    let found: Vec<&Pass> = asked.found().iter().filter(|pass| pass.is_crossing()).collect();
+    let found: Vec<&Pass> = prediction.found().iter().filter(|pass| pass.is_crossing()).collect();
     if let Some(id) = norad {
         let pass = found.iter().find(|pass| pass.norad_id == NoradId(id));
         let ids: Vec<String> = found.iter().map(|pass| pass.norad_id.0.to_string()).collect();
@@ -113,41 +117,39 @@ fn chosen(asked: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
         return pass
             .copied()
             .cloned()
-            .ok_or_else(|| anyhow!("norad {id}: it does not cross this exposure; allowed: {allowed}"));
+            .ok_or_else(|| anyhow!("norad {id} does not cross this exposure; allowed: {allowed}"));
     }
     let magnitude = |pass: &Pass| pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0);
     let bright = found.into_iter().filter_map(|pass| Some((magnitude(pass)?, pass)));
     let brightest = bright.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, pass)| pass.clone());
-    brightest.ok_or_else(|| anyhow!("there is no light curve: no satellite that can be seen crosses this exposure"))
+    brightest.ok_or_else(|| anyhow!("no light curve: no visible satellite crosses this exposure"))
 }
 
-/// Points from `around_s` before the first entry to as much after the last exit, as far as it stands above the horizon, of that satellite alone.
-fn track(asked: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
+/// Returns points from `around_s` before the first entry to `around_s` after the last exit, above the horizon.
+fn track(prediction: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
     let (first_s, last_s) = pass.chords.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), chord| {
         (low.min(chord.enter_s), high.max(chord.exit_s))
     });
-    let start = seconds_after(asked.exposure.start, first_s - around_s);
+    let start = seconds_after(prediction.exposure.start, first_s - around_s);
     let duration_s = last_s - first_s + 2.0 * around_s;
-    // A circle about the place in the field, wide enough for the way there and on, should the satellite be half as fast again higher up.
+    // A circle around the position in the field that contains the track, with a margin of half for a faster apparent
+    // motion at higher altitude.
     let radius_rad = (1.5 * pass.angular_rate_rad_s * duration_s + 0.1).min(std::f64::consts::FRAC_PI_2);
-    let exposure = Exposure { start, duration_s, pointing: pass.mid.direction, ..asked.exposure.clone() };
-    let options = PassOptions { include_dark: true, min_probability: None, samples: POINTS, ..asked.options };
+    let exposure = Exposure { start, duration_s, pointing: pass.mid.direction, ..prediction.exposure.clone() };
+    let options = PassOptions { include_dark: true, min_probability: None, samples: POINTS, ..prediction.options };
     let wide = Field::circle(2.0 * radius_rad)?;
-    let answer = asked.prepared.sky.field_passes(&[exposure], &wide, &options)?;
+    let answer = prediction.prepared.sky.field_passes(&[exposure], &wide, &options)?;
     let tracks = answer.by_exposure.into_iter().flatten();
     let found = tracks.filter(|found| found.element_index == pass.element_index && found.samples.len() > 1);
     let holds = |found: &Pass| {
         found.samples[0].epoch <= pass.mid.epoch && pass.mid.epoch <= found.samples[found.samples.len() - 1].epoch
     };
     found.into_iter().find(holds).map(|found| found.samples).ok_or_else(|| {
-        anyhow!(
-            "norad {}: its track in the field is shorter than can be drawn; allowed: a longer --around",
-            pass.norad_id.0
-        )
+        anyhow!("norad {}: the track in the field is too short; allowed: a longer --around", pass.norad_id.0)
     })
 }
 
-/// The brightest pass of a forecast, or of one satellite in it, from rise to set.
+/// Plots the brightest pass of a forecast, or of one of its satellites, from rise to set.
 fn of_forecast(
     columns: &Columns,
     norad: Option<u32>,
@@ -156,21 +158,21 @@ fn of_forecast(
     title: Option<&str>,
 ) -> anyhow::Result<Picture> {
     let found = curves(columns, norad.as_slice())?;
-    // Not a number sorts behind all numbers.
+    // NaN sorts after all numbers.
     let brightest = found.into_iter().min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
     let Curve { norad_id, is_synthetic, range_km: [from_km, to_km], track } =
-        brightest.ok_or_else(|| anyhow!("table {}: it has no pass; allowed: one or more", columns.origin()))?;
+        brightest.ok_or_else(|| anyhow!("table {} has no pass; allowed: one or more", columns.origin()))?;
     let highest = track.altitude_deg.iter().copied().fold(f64::NAN, f64::max);
     let synthetic = if is_synthetic { SYNTHETIC } else { "" };
     let name = format!("{}{synthetic}", track.name);
     let caption = format!(
-        "The whole pass, up to {highest:.0}° high: range {from_km:.0} km where it begins, {to_km:.0} km where it ends. {}",
+        "The whole pass, up to {highest:.0}° high: range {from_km:.0} km at the start, {to_km:.0} km at the end. {}",
         shells_caption(&[&name])
     );
-    let known = format!("NORAD {norad_id}");
-    let words = if track.name == known { known } else { format!("{name} ({known})") };
+    let number = format!("NORAD {norad_id}");
+    let satellite = if track.name == number { number } else { format!("{name} ({number})") };
     Ok(light_curve(&LightCurve {
-        title: title.unwrap_or(&format!("Light curve of {words}")),
+        title: title.unwrap_or(&format!("Light curve of {satellite}")),
         caption: caption.trim_end(),
         time_mjd: &track.time_mjd,
         magnitude: &track.magnitude,
@@ -202,7 +204,7 @@ fn picture(
         stated.get("in_field_utc").and_then(|spans| spans.as_array()).into_iter().flatten().filter_map(span).collect();
     let ids = columns.texts("norad_id")?;
     let name = stated.get("name").and_then(|name| name.as_str()).unwrap_or_default().to_owned();
-    let words = format!("{name} (NORAD {})", ids.first().copied().unwrap_or_default());
+    let satellite = format!("{name} (NORAD {})", ids.first().copied().unwrap_or_default());
     let altitudes = columns.numbers("altitude_deg")?;
     let ranges = columns.numbers("range_km")?;
     let ends =
@@ -222,7 +224,7 @@ fn picture(
         caption += &format!("; in the field from {} to {} UTC, {seconds:.2} s", at(*enter), at(last));
     }
     Ok(light_curve(&LightCurve {
-        title: title.unwrap_or(&format!("Light curve of {}", words.trim_start())),
+        title: title.unwrap_or(&format!("Light curve of {}", satellite.trim_start())),
         caption: format!("{caption}. {}", shells_caption(&[&name])).trim_end(),
         time_mjd: &time_mjd,
         magnitude: &magnitude,

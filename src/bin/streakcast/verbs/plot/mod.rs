@@ -1,5 +1,5 @@
-//! `plot`: pictures with their data beside. One plot a file; `columns` reads tables that verbs wrote (of forecasts
-//! `curves`), `target` names the files, `clock` holds local time, `exposures` what the plots of nights share.
+//! `plot`: pictures with their data files. Each plot has its own module. `columns` reads output tables of verbs,
+//! `curves` those of forecasts; `target` names the files, `clock` defines local time, `exposures` the table of nights.
 
 mod arguments;
 mod clock;

@@ -1,4 +1,4 @@
-//! `plot night`: which exposures of a night are struck, and how brightly.
+//! `plot night`: timeline of a night with its streaked exposures.
 
 use streakcast::config::Config;
 use streakcast::geometry::Observer;
@@ -11,11 +11,17 @@ use crate::verbs::map::site_of;
 
 use super::clock::{Clock, sun_over};
 use super::columns::Columns;
-use super::exposures::{Nights, asked, of_flags};
-use super::target::Target;
+use super::exposures::{Nights, compute, of_flags};
+use super::target::{Target, required};
 
 pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    if typed.from.is_none() {
+        let has_schedule = typed.schedule.is_some();
+        let inputs =
+            required(&config, &typed.picture).input(has_schedule, "schedule", "--schedule FILE, or --from FILE");
+        inputs.satellites().site().field().check()?;
+    }
     let notices = begin(&config)?;
     let target = match &typed.from {
         Some(_) if typed.schedule.is_none() => Target::of_table(&typed.picture)?,
@@ -36,13 +42,13 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             (columns, None)
         }
         (None, Some(schedule)) => {
-            let exposures = asked(&config, schedule, site.as_ref(), &eop)?;
+            let exposures = compute(&config, schedule, site.as_ref(), &eop)?;
             (Columns::of(&exposures.table, &exposures.provenance), Some((exposures.table, exposures.provenance)))
         }
-        (None, None) => anyhow::bail!("plot night needs --schedule, or --from"),
+        (None, None) => anyhow::bail!("missing schedule; specify --schedule FILE or --from FILE"),
     };
     if site.is_none() {
-        notices.warn(&["no site was said, and the table names none: no twilight and no local clock are drawn; allowed: --site, --mpc, or --lat and --lon"
+        notices.warn(&["no site is given, and the table has none: twilight and local time are not drawn; specify --site, --mpc, or --lat and --lon"
             .to_owned()]);
     }
     let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
@@ -51,18 +57,19 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     let night = nights.choose(typed.night.as_deref())?;
     let others = nights.all().len();
     if others > 1 && typed.night.is_none() {
-        notices
-            .say(&format!("warning: the schedule has {others} nights; drawn is the first, {night} (--night chooses)"));
+        notices.info(&format!(
+            "warning: the schedule has {others} nights; the first, {night}, is drawn; specify another with --night"
+        ));
     }
     let keep: Vec<bool> = nights.of_rows.iter().map(|of| of.as_deref() == Some(&night)).collect();
-    let said = config.policy()?.limit_mag;
-    let limit = match &said {
+    let given = config.policy()?.limit_mag;
+    let limit = match &given {
         Some(limit) => limit.of(config.light.band.as_deref()),
         None => columns.limit_mag(),
     };
-    let place = site.as_ref().map(|site| format!(", {}", site.name)).unwrap_or_default();
-    let title = typed.title.title.clone().unwrap_or_else(|| format!("Night of {night}{place}"));
-    let drawn = Night {
+    let site_name = site.as_ref().map(|site| format!(", {}", site.name)).unwrap_or_default();
+    let title = typed.title.title.clone().unwrap_or_else(|| format!("Night of {night}{site_name}"));
+    let timeline = Timeline {
         columns: &columns,
         keep: &keep,
         title: &title,
@@ -71,7 +78,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         site: site.as_ref(),
         eop: &eop,
     };
-    let picture = drawn.picture()?;
+    let picture = timeline.picture()?;
     match &table {
         Some((table, provenance)) => {
             let mut of_night = table.clone();
@@ -84,8 +91,8 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// What a timeline is made of.
-struct Night<'a> {
+/// Inputs of a timeline.
+struct Timeline<'a> {
     columns: &'a Columns,
     keep: &'a [bool],
     title: &'a str,
@@ -95,7 +102,7 @@ struct Night<'a> {
     eop: &'a streakcast::frames::EopTable,
 }
 
-impl Night<'_> {
+impl Timeline<'_> {
     fn picture(&self) -> anyhow::Result<Picture> {
         let kept = |column: Vec<f64>| -> Vec<f64> {
             column.into_iter().zip(self.keep).filter(|(_, keep)| **keep).map(|(value, _)| value).collect()
@@ -110,10 +117,10 @@ impl Night<'_> {
         let invalid = self.columns.texts("verdict")?.iter().filter(|verdict| **verdict == "invalid").count();
         let judged = match invalid {
             0 => String::new(),
-            1 => "1 row of the schedule could not be judged.".to_owned(),
-            many => format!("{many} rows of the schedule could not be judged."),
+            1 => "1 row of the schedule is invalid.".to_owned(),
+            many => format!("{many} rows of the schedule are invalid."),
         };
-        let caption = format!("{judged}{}", self.columns.synthetic_words());
+        let caption = format!("{judged}{}", self.columns.simulation_note());
         Ok(night_timeline(&NightTimeline {
             title: self.title,
             caption: caption.trim_start(),

@@ -17,7 +17,7 @@ use crate::verbs::map::model_of;
 use super::columns::Columns;
 use super::target::Target;
 
-/// Which picture of residuals.
+/// Kind of the picture.
 #[derive(Copy, Clone)]
 pub enum Chart {
     Panels,
@@ -27,12 +27,17 @@ pub enum Chart {
 
 const COLUMNS: [Column; 7] = [
     Column::real("observed_mag", "mag", 4, "Measured magnitude at 1000 km."),
-    Column::real("computed_mag", "mag", 4, "That of the model in the same geometry."),
-    Column::real("residual_mag", "mag", 4, "Observed less computed."),
-    Column::real("sun_latitude_deg", "deg", 5, "Sun above the plane of the chassis."),
-    Column::real("observer_longitude_deg", "deg", 5, "Observer in the satellite's frame, from the Sun's azimuth."),
-    Column::real("observer_latitude_deg", "deg", 5, "Observer above the plane of the chassis."),
-    Column::real("phase_angle_deg", "deg", 5, "Sun, satellite, observer."),
+    Column::real("computed_mag", "mag", 4, "Magnitude of the model in the same geometry."),
+    Column::real("residual_mag", "mag", 4, "Observed minus computed."),
+    Column::real("sun_latitude_deg", "deg", 5, "Latitude of the Sun above the plane of the chassis."),
+    Column::real(
+        "observer_longitude_deg",
+        "deg",
+        5,
+        "Longitude of the observer in the satellite's frame, from the azimuth of the Sun.",
+    ),
+    Column::real("observer_latitude_deg", "deg", 5, "Latitude of the observer above the plane of the chassis."),
+    Column::real("phase_angle_deg", "deg", 5, "Phase angle: angle Sun, satellite, observer."),
 ];
 
 /// Measured and computed magnitudes with their geometry, angles in radians.
@@ -55,14 +60,14 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     let target = Target::new(&typed.picture)?;
     let found = residuals(&typed, &config)?;
     if found.dark > 0 {
-        notices.say(&format!("warning: {} points left out, for which the model sees no light", found.dark));
+        notices.info(&format!("warning: {} points omitted, without sunlit surfaces in the model", found.dark));
     }
     let of = match chart {
-        Chart::Panels | Chart::Histogram => "observed less computed",
+        Chart::Panels | Chart::Histogram => "observed minus computed",
         Chart::PhaseCurve => "observed and computed",
     };
-    let words = format!("{}: {of}", typed.model);
-    let title = typed.title.title.as_deref().unwrap_or(&words);
+    let default_title = format!("{}: {of}", typed.model);
+    let title = typed.title.title.as_deref().unwrap_or(&default_title);
     let picture = found.picture(chart, title)?;
     let mut provenance = Provenance::new();
     provenance.state("measurements", typed.from.display().to_string());
@@ -77,7 +82,7 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     Ok(Outcome::Done)
 }
 
-/// Points, or pixels that were kept.
+/// Reads points, or kept pixels, and computes their magnitudes.
 fn residuals(typed: &PlotResidualsArguments, config: &Config) -> anyhow::Result<Residuals> {
     let model = model_of(&config.model_library()?, &typed.model)?;
     let photometry = config.photometry()?;
@@ -92,10 +97,10 @@ fn residuals(typed: &PlotResidualsArguments, config: &Config) -> anyhow::Result<
     let height = columns.numbers("height_km")?;
     let mut found = Residuals::default();
     for k in (0..observed.len()).filter(|&k| kept[k] > 0.0 && observed[k].is_finite()) {
-        // At 1000 km, where magnitudes are standard ones.
+        // Standard magnitudes are for 1000 km.
         let geometry = ViewingGeometry::from_angles(sun[k], longitude[k], latitude[k], 1000.0, height[k]);
         let geometry =
-            geometry.ok_or_else(|| anyhow!("table {}: row {} has no geometry", typed.from.display(), k + 1))?;
+            geometry.ok_or_else(|| anyhow!("table {}: row {} has an invalid geometry", typed.from.display(), k + 1))?;
         let view = BodyView::new(&model, sun[k], height[k], photometry)?;
         let Some(computed) = view.at(longitude[k], latitude[k]) else {
             found.dark += 1;
@@ -124,7 +129,7 @@ impl Residuals {
                 phase_angle_rad: &self.phase,
             })?,
             Chart::Histogram => {
-                // The normal curve is that of the residuals' own scatter.
+                // The normal curve has the scatter of the residuals.
                 let squares: f64 = self.residual.iter().map(|residual| residual * residual).sum();
                 let sigma_mag = (squares / self.residual.len().max(1) as f64).sqrt().max(1e-3);
                 residual_histogram(&ResidualHistogram { title, residuals_mag: &self.residual, sigma_mag })?

@@ -4,7 +4,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table};
 
 use super::arguments::{PictureArguments, PlotArguments, PlotBodyArguments, PlotSkyArguments, PlotVerb};
 use super::residuals::Chart;
-use super::target::{Target, name_beside, only};
+use super::target::{Target, data_path, only};
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
 use crate::screen::{Style, shown};
@@ -33,45 +33,49 @@ const PLOTS: &[[&str; 3]] = &[
     [
         "night",
         "timeline of a night",
-        "--schedule and satellites, site, field; or --from its data, or flags with --schedule",
+        "--schedule and satellites, site, field; or --from data of this plot, or --from output of flag with --schedule",
     ],
     [
         "field",
-        "a field with its streaks",
-        "--ra --dec --start --exposure and satellites, site, field; or --from a table of passes",
+        "field with its streaks",
+        "--ra --dec --start --exposure and satellites, site, field; or --from output of passes",
     ],
     [
         "light-curve",
         "magnitude along a track",
-        "--ra --dec --start --exposure and satellites, site, field; or --from its data, or what forecast wrote",
+        "--ra --dec --start --exposure and satellites, site, field; or --from data of this plot or output of forecast",
     ],
     [
         "sky-chart",
         "passes over the sky of a site",
-        "--from what forecast wrote by --light-curves, or as JSON with --samples",
+        "--from output of forecast with --light-curves, or as JSON with --samples",
     ],
-    ["sky-rate", "expected streaks over the sky", "--start --exposure and satellites, site, field; or --from its data"],
+    [
+        "sky-rate",
+        "expected streaks over the sky",
+        "--start --exposure and satellites, site, field; or --from data of this plot",
+    ],
     [
         "sun-altitude",
         "trails against the Sun's altitude",
-        "--schedule, or --start --exposure, and satellites, site, field; or --from its data",
+        "--schedule, or --start --exposure, and satellites, site, field; or --from data of this plot",
     ],
-    ["sky", "magnitudes over a site's sky", "--model --sun-altitude-deg"],
-    ["body", "magnitudes over a satellite's own sky", "--model --sun-latitude-deg"],
+    ["sky", "magnitudes over the sky of a site", "--model --sun-altitude-deg"],
+    ["body", "magnitudes over the directions around a satellite", "--model --sun-latitude-deg"],
     ["corner", "posterior of a fit", "--chains of fit run --mcmc"],
-    ["residuals", "O-C against the geometry", "--from a table of fit reduce, and --model"],
-    ["histogram", "O-C as a histogram", "--from a table of fit reduce, and --model"],
-    ["phase-curve", "magnitudes against the phase angle", "--from a table of fit reduce, and --model"],
+    ["residuals", "O-C against the geometry", "--from output of fit reduce, and --model"],
+    ["histogram", "O-C as a histogram", "--from output of fit reduce, and --model"],
+    ["phase-curve", "magnitudes against the phase angle", "--from output of fit reduce, and --model"],
 ];
 
 pub fn list() -> anyhow::Result<Outcome> {
     let table = Table {
         columns: vec![
-            Column::new("plot", Kind::Text, "Name after streakcast plot."),
-            Column::new("shows", Kind::Text, "What is to be seen."),
-            Column::new("needs", Kind::Text, "What must be said, beside -o."),
+            Column::new("plot", Kind::Text, "Name of the plot."),
+            Column::new("shows", Kind::Text, "Content of the plot."),
+            Column::new("needs", Kind::Text, "Required flags, in addition to -o."),
         ],
-        rows: PLOTS.iter().map(|row| row.iter().map(|words| (*words).into()).collect()).collect(),
+        rows: PLOTS.iter().map(|row| row.iter().map(|text| (*text).into()).collect()).collect(),
     };
     Output::new(None, None)?.write(&Answer {
         sections: vec![Section { name: "plots", table: &table }],
@@ -86,17 +90,17 @@ pub fn list() -> anyhow::Result<Outcome> {
 }
 
 pub fn sky(typed: PlotSkyArguments) -> anyhow::Result<Outcome> {
-    crate::verbs::map::sky(MapSkyArguments { view: typed.view, output: beside(&typed.picture)? })
+    crate::verbs::map::sky(MapSkyArguments { view: typed.view, output: map_outputs(&typed.picture)? })
 }
 
 pub fn body(typed: PlotBodyArguments) -> anyhow::Result<Outcome> {
-    crate::verbs::map::body(MapBodyArguments { view: typed.view, output: beside(&typed.picture)? })
+    crate::verbs::map::body(MapBodyArguments { view: typed.view, output: map_outputs(&typed.picture)? })
 }
 
-/// Where `map` puts picture and table.
-fn beside(typed: &PictureArguments) -> anyhow::Result<MapOutputArguments> {
+/// Returns the outputs of `map` for picture and table.
+fn map_outputs(typed: &PictureArguments) -> anyhow::Result<MapOutputArguments> {
     let picture = only(typed)?;
     Target::new(typed)?;
-    let data = typed.data.clone().or_else(|| (!typed.no_data).then(|| name_beside(&picture)));
+    let data = typed.data.clone().or_else(|| (!typed.no_data).then(|| data_path(&picture)));
     Ok(MapOutputArguments { step_deg: None, nside: None, format: None, output: data, picture: Some(picture) })
 }

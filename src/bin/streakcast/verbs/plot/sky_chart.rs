@@ -44,6 +44,6 @@ fn picture(
     };
     let caption = columns.texts("name").map_or("", |names| shells_caption(&names));
     let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("{} over {over}, {date}", track.name));
-    let words = one.unwrap_or_else(|| format!("Passes over {over}, {date}"));
-    Ok(sky_chart(&SkyChart { title: title.unwrap_or(&words), caption, tracks: &tracks, local })?)
+    let default_title = one.unwrap_or_else(|| format!("Passes over {over}, {date}"));
+    Ok(sky_chart(&SkyChart { title: title.unwrap_or(&default_title), caption, tracks: &tracks, local })?)
 }

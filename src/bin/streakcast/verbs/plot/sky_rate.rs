@@ -1,4 +1,4 @@
-//! `plot sky-rate`: how many streaks an exposure has to expect, over the sky of a site at one moment.
+//! `plot sky-rate`: expected number of streaks per exposure over the sky of a site at one time.
 
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
@@ -17,13 +17,13 @@ use crate::verbs::judged::{begin, given_field};
 
 use super::columns::Columns;
 use super::equatorial_rate;
-use super::equatorial_rate::{BRIGHT, Rates, STREAKS, lacking};
-use super::target::Target;
+use super::equatorial_rate::{BRIGHT, Rates, STREAKS, missing_statement};
+use super::target::{Target, required};
 
-/// What writes tables of this map.
+/// Verb that writes tables of this map.
 const WRITER: &str = "plot sky-rate";
-const MOST_NSIDE: u32 = 64;
-const MOST_REPEATS: usize = 1000;
+const MAX_NSIDE: u32 = 64;
+const MAX_REPEATS: usize = 1000;
 const LONGEST_S: f64 = 6.0 * 3600.0;
 
 const COLUMNS: [Column; 6] = [
@@ -34,7 +34,7 @@ const COLUMNS: [Column; 6] = [
     ),
     Column::real("azimuth_deg", "deg", 6, "Azimuth of the cell's centre from north through east."),
     Column::real("altitude_deg", "deg", 6, "Altitude of the cell's centre without refraction."),
-    Column::new("exposures", Kind::Integer, "Exposures averaged."),
+    Column::new("exposures", Kind::Integer, "Number of exposures averaged."),
     STREAKS,
     BRIGHT,
 ];
@@ -55,23 +55,25 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&drawn)?;
         return Ok(Outcome::Done);
     }
+    let inputs = required(&config, &typed.picture).satellites().site().field();
+    if typed.equatorial { inputs } else { inputs.times() }.check()?;
     let target = Target::new(&typed.picture)?;
-    if !(1..=MOST_NSIDE).contains(&typed.nside) || !typed.nside.is_power_of_two() {
-        bail!("nside {}; allowed: 1, 2, 4, 8, 16, 32, 64", typed.nside);
+    if !(1..=MAX_NSIDE).contains(&typed.nside) || !typed.nside.is_power_of_two() {
+        bail!("invalid nside {}; allowed: 1, 2, 4, 8, 16, 32, 64", typed.nside);
     }
-    if !(1..=MOST_REPEATS).contains(&typed.repeats) {
-        bail!("repeats {}; allowed: 1 to {MOST_REPEATS}", typed.repeats);
+    if !(1..=MAX_REPEATS).contains(&typed.repeats) {
+        bail!("invalid repeats {}; allowed: 1 to {MAX_REPEATS}", typed.repeats);
     }
     let directions = cells_above(typed.nside, typed.min_altitude)?;
     if typed.equatorial {
-        let (table, provenance) = equatorial_rate::asked(&typed, &config, &directions, &notices)?;
+        let (table, provenance) = equatorial_rate::compute(&typed, &config, &directions, &notices)?;
         let drawn = equatorial_rate::picture(&Columns::of(&table, &provenance), title)?;
         target.write(&drawn, "directions", &table, &provenance)?;
         return Ok(Outcome::Done);
     }
     let over_s = parse_duration_s("over", &typed.over)?;
     if over_s > LONGEST_S {
-        bail!("over {}; allowed: at most 6h", typed.over);
+        bail!("invalid over {}; allowed: at most 6h", typed.over);
     }
     let (start, duration_s) = start_and_length(&config)?;
     let field = config.field_of_view()?;
@@ -83,10 +85,10 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.warnings);
     let middle = |index: usize| ((index as f64 + 0.5) / typed.repeats as f64 - 0.5) * over_s;
     let moments: Vec<Epoch> = (0..typed.repeats).map(|index| seconds_after(moment, middle(index))).collect();
-    let places: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
+    let cells: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
     let photometry = config.photometry()?;
     let request = CountRequest {
-        directions: &places,
+        directions: &cells,
         moments: &moments,
         duration_s,
         field: &field,
@@ -94,7 +96,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         limit_mag: typed.limit_mag,
     };
     let counts = prepared.sky.streak_counts(&request)?;
-    notices.warn(&prepared.left_out_warning(&counts.left_out, moment)?);
+    notices.warn_left_out(&prepared, &counts.left_out, moment)?;
     let table = table(&directions, &counts, typed.limit_mag.is_some());
     let sun = prepared.sky.sun_altaz(moment)?;
     let mut provenance = prepared.provenance;
@@ -119,20 +121,20 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Opening and length of the exposures that a grid is of.
+/// Returns start and exposure time of the exposures of a grid.
 pub fn start_and_length(config: &Config) -> anyhow::Result<(Epoch, f64)> {
-    let missing = |what: &str| anyhow!("{what} is missing; allowed: --start 2024-08-14T00:30:00Z --exposure 30s");
+    let missing = |what: &str| anyhow!("missing {what}; specify --start 2024-08-14T00:30:00Z --exposure 30s");
     let ExposureConfig { start, duration, .. } = &config.exposure;
-    let start = start.as_ref().ok_or_else(|| missing("the moment"))?;
+    let start = start.as_ref().ok_or_else(|| missing("start"))?;
     let start = parse_moment(start.as_str(), config.time_scale()?)?;
-    let duration = duration.as_ref().ok_or_else(|| missing("the length of an exposure"))?;
+    let duration = duration.as_ref().ok_or_else(|| missing("exposure time"))?;
     Ok((start, parse_duration_s("exposure", duration.as_str())?))
 }
 
-/// Cells whose centres stand so high or higher, degrees.
+/// Returns the cells with centres at or above an altitude, degrees.
 pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direction<Horizontal>)>> {
     if !(0.0..=80.0).contains(&least_deg) {
-        bail!("min-altitude {least_deg}; allowed: 0 to 80 deg");
+        bail!("invalid min-altitude {least_deg}; allowed: 0 to 80 deg");
     }
     let centres = (0..cell_count(nside)).filter_map(|cell| Some((cell, ring_centre_rad(nside, cell)?)));
     let above = centres.filter(|(_, (_, altitude))| *altitude >= least_deg.to_radians());
@@ -140,7 +142,7 @@ pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direc
         above.map(|(cell, (azimuth, altitude))| (cell, Direction::from_lon_lat_rad(azimuth, altitude))).collect();
     if cells.is_empty() {
         bail!(
-            "no cell of nside {nside} has its centre above {least_deg} deg; allowed: a lower --min-altitude, a greater --nside"
+            "no cell of nside {nside} has its centre above {least_deg} deg; specify a lower --min-altitude or a larger --nside"
         );
     }
     Ok(cells)
@@ -148,13 +150,10 @@ pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direc
 
 fn sun_at(prepared: &PreparedSky, altitude_deg: f64, start: Epoch) -> anyhow::Result<Epoch> {
     if !(-90.0..=90.0).contains(&altitude_deg) {
-        bail!("sun-altitude-deg {altitude_deg}; allowed: -90 to 90 deg");
+        bail!("invalid sun-altitude-deg {altitude_deg}; allowed: -90 to 90 deg");
     }
     prepared.sky.sun_reaches(altitude_deg.to_radians(), start)?.ok_or_else(|| {
-        anyhow!(
-            "sun-altitude-deg {altitude_deg}: the Sun does not stand there within a day of {}",
-            format_utc(start, 0)
-        )
+        anyhow!("the Sun does not reach altitude {altitude_deg} deg within a day of {}", format_utc(start, 0))
     })
 }
 
@@ -180,7 +179,7 @@ fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
     let rates = Rates::of(columns, WRITER)?;
     let sun_azimuth_deg = rates.number("sun_azimuth_deg");
     if !sun_azimuth_deg.is_finite() {
-        return Err(lacking("Sun's azimuth", WRITER));
+        return Err(missing_statement("Sun's azimuth", WRITER));
     }
     let field = match rates.option("field").and_then(|field| field.get("circle")).and_then(Value::as_str) {
         Some(circle) => format!(", field {circle}"),
@@ -205,7 +204,7 @@ fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
             rates.number("repeats"),
             rates.number("over_s") / 60.0,
             rates.nside,
-            columns.synthetic_words()
+            columns.simulation_note()
         ),
         nside: rates.nside,
         cells: &rates.cells,

@@ -1,4 +1,4 @@
-//! `plot sun-altitude`: trails an exposure against the Sun's altitude, of the exposures of a schedule or of a grid over the sky all night long.
+//! `plot sun-altitude`: trails per exposure against the Sun's altitude, for a schedule or a grid over the sky.
 
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
@@ -15,9 +15,9 @@ use crate::verbs::judged::{begin, given_field};
 use crate::verbs::map::site_of;
 
 use super::columns::Columns;
-use super::exposures::asked;
+use super::exposures::compute;
 use super::sky_rate::{cells_above, start_and_length};
-use super::target::Target;
+use super::target::{Target, required};
 
 /// Cells of the grid: 14.7° wide, 48 of them above 30°.
 const NSIDE: u32 = 4;
@@ -48,12 +48,14 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&picture(&columns, limit, typed.bin, title, &caption)?)?;
         return Ok(Outcome::Done);
     }
+    let inputs = required(&config, &typed.picture).satellites().site().field();
+    if typed.schedule.is_some() { inputs } else { inputs.times() }.check()?;
     let target = Target::new(&typed.picture)?;
     let (table, provenance, caption) = match &typed.schedule {
         Some(schedule) => {
-            let site = site_of(&config)?
-                .ok_or_else(|| anyhow!("plot sun-altitude needs a site: --site, --mpc or --lat and --lon"))?;
-            let exposures = asked(&config, schedule, Some(&site), &config.eop_table()?)?;
+            let site =
+                site_of(&config)?.ok_or_else(|| anyhow!("missing site; specify --site, --mpc, or --lat and --lon"))?;
+            let exposures = compute(&config, schedule, Some(&site), &config.eop_table()?)?;
             (exposures.table, exposures.provenance, format!("Site: {}.", site.name))
         }
         None => grid(&typed, &config, limit)?,
@@ -63,7 +65,7 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Exposures evenly over the sky, again and again through a day, while the Sun is low.
+/// Computes a grid of exposures over the sky, at equal steps through a day, while the Sun is low.
 fn grid(
     typed: &PlotSunAltitudeArguments,
     config: &Config,
@@ -73,7 +75,7 @@ fn grid(
     let (start, duration_s) = start_and_length(config)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=DAY_S).contains(&step_s) {
-        bail!("step {}; allowed: 30s to 24h", typed.step);
+        bail!("invalid step {}; allowed: 30s to 24h", typed.step);
     }
     let field = config.field_of_view()?;
     let prepared = config.prepare(start, seconds_after(start, DAY_S))?;
@@ -88,7 +90,7 @@ fn grid(
     }
     if moments.is_empty() {
         bail!(
-            "the Sun does not sink to {} deg within a day of the start; allowed: a higher --max-sun-altitude-deg",
+            "the Sun does not reach altitude {} deg within a day of the start; allowed: a higher --max-sun-altitude-deg",
             typed.max_sun_altitude_deg
         );
     }
@@ -104,7 +106,7 @@ fn grid(
         limit_mag: limit,
     };
     let counts = prepared.sky.streak_counts(&request)?;
-    notices.warn(&prepared.left_out_warning(&counts.left_out, start)?);
+    notices.warn_left_out(&prepared, &counts.left_out, start)?;
     let mut rows = Vec::new();
     for ((moment, all), sun) in moments.iter().zip(&counts.by_moment).zip(&counts.sun) {
         for (direction, count) in directions.iter().zip(all) {
@@ -150,12 +152,12 @@ fn picture(
 ) -> anyhow::Result<Picture> {
     let (sun, streaks, bright) =
         (columns.numbers("sun_altitude_deg")?, columns.numbers("n_streaks")?, columns.numbers("n_bright")?);
-    // Rows that could not be judged have neither.
+    // Invalid rows have neither.
     let kept: Vec<usize> = (0..columns.len()).filter(|&k| sun[k].is_finite() && streaks[k].is_finite()).collect();
     let of = |column: &[f64]| kept.iter().map(|&k| column[k]).collect::<Vec<f64>>();
     let (sun, streaks, bright) = (of(&sun), of(&streaks), of(&bright));
     let has_bright = limit.is_some() && bright.iter().all(|count| count.is_finite());
-    let caption = format!("{caption}{}", columns.synthetic_words());
+    let caption = format!("{caption}{}", columns.simulation_note());
     Ok(sun_altitude(&SunAltitude {
         title: title.unwrap_or("Trails per exposure"),
         caption: caption.trim_start(),

@@ -11,22 +11,22 @@ use crate::arguments::utc_offset_h;
 
 #[derive(Args)]
 pub struct ServeArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
-    /// Address and port to listen at; port 0 takes a free one. An address that others reach needs a token
+    pub schedule: Option<PathBuf>,
+    /// Address and port to listen at; port 0 for a free one. Addresses other than loopback need a token
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8642", value_parser = address, help_heading = "Service")]
     pub bind: SocketAddr,
-    /// File whose first line is the token that the API asks for
+    /// File with the access token of the API on its first line
     #[arg(long, value_name = "FILE", conflicts_with = "token_env", help_heading = "Service")]
     pub token_file: Option<PathBuf>,
-    /// Environment variable that holds it
+    /// Environment variable with the access token
     #[arg(long, value_name = "NAME", help_heading = "Service")]
     pub token_env: Option<String>,
-    /// Requests a second that one address may make, 1 to 100000
+    /// Rate limit, requests per second and address, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Service")]
     pub rate: u32,
-    /// Clock of the page: so far ahead of UTC, as +01:00; by the site's longitude where unsaid
+    /// Local time of the page, ahead of UTC, for example +01:00; by the longitude of the site if omitted
     #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Service")]
     pub utc_offset: Option<f64>,
     #[command(flatten)]
@@ -36,6 +36,6 @@ pub struct ServeArguments {
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
-    let allowed = "allowed: an IP address and a port of 0 to 65535, as 127.0.0.1:8642 or [::1]:8642";
+    let allowed = "allowed: an IP address and a port of 0 to 65535, for example 127.0.0.1:8642 or [::1]:8642";
     text.parse().map_err(|_| allowed.to_owned())
 }

@@ -68,12 +68,13 @@ pub fn has_body(headers: &HeaderMap) -> bool {
     headers.get(CONTENT_LENGTH).is_some_and(|length| length != "0") || headers.contains_key(TRANSFER_ENCODING)
 }
 
-/// Most addresses that are tracked; those without recent requests are dropped first.
+/// Largest number of tracked addresses; those without recent requests are dropped first.
 const MAX_ADDRESSES: usize = 4096;
 /// Requests that arrive within this time may come all at once.
 const BURST: Duration = Duration::from_secs(1);
 
-/// Generic cell rate algorithm: each request of an address moves its due time ahead by one interval, at most `BURST` ahead of now.
+/// Generic cell rate algorithm: each request of an address moves its due time ahead by one interval, at most to `BURST`
+/// after now.
 #[derive(Debug)]
 pub struct RateLimiter {
     interval: Duration,
@@ -120,7 +121,7 @@ fn network_of(address: IpAddr) -> IpAddr {
 const SHORTEST: usize = 16;
 const LONGEST: usize = 512;
 
-/// Secret that requests carry; never printed.
+/// Secret of the requests; never printed.
 pub struct Token(Vec<u8>);
 
 impl Token {

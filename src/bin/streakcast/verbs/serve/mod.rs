@@ -2,7 +2,8 @@
 //!
 //! `run` reads the inputs into `state` and listens; `server` accepts connections; `router` maps paths to handlers,
 //! behind `filter`; `query` reads parameters; `answers/` computes the
-//! responses on the threads of `workers`; `problem` holds error responses; `openapi` describes the API; `page` holds the page's files.
+//! responses on the threads of `workers`; `problem` holds error responses; `openapi` describes the API; `page` holds
+//! the files of the page.
 
 mod answers;
 mod arguments;

@@ -18,51 +18,51 @@ use super::server;
 use super::state::{Caveats, ServerState, nights_of, zone_h};
 use super::workers::WorkerPool;
 use crate::failure::Outcome;
+use crate::required::Required;
 
 /// Most exposures that the page can show.
 const MAX_EXPOSURES: usize = 100_000;
 
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    let has_schedule = typed.schedule.is_some();
+    Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let token = Token::of(&typed)?;
     let notices = judged::begin(&config)?;
-    let asked = config.observation()?;
+    let plan = config.observation()?;
     // Before the computation, so that an address in use is reported at once.
     let listener =
         std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
     let address = listener.local_addr()?;
 
-    let schedule = Schedule::read(&typed.schedule, &config.schedule_options()?)?;
+    let path = typed.schedule.unwrap_or_default();
+    let schedule = Schedule::read(&path, &config.schedule_options()?)?;
     let rows = schedule.exposures.len();
     if rows > MAX_EXPOSURES {
-        return Err(anyhow!(
-            "schedule {}: {rows} exposures; allowed: {MAX_EXPOSURES} at most",
-            typed.schedule.display()
-        ));
+        return Err(anyhow!("schedule {}: {rows} exposures; allowed: {MAX_EXPOSURES} at most", path.display()));
     }
-    let (first, last) =
-        judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &typed.schedule)))?;
+    let (first, last) = judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &path)))?;
     let prepared = config.prepare(first, last)?;
     let site = match prepared.sky.viewpoint() {
         Viewpoint::Site(observer) => observer.site().clone(),
         Viewpoint::Orbit(observer) => {
             let name = observer.name();
             return Err(anyhow!(
-                "invalid observer {name}, which is in orbit; allowed: a site (--site, --mpc or --lat, --lon, --height)"
+                "invalid observer {name}, which is in orbit; allowed: a site (--site, --mpc, or --lat and --lon)"
             ));
         }
     };
     notices.warn(&prepared.warnings);
-    let report = judged::flag_rows(&prepared, &schedule, first, &asked, &notices)?;
-    let of_schedule = judged::schedule_warnings(&schedule, &asked.policy, asked.telescope.as_ref());
+    let report = judged::flag_rows(&prepared, &schedule, first, &plan, &notices)?;
+    let of_schedule = judged::schedule_warnings(&schedule, &plan.policy, plan.telescope.as_ref());
     notices.warn(&of_schedule);
     let left_out = prepared.left_out_warning(&report.left_out, first)?;
     let warnings = prepared.warnings.iter().cloned().chain(left_out).chain(of_schedule).collect();
     judged::summary(&notices, &report);
 
     let mut provenance = without_lists(&prepared.provenance);
-    state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), &asked.photometry);
-    let file = typed.schedule.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), &plan.photometry);
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     provenance.state(
         "schedule",
         json!({
@@ -73,8 +73,8 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
             "first_start_utc": format_utc(first, 3),
         }),
     );
-    let telescope = asked.telescope.as_ref().map(|telescope| telescope.name.clone());
-    provenance.state("options", judged::options_json(&config, &asked.policy, telescope.as_deref()));
+    let telescope = plan.telescope.as_ref().map(|telescope| telescope.name.clone());
+    provenance.state("options", judged::options_json(&config, &plan.policy, telescope.as_deref()));
     let state = ServerState {
         library: config.model_library()?,
         caveats: Caveats { warnings, left_out_count: report.left_out.len() },
@@ -84,7 +84,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         config,
         prepared,
         site,
-        asked,
+        plan,
         schedule,
         provenance,
     };
@@ -102,7 +102,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
     drop(out);
     server::serve(listener, router(app), workers)?;
-    notices.say("stopped");
+    notices.info("stopped");
     Ok(Outcome::Done)
 }
 

@@ -1,8 +1,8 @@
-//! Connections, with limits on their number, on their age and on request heads, error responses to malformed heads, and a stop that
-//! completes open requests.
+//! Connections, with limits on their number, on their age and on request heads, error responses to malformed heads, and
+//! a stop that completes open requests.
 //!
-//! hyper answers a malformed head with a bare status, and one that is late or incomplete with nothing. `Wire` holds its bare
-//! answers back; a problem document with the headers of every response takes their place.
+//! hyper sends a bare status for a malformed head, and nothing for one that is late or incomplete. `Wire` suppresses
+//! the bare responses; a problem document with the headers of every response replaces them.
 
 use std::future::Future;
 use std::io;
@@ -182,7 +182,7 @@ fn is_bare_error(bytes: &[u8]) -> bool {
     is_error && bytes.ends_with(b"\r\n\r\n") && !bytes.windows(name.len()).any(|window| window == name)
 }
 
-/// Returns the problem that ended a connection, if its client is to be informed; `unread` is the part of a head that was received.
+/// Returns the problem that ended a connection, if the client is informed; `unread` is the received part of a head.
 pub fn problem_of(error: &hyper::Error, unread: &[u8]) -> Option<Problem> {
     let allowed = "allowed: HTTP/1.1 and 1.0, without TLS";
     if error.is_parse_too_large() && !unread.contains(&b'\n') {

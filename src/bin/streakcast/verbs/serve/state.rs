@@ -19,13 +19,13 @@ pub struct ServerState {
     pub prepared: PreparedSky,
     /// The site of all answers except those of SatChecker's paths.
     pub site: Site,
-    pub asked: ObservationPlan,
+    pub plan: ObservationPlan,
     pub schedule: Schedule,
-    /// One for each row.
+    /// Verdicts of the rows.
     pub flags: Vec<Verdict>,
-    /// Those of the verdicts.
+    /// Caveats of the verdicts.
     pub caveats: Caveats,
-    /// Without its lists (rejected records), which may be long.
+    /// Provenance without its lists (rejected records), which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
     /// Rows by the evening's date (MJD) of their night.
@@ -58,31 +58,31 @@ impl ServerState {
         Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
-    /// The request for verdicts by this policy.
+    /// Returns the request for verdicts with this policy.
     pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
-        FlagRequest { policy, ..self.asked.request(self.sky()) }
+        FlagRequest { policy, ..self.plan.request(self.sky()) }
     }
 
-    /// The options of `passes`.
+    /// Returns the options of `passes`.
     pub fn pass_options(&self, samples: usize) -> PassOptions {
         PassOptions {
             include_dark: false,
-            min_probability: self.asked.policy.min_probability,
+            min_probability: self.plan.policy.min_probability,
             samples,
-            photometry: self.asked.photometry,
+            photometry: self.plan.photometry,
             ..PassOptions::default()
         }
     }
 }
 
-/// The evening's date of a night, as 2024-08-13.
+/// Returns the date of the evening of a night, like 2024-08-13.
 pub fn date_of(evening_mjd: i64) -> String {
     let mut text = format_utc(Epoch::from_mjd_utc(evening_mjd as f64), 0);
     text.truncate(10);
     text
 }
 
-/// Rows by the evening (MJD) of their night; invalid ones are in the first night.
+/// Returns the rows by the evening (MJD) of their night. Invalid rows are in the first night.
 pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
     let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for (row, exposure) in schedule.valid_exposures() {
@@ -96,7 +96,7 @@ pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> 
     nights
 }
 
-/// The zone in which the Sun culminates nearest to 12 h, hours ahead of UTC.
+/// Returns the time zone in which the Sun culminates closest to 12 h, hours ahead of UTC.
 pub fn zone_h(site: &Site) -> f64 {
     (site.longitude_rad.to_degrees() / 15.0).round()
 }

@@ -1,4 +1,4 @@
-//! Worker threads for the answers: a bounded number at a time, a bounded queue, a time limit, and a cache of earlier answers.
+//! Worker threads for the answers: a bounded number, a bounded queue, a time limit, and a cache of earlier answers.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -21,7 +21,8 @@ const CACHE_BYTES: u64 = 16 << 20;
 /// Size of the cache's table at the start, entries.
 const CACHE_ENTRIES: usize = 1000;
 
-/// Computes answers, and keeps the last ones by path and query: the same request has the same answer as long as the server runs.
+/// Computes answers, and caches the last ones by path and query: the same request has the same answer as long as the
+/// server runs.
 pub struct WorkerPool {
     /// Requests that wait or are computed.
     queue: Semaphore,

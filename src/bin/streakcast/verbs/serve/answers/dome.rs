@@ -48,7 +48,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let mid = seconds_after(start, 0.5 * duration_s);
     let sun = state.sky().sun_altaz(mid).map_err(|error| of_sky(&error))?;
     let earth = Earth::Ellipsoid(state.site.clone());
-    let photometry = state.asked.photometry;
+    let photometry = state.plan.photometry;
     let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
         .map_err(|error| Problem::new(400, error.to_string()))?
         .with_shadow(state.sky().shadow());

@@ -38,7 +38,7 @@ pub const PARAMETERS: &[Parameter] = &[
     optional(
         "around_s",
         number(0.0, 1800.0, " s"),
-        "Time before and after the exposure whose crossings are returned too, seconds; default 0.",
+        "Time before and after the exposure in which crossings are also returned, seconds; default 0.",
     ),
 ];
 
@@ -56,7 +56,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
         pointing: Direction::from_lon_lat_rad(number("ra_deg").to_radians(), number("dec_deg").to_radians()),
         rotation_rad: rotation_deg.to_radians(),
     };
-    let mut policy = state.asked.policy.clone();
+    let mut policy = state.plan.policy.clone();
     if let Some(limit) = query.number("limit_mag") {
         policy.limit_mag = Some(MagnitudeLimit::All(limit));
     }
@@ -70,7 +70,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let passes_of = |exposure: &Exposure, samples: usize| {
         let answer = state.sky().field_passes(
             std::slice::from_ref(exposure),
-            &state.asked.field,
+            &state.plan.field,
             &state.pass_options(samples),
         )?;
         Ok(answer.by_exposure.into_iter().next().unwrap_or_default())
@@ -101,8 +101,8 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
             pass,
             elements: &state.sky().elements()[pass.element_index],
             satellite_size_m: state.sky().model(pass.element_index).size_m(),
-            telescope: state.asked.telescope.as_ref(),
-            photometry: &state.asked.photometry,
+            telescope: state.plan.telescope.as_ref(),
+            photometry: &state.plan.photometry,
         }),
         true,
         samples > 0,

@@ -68,8 +68,8 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
             site.height_m.into(),
         ]],
     };
-    let policy = &state.asked.policy;
-    let photometry = &state.asked.photometry;
+    let policy = &state.plan.policy;
+    let photometry = &state.plan.photometry;
     let mut document = Document::with_provenance(&state.provenance);
     document.caveats(&state.caveats);
     document.value("night", date_of(night));
@@ -81,8 +81,8 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     document.value(
         "field",
         json!({
-            "outlines_deg": state.asked.field.outlines_deg(OUTLINE_POINTS),
-            "radius_deg": state.asked.field.bounding_radius_rad().to_degrees(),
+            "outlines_deg": state.plan.field.outlines_deg(OUTLINE_POINTS),
+            "radius_deg": state.plan.field.bounding_radius_rad().to_degrees(),
         }),
     );
     document.value("limit_mag", policy.limit_mag.as_ref().and_then(|limit| limit.of(None)));

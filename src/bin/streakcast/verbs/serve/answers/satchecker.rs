@@ -1,5 +1,5 @@
-//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/` with the parameters and the responses of IAU CPS SatChecker
-//! (version 1.7, docs/source/fov.rst), computed at once and with magnitudes.
+//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/` with parameters and responses of IAU CPS SatChecker
+//! (version 1.7, docs/source/fov.rst), with magnitudes and without tasks.
 
 use std::collections::BTreeMap;
 
@@ -39,7 +39,7 @@ const ILLUMINATED: Parameter = optional("illuminated_only", TRUTH, "Only sunlit 
 const CONSTELLATION: Parameter = optional(
     "constellation",
     Kind::Text { longest: 50 },
-    "Only satellites whose names begin with this, in upper or lower case.",
+    "Only satellites with names that begin with this, in upper or lower case.",
 );
 
 pub const PASSES: &[Parameter] = &[
@@ -95,8 +95,8 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
         let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
         let answer = answer.map_err(|error| of_sky(&error))?;
         let found = answer.by_exposure.into_iter().flatten();
-        let wanted = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
-        Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
+        let selected = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
+        Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((selected.collect(), answer.left_out))
     };
     // First without points: their number is limited.
     let (found, left_out) = passes_of(0)?;
@@ -143,7 +143,7 @@ fn pass_options(state: &ServerState, query: &Query, samples: usize) -> PassOptio
         include_dark: !query.truth("illuminated_only").unwrap_or(false),
         min_probability: None,
         samples,
-        photometry: state.asked.photometry,
+        photometry: state.plan.photometry,
         ..PassOptions::default()
     }
 }
@@ -222,7 +222,7 @@ pub fn above(state: &ServerState, query: &Query) -> Result<String, Problem> {
         min_altitude_rad: query.number("min_altitude").unwrap_or_default().to_radians(),
         include_dark: !query.truth("illuminated_only").unwrap_or(false),
         whole_tracks: false,
-        photometry: Some(state.asked.photometry),
+        photometry: Some(state.plan.photometry),
     };
     let (tracks, left_out) = sky.snapshots(at, &[0.0], &options).map_err(|error| of_sky(&error))?;
     let caveats = state.caveats_at(at, at, &left_out)?;
@@ -283,8 +283,8 @@ fn moment(jd: f64) -> Result<Epoch, Problem> {
 }
 
 fn is_of_constellation(sky: &Sky, element_index: usize, query: &Query) -> bool {
-    let Some(wanted) = query.text("constellation") else { return true };
-    sky.elements()[element_index].name.to_lowercase().starts_with(&wanted.to_lowercase())
+    let Some(prefix) = query.text("constellation") else { return true };
+    sky.elements()[element_index].name.to_lowercase().starts_with(&prefix.to_lowercase())
 }
 
 fn orbital_data(sky: &Sky, element_index: usize) -> Value {

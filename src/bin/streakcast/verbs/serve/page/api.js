@@ -1,54 +1,54 @@
-// Questions to the server that gave this page, and to nobody else.
+// Requests to the server of this page.
 
-/** The server asks for a token. */
-export class Locked extends Error {}
+/** The server requires a token. */
+export class TokenRequired extends Error {}
 
 let token = sessionStorage.getItem("token");
 
-/** Remembers the token until the tab closes. */
+/** Stores the token until the tab closes. */
 export function unlock(text) {
   token = text;
   sessionStorage.setItem("token", text);
 }
 
-/** One question: what is null is not said. Answers with the document and what it took the server, ms. */
-export async function ask(path, said = {}) {
-  const query = new URLSearchParams(Object.entries(said).filter(([, value]) => value != null && value !== ""));
+/** Sends a request without parameters that are null. Returns the document and the computing time of the server, ms. */
+export async function request(path, parameters = {}) {
+  const query = new URLSearchParams(Object.entries(parameters).filter(([, value]) => value != null && value !== ""));
   const headers = token ? { Authorization: `Bearer ${token}` } : {};
   let response;
   try {
-    // Past the browser's cache, which takes longer to ask than the server.
+    // Without the browser's cache, which is slower than the server.
     response = await fetch(`${path}?${query}`, { headers, cache: "no-store" });
   } catch {
-    throw new Error("The server does not answer. Is streakcast serve still running?");
+    throw new Error("No response from the server; check that streakcast serve is running.");
   }
   const type = response.headers.get("Content-Type") ?? "";
   const document = type.includes("json") ? await response.json() : {};
-  if (response.status === 401) throw new Locked(document.detail);
-  if (!response.ok) throw new Error(document.detail ?? `The server answers ${response.status}.`);
+  if (response.status === 401) throw new TokenRequired(document.detail);
+  if (!response.ok) throw new Error(document.detail ?? `The server responded with status ${response.status}.`);
   const timing = /dur=([\d.]+)/.exec(response.headers.get("Server-Timing") ?? "");
   return { document, ms: timing ? Number(timing[1]) : null };
 }
 
-/** Asks one question at a time; of those that come meanwhile only the last is asked, so that a drag never runs behind. */
-export function line(path, answered, failed) {
+/** Sends one request at a time, and then only the latest waiting one, so that the page does not lag behind a drag. */
+export function latest(path, answered, failed) {
   let busy = false;
   let waiting = null;
   async function next() {
     busy = true;
     while (waiting) {
-      const said = waiting;
+      const parameters = waiting;
       waiting = null;
       try {
-        answered(await ask(path, said), said);
+        answered(await request(path, parameters), parameters);
       } catch (error) {
-        if (!waiting) failed(error, said);
+        if (!waiting) failed(error, parameters);
       }
     }
     busy = false;
   }
-  return (said) => {
-    waiting = said;
+  return (parameters) => {
+    waiting = parameters;
     if (!busy) next();
   };
 }

@@ -1,6 +1,6 @@
-// Sharp canvases: sized to the pixels of the screen, drawn in the page's own.
+// Sharp canvases: sized in pixels of the screen, drawn in pixels of the page.
 
-/** A context to draw in, cleared, with width and height in pixels of the page. */
+/** Returns a cleared drawing context with width and height in pixels of the page. */
 export function prepare(canvas) {
   const box = canvas.getBoundingClientRect();
   const width = Math.max(1, Math.round(box.width));
@@ -19,9 +19,9 @@ export function prepare(canvas) {
   return { context, width, height };
 }
 
-/** What lies behind in a chart, kept while it stays the same: a drag redraws alone what it moves. */
+/** Cached background of a chart: a drag redraws only the moving parts. */
 export class Backdrop {
-  /** Puts on the canvas what `paint(context)` draws; that is drawn anew where `of` (what it shows) or the canvas is another. */
+  /** Draws the cached picture of `paint(context)`, which is painted again after a change of `of` (its content) or the canvas. */
   show(context, of, paint) {
     const { canvas } = context;
     const shown = [canvas.width, canvas.height, context.getTransform().a, ...of];
@@ -43,7 +43,7 @@ export class Backdrop {
   }
 }
 
-/** A line through points [x, y]; a point that is null breaks it. */
+/** Traces a line through points [x, y], interrupted at null. */
 export function path(context, points) {
   context.beginPath();
   let isOpen = false;
@@ -57,7 +57,7 @@ export function path(context, points) {
   }
 }
 
-/** Text with a border of the ground's colour, so that it can be read over anything. */
+/** Draws text with a border in the colour of the background, for legibility. */
 export function label(context, text, x, y, colour, ground) {
   context.lineJoin = "round";
   context.lineWidth = 3;
@@ -68,8 +68,8 @@ export function label(context, text, x, y, colour, ground) {
   context.lineWidth = 1;
 }
 
-/** Remembers where text stands, and says whether there is room for more. */
-export function places() {
+/** Returns a function that reserves the space of a label, and returns false if it is occupied. */
+export function labelSpace() {
   const taken = [];
   return (context, text, x, y) => {
     const width = context.measureText(text).width;
@@ -81,7 +81,7 @@ export function places() {
   };
 }
 
-/** Round steps for an axis: so long that about `wanted` of them fit. */
-export function step(span, wanted, steps) {
-  return steps.find((one) => span / one <= wanted) ?? steps[steps.length - 1];
+/** Returns the shortest step of an axis with at most `count` steps. */
+export function step(span, count, steps) {
+  return steps.find((one) => span / one <= count) ?? steps[steps.length - 1];
 }

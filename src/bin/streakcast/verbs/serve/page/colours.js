@@ -1,4 +1,5 @@
-// Colours of magnitudes: viridis (bright satellites are bright), and under red light shades of red. Both keep their order for every eye.
+// Colours of magnitudes: viridis (bright satellites are bright), and shades of red under red light.
+// Both are monotonic in lightness.
 
 const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c", "#22a884", "#44bf70", "#7ad151", "#bddf26", "#fde725"];
 const RED = ["#2a0000", "#480400", "#640a02", "#801206", "#9c1c0c", "#b82a16", "#d03c24", "#e45034", "#f26a4c", "#fb8a6c", "#ffb09a"];
@@ -16,13 +17,13 @@ export const isRed = () => document.documentElement.dataset.light === "red";
 export function ofMagnitude(magnitude) {
   const ramp = isRed() ? RAMPS.red : RAMPS.dark;
   const share = Math.min(1, Math.max(0, (FAINT - magnitude) / (FAINT - BRIGHT)));
-  // The darkest colours are left to the ground.
+  // The darkest colours are reserved for the background.
   const place = (0.18 + 0.82 * share) * (ramp.length - 1);
   const below = Math.min(ramp.length - 2, Math.floor(place));
   return ramp[below].map((low, channel) => low + (ramp[below + 1][channel] - low) * (place - below));
 }
 
-/** The same for canvas and style; the colour of what has no magnitude where there is none. */
+/** Returns the colour for canvas and style; a neutral colour without a magnitude. */
 export function css(magnitude, alpha = 1) {
   if (magnitude == null) return theme().muted;
   const [red, green, blue] = ofMagnitude(magnitude).map(Math.round);

@@ -1,6 +1,6 @@
 // Lines of equal value on a grid, by marching squares.
 
-/** Segments [[x, y], [x, y]] in places of the grid where `values[y][x]` equals `level`; cells with a gap have none. */
+/** Returns the segments [[x, y], [x, y]], in grid coordinates, on which `values[y][x]` equals `level`, without cells with gaps. */
 export function contour(values, level) {
   const segments = [];
   for (let y = 0; y + 1 < values.length; y += 1) {
@@ -24,7 +24,7 @@ export function contour(values, level) {
   return segments;
 }
 
-/** A value between the places of a grid; null where a neighbour is a gap. */
+/** Interpolates a value of a grid; null if a neighbour is a gap. */
 export function between(values, x, y) {
   const [left, low] = [Math.floor(x), Math.min(values.length - 2, Math.floor(y))];
   const [u, v] = [x - left, y - low];

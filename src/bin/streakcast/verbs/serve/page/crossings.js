@@ -1,4 +1,4 @@
-// The crossings as a table: SatChecker's columns, and what it has no words for.
+// Table of crossings: the columns of SatChecker, and further ones.
 
 import { css } from "./colours.js";
 import { clock, fixed, moment } from "./words.js";
@@ -26,7 +26,7 @@ const COLUMNS = [
   ["P", (pass) => fixed(pass.probability, 2)],
 ];
 
-/** Column of the file, value. Places are those of mid. */
+/** Column of the file, value. Positions are those of the middle of the pass. */
 const FILE = [
   ["name", (pass) => pass.name],
   ["norad_id", (pass) => pass.norad_id],
@@ -62,7 +62,7 @@ export function heads(row) {
   );
 }
 
-/** Fills the table, or says why it is empty; the button in each row chooses its track. */
+/** Fills the table, or shows the reason why it is empty; the button in each row selects its track. */
 export function rows(body, passes, selected, choose) {
   if (!passes?.length) {
     const cell = document.createElement("td");
@@ -73,7 +73,7 @@ export function rows(body, passes, selected, choose) {
     body.replaceChildren(row);
     return;
   }
-  // What has the focus keeps it when the rows are made anew.
+  // The focus is kept when the rows are replaced.
   const focused = body.contains(document.activeElement) ? document.activeElement.dataset.norad : null;
   body.replaceChildren(
     ...passes.map((pass) => {
@@ -101,7 +101,7 @@ export function rows(body, passes, selected, choose) {
   if (focused) body.querySelector(`button[data-norad="${CSS.escape(focused)}"]`)?.focus();
 }
 
-/** The same as CSV. */
+/** Returns the crossings as CSV. */
 export function csv(passes) {
   const cell = (value) => {
     const text = value == null ? "" : String(value);

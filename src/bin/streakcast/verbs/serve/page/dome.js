@@ -1,16 +1,16 @@
-// The sky over the site: zenith in the middle, north up, east left, as one looks up.
+// Sky over the site: zenith in the centre, north up, east left.
 
 import { css, isRed, ofMagnitude, theme } from "./colours.js";
 import { between, contour } from "./contours.js";
 import { Backdrop, label, path, prepare } from "./canvas.js";
 
 const DEG = Math.PI / 180;
-/** Pixels of the magnitude map across; it is smooth and drawn larger. */
+/** Size of the magnitude map, pixels; it is smooth and drawn enlarged. */
 const FINE = 220;
-/** Places of the grid by which magnitudes are carried on into the shadow, where nothing is seen of them: so the map ends at its edge and not in steps. */
+/** Grid cells of extrapolation into the shadow, which is drawn over them: the map ends at the edge, without steps. */
 const BEYOND = 3;
 
-/** The grid with its gaps filled from beside as far as that goes. */
+/** Returns the grid with gaps filled from neighbouring cells. */
 function filled(rows) {
   let values = rows;
   for (let turn = 0; turn < BEYOND; turn += 1) {
@@ -32,11 +32,11 @@ export class Dome {
     this.backdrop = new Backdrop();
   }
 
-  /** A new answer of the server; null where it has none. */
+  /** Shows a response of the server; null without one. */
   show(dome) {
     this.dome = dome;
     if (!dome) return;
-    // Azimuths go round: the first column stands behind the last once more.
+    // Azimuths are periodic: the first column is repeated after the last.
     this.isZenithDark = dome.map.magnitudes.at(-1)[0] == null;
     this.values = filled(dome.map.magnitudes).map((row) => [...row, row[0]]);
     this.image = null;
@@ -46,7 +46,7 @@ export class Dome {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
     const radius = Math.min(width, height) / 2 - 26;
-    // A window of next to no width, or a page that is hidden.
+    // A very narrow window, or a hidden page.
     if (radius <= 0) return;
     const [x0, y0] = [width / 2, height / 2];
     const at = (azimuth, altitude) => {
@@ -93,7 +93,7 @@ export class Dome {
     }
   }
 
-  /** The model's magnitudes as a picture, made once an answer and light. */
+  /** Returns the picture of the model's magnitudes, drawn once per response and light. */
   map() {
     const light = isRed();
     if (this.image && this.image.light === light) return this.image;
@@ -138,13 +138,13 @@ export class Dome {
     }
   }
 
-  /** What lies in the Earth's shadow is dark, and its edge a dashed line. */
+  /** Draws the Earth's shadow dark, with a dashed edge. */
   shadow(context, at, x0, y0, radius, colours) {
     const edge = this.dome.shadow_edge_deg;
     const outline = new Path2D();
     edge.forEach((point, place) => outline[place ? "lineTo" : "moveTo"](...at(...point)));
     outline.closePath();
-    // Inside of the line it is dark, or outside of it: as in the zenith.
+    // The zenith determines whether the inside or the outside of the line is dark.
     const area = new Path2D(outline);
     const isInside = edge.length > 0 && context.isPointInPath(outline, x0 * (window.devicePixelRatio || 1), y0 * (window.devicePixelRatio || 1));
     if (isInside !== this.isZenithDark) area.rect(x0 - 3 * radius, y0 - 3 * radius, 6 * radius, 6 * radius);
@@ -184,7 +184,7 @@ export class Dome {
   }
 
   tracks(context, up, limit, selected, colours) {
-    // Hundreds of long tracks are drawn thin, so that what lies behind stays to be seen.
+    // Hundreds of long tracks are drawn thin, so that the map stays visible.
     const isCrowded = this.dome.satellites.length > 300;
     for (const satellite of this.dome.satellites) {
       const isFaint = limit != null && !(satellite.magnitude < limit);

@@ -1,12 +1,12 @@
-// The field on the tangent plane: north up, east left, streaks with times and magnitudes.
+// Field on the tangent plane: north up, east left, streaks with times and magnitudes.
 
 import { css, theme } from "./colours.js";
-import { label, path, places, prepare } from "./canvas.js";
+import { label, path, labelSpace, prepare } from "./canvas.js";
 import { clock, fixed, moment } from "./words.js";
 
 const DEG = Math.PI / 180;
 
-/** Place of a direction on the tangent plane about a centre, degrees of the plane, east and north; null behind it. */
+/** Returns the position of a direction on the tangent plane, degrees, east and north of a centre; null behind it. */
 function project(ra, dec, centre) {
   const difference = (ra - centre.ra) * DEG;
   const [sin, cos] = [Math.sin(dec * DEG), Math.cos(dec * DEG)];
@@ -36,7 +36,7 @@ export class Field {
     });
   }
 
-  /** `field` as the night tells it, the exposure, its passes. */
+  /** Draws the field of the night, the exposure and its passes. */
   draw(field, exposure, passes, { selected, corridors }) {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
@@ -52,7 +52,7 @@ export class Field {
     context.strokeStyle = colours.muted;
     context.lineWidth = 1.5;
     for (const outline of field.outlines_deg) {
-      // The field's y axis stands at the rotation's position angle, from north through east.
+      // The field's y axis is at the position angle of the rotation, from north through east.
       const points = outline.map(([x, y]) => at([x * cos + y * sin, y * cos - x * sin]));
       path(context, [...points, points[0]]);
       context.stroke();
@@ -82,7 +82,7 @@ export class Field {
       context.stroke();
       this.arrow(context, line.points);
     }
-    const isFree = places();
+    const isFree = labelSpace();
     const byBrightness = [...this.lines].sort((a, b) => (b.norad === selected) - (a.norad === selected) || (a.pass.magnitude_peak ?? 99) - (b.pass.magnitude_peak ?? 99));
     for (const line of byBrightness) this.words(context, line, isFree, width, colours, line.norad === selected);
     if (!passes.length) {

@@ -1,35 +1,35 @@
-// The state of the page in the address: what is after # brings back what was seen.
+// State of the page in the address, after #.
 
 const NUMBERS = ["row", "shift", "duration", "limit", "height", "satellite"];
 const WORDS = { night: /^\d{4}-\d{2}-\d{2}$/, model: /^[\w.-]{1,100}$/, light: /^red$/, sigma: /^1$/ };
 
-/** What the address says; anything that is no state is passed over. */
+/** Reads the state from the address; unknown and invalid entries are ignored. */
 export function read(hash = location.hash) {
-  const said = new URLSearchParams(hash.replace(/^#/, ""));
+  const entries = new URLSearchParams(hash.replace(/^#/, ""));
   const state = {};
   for (const name of NUMBERS) {
-    const number = said.has(name) ? Number(said.get(name)) : NaN;
+    const number = entries.has(name) ? Number(entries.get(name)) : NaN;
     if (Number.isFinite(number)) state[name] = number;
   }
   for (const [name, pattern] of Object.entries(WORDS)) {
-    if (pattern.test(said.get(name) ?? "")) state[name] = said.get(name);
+    if (pattern.test(entries.get(name) ?? "")) state[name] = entries.get(name);
   }
   return state;
 }
 
-/** The same as text. */
+/** Returns the state as text of the address. */
 export function text(state) {
-  const said = new URLSearchParams();
+  const entries = new URLSearchParams();
   for (const name of ["night", ...NUMBERS, "model", "light", "sigma"]) {
     const value = state[name];
-    if (value != null && value !== "" && !(name === "shift" && value === 0)) said.set(name, String(value));
+    if (value != null && value !== "" && !(name === "shift" && value === 0)) entries.set(name, String(value));
   }
-  return "#" + said;
+  return "#" + entries;
 }
 
 let timer = 0;
 
-/** Writes it into the address, not more often than browsers allow. */
+/** Writes the state into the address, within the rate limit of browsers. */
 export function write(state) {
   clearTimeout(timer);
   timer = setTimeout(() => history.replaceState(null, "", text(state)), 120);

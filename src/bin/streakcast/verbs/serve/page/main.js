@@ -1,6 +1,6 @@
-// The page: one night, one exposure of it, and what another start would meet.
+// Page: one night, one of its exposures, and the crossings for other start times.
 
-import { Locked, ask, line, unlock } from "./api.js";
+import { TokenRequired, latest, request as send, unlock } from "./api.js";
 import * as link from "./link.js";
 import { light } from "./colours.js";
 import { Night, legend } from "./night.js";
@@ -14,23 +14,23 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
-/** While an exposure is dragged, answer, strip and field follow at once, and all else where the pointer has rested so long, ms. */
+/** Pause of the pointer after which a drag updates the whole page, not only answer, strip and field, ms. */
 const REST_MS = 150;
 
-/** What the address holds. */
+/** State in the address. */
 const state = { shift: 0, ...link.read() };
-/** What the server said last; of the exposure null where it has no answer. */
+/** Last responses of the server; null for an exposure without one. */
 let night = null;
 let rows = [];
 let answer;
-/** The last questions: answers to others are of where the exposure was. */
+/** Parameters of the last requests; responses to earlier ones are outdated. */
 let question = null;
 let domeQuestion = null;
-/** Whether an exposure is being dragged and has not rested; the timer of its rest; whether the last question has its answer. */
+/** Whether an exposure is being dragged; timer of its pause; whether the last request has its response. */
 let isMoving = false;
 let resting = 0;
 let isAnswered = false;
-/** What stands in the way, by the question that it stands in the way of. */
+/** Error messages by request. */
 const problems = new Map();
 
 const nightChart = new Night($("night"), (place) => choose(place));
@@ -39,23 +39,23 @@ const fieldChart = new Field($("field"), (norad) => select(norad));
 const domeChart = new Dome($("dome"));
 const curveChart = new Curve($("curve"));
 
-const askExposure = line("/api/v1/exposure", answered, (error, asked) => {
+const requestExposure = latest("/api/v1/exposure", answered, (error, parameters) => {
   failed(error, "exposure");
-  // What was said of another start holds for this one no longer.
-  if (asked.place === state.place) nothing("unknown", "no answer");
+  // The last answer is not valid for this start.
+  if (parameters.place === state.place) nothing("unknown", "no answer");
 });
-const askDome = line("/api/v1/dome", ({ document }, asked) => {
-  if (asked.place === state.place) showDome(document, asked === domeQuestion);
-}, (error, asked) => {
+const requestSky = latest("/api/v1/dome", ({ document }, parameters) => {
+  if (parameters.place === state.place) showDome(document, parameters === domeQuestion);
+}, (error, parameters) => {
   failed(error, "dome");
-  if (asked.place === state.place) showDome(null);
+  if (parameters.place === state.place) showDome(null);
 });
 
-/** Which exposure a question is about is ours to know, and not sent. */
-const ofThis = (said) => Object.defineProperty(said, "place", { value: state.place });
+/** Adds the index of the exposure to the parameters of a request, as a property that is not sent. */
+const withPlace = (parameters) => Object.defineProperty(parameters, "place", { value: state.place });
 
 function failed(error, what) {
-  if (error instanceof Locked) {
+  if (error instanceof TokenRequired) {
     $("unlock").hidden = false;
     $("main").hidden = true;
     $("token").focus();
@@ -85,13 +85,13 @@ function toast(text) {
 
 async function load(which) {
   try {
-    let { document: said } = await ask("/api/v1/night");
+    let { document } = await send("/api/v1/night");
     // A link to a night that this schedule does not have shows the first.
-    const isKnown = !which || said.nights.some((one) => one.night === which);
+    const isKnown = !which || document.nights.some((one) => one.night === which);
     if (!isKnown) delete state.row;
-    else if (which && which !== said.night) ({ document: said } = await ask("/api/v1/night", { night: which }));
+    else if (which && which !== document.night) ({ document } = await send("/api/v1/night", { night: which }));
     problem("night", null);
-    night = said;
+    night = document;
   } catch (error) {
     return failed(error, "night");
   }
@@ -112,23 +112,23 @@ function describe() {
   const { site } = night;
   const rests = night.provenance;
   const field = night.field.outlines_deg.length > 1 ? `${night.field.outlines_deg.length} shapes` : `${fixed(2 * night.field.radius_deg, 2)}° across`;
-  $("where").textContent = `${site.name}${site.mpc_code ? ` (${site.mpc_code})` : ""} · field ${field} · ${rests.satellites} satellites${rests.shells ? " (synthetic)" : ""} · ${night.band} (${night.mag_system})`;
+  $("where").textContent = `${site.name}${site.mpc_code ? ` (${site.mpc_code})` : ""} · field ${field} · ${rests.satellites} satellites${rests.shells ? " (simulated)" : ""} · ${night.band} (${night.mag_system})`;
   $("nights").replaceChildren(...night.nights.map((one) => new Option(`${one.night} (${one.exposures})`, one.night, false, one.night === night.night)));
   const count = (verdict) => rows.filter((row) => row.flag.verdict === verdict).length;
   $("night-counts").textContent = ["clear", "streaked", "avoid", "invalid"].map((verdict) => [count(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" ")).join(" · ");
   $("limit").value = state.limit ?? night.limit_mag ?? 14;
-  tellLimit();
+  showLimit();
   $("model").replaceChildren(...night.models.map((name) => new Option(name, name, false, name === (state.model ?? "starlink-v1.5"))));
   $("height").value = state.height ?? 550;
   $("sigma").checked = state.sigma === "1";
   const files = (rests.elements ?? []).map((file) => `${file.file.split("/").pop()} (sha256 ${file.sha256.slice(0, 12)}…, epochs to ${file.last_epoch_utc.slice(0, 10)})`);
-  const shells = (rests.shells ?? []).map((shell) => `${shell.name} (synthetic)`);
+  const shells = (rests.shells ?? []).map((shell) => `${shell.name} (simulated)`);
   $("rests").textContent = `streakcast ${rests.version} · ${[...files, ...shells].join(", ")} · ${rests.frame}`;
   warn(night.warnings);
   legend($("scale"), $("bands"));
 }
 
-/** What the whole schedule's verdicts suffer from, a line each. */
+/** Shows the warnings of the whole schedule, one per line. */
 function warn(warnings) {
   $("warnings").hidden = !warnings.length;
   $("warnings").replaceChildren(
@@ -140,7 +140,7 @@ function warn(warnings) {
   );
 }
 
-/** Another exposure of the night; `isRestored` keeps what the address says of it. */
+/** Selects an exposure of the night; `isRestored` keeps its state from the address. */
 function choose(place, isRestored = false) {
   const row = rows[place];
   if (!row) return;
@@ -170,7 +170,7 @@ function choose(place, isRestored = false) {
 
 function moved(shift, duration, isDone) {
   if (rows[state.place]?.start == null) return;
-  // Held, but still where it was, it does not move yet.
+  // A press without a move is not a drag yet.
   isMoving = !isDone && (shift !== state.shift || duration !== state.duration);
   state.shift = shift;
   state.duration = duration;
@@ -183,19 +183,19 @@ function moved(shift, duration, isDone) {
   if (isDone) requestDome();
 }
 
-/** A drag stands still, held or not. */
+/** Ends a drag, or a pause of one. */
 function rested() {
   isMoving = false;
-  // The night may have gone meanwhile, or the exposure.
+  // The night or the exposure may have changed meanwhile.
   if (rows[state.place]?.start == null) return;
   requestDome();
-  // With what was not asked while it moved.
+  // With the parameters omitted during the drag.
   request();
 }
 
 const limit = () => state.limit ?? night?.limit_mag ?? null;
 
-/** The opening as asked: as the schedule writes it where it was not moved. */
+/** Returns the shutter opening: the text of the schedule if it was not moved. */
 function opening() {
   const row = rows[state.place];
   return state.shift ? iso(row.start + state.shift * 1e3) : row.start_utc;
@@ -205,7 +205,7 @@ function request() {
   const row = rows[state.place];
   if (row?.start == null) return;
   isAnswered = false;
-  question = ofThis({
+  question = withPlace({
     start_utc: opening(),
     duration_s: state.duration,
     ra_deg: row.ra_deg,
@@ -213,15 +213,15 @@ function request() {
     rotation_deg: row.rotation_deg,
     band: row.band,
     limit_mag: state.limit,
-    // What is drawn at rest, and what stands on the strip already, is not asked for while it moves: an answer in half the time.
+    // Omitted during a drag, for a faster response: tracks, and crossings that are on the strip already.
     samples: isMoving ? null : SAMPLES,
     around_s: isMoving && strip.isKnown() ? null : strip.span(),
   });
-  askExposure(question);
+  requestExposure(question);
   if (!isMoving) showMove();
 }
 
-/** In the night, where a minute is a pixel, and in the address. */
+/** Shows the move in the night chart and in the address. */
 function showMove() {
   nightChart.draw(state.place, rows[state.place].start + state.shift * 1e3, limit());
   link.write(state);
@@ -229,53 +229,53 @@ function showMove() {
 
 function requestDome() {
   if (rows[state.place]?.start == null) return;
-  domeQuestion = ofThis({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
-  askDome(domeQuestion);
+  domeQuestion = withPlace({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
+  requestSky(domeQuestion);
 }
 
-function answered({ document: said, ms }, asked) {
-  // Somebody has gone on to another one meanwhile; its own answer comes.
-  if (asked.place !== state.place) return;
+function answered({ document, ms }, parameters) {
+  // Another exposure was selected meanwhile; its own response follows.
+  if (parameters.place !== state.place) return;
   problem("exposure", null);
   const row = rows[state.place];
-  answer = said;
-  const flag = said.flags[0];
-  // Everything on the strip counts from the scheduled opening.
-  const shift = (moment(asked.start_utc) - row.start) / 1e3;
-  const around = said.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak }));
-  const reach = asked.around_s;
-  const known = reach == null ? null : { from: shift - reach, to: shift + asked.duration_s + reach };
+  answer = document;
+  const flag = document.flags[0];
+  // Times on the strip are relative to the scheduled opening.
+  const shift = (moment(parameters.start_utc) - row.start) / 1e3;
+  const around = document.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak }));
+  const reach = parameters.around_s;
+  const known = reach == null ? null : { from: shift - reach, to: shift + parameters.duration_s + reach };
   strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null, limit());
   const count = flag.n_streaks;
   const streaks = count ? `${count} streak${count > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
   const next =
     flag.verdict === "clear" ? "" : flag.delay_s != null ? ` · next clear start ${delay(flag.delay_s)} (${clock(moment(then), 0, 3)} UTC)` : " · no clear start in time";
-  const lacks = said.left_out_count ? `${said.left_out_count} of ${night.provenance.satellites} satellites left out: nobody can say whether they cross.` : "";
-  say(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
+  const lacks = document.left_out_count ? `${document.left_out_count} of ${night.provenance.satellites} satellites left out: their crossings are unknown.` : "";
+  showAnswer(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
   $("answer").dataset.nextClearStartUtc = then ?? "";
-  $("answer").dataset.startUtc = asked.start_utc;
+  $("answer").dataset.startUtc = parameters.start_utc;
   $("go").hidden = !(flag.delay_s > 0);
   $("go").dataset.delay = flag.delay_s ?? "";
   $("timing").textContent = ms == null ? "" : `answered in ${ms.toFixed(1)} ms`;
-  const [opens] = said.pointing;
+  const [opens] = document.pointing;
   $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
-  const isThere = said.passes.some((pass) => pass.norad_id === state.satellite);
-  if (!isThere) state.satellite = brightest(said.passes)?.norad_id;
-  isAnswered = asked === question;
+  const isThere = document.passes.some((pass) => pass.norad_id === state.satellite);
+  if (!isThere) state.satellite = brightest(document.passes)?.norad_id;
+  isAnswered = parameters === question;
   drawField();
-  // One that was asked while it moved knows too little.
-  if (!isMoving && asked.samples) {
+  // The response to a request during a drag is incomplete.
+  if (!isMoving && parameters.samples) {
     drawDetails();
     link.write(state);
   }
 }
 
-/** There is no answer to what is asked: nothing that stands there may look like one. */
+/** Clears the page of an exposure without a result. */
 function nothing(verdict, words) {
   answer = null;
   isAnswered = true;
-  say(verdict, words);
+  showAnswer(verdict, words);
   delete $("answer").dataset.nextClearStartUtc;
   delete $("answer").dataset.startUtc;
   $("go").hidden = true;
@@ -287,7 +287,7 @@ function nothing(verdict, words) {
 
 const brightest = (passes) => passes.reduce((best, pass) => ((pass.magnitude_peak ?? 99) < (best?.magnitude_peak ?? 100) ? pass : best), null);
 
-function say(verdict, words, why = "", lacks = "") {
+function showAnswer(verdict, words, why = "", lacks = "") {
   const strong = document.createElement("strong");
   strong.className = verdict;
   strong.textContent = verdict;
@@ -326,7 +326,7 @@ function drawDetails() {
   drawDome();
 }
 
-/** Whether neither the night nor the exposure warns of it: the same words with other numbers are the same warning. */
+/** Returns whether a warning differs from those of night and exposure, apart from numbers. */
 function isNew(warning) {
   const words = (text) => text.replace(/[\d.]+/g, "");
   return ![...night.warnings, ...(answer?.warnings ?? [])].some((known) => words(known) === words(warning));
@@ -355,10 +355,10 @@ function drawAll() {
 
 $("limit").addEventListener("input", (event) => {
   state.limit = Number(event.target.value);
-  tellLimit();
+  showLimit();
   request();
 });
-function tellLimit() {
+function showLimit() {
   $("limit-out").textContent = limit() == null ? "none" : `${fixed(limit(), 1)} mag`;
 }
 $("nights").addEventListener("change", async (event) => {
@@ -370,7 +370,7 @@ $("before").addEventListener("click", () => choose(state.place - 1));
 $("after").addEventListener("click", () => choose(state.place + 1));
 $("reset").addEventListener("click", () => choose(state.place));
 $("go").addEventListener("click", () => {
-  // Whole milliseconds, as the server gives them: its own answer is clear then.
+  // In whole milliseconds, as in the response of the server, for a clear start.
   state.shift = Math.round((state.shift + Number($("go").dataset.delay)) * 1e3) / 1e3;
   strip.show(rows[state.place].start, state.shift, state.duration);
   request();
@@ -423,10 +423,10 @@ window.addEventListener("hashchange", () => {
   showLight();
   load(state.night);
 });
-// Charts of another size are drawn anew; a page that grows by a line of words is not.
+// Charts are drawn again after a change of their size.
 const sizes = new ResizeObserver(() => requestAnimationFrame(drawAll));
 for (const canvas of document.querySelectorAll("canvas")) sizes.observe(canvas);
-// And for a screen of other pixels.
+// And after a change of the pixel ratio.
 function sharpen() {
   matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", () => (drawAll(), sharpen()), { once: true });
 }

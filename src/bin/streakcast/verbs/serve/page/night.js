@@ -1,4 +1,4 @@
-// The night as a whole: exposures as bars over the bands of twilight, UTC below and local time above.
+// Night chart: exposures as bars over the bands of twilight, UTC below and local time above.
 
 import { css, isRed, theme, BRIGHT, FAINT, ofMagnitude } from "./colours.js";
 import { Backdrop, label, prepare, step } from "./canvas.js";
@@ -7,7 +7,7 @@ import { hour, moment, zone } from "./words.js";
 const MARGIN = { left: 6, right: 6, top: 20, bottom: 20 };
 const HOUR = 3600e3;
 
-/** Bands of the Sun's altitude, from the day down. */
+/** Bands of the Sun's altitude, from day to night. */
 const BANDS = [
   [0, "day", "day"],
   [-6, "civil", "civil"],
@@ -16,7 +16,7 @@ const BANDS = [
   [-Infinity, "dark", "night"],
 ];
 
-/** Heights of bars: what is worse stands higher, so that colour says it once more. */
+/** Heights of bars by verdict, in addition to their colours. */
 const HEIGHTS = { clear: 0.3, streaked: 0.65, avoid: 1, invalid: 0.15 };
 
 export class Night {
@@ -47,7 +47,7 @@ export class Night {
     });
   }
 
-  /** Another night: `rows` are exposures with their flags. */
+  /** Shows a night; `rows` are exposures with their flags. */
   show(night, rows) {
     this.night = night;
     this.rows = rows;
@@ -55,7 +55,7 @@ export class Night {
     const times = rows.filter((row) => row.start != null).flatMap((row) => [row.start, row.start + row.duration_s * 1e3]);
     const down = sun.filter(([, altitude]) => altitude < 2).map(([ms]) => ms);
     this.sun = sun;
-    // As much of the night as holds dusk, dawn and everything that is scheduled.
+    // The part of the night with dusk, dawn and all exposures.
     this.from = Math.min(...times, ...down.slice(0, 1)) - 10 * 60e3;
     this.to = Math.max(...times, ...down.slice(-1)) + 10 * 60e3;
   }
@@ -90,7 +90,7 @@ export class Night {
       context.lineTo(x, top + 8);
       context.fill();
     }
-    this.tell(chosen, selected);
+    this.describe(chosen, selected);
   }
 
   exposures(context, at, top, bottom, limit, colours) {
@@ -115,8 +115,8 @@ export class Night {
     });
   }
 
-  axis(context, at, wanted, top, bottom, colours) {
-    const every = step((this.to - this.from) / HOUR, wanted, [0.25, 0.5, 1, 2, 3, 6]) * HOUR;
+  axis(context, at, count, top, bottom, colours) {
+    const every = step((this.to - this.from) / HOUR, count, [0.25, 0.5, 1, 2, 3, 6]) * HOUR;
     const offset = this.night.utc_offset_h;
     context.textAlign = "center";
     context.font = "11px system-ui, sans-serif";
@@ -146,7 +146,7 @@ export class Night {
     return BANDS.find(([least]) => before[1] >= least)[1];
   }
 
-  tell(row, selected) {
+  describe(row, selected) {
     const words = row ? `${row.id}, ${selected + 1} of ${this.rows.length}, ${row.flag.verdict}${row.start == null ? "" : ", " + hour(row.start) + " UTC"}` : "none";
     this.canvas.setAttribute("aria-valuemax", this.rows.length);
     this.canvas.setAttribute("aria-valuenow", selected + 1);
@@ -154,7 +154,7 @@ export class Night {
   }
 }
 
-/** Colour bar of magnitudes and names of the bands, below the chart. */
+/** Draws the colour bar of magnitudes and the names of the bands below the chart. */
 export function legend(scale, bands) {
   const bar = document.createElement("canvas");
   const faint = document.createElement("span");

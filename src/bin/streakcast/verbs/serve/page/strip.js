@@ -1,16 +1,16 @@
-// Minutes around one exposure: who crosses its field when, and a bar to drag and stretch.
+// Strip of the minutes around an exposure: crossings of its field, and a bar to drag and resize.
 
 import { css, theme } from "./colours.js";
-import { label, places, prepare, step } from "./canvas.js";
+import { label, labelSpace, prepare, step } from "./canvas.js";
 import { clock, fixed } from "./words.js";
 
 const TOP = 22;
 const BOTTOM = 24;
-/** The longest exposure that the API takes, seconds. */
+/** Longest exposure of the API, seconds. */
 const LONGEST_S = 3600;
 
 export class Strip {
-  /** `change(shift_s, duration_s, isDone)` is told of every hold and move; shifts count from the scheduled opening. */
+  /** `change(shift_s, duration_s, isDone)` is called for every press and move; shifts are relative to the scheduled opening. */
   constructor(box, change) {
     this.box = box;
     this.canvas = box.querySelector("canvas");
@@ -24,14 +24,14 @@ export class Strip {
     this.grab(this.handle, (seconds, begun) => ({ duration: begun.duration + seconds }));
     this.keys(this.bar, (seconds) => ({ shift: this.shift + seconds }));
     this.keys(this.handle, (seconds) => ({ duration: this.duration + seconds }));
-    // A tap beside the bar brings its beginning there.
+    // A click next to the bar moves its start there.
     this.canvas.addEventListener("click", (event) => {
       const x = event.clientX - this.canvas.getBoundingClientRect().left;
       this.move({ shift: this.from + x / this.scale() }, true);
     });
   }
 
-  /** Another exposure: scheduled opening (ms), and where it stands now. */
+  /** Shows an exposure: scheduled opening (ms), shift and duration. */
   show(base, shift, duration) {
     this.base = base;
     this.shift = shift;
@@ -43,11 +43,11 @@ export class Strip {
 
   forget() {
     this.crossings = [];
-    /** From when to when all crossings are known, seconds after the scheduled opening. */
+    /** Interval with all crossings, seconds after the scheduled opening. */
     this.known = null;
   }
 
-  /** How long the strip is, seconds; the API is asked for as much on both sides. */
+  /** Returns the length of the strip, seconds; the API is queried for the same time on both sides. */
   span() {
     return Math.min(1800, Math.max(240, Math.ceil(this.duration / 30) * 30 * 10));
   }
@@ -56,12 +56,12 @@ export class Strip {
     this.from = this.shift - 0.25 * this.span();
   }
 
-  /** Whether the crossings of all of it are known. */
+  /** Returns whether the crossings of the whole strip are available. */
   isKnown() {
     return this.known !== null && this.known.from <= this.from && this.from + this.span() <= this.known.to;
   }
 
-  /** What the server knows: crossings in seconds after the scheduled opening, all of those `known.from` to `known.to`; without `known` those that stand there. */
+  /** Shows the crossings of the interval `known`, seconds after the scheduled opening; keeps the current ones without it. */
   answer(crossings, known, nextShift, limit) {
     if (known) {
       this.crossings = crossings;
@@ -83,7 +83,7 @@ export class Strip {
       element.focus({ preventScroll: true });
       element.setPointerCapture(event.pointerId);
       this.begun = { x: event.clientX, shift: this.shift, duration: this.duration };
-      // Asked already now, the first move does not wait for a connection or for code that has slept.
+      // A request at the press opens the connection before the first move.
       this.change(this.shift, this.duration, false);
     });
     element.addEventListener("pointermove", (event) => {
@@ -108,12 +108,12 @@ export class Strip {
     });
   }
 
-  /** By whole seconds: what stands between them (a clear start, a scheduled length) is not rounded away. A strip that no longer shows the bar follows it. */
+  /** Moves the bar by whole seconds, which keeps fractions of the start and the length. The strip follows the bar. */
   move(to, isDone) {
-    const near = (now, wanted) => now + Math.round(wanted - now);
+    const near = (now, target) => now + Math.round(target - now);
     const shift = "shift" in to ? near(this.shift, to.shift) : this.shift;
     const duration = "duration" in to ? Math.min(LONGEST_S, Math.max(1, near(this.duration, to.duration))) : this.duration;
-    // A strip of no width has no scale.
+    // A hidden strip has no scale.
     if (!Number.isFinite(shift + duration)) return;
     if (!isDone && shift === this.shift && duration === this.duration) return;
     this.shift = shift;
@@ -121,7 +121,7 @@ export class Strip {
     const place = (this.shift - this.from) / this.span();
     if (isDone && (place < 0.05 || place + this.duration / this.span() > 0.95)) this.centre();
     this.change(shift, duration, isDone);
-    // Its answer brings the rest, but for another scale.
+    // The response redraws the strip, unless its scale has changed.
     if (isDone || this.span() !== this.drawnSpan) this.draw();
     else this.place();
   }
@@ -146,7 +146,7 @@ export class Strip {
       if (x > 30 && x < width - 30) context.fillText(clock(seconds * 1e3), x, height - 7);
     }
     context.textAlign = "left";
-    const isFree = places();
+    const isFree = labelSpace();
     for (const one of [...this.crossings].sort((a, b) => (a.magnitude ?? 99) - (b.magnitude ?? 99))) {
       const isFaint = this.limit != null && !(one.magnitude < this.limit);
       const x = at(one.enter), wide = Math.max(2, at(one.exit) - x);
@@ -154,8 +154,8 @@ export class Strip {
       context.fillStyle = css(one.magnitude, isFaint ? 0.55 : 1);
       context.fillRect(x, isFaint ? (top + bottom) / 2 : top + 4, wide, (isFaint ? (bottom - top) / 2 : bottom - top) - 8);
       const words = fixed(one.magnitude, 1);
-      const room = Math.min(Math.max(2, x + 2), width - 24);
-      if (isFree(context, words, room, top - 6)) label(context, words, room, top - 6, colours.text, colours.panel);
+      const left = Math.min(Math.max(2, x + 2), width - 24);
+      if (isFree(context, words, left, top - 6)) label(context, words, left, top - 6, colours.text, colours.panel);
     }
     if (this.next != null && this.next > this.shift) {
       context.setLineDash([5, 4]);
@@ -167,7 +167,7 @@ export class Strip {
     this.place();
   }
 
-  /** Puts the bar where it stands. */
+  /** Positions the bar. */
   place() {
     const scale = this.scale();
     const x = (this.shift - this.from) * scale, end = x + this.duration * scale;

@@ -1,11 +1,11 @@
-// Numbers and moments as people read them.
+// Formats of numbers and times.
 
-/** Milliseconds since 1970 of a moment as the API writes it (microseconds beyond the third digit are dropped). */
+/** Returns the milliseconds since 1970 of a time of the API (without microseconds). */
 export const moment = (text) => Date.parse(text);
 
 const two = (number) => String(number).padStart(2, "0");
 
-/** 23:29:05 of UTC, or of a clock some hours ahead; with decimals of the second. */
+/** Returns 23:29:05 in UTC, or in a time zone some hours ahead, with decimals of the second. */
 export function clock(ms, hours = 0, decimals = 0) {
   const step = 10 ** (3 - decimals);
   const date = new Date(Math.round((ms + hours * 3600e3) / step) * step);
@@ -16,7 +16,7 @@ export function clock(ms, hours = 0, decimals = 0) {
 /** 23:30 */
 export const hour = (ms, hours = 0) => clock(ms, hours).slice(0, 5);
 
-/** UTC as the API reads it. */
+/** Returns UTC in the format of the API. */
 export const iso = (ms) => new Date(ms).toISOString();
 
 /** UTC−5, UTC+5:30 */
@@ -26,10 +26,10 @@ export function zone(hours) {
   return `UTC${sign}${Math.floor(minutes / 60)}${minutes % 60 ? ":" + two(minutes % 60) : ""}`;
 }
 
-/** A number with so many decimals; a dash where there is none. */
+/** Formats a number with decimals; a dash without a number. */
 export const fixed = (number, decimals) => (number == null ? "–" : number.toFixed(decimals).replace("-", "−"));
 
-/** A delay to a tenth of a second, never rounded towards the satellite. */
+/** Formats a delay in tenths of a second, rounded up. */
 export const delay = (seconds) => `+${(Math.ceil(seconds * 10 - 1e-6) / 10).toFixed(1)} s`;
 
 /** 12h34m56s */
@@ -44,7 +44,7 @@ export function sexagesimal(degrees) {
   return `${degrees < 0 ? "−" : "+"}${two(Math.floor(minutes / 60))}°${two(minutes % 60)}′`;
 }
 
-/** Puts text on the clipboard; a page that is not on loopback may have to go the old way. */
+/** Copies text to the clipboard, with a fallback for pages that are not on loopback. */
 export async function copy(text) {
   try {
     await navigator.clipboard.writeText(text);

@@ -1,0 +1,75 @@
+//! Check of required inputs. All missing ones are reported in one error.
+
+use anyhow::anyhow;
+use streakcast::config::Config;
+
+/// Inputs that a verb requires; collects those that neither flags nor the configuration file give.
+pub struct Required<'a> {
+    config: &'a Config,
+    /// Description and flags of each missing input.
+    missing: Vec<(&'static str, &'static str)>,
+}
+
+impl<'a> Required<'a> {
+    /// Returns a check of flags completed by their configuration file.
+    pub fn of(config: &'a Config) -> Self {
+        Self { config, missing: Vec::new() }
+    }
+
+    /// Requires an input.
+    pub fn input(mut self, is_given: bool, what: &'static str, flags: &'static str) -> Self {
+        if !is_given {
+            self.missing.push((what, flags));
+        }
+        self
+    }
+
+    /// Requires element sets or a simulated constellation.
+    pub fn satellites(self) -> Self {
+        let is_given = self.config.has_satellites();
+        self.input(is_given, "satellites", "--elements FILE or --shells NAME, for example starlink-gen1")
+    }
+
+    /// Requires a site, or a telescope in orbit.
+    pub fn site(self) -> Self {
+        let is_given = self.config.has_viewpoint();
+        self.input(is_given, "site", "--site NAME, --mpc CODE, or --lat and --lon")
+    }
+
+    /// Requires a field of view.
+    pub fn field(self) -> Self {
+        let Config { fov, field, telescope, .. } = self.config;
+        let is_given = fov.is_some() || field.is_some() || telescope.is_some();
+        self.input(is_given, "field of view", "--fov ANGLE, --field FILE or --telescope NAME")
+    }
+
+    /// Requires start and length of an exposure.
+    pub fn times(self) -> Self {
+        let exposure = &self.config.exposure;
+        self.input(exposure.start.is_some(), "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z")
+            .input(exposure.duration.is_some(), "exposure time", "--exposure TIME, for example 30s")
+    }
+
+    /// Requires the pointing of an exposure.
+    pub fn pointing(self) -> Self {
+        let exposure = &self.config.exposure;
+        self.input(exposure.ra.is_some(), "right ascension", "--ra ANGLE, for example 188.5 or 12h34m").input(
+            exposure.dec.is_some(),
+            "declination",
+            "--dec ANGLE, for example -30.5 or -30d30m",
+        )
+    }
+
+    /// # Errors
+    /// One error with all missing inputs.
+    pub fn check(self) -> anyhow::Result<()> {
+        match self.missing.as_slice() {
+            [] => Ok(()),
+            [(what, flags)] => Err(anyhow!("missing {what}; specify {flags}")),
+            several => {
+                let listed: Vec<String> = several.iter().map(|(what, flags)| format!("{what} ({flags})")).collect();
+                Err(anyhow!("missing: {}", listed.join(", ")))
+            }
+        }
+    }
+}

@@ -1,0 +1,246 @@
+//! Requests to a source, and credentials. Each request is sent once.
+
+use std::io::ErrorKind;
+use std::path::Path;
+use std::time::Duration;
+
+use anyhow::anyhow;
+use ureq::http;
+use ureq::{Agent, Body, Timeout};
+
+use super::arguments::SpaceTrackArguments;
+use super::sources::{Login, Source};
+use super::verify::first_words;
+use crate::notices::Notices;
+
+/// Limit on the body of an error response, bytes.
+const ERROR_BODY_BYTES: u64 = 2_000;
+/// Limit on the time to connect.
+const MAX_CONNECT: Duration = Duration::from_secs(30);
+
+/// Options of a request.
+pub struct RequestOptions {
+    pub timeout: Duration,
+    pub max_bytes: u64,
+    /// Allow addresses without TLS, for tests.
+    pub plain: bool,
+}
+
+/// Validators of the cached file.
+#[derive(Default)]
+pub struct Validators {
+    pub etag: Option<String>,
+    pub last_modified: Option<String>,
+}
+
+/// Response of a source.
+pub enum Response {
+    Data {
+        bytes: Vec<u8>,
+        validators: Validators,
+    },
+    NotModified,
+    /// Any other response, in words: a status, a truncated body, a closed connection.
+    Refused(String),
+    /// The server was not reached: no address for the name, no connection, no TLS. No request was sent.
+    Unreached(String),
+}
+
+/// Sends one request. Redirects are not followed: a source that has moved is reported to the user.
+pub fn send(
+    source: &Source,
+    options: &RequestOptions,
+    validators: &Validators,
+    credentials: Option<&Credentials>,
+) -> Response {
+    // Shorter than the total, which distinguishes a network that drops connections from a source without a response.
+    let connect = options.timeout.mul_f64(0.75).min(MAX_CONNECT);
+    let agent: Agent = Agent::config_builder()
+        .timeout_global(Some(options.timeout))
+        .timeout_resolve(Some(connect))
+        .timeout_connect(Some(connect))
+        .max_redirects(0)
+        .max_redirects_will_error(false)
+        .http_status_as_error(false)
+        .https_only(!options.plain)
+        .user_agent(concat!("streakcast/", env!("CARGO_PKG_VERSION")))
+        .build()
+        .into();
+    let cookie = match (&source.login, credentials) {
+        (Some(login), Some(credentials)) => match log_in(&agent, login, credentials) {
+            Ok(cookie) => Some(cookie),
+            Err(response) => return response,
+        },
+        _ => None,
+    };
+    let response = get(&agent, &source.url, options, validators, cookie.as_deref());
+    if let (Some(login), Some(cookie)) = (&source.login, &cookie) {
+        // An error of the logout is ignored.
+        let _ = agent.get(&login.logout_url).header("Cookie", cookie).call();
+    }
+    response
+}
+
+fn get(agent: &Agent, url: &str, options: &RequestOptions, validators: &Validators, cookie: Option<&str>) -> Response {
+    let mut request = agent.get(url);
+    for (name, value) in [
+        ("If-None-Match", validators.etag.as_deref()),
+        ("If-Modified-Since", validators.last_modified.as_deref()),
+        ("Cookie", cookie),
+    ] {
+        if let Some(value) = value {
+            request = request.header(name, value);
+        }
+    }
+    let response = match request.call() {
+        Ok(response) => response,
+        Err(error) => return connection_error("no response", &error),
+    };
+    match response.status().as_u16() {
+        200 => data(response, options.max_bytes),
+        304 if validators.etag.is_some() || validators.last_modified.is_some() => Response::NotModified,
+        _ => Response::Refused(error_message(response)),
+    }
+}
+
+/// Returns the response to a failed request: a service that was reached, and closed the connection or did not respond,
+/// has received the request.
+fn connection_error(what: &str, error: &ureq::Error) -> Response {
+    let is_unreached = match error {
+        ureq::Error::HostNotFound
+        | ureq::Error::ConnectionFailed
+        | ureq::Error::ConnectProxyFailed(_)
+        | ureq::Error::InvalidProxyUrl
+        | ureq::Error::Tls(_)
+        | ureq::Error::Rustls(_)
+        | ureq::Error::TlsRequired
+        | ureq::Error::Timeout(Timeout::Resolve | Timeout::Connect) => true,
+        // A name without an address and an invalid certificate have no separate kinds of error: these are the kinds of a
+        // connection that was established.
+        ureq::Error::Io(error) => !matches!(
+            error.kind(),
+            ErrorKind::UnexpectedEof
+                | ErrorKind::ConnectionReset
+                | ErrorKind::ConnectionAborted
+                | ErrorKind::BrokenPipe
+                | ErrorKind::TimedOut
+        ),
+        _ => false,
+    };
+    if is_unreached {
+        Response::Unreached(format!("not reached: {error}"))
+    } else {
+        Response::Refused(format!("{what}: {error}"))
+    }
+}
+
+fn data(mut response: http::Response<Body>, max_bytes: u64) -> Response {
+    let validators = Validators { etag: header(&response, "etag"), last_modified: header(&response, "last-modified") };
+    // One byte more than the limit shows that there is more; a body shorter than its Content-Length is another error.
+    match response.body_mut().with_config().limit(max_bytes.saturating_add(1)).read_to_vec() {
+        Ok(bytes) if bytes.len() as u64 > max_bytes => {
+            Response::Refused(format!("200, with more than the limit of {max_bytes} bytes"))
+        }
+        Ok(bytes) => Response::Data { bytes, validators },
+        Err(ureq::Error::BodyExceedsLimit(_)) => {
+            Response::Refused(format!("200, with more than the limit of {max_bytes} bytes"))
+        }
+        Err(error) => Response::Refused(format!("200, with a truncated body: {error}")),
+    }
+}
+
+/// Returns status, redirect, and the beginning of the body.
+fn error_message(mut response: http::Response<Body>) -> String {
+    let status = response.status();
+    let mut message =
+        format!("{} {}", status.as_u16(), status.canonical_reason().unwrap_or_default()).trim_end().to_owned();
+    if let Some(target) = header(&response, "location") {
+        message += &format!(" to {target} (not followed)");
+    }
+    if let Ok(bytes) = response.body_mut().with_config().limit(ERROR_BODY_BYTES).read_to_vec()
+        && !bytes.is_empty()
+    {
+        message += &format!("; {}", first_words(&bytes));
+    }
+    message
+}
+
+fn header(response: &http::Response<Body>, name: &str) -> Option<String> {
+    // Values that cannot be repeated in a request are dropped.
+    response.headers().get(name)?.to_str().ok().map(str::to_owned)
+}
+
+/// Opens a session of Space-Track and returns its cookie. The response to a wrong password has status 200 too.
+fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<String, Response> {
+    let refused = |message: String| Err(Response::Refused(message));
+    let form = [("identity", credentials.identity.as_str()), ("password", credentials.password.as_str())];
+    let response = agent
+        .post(&login.login_url)
+        .send_form(form)
+        .map_err(|error| connection_error("no response to the login", &error))?;
+    if response.status().as_u16() != 200 {
+        return refused(format!("login: {}", error_message(response)));
+    }
+    let cookies: Vec<String> = response
+        .headers()
+        .get_all("set-cookie")
+        .iter()
+        .filter_map(|cookie| cookie.to_str().ok()?.split(';').next().map(str::to_owned))
+        .collect();
+    let mut response = response;
+    let body = response.body_mut().with_config().limit(ERROR_BODY_BYTES).read_to_string().unwrap_or_default();
+    if body.to_ascii_lowercase().contains("failed") {
+        return refused("login: the account was refused (user name or password)".to_owned());
+    }
+    if cookies.is_empty() { refused("login: no session in the response".to_owned()) } else { Ok(cookies.join("; ")) }
+}
+
+/// User name and password. The type does not implement Debug.
+pub struct Credentials {
+    pub identity: String,
+    pub password: String,
+}
+
+impl Credentials {
+    pub fn of(typed: &SpaceTrackArguments, notices: &Notices) -> anyhow::Result<Self> {
+        if let Some(path) = &typed.credentials {
+            return of_file(path, notices);
+        }
+        let variable = |name: &Option<String>, flag: &str| {
+            let name = name
+                .as_deref()
+                .ok_or_else(|| anyhow!("missing credentials; specify --credentials FILE, or {flag} NAME"))?;
+            std::env::var(name)
+                .ok()
+                .filter(|value| !value.is_empty())
+                .ok_or_else(|| anyhow!("the environment variable {name} of {flag} is not set"))
+        };
+        Ok(Self {
+            identity: variable(&typed.identity_env, "--identity-env")?,
+            password: variable(&typed.password_env, "--password-env")?,
+        })
+    }
+}
+
+fn of_file(path: &Path, notices: &Notices) -> anyhow::Result<Credentials> {
+    let shown = path.display();
+    let text = std::fs::read_to_string(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?;
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        let mode =
+            std::fs::metadata(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?.permissions().mode();
+        if mode & 0o077 != 0 {
+            notices.warn(&[format!("credentials {shown} are readable by others; run chmod 600 {shown}")]);
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = notices;
+    let mut lines = text.lines().map(str::trim).filter(|line| !line.is_empty());
+    match (lines.next(), lines.next(), lines.next()) {
+        (Some(identity), Some(password), None) => {
+            Ok(Credentials { identity: identity.to_owned(), password: password.to_owned() })
+        }
+        _ => Err(anyhow!("invalid credentials {shown}; allowed: two lines, user name and password")),
+    }
+}

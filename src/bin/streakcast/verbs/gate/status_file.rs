@@ -1,0 +1,99 @@
+//! Status file: results of this run, and counters over all runs. Kinds of faults.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use streakcast::output::write_atomically;
+
+/// Counters over all runs that wrote the same file.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Counters {
+    pub runs: u64,
+    pub clear: u64,
+    pub waited: u64,
+    pub not_clear: u64,
+    pub skipped: u64,
+    /// Number of faults by kind.
+    pub faults: std::collections::BTreeMap<String, u64>,
+    pub waited_s: f64,
+}
+
+/// Status of the last run.
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default)]
+pub struct Before {
+    pub counters: Counters,
+    pub satellites: Option<usize>,
+}
+
+/// Reads the status of the last run; the default without a valid file.
+pub fn read(path: Option<&Path>) -> Before {
+    let text = path.and_then(|path| std::fs::read_to_string(path).ok());
+    text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
+}
+
+/// Writes the status file atomically.
+pub fn write(path: &Path, statements: &Map<String, Value>) -> std::io::Result<()> {
+    let text = serde_json::to_string_pretty(statements)? + "\n";
+    write_atomically(path, |out| out.write_all(text.as_bytes()))
+}
+
+/// Kind of a fault: its counter in the status file.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// Elements are missing, invalid, incomplete or cannot be propagated.
+    Elements,
+    /// Elements are too old.
+    StaleElements,
+    /// The job of the host is missing or invalid.
+    Host,
+    /// The target has no coordinates, or is below the horizon.
+    Target,
+    /// The INDI server does not respond, or its response is invalid.
+    Indi,
+    /// The site of the mount differs from the given one.
+    Site,
+    /// Two clocks differ.
+    Clock,
+    /// Any other input is invalid.
+    Setup,
+}
+
+impl FaultKind {
+    /// Returns the name in the status file.
+    pub fn name(self) -> &'static str {
+        match self {
+            FaultKind::Elements => "elements",
+            FaultKind::StaleElements => "stale_elements",
+            FaultKind::Host => "host",
+            FaultKind::Target => "target",
+            FaultKind::Indi => "indi",
+            FaultKind::Site => "site",
+            FaultKind::Clock => "clock",
+            FaultKind::Setup => "setup",
+        }
+    }
+}
+
+/// Fault with its message.
+#[derive(Debug)]
+pub struct Fault {
+    pub kind: FaultKind,
+    pub message: String,
+}
+
+impl Fault {
+    pub fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
+        // One line of log.
+        Self { kind, message: message.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(&self.message)
+    }
+}

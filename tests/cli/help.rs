@@ -1,0 +1,154 @@
+//! Help of the verbs, their examples, and errors for missing inputs.
+
+use std::path::Path;
+
+use assert_cmd::Command;
+
+const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
+
+fn run(arguments: &[&str], folder: &Path) -> (i32, String, String) {
+    let output = Command::new(STREAKCAST).args(arguments).current_dir(folder).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+fn help(verb: &[&str]) -> String {
+    let (code, help, stderr) = run(&[verb, &["--help"]].concat(), Path::new("."));
+    assert_eq!(code, 0, "{stderr}");
+    help
+}
+
+/// Returns the subcommands in a help text, without `help`.
+fn subcommands(help: &str) -> Vec<&str> {
+    let Some((_, list)) = help.split_once("\nCommands:\n") else { return Vec::new() };
+    let lines = list.lines().take_while(|line| !line.is_empty());
+    lines.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").collect()
+}
+
+/// Returns the help of all verbs and their subcommands.
+fn all_help() -> Vec<String> {
+    let mut all = Vec::new();
+    for verb in subcommands(&help(&[])) {
+        let text = help(&[verb]);
+        all.extend(subcommands(&text).into_iter().map(|inner| help(&[verb, inner])));
+        all.push(text);
+    }
+    all
+}
+
+fn examples(help: &str) -> Vec<&str> {
+    let (_, list) = help.split_once("\nExamples:\n").unwrap_or_else(|| panic!("no examples: {help}"));
+    list.lines().map(str::trim).filter(|line| !line.is_empty()).collect()
+}
+
+/// Every example is complete: it runs, or fails because a file of the example does not exist here.
+#[test]
+fn every_verb_has_two_working_examples() {
+    let mut completed = 0;
+    for help in all_help() {
+        let examples = examples(&help);
+        assert_eq!(examples.len(), 2, "{help}");
+        for example in examples {
+            let mut words: Vec<&str> = example.split_whitespace().collect();
+            assert_eq!(words.remove(0), "streakcast", "{example}");
+            // Fetching would use the network: an invalid value that is checked after all flags have been parsed.
+            let is_fetch = words[0] == "fetch";
+            if is_fetch {
+                words.extend(["--timeout", "0s"]);
+            }
+            let folder = tempfile::tempdir().unwrap();
+            let (code, _, stderr) = run(&words, folder.path());
+            match code {
+                0 | 1 => completed += 1,
+                _ if is_fetch => assert!(stderr.contains("timeout 0 s: allowed"), "{example}: {stderr}"),
+                _ => assert!(stderr.contains("No such file"), "{example}: {stderr}"),
+            }
+        }
+    }
+    assert!(completed >= 20, "{completed}");
+}
+
+#[test]
+fn required_flags_are_marked() {
+    let text = help(&["passes"]);
+    for part in [
+        "Usage: streakcast passes --start <TIME> --exposure <TIME> --ra <ANGLE> --dec <ANGLE>\n",
+        "(--elements <FILE>... | --shells <NAME>...)",
+        "(--site <NAME> | --mpc <CODE> | --lat <DEG> --lon <DEG>)",
+        "(--fov <ANGLE> | --field <FILE> | --telescope <NAME>)",
+        "for example 30s or 2min (required)\n",
+        "Satellites (required: --elements or --shells):\n",
+        "Site (required: --site, --mpc, or --lat and --lon):\n",
+        "Camera (required: --fov, --field or --telescope):\n",
+    ] {
+        assert!(text.contains(part), "'{part}' is not in: {text}");
+    }
+    assert!(help(&["map", "sky"]).contains("or model file (required)\n"));
+    assert!(help(&["forecast"]).contains("for example 2024-08-14 (required: --night, or --start and --end)\n"));
+    assert!(!help(&["doctor"]).contains("required"));
+}
+
+/// Checks that one error names all of these inputs.
+#[track_caller]
+fn misses(arguments: &str, inputs: &[&str]) {
+    let folder = tempfile::tempdir().unwrap();
+    let arguments: Vec<&str> = arguments.split_whitespace().collect();
+    let (code, stdout, stderr) = run(&arguments, folder.path());
+    assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
+    assert!(stderr.starts_with("error: missing"), "{stderr}");
+    for input in inputs {
+        assert!(stderr.contains(input), "'{input}' is not in: {stderr}");
+    }
+}
+
+#[test]
+fn all_missing_inputs_are_in_one_error() {
+    let sky = ["satellites (--elements FILE or --shells NAME", "site (--site NAME, --mpc CODE, or --lat and --lon)"];
+    let field = "field of view (--fov ANGLE, --field FILE or --telescope NAME)";
+    let exposure =
+        ["start of the exposure (--start TIME", "exposure time (--exposure TIME", "right ascension", "declination"];
+    misses("passes", &[&sky[..], &[field], &exposure].concat());
+    misses("passes --mpc X05 --shells oneweb --start 2024-08-14T03:30:00Z", &[field, exposure[1], exposure[2]]);
+    for verb in ["flag", "serve"] {
+        misses(verb, &[&sky[..], &[field, "schedule (--schedule FILE)"]].concat());
+    }
+    misses("annotate", &[&sky[..], &[field, "schedule (--schedule FILE)", "output file (-o FILE)"]].concat());
+    misses("windows", &[&sky[..], &[field, "targets (--targets FILE)", "time range (--night DATE, or"]].concat());
+    misses("forecast", &[&sky[..], &["time range (--night DATE, or"]].concat());
+    misses("statistics", &[&sky[..], &["night (--night DATE)"]].concat());
+    misses("gate", &[&sky[..], &[field, "pointing (--ra and --dec", exposure[1]]].concat());
+    misses("identify", &[&sky[..], &["streak (--end RA,DEC twice; ", exposure[0], exposure[1]]].concat());
+    misses("inject", &["frames (--image FILE or --synthetic FILE)", "output file (-o FILE)", "streaks (", "seeing ("]);
+    misses("plot field", &[&sky[..], &[field, "picture (-o FILE)"], &exposure].concat());
+    misses(
+        "plot night",
+        &[&sky[..], &[field, "picture (-o FILE)", "schedule (--schedule FILE, or --from FILE)"]].concat(),
+    );
+    misses("plot sky-rate", &[&sky[..], &[field, "picture (-o FILE)", exposure[0], exposure[1]]].concat());
+    // A single one, with its flags.
+    misses("forecast --night 2024-08-14 --mpc X05", &["missing satellites; specify --elements FILE or --shells NAME"]);
+    misses("plot body --model visorsat --sun-latitude-deg 20", &["missing picture; specify -o FILE"]);
+}
+
+/// A set for which SGP4 has no position: a perigee below the surface.
+#[test]
+fn element_sets_that_cannot_be_propagated_are_counted_on_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let good = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
+                2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097\n";
+    let bad = "1 90001U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9990\n\
+               2 90001  51.6304 193.4497 9006669 272.1743  87.8481 15.48947664575097\n";
+    std::fs::write(folder.path().join("a.tle"), format!("{good}{bad}")).unwrap();
+    let arguments = "passes --elements a.tle --accept-bad-checksums --mpc X05 --fov 3deg --ra 280 --dec=-30 --exposure 30s \
+                     --start 2026-07-08T03:30:00Z";
+    let arguments: Vec<&str> = arguments.split_whitespace().collect();
+    let (code, _, stderr) = run(&arguments, folder.path());
+    assert!(code < 2, "{stderr}");
+    let line = "warning: 1 of 2 element sets cannot be propagated to this date";
+    assert!(stderr.contains(&format!("{line}; --verbose lists them\n")), "{stderr}");
+    assert!(!stderr.contains("SGP4"), "{stderr}");
+    let (_, _, stderr) = run(&[&arguments[..], &["--verbose"]].concat(), folder.path());
+    assert!(stderr.contains(&format!("{line}:\n  satellite 90001: SGP4")), "{stderr}");
+    let (code, _, stderr) = run(&[&arguments[..], &["--verbose", "--quiet"]].concat(), folder.path());
+    assert!(code == 2 && stderr.contains("--quiet"), "{stderr}");
+}
