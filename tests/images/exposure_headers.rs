@@ -173,7 +173,7 @@ fn valid_real_headers() {
         ("clean/sep_image.fits", 0, Ok("1992-10-26T15:04:07.968"), 1200.0),
         // MJD-OBS is 69.7 s later than DATE-OBS (TT?); the primary header below has TAI for a DATE-OBS in UTC.
         ("trailblazer/cutout_calexp-0941420_23.fits", 1, Err("37.0 s apart"), 0.0),
-        ("astride/long.fits", 0, Err("DATE-OBS is \"26/07/102\""), 0.0),
+        ("astride/long.fits", 0, Err("DATE-OBS is the ambiguous date \"26/07/102\""), 0.0),
         ("clean/gc_2mass_k.fits", 0, Err("missing length of the exposure"), 0.0),
     ] {
         let file = FrameFile::open(&data.join("frames").join(name)).unwrap_or_else(|error| panic!("{error}"));
