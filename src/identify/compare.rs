@@ -144,8 +144,7 @@ pub(super) fn compare(
     };
     let log_density =
         within_exposure.unwrap_or_else(|| sigmas.lateness.log_density(delay_s) + log_normal(candidate.cross_track_rad));
-    // The square of the delay in sigmas, where the distribution is a Gaussian.
-    let delay_square = 2.0 * (sigmas.lateness.log_density(0.0) - sigmas.lateness.log_density(delay_s));
+    let delay_square = sigmas.lateness.equivalent_sigmas(delay_s).powi(2);
     CandidateWeight::new(&candidate, streak.timing(), delay_square, log_density).apply_to(&mut candidate);
     (candidate.chi_square <= MOST_CHI_SQUARE).then_some(candidate)
 }

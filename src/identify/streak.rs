@@ -95,7 +95,6 @@ impl MeasuredStreak {
     /// # Errors
     /// Same as [`MeasuredStreak::from_ends`]; a whole streak without a length; or a direction of motion, which a
     /// position angle does not define.
-    /// angle does not contain.
     pub fn from_middle(
         middle: Direction<Gcrs>,
         (position_angle_rad, angle_sigma_rad): (f64, f64),

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 /// Delays up to this many sigmas of the core are searched.
 const REACH_SIGMAS: f64 = 3.5;
 /// Probabilities are lower limits where a larger share of delays than this is not searched.
-const LARGEST_SHARE_LEFT_OUT: f64 = 0.05;
+const LARGEST_SHARE_LEFT_OUT: f64 = 0.1;
 /// Probability within one sigma of a normal distribution.
 const ONE_SIGMA: f64 = 0.682_689_492_137;
 
@@ -40,6 +40,28 @@ impl Lateness {
         Self { parts: self.parts.map(|(weight, part_s)| (weight, part_s.hypot(sigma_s))), ..*self }
     }
 
+    fn is_gaussian(&self) -> bool {
+        self.parts().count() == 1
+    }
+
+    /// Number of sigmas of a normal distribution that is exceeded as rarely as this delay: |δ|/σ for a Gaussian.
+    pub fn equivalent_sigmas(&self, delay_s: f64) -> f64 {
+        if self.is_gaussian() {
+            return delay_s.abs() / self.parts[0].1;
+        }
+        let exceeded: f64 = self
+            .parts()
+            .map(|(weight, sigma_s)| weight * libm::erfc(delay_s.abs() / sigma_s * FRAC_1_SQRT_2))
+            .sum();
+        // P(|x| > z) = erfc(z/√2) by bisection; 38 is where it underflows.
+        let (mut low, mut high) = (0.0, 38.0);
+        for _ in 0..50 {
+            let middle: f64 = 0.5 * (low + high);
+            if libm::erfc(middle * FRAC_1_SQRT_2) > exceeded { low = middle } else { high = middle }
+        }
+        low
+    }
+
     /// Weights and sigmas (seconds) of the Gaussians.
     pub fn parts(&self) -> impl Iterator<Item = (f64, f64)> + Clone + use<> {
         self.parts.into_iter().filter(|(weight, _)| *weight > 0.0)
@@ -57,8 +79,8 @@ impl Lateness {
 
     /// Half width that holds 68.27 % of the delays, seconds.
     pub fn one_sigma_s(&self) -> f64 {
-        let [(_, inner_s), (outer_weight, _), _] = self.parts;
-        if outer_weight == 0.0 {
+        let inner_s = self.parts[0].1;
+        if self.is_gaussian() {
             return inner_s;
         }
         // Newton's method on P(|δ| ≤ x) = 0.6827, concave in x, from below: the innermost sigma.
@@ -150,7 +172,9 @@ mod tests {
         // The integral against a sum of the cumulative distribution in steps of 1/8 s.
         let sum: f64 = (-24_000..80).map(|step| lateness.cumulative((f64::from(step) + 0.5) / 8.0) / 8.0).sum();
         assert!((lateness.cumulative_integral_s(10.0) - sum).abs() < 1e-3, "{sum}");
-        // Manoeuvres are not searched, and a tenth of the satellites is more than what may be left out.
+        assert!((lateness.equivalent_sigmas(one_sigma_s) - 1.0).abs() < 1e-9);
+        assert_eq!(Lateness::gaussian(2.0).equivalent_sigmas(-6.0), 3.0);
+        // Manoeuvres are not searched: here a tenth of all delays, and the ends of the core.
         assert_eq!((lateness.reach_s(), lateness.is_cut()), (24.5, true));
         assert!(!Lateness::core_and_manoeuvres([(0.7, 2.0), (0.3, 7.0)], (0.02, 500.0)).is_cut());
         // The density is the slope of the cumulative distribution.

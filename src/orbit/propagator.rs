@@ -31,7 +31,7 @@ pub enum OrbitError {
     /// SGP4 cannot be initialised from these elements.
     #[error("satellite {norad_id}: SGP4 cannot be initialised from its elements: {reason}")]
     Elements {
-        /// Returns the NORAD catalogue number.
+        /// NORAD catalogue number.
         norad_id: NoradId,
         /// SGP4's message.
         reason: String,
@@ -93,7 +93,7 @@ impl fmt::Debug for Propagator {
 impl Propagator {
     /// Initialises SGP4.
     ///
-    /// [`OrbitError::Diverged`] where they do not agree: the drag terms have diverged.
+    /// # Errors
     /// [`OrbitError::Elements`] where the eccentricity is outside [0, 1) or the mean motion is not positive.
     pub fn new(elements: &ElementSet) -> Result<Self, OrbitError> {
         let fail = |reason: String| OrbitError::Elements { norad_id: elements.norad_id, reason };

@@ -1,7 +1,7 @@
 //! Propagation of satellites that hold their orbits by thrust.
 //!
 //! SGP4 applies the drag of the element set (B*). A satellite that holds its orbit cancels that drag by thrust, so SGP4
-//! lets it fall and run ahead of its true position: by 50 s in a week for a Starlink V2 Mini. Without drag the mean
+//! lets it fall and run ahead of its true position: by 55 s in a week for a Starlink V2 Mini. Without drag the mean
 //! motion of the element set must change too: it was fitted together with the drag and belongs to the epoch, while the
 //! mean motion that the satellite keeps is that of the tracking before the epoch.
 //!
@@ -14,14 +14,16 @@
 //! as a core of two Gaussians and a wide one for satellites that manoeuvred since the epoch:
 //!
 //! ```text
-//! (1 - m) [0.7 N(s) + 0.3 N(r s)] + m N(90 t)        s = √(s₀² + (k t)² + (c D t)²),    m = m₀ + m₁ t
+//! (1 - m) [0.7 N(s) + 0.3 N(r s)] + m N(90 t)        s = √(s₀² + (k t)² + (c D t)²),    m = m₀ + m₁ t ≤ 0.5
 //! ```
+//!
+//! The last Gaussian is at least as wide as the second; no sigma exceeds 0.3413 P.
 //!
 //! `tests/reference/calibrate_station_keeping.py` calibrates the lags on the Starlink catalogue of June 2026 and
 //! reports what remains on other objects and dates (docs/explanation/uncertainty.md).
 
 use super::lateness::Lateness;
-use crate::elements::{ElementSet, Generation, GenerationTable, Origin, semi_major_axis_km};
+use crate::elements::{Certainty, ElementSet, Generation, GenerationTable, semi_major_axis_km};
 
 /// WGS72 equatorial radius, km.
 const WGS72_RADIUS_KM: f64 = 6_378.135;
@@ -92,10 +94,10 @@ impl StationKeeping {
     /// Descending and raising satellites, V0.9 and V1.0 (many of which descend), debris, rocket bodies and other
     /// constellations keep the published drag: a wrong class costs more than a right one gains.
     pub fn of(elements: &ElementSet) -> Option<Self> {
-        if elements.origin == Origin::Synthetic {
+        let (generation, certainty) = GenerationTable::embedded().classify(elements);
+        if certainty == Certainty::Guess && !elements.name.starts_with("STARLINK") {
             return None;
         }
-        let generation = GenerationTable::embedded().of(elements);
         let change = elements.mean_motion_dot_rev_day2.abs();
         match generation {
             Generation::StarlinkV15 if change <= ON_STATION_REV_DAY2 => Some(Self::StarlinkV15),
@@ -178,4 +180,65 @@ struct Calibration {
     /// Growth across the track, km/day^power, and its power.
     cross_km: f64,
     cross_power: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::elements::{NoradId, Origin};
+    use hifitime::Epoch;
+
+    fn elements(name: &str, mean_motion_rev_day: f64, half_derivative_rev_day2: f64) -> ElementSet {
+        ElementSet {
+            norad_id: NoradId(60_000),
+            name: name.into(),
+            international_designator: "".into(),
+            epoch: Epoch::from_gregorian_utc_at_midnight(2026, 6, 5),
+            mean_motion_rev_day,
+            eccentricity: 1e-4,
+            inclination_deg: 53.16,
+            right_ascension_of_node_deg: 0.0,
+            argument_of_perigee_deg: 0.0,
+            mean_anomaly_deg: 0.0,
+            bstar_per_earth_radius: 1e-3,
+            mean_motion_dot_rev_day2: half_derivative_rev_day2,
+            mean_motion_ddot_rev_day3: 0.0,
+            revolution_at_epoch: 0,
+            origin: Origin::Published,
+        }
+    }
+
+    #[test]
+    fn verif_classes_by_kind_derivative_and_height() {
+        // 15.28 rev/day are 480 km, 15.7 rev/day 355 km.
+        for (name, mean_motion, derivative, class) in [
+            ("STARLINK-4000", 15.06, 2e-5, Some(StationKeeping::StarlinkV15)),
+            ("STARLINK-4000", 15.06, -5e-4, None),
+            ("STARLINK-2000", 15.06, -2e-4, Some(StationKeeping::Starlink)),
+            ("STARLINK-31000", 15.28, 2e-4, Some(StationKeeping::Starlink)),
+            ("STARLINK-31000", 15.28, 1e-3, Some(StationKeeping::StarlinkStrongDrag)),
+            ("STARLINK-31000", 15.28, 3e-3, None),
+            ("STARLINK-31000", 15.7, 1e-3, None),
+            ("STARLINK-11100 [DTC]", 15.7, 4e-3, Some(StationKeeping::DirectToCell)),
+            ("STARLINK-11100 [DTC]", 15.7, 1e-2, None),
+            ("STARLINK-1100", 15.06, 1e-5, None),
+            ("STARLINK-31000 DEB", 15.28, 2e-4, None),
+            ("ONEWEB-0012", 13.16, 0.0, None),
+            ("", 15.28, 2e-4, None),
+        ] {
+            let set = elements(name, mean_motion, derivative);
+            assert_eq!(DragModel::StationKeeping.class_of(&set), class, "{name} {mean_motion} {derivative}");
+            assert_eq!(DragModel::Published.class_of(&set), None);
+        }
+    }
+
+    #[test]
+    fn verif_elements_without_drag() {
+        let set = elements("STARLINK-31000", 15.28, 2e-4);
+        let kept = StationKeeping::Starlink.elements(&set);
+        // n₀ - 2 τ (ṅ/2) with 2 τ = 0.75 d
+        assert!((kept.mean_motion_rev_day - (15.28 - 1.5e-4)).abs() < 1e-12);
+        assert_eq!(kept.bstar_per_earth_radius, 0.0);
+        assert_eq!(ElementSet { mean_motion_rev_day: 15.28, bstar_per_earth_radius: 1e-3, ..kept }, set);
+    }
 }

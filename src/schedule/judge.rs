@@ -1,4 +1,4 @@
-//! Verdict on one exposure from its passes.
+//! Judges one exposure: from its passes and a policy to a [`Verdict`].
 
 use crate::passes::{CrossingProbability, Exposure, Pass};
 
@@ -30,8 +30,8 @@ pub(super) trait CameraLimits {
 pub(super) struct Expected {
     /// Probability that at least one lit satellite crosses.
     pub p_any: f64,
-    /// True if the elements of a satellite are so old that delays longer than those searched are probable: both numbers
-    /// are then lower limits.
+    /// True if more than 10 % of the delays of a satellite are outside the range searched: both numbers are then lower
+    /// limits.
     pub is_lower_limit: bool,
     /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,

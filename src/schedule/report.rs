@@ -62,8 +62,8 @@ impl FlagReport {
         let limits = self.flags.iter().filter(|flag| flag.p_any_is_lower_limit).count();
         (limits > 0).then(|| {
             format!(
-                "p_any and the expected loss are lower limits for {limits} of {} exposures: the elements are so old that satellites may be more \
-                 than 300 s early or late, and longer delays are not searched",
+                "p_any and the expected loss are lower limits for {limits} of {} exposures: more than 10 % of the delays of a satellite are outside \
+                 the range searched (3.5 sigmas without manoeuvres, at most 300 s)",
                 self.flags.len()
             )
         })

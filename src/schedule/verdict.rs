@@ -1,4 +1,4 @@
-//! Verdict on one exposure, with the numbers behind it.
+//! Verdict on one exposure, with the numbers behind it; `judge` decides it.
 
 use std::fmt;
 
@@ -56,8 +56,8 @@ pub struct Verdict {
     pub expected_lost_pixel_fraction: Option<f64>,
     /// Probability that at least one lit satellite crosses, for independent errors: 1 - Π(1 - p).
     pub p_any: f64,
-    /// True if `p_any` and the expected loss are lower limits: the elements are so old that delays beyond those
-    /// searched are probable.
+    /// True if `p_any` and the expected loss are lower limits: more than 10 % of the delays of a satellite are
+    /// outside the range searched.
     pub p_any_is_lower_limit: bool,
     /// Length of all nominal lit streaks in the field, degrees.
     pub streak_length_deg: f64,

@@ -8,7 +8,7 @@ use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::orbit::{DragModel, OrbitClass, OrbitUncertainty, uncertainty};
+use streakcast::orbit::{DragModel, OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
 use streakcast::passes::{CrossingProbability, Exposure, Field, ModelChoice, Pass, PassOptions, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
@@ -94,6 +94,38 @@ fn verif_probabilities_against_draws_of_the_errors() {
         let skies = (0..rounds).map(|_| sky(drawn(&elements, age_days, &mut draws)));
         compare(&format!("{age_days} d"), &exposures, &field, sums(&found), skies);
     }
+}
+
+/// Lateness with wings, a week after the elements: satellites that hold their orbits. Delays of those that manoeuvred
+/// (3 %) are drawn, but not searched. Tolerance as above.
+#[test]
+fn verif_probabilities_of_station_keeping_satellites() {
+    const AGE_DAYS: f64 = 7.0;
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let mut draws = Random(20_261_124);
+    let exposures = exposures(start, 360, &mut draws);
+    let elements = published(AGE_DAYS, exposures[180].start, 1584);
+    let class = OrbitClass::of(&elements[0], DragModel::StationKeeping);
+    assert!(matches!(class.kind, OrbitKind::StationKeeping(_)), "{class:?}");
+    let keeping = |elements| sky(elements).with_drag(DragModel::StationKeeping);
+    let found = keeping(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
+    let skies: Vec<Sky> = (0..60)
+        .map(|_| {
+            let drawn = elements.iter().map(|set| {
+                let sigma = uncertainty(class, AGE_DAYS);
+                let mut share = draws.uniform();
+                let part = sigma.lateness.parts().find(|(weight, _)| {
+                    share -= weight;
+                    share <= 0.0
+                });
+                let late = part.map_or(0.0, |(_, sigma_s)| sigma_s / sigma.along_track_s) * draws.normal();
+                moved(set, sigma, [late, draws.normal(), draws.normal()])
+            });
+            keeping(drawn.collect())
+        })
+        .collect();
+    compare("station keeping, 7 d", &exposures, &field, sums(&found), skies.iter());
 }
 
 /// Half a year after the elements only delays of up to 300 s are counted: about their share of what is drawn, marked as

@@ -91,9 +91,9 @@ fn valid_lateness_of_station_keeping_satellites() {
     // Half widths of 68 %, seconds, at 1, 3, 7, 14 days.
     let limits_s = [
         ("V1.5", [1.0, 2.0, 3.5, 9.5]),
-        ("VisorSat, V2 Mini", [1.2, 2.5, 6.0, 12.0]),
-        ("V2 Mini, strong drag", [3.5, 8.0, 24.0, 50.0]),
-        ("Direct-to-Cell", [4.0, 14.0, 20.0, 40.0]),
+        ("VisorSat, V2 Mini", [1.2, 2.5, 5.0, 11.0]),
+        ("V2 Mini, strong drag", [2.8, 7.0, 22.0, 45.0]),
+        ("Direct-to-Cell", [3.0, 6.0, 14.0, 32.0]),
     ];
     for (name, limits_s) in limits_s {
         for (age, limit_s) in [1, 3, 7, 14].into_iter().zip(limits_s) {
@@ -175,6 +175,7 @@ fn valid_reliability_of_crossing_probabilities() {
         let old = day(20 - age).expect("data").into_values().filter(|set| truth.contains_key(&set.norad_id)).collect();
         let options = PassOptions { min_probability: Some(0.01), ..options.clone() };
         let passes = sky(old).field_passes(&exposures, &field, &options).expect("exposures").by_exposure;
+        assert!(passes.iter().map(Vec::len).sum::<usize>() > 100, "{age} d: too few passes");
         let mut tenths = [(0.0, 0.0, 0.0); 10];
         for (passes, crossed) in passes.iter().zip(&crossed) {
             for pass in passes {
@@ -188,7 +189,9 @@ fn valid_reliability_of_crossing_probabilities() {
             let (stated, observed) = (stated / count, observed / count);
             println!("{age} d, tenth {number}: {count} passes, stated {stated:.3}, observed {observed:.3}");
             let scatter = 3.0 * (stated * (1.0 - stated) / count).sqrt().max(0.5 / count);
-            assert!((stated - observed).abs() <= 0.05 + scatter, "{age} d, tenth {number}: {stated:.3} {observed:.3}");
+            // Where little is stated, a share of it.
+            let allowed = f64::min(0.05, 0.5 * stated);
+            assert!((stated - observed).abs() <= allowed + scatter, "{age} d, tenth {number}: {stated:.3} {observed:.3}");
         }
     }
 }

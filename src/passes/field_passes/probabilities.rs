@@ -248,7 +248,7 @@ impl ExposedField<'_> {
             let carried = if is_late {
                 let sight = aspect.direction.vector();
                 let across = state.velocity.vector() - sight * state.velocity.vector().dot(sight);
-                line.observer.velocity(piece.mid_s()).dot(&across) / across.norm_squared()
+                line.observer.velocity(piece.mid_s()).dot(&across) / across.norm_squared().max(1e-12)
             } else {
                 0.0
             };

@@ -302,7 +302,7 @@ pub(crate) fn magnitudes<const F: bool, const N: usize>(
 ) -> [f64; N] {
     let mut magnitudes = [0.0; N];
     for lane in 0..N {
-        // m = -2.5 log₁₀ B + zero                                        Lu (2024), eq. 19
+        // m = -2.5 log₁₀ B + zero                                        Lu (2024), eq. 21
         magnitudes[lane] = fused::<F>(-2.5 / LN_10, ln::<F>(greater(light_m2_sr[lane], least_m2_sr)), zero_mag);
     }
     magnitudes
