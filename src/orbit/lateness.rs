@@ -85,7 +85,7 @@ impl Lateness {
         }
         // Newton's method on P(|δ| ≤ x) = 0.6827, concave in x, from below: the innermost sigma.
         let mut half_s = inner_s;
-        for _ in 0..20 {
+        for _ in 0..100 {
             let step_s = (ONE_SIGMA - self.share(-half_s, half_s)) / (2.0 * self.log_density(half_s).exp());
             half_s += step_s;
             if step_s < 1e-9 * half_s {

@@ -42,7 +42,7 @@ fn ages_repetitions_and_rejections_are_counted() {
         ("warning", "1 of 7 records rejected"),
         ("note", "1 duplicate records"),
         ("warning", "1 of 5 are older than 14 days"),
-        ("warning", "1 of 5 are more than 1.5 days ahead of 2026-08-14T12:00:00Z: up to 2026-08-22"),
+        ("warning", "1 of 5 have epochs more than 1.5 days after 2026-08-14T12:00:00Z: up to 2026-08-22"),
     ] {
         assert!(all.iter().any(|one| one.0 == severity && one.2.contains(words)), "{words}: {all:?}");
     }
@@ -55,7 +55,7 @@ fn the_page_has_bars_and_remedies() {
     let (elements, cache) = (file(&folder), path(&folder, "cache"));
     let (code, page, _) = doctor(&["--elements", &elements, "--mpc", "X05", "--cache", &cache]);
     assert_eq!(code, 0);
-    assert!(page.starts_with("What would be wrong at 2026-08-14T12:00:00Z\n"), "{page}");
+    assert!(page.starts_with("Setup check for 2026-08-14T12:00:00Z\n"), "{page}");
     for expected in [
         "warning   elements: ",
         "          -> ",
@@ -102,10 +102,15 @@ fn the_cache_is_checked() {
     std::fs::write(folder.path().join("celestrak-active.csv.fetch.json"), record).unwrap();
     let (_, all, _) = findings(&["--cache", &cache]);
     assert!(
-        all.iter().any(|one| one.0 == "warning" && one.2.contains("answered at 2026-08-14T11:00:00Z: 403 Forbidden")),
+        all.iter()
+            .any(|one| one.0 == "warning"
+                && one.2.contains("response of CelesTrak at 2026-08-14T11:00:00Z: 403 Forbidden")),
         "{all:?}"
     );
-    assert!(all.iter().any(|one| one.0 == "warning" && one.2.contains("fetched and is gone")), "{all:?}");
+    assert!(
+        all.iter().any(|one| one.0 == "warning" && one.2.contains("was fetched, and the file is missing")),
+        "{all:?}"
+    );
     std::fs::write(folder.path().join("celestrak-active.csv"), "x").unwrap();
     let (_, all, answer) = findings(&["--cache", &cache]);
     assert!(all.iter().any(|one| one.0 == "note" && one.2.contains("7 records, fetched 13.5 days ago")), "{all:?}");
@@ -170,9 +175,10 @@ fn no_finding_contradicts_another() {
     let (code, page, _) = doctor(&["--elements", &elements, "--mpc", "X05", "--cache", &cache]);
     assert_eq!(code, 2, "{page}");
     assert!(
-        page.contains("4 of 4 are more than 1.5 days ahead") && page.contains("half of them more than 13.5 days ahead")
+        page.contains("4 of 4 have epochs more than 1.5 days after")
+            && page.contains("half of them more than 13.5 days in the future")
     );
-    for wrong in ["clock right", "fetch newer", "median age -", "clock: "] {
+    for wrong in ["correct the clock", "fetch newer", "median age -", "clock: "] {
         assert!(!page.contains(wrong), "{wrong}: {page}");
     }
     assert!(page.contains("time: 2026-08-14T12:00:00Z, as given") && page.contains("satchecker --epoch"), "{page}");

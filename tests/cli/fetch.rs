@@ -164,7 +164,7 @@ fn within_the_waiting_time_no_request_is_sent_and_the_cached_file_is_used() {
     std::fs::remove_file(cache.file()).unwrap();
     let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T13:59:00Z", &[]);
     assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
-    assert!(stderr.contains("there is no cached file"), "{stderr}");
+    assert!(stderr.contains("no file is cached"), "{stderr}");
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn no_failure_replaces_a_valid_file() {
         (status("200 OK", "", "No GP data found"), &[], "it begins: No GP data found"),
         (status("200 OK", "Content-Type: image/png\r\n", "\u{1}PNG"), &[], "no element sets"),
         (status("200 OK", "", ""), &[], "nothing"),
-        (status("200 OK", "Content-Encoding: gzip\r\n", "this is not gzip"), &[], "the answer broke off"),
+        (status("200 OK", "Content-Encoding: gzip\r\n", "this is not gzip"), &[], "with a truncated body"),
         // More bytes are announced than sent.
         (
             Box::new(move |stream| {
@@ -239,7 +239,7 @@ fn no_failure_replaces_a_valid_file() {
                 send(stream, &half[..half.len() / 2]);
             }),
             &[],
-            "the answer broke off",
+            "with a truncated body",
         ),
         // No length is given, and the last record is cut.
         (
@@ -254,10 +254,10 @@ fn no_failure_replaces_a_valid_file() {
         (
             Box::new(|stream| send(stream, b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nOBJEC\r\n")),
             &[],
-            "the answer broke off",
+            "with a truncated body",
         ),
         // More bytes than the limit.
-        (Box::new(ok(vec![b'1'; 5_000], "")), &["--max-bytes", "1000"], "more than the 1000 bytes"),
+        (Box::new(ok(vec![b'1'; 5_000], "")), &["--max-bytes", "1000"], "more than the limit of 1000 bytes"),
         // Single bytes with long pauses.
         (
             Box::new(|stream| {
@@ -268,13 +268,13 @@ fn no_failure_replaces_a_valid_file() {
                 }
             }),
             &["--timeout", "5s"],
-            "the answer broke off",
+            "with a truncated body",
         ),
         // No response.
-        (Box::new(|stream| _ = stream.read(&mut [0])), &["--timeout", "5s"], "no answer"),
+        (Box::new(|stream| _ = stream.read(&mut [0])), &["--timeout", "5s"], "no response"),
         // Closed at once; not HTTP.
-        (Box::new(|_| {}), &[], "no answer"),
-        (Box::new(|stream| send(stream, b"SSH-2.0-OpenSSH_9.6\r\n")), &[], "no answer"),
+        (Box::new(|_| {}), &[], "no response"),
+        (Box::new(|stream| send(stream, b"SSH-2.0-OpenSSH_9.6\r\n")), &[], "no response"),
     ];
     for (reply, more, expected) in cases {
         let cache = Cache::filled();
@@ -361,8 +361,8 @@ fn a_cache_path_that_is_a_file_is_rejected() {
     let file = folder.path().join("a-file");
     std::fs::write(&file, "x").unwrap();
     for (cache, expected) in [
-        (file.clone(), "this is a file; allowed: a folder, or the name of one to make"),
-        (file.join("below"), "allowed: a folder that can be written to, or made"),
+        (file.clone(), "is a file; allowed: a folder, or the name of a new one"),
+        (file.join("below"), "allowed: a writable folder"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
             .args(["fetch", "celestrak", "--group", "starlink", "--cache"])
@@ -386,7 +386,7 @@ fn a_file_with_far_fewer_records_is_rejected_without_a_flag() {
     let few = crate::common::elements::pair(90_000, "224.50000000").into_bytes();
     let server = Server::one(ok(few.clone(), ""));
     let (code, _, stderr) = cache.source(&tle, &server.url, NOON, &[]);
-    assert!(code == 2 && stderr.contains("1 records where there were 10"), "{stderr}");
+    assert!(code == 2 && stderr.contains("1 records instead of 10"), "{stderr}");
     assert_eq!(std::fs::read_to_string(stdout.trim_end()).unwrap(), many);
     let server = Server::one(ok(few, ""));
     let (code, _, stderr) = cache.source(&tle, &server.url, "2024-08-16T12:00:00Z", &["--accept-fewer"]);
@@ -439,7 +439,7 @@ fn space_track_logs_in_and_out_and_the_account_is_not_stored() {
         "2024-08-16T12:00:00Z",
         &[],
     );
-    assert!(code == 2 && stderr.contains("NO_SUCH_A is not set"), "{stderr}");
+    assert!(code == 2 && stderr.contains("NO_SUCH_A of --identity-env is not set"), "{stderr}");
 }
 
 #[test]
@@ -467,7 +467,7 @@ fn invalid_arguments_send_no_request() {
     let cache = Cache::new();
     let server = Server::new(Vec::new());
     for (words, expected) in [
-        (vec!["celestrak", "--group", "../../etc"], "group '../../etc'; allowed"),
+        (vec!["celestrak", "--group", "../../etc"], "invalid group '../../etc'; allowed"),
         (vec!["celestrak", "--group", "a&b"], "allowed: 1 to 64 letters"),
         (vec!["satchecker", "--epoch", "yesterday"], "yesterday"),
         (vec!["celestrak", "--group", "x", "--timeout", "5"], "no unit"),

@@ -298,7 +298,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
     let elsewhere = path(&folder, "nowhere/x.csv");
     for (arguments, parts) in [
         (&["--night", "14.8.2024"][..], &["invalid night '14.8.2024'", "2024-08-14"][..]),
-        (&[], &["no time", "--night 2024-08-14"]),
+        (&[], &["missing time range", "--night DATE"]),
         (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["allowed 0 to 31 days"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-08-13T00:00:00Z"], &["the end not before the start"]),
@@ -314,9 +314,12 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         ),
         (&["--night", "2024-08-14", "--norad", "x"], &["'x'", "NORAD catalogue numbers, 1 to 999999999"]),
         (&["--night", "2024-08-14", "--norad", "0"], &["'0'", "1 to 999999999"]),
-        (&["--night", "2024-08-14", "--alarm", "5min"], &["--alarm is for calendars alone", "--format ics"]),
-        (&["--night", "2024-08-14", "--alarm", "5min", "--format", "csv"], &["--alarm is for calendars alone"]),
-        (&["--night", "2024-08-14", "--angle-type", "azel"], &["--angle-type is for tracking data", "--format tdm"]),
+        (&["--night", "2024-08-14", "--alarm", "5min"], &["--alarm is only for calendars", "--format ics"]),
+        (&["--night", "2024-08-14", "--alarm", "5min", "--format", "csv"], &["--alarm is only for calendars"]),
+        (
+            &["--night", "2024-08-14", "--angle-type", "azel"],
+            &["--angle-type is only for tracking data", "--format tdm"],
+        ),
         (&["--night", "2024-08-14", "--utc-offset", "CET"], &["invalid value 'CET'", "--utc-offset", "+01:00"]),
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
         (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),

@@ -84,14 +84,14 @@ fn invalid_streaks_give_one_line() {
         (shutter.to_vec(), "missing streak; specify --end RA,DEC twice"),
         (with(&["--end", "1,2"]), "--end is given once; allowed: twice"),
         (with(&["--end", "1,2", "--end", "1,2"]), "both ends of the streak are at the same position"),
-        (with(&["--end", "1;2", "--end", "1,2"]), "end '1;2' is no place"),
+        (with(&["--end", "1;2", "--end", "1,2"]), "invalid end '1;2'"),
         (with(&["--end", "1,2", "--end", "400,2"]), "is not a right ascension"),
         (
             with(&["--end", "1,2", "--end", "2,3", "--ra", "1", "--dec", "2", "--position-angle", "3"]),
             "exclude each other",
         ),
-        (vec!["--end", "1,2", "--end", "2,3"], "no start of the exposure"),
-        (vec!["--end", "1,2", "--end", "2,3", "--start", "2026-08-14T23:29:05Z"], "no length of the exposure"),
+        (vec!["--end", "1,2", "--end", "2,3"], "missing: start of the exposure"),
+        (vec!["--end", "1,2", "--end", "2,3", "--start", "2026-08-14T23:29:05Z"], "missing exposure time"),
         (
             vec!["--end", "1,2", "--end", "2,3", "--times", "2026-08-14T23:29:05Z", "2026-08-14T23:29:05Z"],
             "times: the second is 0 s after",

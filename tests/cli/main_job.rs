@@ -148,7 +148,7 @@ fn nothing_found_is_exit_code_one() {
     let (code, stdout, stderr) = run(&[&narrow, &["--shells", "qianfan", "--mpc", "X05", "--format", "json"]]);
     assert_eq!(code, 1, "{stderr}");
     assert!(serde_json::from_str::<Value>(&stdout).unwrap()["passes"].as_array().unwrap().is_empty());
-    assert!(stderr.contains("synthetic") && stderr.contains("no passes"), "{stderr}");
+    assert!(stderr.contains("simulated constellation") && stderr.contains("no passes"), "{stderr}");
 }
 
 #[test]

@@ -193,7 +193,7 @@ fn verif_invalid_arguments() {
             &["invalid picture name map.gif: expected a name that ends in .png or .svg"],
         );
         fails(&[SKY, &["--picture", "no/such/folder/map.png"], &out], &["no/such/folder"]);
-        fails(&[&["map", "paper", "-o", "no/such/folder"]], &["cannot make the folder no/such/folder"]);
+        fails(&[&["map", "paper", "-o", "no/such/folder"]], &["cannot create the folder no/such/folder"]);
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
@@ -228,11 +228,17 @@ fn verif_file_name_extensions() {
 
     fails(&[SKY, &["-o", &path("a.fits.gz")]], &["compressed output is not supported; specify", "a.fits"]);
     #[cfg(feature = "plot")]
-    fails(&[SKY, &["-o", &path("a.PNG")]], &["pictures are made by --picture", "a.PNG"]);
+    fails(&[SKY, &["-o", &path("a.PNG")]], &["pictures are written with --picture", "a.PNG"]);
     #[cfg(feature = "plot")]
-    fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["pictures are made by --picture"]);
-    fails(&[SKY, &["-o", &path("a.csv"), "--format", "fits"]], &["format fits in a file", "should end in .fits"]);
-    fails(&[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]], &["format ecsv in a file", "should end in .ecsv"]);
+    fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["pictures are written with --picture"]);
+    fails(
+        &[SKY, &["-o", &path("a.csv"), "--format", "fits"]],
+        &["format fits for the file", "allowed: the extension .fits"],
+    );
+    fails(
+        &[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]],
+        &["format ecsv for the file", "allowed: the extension .ecsv"],
+    );
     #[cfg(not(feature = "parquet"))]
     fails(
         &[SKY, &["--format", "parquet"]],
@@ -249,9 +255,12 @@ fn verif_two_outputs_need_two_files() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     for (output, picture) in [("a.svg", "a.svg"), ("a.svg", "./a.svg"), ("sub/../a.png", "a.png")] {
         let outputs = ["-o", &path(output), "--picture", &path(picture)];
-        fails(&[SKY, &outputs], &["pictures are made by --picture"]);
+        fails(&[SKY, &outputs], &["pictures are written with --picture"]);
     }
-    fails(&[SKY, &["--nside", "8", "--picture", &path("a.png")]], &["--nside is for tables", "needs -o or --format"]);
+    fails(
+        &[SKY, &["--nside", "8", "--picture", &path("a.png")]],
+        &["--nside is for tables", "specify also -o or --format"],
+    );
     fails(&[BODY, &["--step-deg", "1", "--picture", &path("a.png")]], &["--step-deg is for tables"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
     let both = answers(&[BODY, &["--step-deg", "5", "--picture", &path("a.png"), "--format", "csv"]]);
@@ -289,8 +298,10 @@ fn verif_a_configuration() {
     let air = config("air.toml", "extinction = 0.2\nshadow = 'atmosphere'\n");
     let (code, _, stderr) = run(&[BODY, &["--config", &air]]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stderr.contains("configuration's extinction, shadow have no part in a map of a satellite's own sky"));
-    assert!(!run(&[SKY, &["--config", &air, "--step-deg", "5"]]).2.contains("no part"));
+    assert!(stderr.contains(
+        "extinction, shadow of the configuration have no effect on a map of the directions around a satellite"
+    ));
+    assert!(!run(&[SKY, &["--config", &air, "--step-deg", "5"]]).2.contains("no effect"));
 
     let space = config("space.toml", "observer_norad = 20580\nobserver_elements = 'hst.tle'\n");
     fails(&[SKY, &["--config", &space]], &["observer of the configuration is in orbit", "--site, --mpc, or --lat"]);
@@ -340,7 +351,7 @@ fn verif_an_invalid_temporary_folder_is_reported_once_with_a_remedy() {
     let scratch = folder.path().join("missing");
     let stderr = String::from_utf8(map_with(&scratch).stderr).unwrap();
     let error = stderr.lines().find(|line| line.starts_with("error: ")).unwrap();
-    assert!(error.contains("No such file") && error.contains("TMPDIR can name another folder"), "{error}");
+    assert!(error.contains("No such file") && error.contains("TMPDIR sets another folder"), "{error}");
     assert_eq!(error.matches(&scratch.display().to_string()).count(), 1, "{error}");
     assert!(!output.exists());
     // CFITSIO interprets brackets in a name as a filter; the temporary folder may contain them.

@@ -223,7 +223,10 @@ fn invalid_arguments_are_reported() {
         ),
         (&[base, SKY, RANGE, &["--format", "xlsx"]], "lco, eso-p2, astroq"),
         (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude 95 deg: allowed -90 to 90"),
-        (&[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]], "max_lost_fraction makes no windows"),
+        (
+            &[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]],
+            "max_lost_fraction of the policy is not for windows",
+        ),
         (&[&["windows", "--targets", "/nowhere.csv", "--fov", "6deg"], SKY, RANGE], "/nowhere.csv"),
     ] {
         let (code, stdout, stderr) = run(arguments);

@@ -25,9 +25,9 @@ const MAX_EXPOSURES: usize = 100_000;
 
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    let token = Token::of(&typed)?;
     let has_schedule = typed.schedule.is_some();
     Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
-    let token = Token::of(&typed)?;
     let notices = judged::begin(&config)?;
     let plan = config.observation()?;
     // Before the computation, so that an address in use is reported at once.
