@@ -49,10 +49,8 @@ impl Lateness {
         if self.is_gaussian() {
             return delay_s.abs() / self.parts[0].1;
         }
-        let exceeded: f64 = self
-            .parts()
-            .map(|(weight, sigma_s)| weight * libm::erfc(delay_s.abs() / sigma_s * FRAC_1_SQRT_2))
-            .sum();
+        let exceeded: f64 =
+            self.parts().map(|(weight, sigma_s)| weight * libm::erfc(delay_s.abs() / sigma_s * FRAC_1_SQRT_2)).sum();
         // P(|x| > z) = erfc(z/√2) by bisection; 38 is where it underflows.
         let (mut low, mut high) = (0.0, 38.0);
         for _ in 0..50 {

@@ -191,7 +191,10 @@ fn valid_reliability_of_crossing_probabilities() {
             let scatter = 3.0 * (stated * (1.0 - stated) / count).sqrt().max(0.5 / count);
             // Where little is stated, a share of it.
             let allowed = f64::min(0.05, 0.5 * stated);
-            assert!((stated - observed).abs() <= allowed + scatter, "{age} d, tenth {number}: {stated:.3} {observed:.3}");
+            assert!(
+                (stated - observed).abs() <= allowed + scatter,
+                "{age} d, tenth {number}: {stated:.3} {observed:.3}"
+            );
         }
     }
 }
