@@ -21,8 +21,9 @@ use crate::orbit::{LeftOut, Propagator, State};
 use crate::passes::{Exposure, ExposureInterval, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Search limit in sigmas, and its lower bounds.
+/// Largest delay and cross-track distance that are searched, in sigmas.
 const REACH_SIGMAS: f64 = 6.0;
+/// At least this delay, seconds, and this distance, radians, are searched.
 const LEAST_REACH_S: f64 = 30.0;
 const LEAST_REACH_RAD: f64 = 0.0175;
 /// Range assumed for the cross-track limit before the range is known, km.

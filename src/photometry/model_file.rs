@@ -47,7 +47,7 @@ pub struct ModelFile {
     pub band: String,
     /// `Vega` or `AB`.
     pub mag_system: String,
-    /// Typical extent across the sky of the bright part, m; it widens a streak. Assumed for all shipped models.
+    /// Typical size of the satellite's bright part, m; the streak is wider by its angular size. Assumed for all shipped models.
     pub size_m: f64,
     /// Sizes of the panels (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -8,7 +8,8 @@ use crate::passes::{Exposure, Viewpoint};
 /// Time span of exposures that share one table of the Earth's orientation, seconds.
 const GROUP_S: f64 = 43_200.0;
 
-/// Sampling interval of a pointing from an orbit, seconds: the limb moves by half a degree in it.
+/// Sampling interval of a pointing's altitude for a telescope in orbit, seconds: the Earth's limb moves by 0.6° in this
+/// time in low orbit.
 const LIMB_INTERVAL_S: f64 = 10.0;
 
 /// Returns the lowest altitude of each pointing while the shutter is open, radians, without refraction and aberration

@@ -1,4 +1,4 @@
-//! Errors of streaks: their light, their images and masks.
+//! Errors of the module `streaks`: brightness, optics, drawing, masks.
 
 use thiserror::Error;
 
@@ -9,7 +9,7 @@ use super::psf::BlurError;
 use super::render::PathError;
 use crate::passes::{FieldError, SkyError};
 
-/// Errors of streaks: their light, their images and masks.
+/// Errors of the module `streaks`: brightness, optics, drawing, masks.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum StreaksError {
     /// A number is out of range or not finite.

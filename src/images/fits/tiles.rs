@@ -201,7 +201,7 @@ fn view(header: &Header, bitpix: Bitpix, tiles: &str, algorithm: Option<&str>) -
     view
 }
 
-/// Copies the sizes changed by compression from one header to another.
+/// Copies the keywords that compression changes from one header to another.
 fn copy_sizes(from: &Header, to: &mut Header) {
     for card in from.cards() {
         let keyword = card.keyword();

@@ -86,12 +86,12 @@ impl Cap {
             + phase.mean_longitude_rate_rad_s.abs() * half_s
             + 1.1 * slop_km / self.lowest_km
             + ROUGHNESS_RAD;
-        // The whole Earth, or an angle so large that the inverse sine exceeds its argument by more than a tenth.
+        // The cap is the whole Earth, or the error is too large for the small-angle bound below.
         if within_rad > EVERYWHERE_RAD || slop_km > 0.3 * self.lowest_km {
             return true;
         }
-        // x = r - (r·n) n and y = n × r, as in the plane of Kepler's position; cos λ x·c + sin λ y·c is the cosine of
-        // the angle to the cap's centre.
+        // x = r - (r·n) n and y = n × r, as in the plane of Kepler's position. With the mean longitude λ and the cap's
+        // centre c, cos λ x·c + sin λ y·c is the cosine of the satellite's angle from the centre.
         let [rx, ry, rz] = phase.reference;
         let reference = Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz));
         let off_plane = reference.dot(normal);

@@ -1,7 +1,7 @@
 //! Light of a satellite composed of panels and spheres.
 //!
-//! Each panel reflects by the laws of the face that is lit and seen: its front, its back, or through from the front to
-//! the back. The parts that other panels shade or hide are removed exactly; light reflected between panels is
+//! A panel uses the laws `front` (lit and seen from the front), `back` (lit and seen from behind) or `through` (lit from
+//! the front, seen from behind). The parts that other panels shade or hide are removed exactly; light reflected between panels is
 //! neglected, as in the paper. Spheres add their light and are never hidden.
 
 use nalgebra::Vector3;

@@ -40,8 +40,8 @@ pub struct SatelliteExposure {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Returns all satellites with light within `radius_rad` (and a small margin) of the pointing while the shutter is
-/// open. If the telescope tracks a moving target, this covers the whole strip of the sky over which the frame moves.
+/// Returns all satellites that are sunlit somewhere on their track within `radius_rad` (plus a small margin) of the
+/// pointing while the shutter is open. If the telescope tracks a moving target, this covers the whole strip of the sky over which the frame moves.
 ///
 /// # Errors
 /// [`StreaksError`] if passes cannot be computed, or the field is more than half the sky.

@@ -13,7 +13,7 @@ const LEAST_ASPECT: f64 = 0.4;
 /// Least full width at half maximum of the seeing in parts of a pixel: the average over a square of this size is
 /// isotropic to 4·10⁻⁴ of the peak.
 const PARTS_PER_FWHM: f64 = 2.5;
-/// Greatest radius of a profile in parts, which limits memory and time. Only if the seeing is narrower than 1/200 of
+/// Largest radius of a profile in parts (the subpixels on which narrow seeing is drawn); it limits memory and time. Only if the seeing is narrower than 1/200 of
 /// that radius (sharp rings of hundreds of pixels), parts are wider than above, and the pixels of a point are accurate
 /// to about 2 % of the peak.
 const MOST_REACH_PARTS: f64 = 500.0;
