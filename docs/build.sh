@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The documentation as a site: `docs/build.sh [FOLDER]`, in target/site without one. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer and a package index.
-# A link that leads nowhere, a verb, or one below it, without a section or a page that no list names fails.
+# Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer
+# and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the command line itself.
+#   docs/build.sh --images    makes docs/images/ anew, which README.md shows; needs chromium
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -8,9 +9,15 @@ python=${PYTHON:-python3}
 "$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "docs/build.sh: $python is older than 3.11" >&2; exit 2; }
 mkdir -p "${CARGO_TARGET_DIR:-target}"
 target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
+if [ -z "${STREAKCAST_BIN:-}" ]; then
+    cargo build --quiet --bin streakcast
+    STREAKCAST_BIN=$target/debug/streakcast
+fi
+export STREAKCAST_BIN STREAKCAST_ROOT=$PWD
+
 site=${1:-$target/site}
 
-# The environment stays from run to run while the pins and Python are the same.
+# The environment is kept while the pins and Python stay the same.
 venv=$target/docs-venv
 made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat docs/requirements.txt; } | sha256sum)
 if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
@@ -20,11 +27,28 @@ if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
     echo "$made_of" >"$venv/made-of"
 fi
 
-# What the pages show is asked of a command line: the one that STREAKCAST_BIN names, else one is built.
-if [ -z "${STREAKCAST_BIN:-}" ]; then
-    cargo build --quiet --bin streakcast
-    STREAKCAST_BIN=$target/debug/streakcast
+# The pictures of README.md: one exposure of examples/night.csv as `plot field` and as the page of `serve`.
+if [ "${1:-}" = --images ]; then
+    work=$(mktemp -d)
+    exposure=(--shells starlink-gen1 --mpc X05 --telescope rubin --fov 3.5deg --quiet)
+    "$STREAKCAST_BIN" plot field "${exposure[@]}" --start 2026-08-14T23:29:05Z --exposure 30s --ra 198.9 --dec 7.7 --no-data -o "$work/field.png"
+    "$STREAKCAST_BIN" serve "${exposure[@]}" --schedule examples/night.csv --limit-mag 7 --bind 127.0.0.1:0 >"$work/address" &
+    trap 'kill "$!" 2>/dev/null || true; rm -rf "$work"' EXIT
+    until [ -s "$work/address" ]; do sleep 0.1; done
+    "${CHROMIUM:-chromium}" --headless --no-sandbox --hide-scrollbars --window-size=1240,1392 --force-device-scale-factor=0.75 \
+        --virtual-time-budget=10000 --screenshot="$work/serve.png" "$(cat "$work/address")" 2>/dev/null
+    # 256 colours keep the files small.
+    "$venv/bin/python" -c 'import sys; from PIL import Image
+for name in ("field", "serve"):
+    Image.open(f"{sys.argv[1]}/{name}.png").convert("RGB").quantize(256, dither=0).save(f"docs/images/{name}.png", optimize=True)' "$work"
+    ls -l docs/images
+    exit
 fi
-export STREAKCAST_BIN
-"$venv/bin/sphinx-build" --quiet --fail-on-warning --keep-going -d "$target/site-doctrees" docs "$site"
+
+source=$target/docs-source
+rm -rf "$source"
+cp -a docs "$source"
+"$python" docs/generate.py "$STREAKCAST_BIN" "$source"
+"$python" tests/docs.py --pictures "$source/pictures" docs/index.md docs/*/*.md
+"$venv/bin/sphinx-build" --quiet --fail-on-warning --keep-going -d "$target/site-doctrees" "$source" "$site"
 echo "$site/index.html"

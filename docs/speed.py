@@ -40,24 +40,24 @@ def interpreter(requirements):
     """Python with what a peer needs, in an environment that is kept beside the build while the file is the same; none where pip cannot."""
     target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
     folder = target / "peers" / Path(requirements).stem
-    wanted, done = (ROOT / PEERS / requirements).read_text(), folder / "installed.txt"
+    required, done = (ROOT / PEERS / requirements).read_text(), folder / "installed.txt"
     python = folder / "bin" / "python"
-    if done.exists() and done.read_text() == wanted:
+    if done.exists() and done.read_text() == required:
         return python
     try:
         subprocess.run([os.environ.get("PYTHON", sys.executable), "-m", "venv", "--clear", folder], check=True)
-        # One file at a time without their own wishes where it says so: they name old releases of what is there.
-        flags = ["--no-deps"] if "--no-deps" in wanted else []
+        # Files with --no-deps install without dependencies: these would be older releases.
+        flags = ["--no-deps"] if "--no-deps" in required else []
         subprocess.run([python, "-m", "pip", "install", "--quiet", *flags, "--requirement", ROOT / PEERS / requirements], check=True)
     except subprocess.CalledProcessError as error:
         print(f"*** LEFT OUT: pip cannot install {requirements}: {error} ***", file=sys.stderr)
         return None
-    done.write_text(wanted)
+    done.write_text(required)
     return python
 
 
 def printed(name, rounds):
-    """The command as it is told, and what it printed; `None` where it cannot run."""
+    """Returns the command and its output; `None` if it cannot run."""
     if name in BENCHES:
         return f"cargo bench --bench {name}", run(["cargo", "bench", "--quiet", "--bench", name])
     requirements, benches, words = WITH_PEERS[name]
@@ -95,17 +95,17 @@ def section(name, command, text):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", help=f"some of {','.join(NAMES)}; all where unsaid")
+    parser.add_argument("--only", help=f"some of {','.join(NAMES)}; default: all")
     parser.add_argument("--rounds", type=int, default=3, help="of the runs with peers")
     options = parser.parse_args()
-    asked = options.only.split(",") if options.only else NAMES
-    unknown = [name for name in asked if name not in NAMES]
+    selected = options.only.split(",") if options.only else NAMES
+    unknown = [name for name in selected if name not in NAMES]
     if unknown:
         parser.error(f"no run is called {', '.join(unknown)}; allowed: {', '.join(NAMES)}")
     old = re.split(r"^(?=## )", TABLE.read_text(), flags=re.M) if TABLE.exists() else []
     sections = {part[3:].splitlines()[0]: part for part in old if part.startswith("## ")}
     left_out = []
-    for name in asked:
+    for name in selected:
         try:
             answer = printed(name, options.rounds)
         except subprocess.CalledProcessError as error:

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Makes the tables of docs/accuracy.md and docs/speed.md anew.
+# Makes the tables of docs/explanation/accuracy.md and docs/explanation/speed.md anew.
 #   docs/tables.sh                       accuracy, from what the tests measure; the whole table needs the folder of STREAKCAST_DATA
 #   docs/tables.sh speed                 speed, from what the benches and the tools beside them print: an hour on a quiet machine
 #   docs/tables.sh speed --only streaks  of these the runs named alone, the rest as it was

@@ -1,4 +1,4 @@
-//! The error of the crate's root.
+//! Error type of the crate root.
 
 use thiserror::Error as ThisError;
 

@@ -20,13 +20,14 @@
 //! }
 //! ```
 //!
-//! The names at the root use embedded brightness models and Earth orientation; [`Sky::with_models`] takes others. Modules below the root are
-//! for programs that need more: [`schedule`] judges whole schedules and finds clear windows, [`forecast`] lists the visible passes of a
-//! night, [`identify`] names the satellite of a measured streak, [`streaks`] draws streaks into frames, [`photometry`] computes magnitudes.
+//! The names at the root use embedded brightness models and Earth orientation; [`Sky::with_models`] accepts others. The
+//! modules provide more: [`schedule`] judges whole schedules and finds clear windows, [`forecast`] lists the visible
+//! passes of a night, [`identify`] identifies the satellite of a measured streak, [`streaks`] draws streaks into
+//! frames, [`photometry`] computes magnitudes.
 //!
-//! Radians and kilometres inside, degrees at interfaces and in files. Every right ascension and declination is ICRS astrometric
-//! topocentric unless its documentation says otherwise: the position among catalogue stars on a calibrated image. The library never
-//! prints, and never reads the environment, the clock or the network.
+//! The library uses radians and kilometres internally, degrees at interfaces and in files. Every right ascension and
+//! declination is ICRS astrometric topocentric unless documented otherwise: the position relative to catalogue stars on
+//! a calibrated image. The library never prints, and never reads the environment, the clock or the network.
 
 #[doc(hidden)]
 pub mod config;

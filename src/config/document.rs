@@ -41,6 +41,10 @@ pub struct Config {
     /// Table of standard magnitudes in the format of McCants' qs.mag
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub qs_mag: Option<PathBuf>,
+    /// Drag of satellites that hold their orbits by thrust: station-keeping (no drag; default) or published (as in the
+    /// element set)
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
+    pub drag: Option<String>,
     /// Model of the Earth's shadow: geometric (solid Earth; default) or atmosphere (with refracted and reddened light)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
     pub shadow: Option<String>,
@@ -225,8 +229,8 @@ pub struct RulesConfig {
 
 /// Keys of a configuration file.
 #[rustfmt::skip]
-const KEYS: [&str; 39] = [
-    "elements", "shells", "accept_bad_checksums", "qs_mag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
+const KEYS: [&str; 40] = [
+    "elements", "shells", "accept_bad_checksums", "qs_mag", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
     "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
     "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
     "verbose", "start", "exposure", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
@@ -308,7 +312,7 @@ impl Config {
             (self.fov, self.field) = (base.fov, base.field);
         }
         complete!(self, base:
-            accept_bad_checksums, qs_mag, shadow, models, limb_height_km, rotation, telescope, light.band,
+            accept_bad_checksums, qs_mag, drag, shadow, models, limb_height_km, rotation, telescope, light.band,
             light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
             default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, exposure.ra,
             exposure.dec, rules.policy, rules.limit_mag, rules.max_delay, include_dark, samples, format,

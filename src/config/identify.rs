@@ -132,7 +132,7 @@ impl IdentifyPlan {
             id: String::new(),
             start: self.streak.start(),
             duration_s: self.streak.duration_s(),
-            pointing: self.streak.place(),
+            pointing: self.streak.middle(),
             rotation_rad: 0.0,
         }
     }
@@ -182,7 +182,7 @@ impl IdentifyConfig {
         let time = (start, duration_s);
         let streak = match line {
             Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
-            Line::Middle { position, angle_deg, length_deg } => MeasuredStreak::from_place(
+            Line::Middle { position, angle_deg, length_deg } => MeasuredStreak::from_middle(
                 position,
                 (angle_deg.to_radians(), angle_sigma_rad),
                 length_deg.map(f64::to_radians),

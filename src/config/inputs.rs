@@ -10,6 +10,7 @@ use super::values::is_file_name;
 use crate::elements::{Constellation, Generation, Keep, ReadOptions, Satellites, SourceFile};
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
+use crate::orbit::DragModel;
 use crate::passes::ModelChoice;
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
 
@@ -18,6 +19,7 @@ use crate::photometry::{ModelLibrary, StandardMagnitudes};
 #[derive(Clone, Debug)]
 pub struct LoadedInputs {
     pub(super) config: Config,
+    pub(super) drag: DragModel,
     pub(super) shadow: ShadowModel,
     pub(super) eop: EopTable,
     pub(super) catalogue: Option<Satellites>,
@@ -42,7 +44,7 @@ impl Config {
     }
 
     pub(super) fn load_with(&self, catalogue: Option<Satellites>) -> Result<LoadedInputs, ConfigError> {
-        let (shadow, eop) = (self.shadow()?, self.eop_table()?);
+        let (drag, shadow, eop) = (self.drag()?, self.shadow()?, self.eop_table()?);
         let constellations = self.constellations()?;
         if catalogue.is_none() && constellations.is_empty() {
             let allowed =
@@ -50,7 +52,20 @@ impl Config {
             return Err(ConfigError::Missing { what: "satellites", allowed });
         }
         let choice = self.model_choice()?;
-        Ok(LoadedInputs { config: self.clone(), shadow, eop, catalogue, constellations, choice })
+        Ok(LoadedInputs { config: self.clone(), drag, shadow, eop, catalogue, constellations, choice })
+    }
+
+    /// Returns the drag that SGP4 applies; none for satellites that hold their orbits if omitted.
+    ///
+    /// # Errors
+    /// An unknown model.
+    pub fn drag(&self) -> Result<DragModel, ConfigError> {
+        let Some(name) = &self.drag else { return Ok(DragModel::default()) };
+        DragModel::by_name(name).ok_or_else(|| ConfigError::Value {
+            what: "drag",
+            given: name.clone(),
+            allowed: "station-keeping, published",
+        })
     }
 
     /// Returns the model of the Earth's shadow; the solid Earth if omitted.

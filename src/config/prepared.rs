@@ -98,10 +98,13 @@ impl LoadedInputs {
                 provenance.state("frame", "ICRS astrometric, from the observer's orbit");
             }
         }
+        provenance.state("drag", self.drag.name());
         provenance.state("shadow", self.shadow.name());
 
         let eop = self.eop.clone();
-        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice).with_shadow(self.shadow);
+        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice)
+            .with_drag(self.drag)
+            .with_shadow(self.shadow);
         if sky.left_out().len() == sky.elements().len() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use hifitime::{Epoch, Unit};
 use serde::{Deserialize, Serialize};
 
-/// NORAD catalogue number, up to nine digits. Printed without padding.
+/// NORAD catalogue number, up to nine digits. Displayed without padding.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 pub struct NoradId(pub u32);
 
@@ -16,14 +16,14 @@ impl fmt::Display for NoradId {
     }
 }
 
-/// Mean elements for SGP4 in the units in which they are published (degrees, revolutions a day), TEME of epoch.
+/// Mean elements for SGP4 in their published units (degrees, revolutions a day), TEME of epoch.
 ///
-/// Numbers are stored as read, so that the same record in another format gives the same ephemeris bit for bit.
+/// Numbers are stored as read, so that the same record in another format gives a bit-identical ephemeris.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementSet {
     /// Catalogue number.
     pub norad_id: NoradId,
-    /// Name, without the leading "0 " of three-line files and without blanks around it; empty if omitted.
+    /// Name, without the leading "0 " of three-line files and without surrounding blanks; empty if omitted.
     pub name: Arc<str>,
     /// COSPAR designator in the form `1998-067A`; empty if omitted.
     pub international_designator: Arc<str>,
@@ -63,7 +63,8 @@ pub enum Origin {
     Synthetic,
 }
 
-/// Returns the fraction of element sets whose epoch differs from a time by more than `days`, [0, 1]; 1 without element sets.
+/// Returns the fraction of element sets whose epoch differs from a time by more than `days`, [0, 1]; 1 without element
+/// sets.
 pub fn share_of_stale(elements: &[ElementSet], epoch: Epoch, days: f64) -> f64 {
     if elements.is_empty() {
         return 1.0;

@@ -1,30 +1,30 @@
-//! UTC epochs from what element sets print: a year with a fractional day, or an ISO 8601 date.
+//! Parsing of the UTC epochs of element sets: a year with a fractional day, or an ISO 8601 date.
 //!
-//! Everything is whole nanoseconds, so the same instant in two syntaxes is the same `Epoch`. A day has 86,400 s here, as
-//! SGP4 and its element sets count: an epoch inside an inserted leap second (23:59:60) is the first second of the next day.
+//! Times are whole nanoseconds, so the same instant in two syntaxes gives the same `Epoch`. A day has 86,400 s, as in
+//! SGP4 and its element sets: an epoch inside an inserted leap second (23:59:60) is the first second of the next day.
 
 use hifitime::{Duration, Epoch, TimeScale};
 
 /// Nanoseconds in a day of 86,400 s.
 pub(super) const DAY_NS: i64 = 86_400_000_000_000;
 
-/// Days from 1900-01-01, where hifitime counts UTC from, to the first day of a month in the Gregorian calendar.
+/// Returns the days from 1900-01-01, the zero of hifitime's UTC, to the first day of a month in the Gregorian calendar.
 fn days_to_month(year: i32, month: u32) -> i64 {
-    // Years begin in March so that the leap day is the last one; 153 days are five months from March on.
+    // Years begin in March so that the leap day is the last one; five months from March on have 153 days.
     let (shifted_year, shifted_month) =
         if month > 2 { (i64::from(year), month - 3) } else { (i64::from(year) - 1, month + 9) };
     let (era, year_of_era) = (shifted_year.div_euclid(400), shifted_year.rem_euclid(400));
     let day_of_year = i64::from((153 * shifted_month + 2) / 5);
-    // 693,901 days lie between 0000-03-01 and 1900-01-01.
+    // 693,901 days from 0000-03-01 to 1900-01-01.
     era * 146_097 + year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year - 693_901
 }
 
-/// Whether a year has a 29 February.
+/// Returns true for a leap year.
 fn is_leap(year: i32) -> bool {
     year % 4 == 0 && (year % 100 != 0 || year % 400 == 0)
 }
 
-/// Days in a month (1-12).
+/// Returns the number of days in a month (1-12).
 fn days_in_month(year: i32, month: u32) -> u32 {
     match month {
         2 if is_leap(year) => 29,
@@ -34,14 +34,15 @@ fn days_in_month(year: i32, month: u32) -> u32 {
     }
 }
 
-/// The instant `nanosecond` ns after the beginning of day `day_of_year` (1 is 1 January; may run over into the next year).
+/// Returns the instant `nanosecond` ns after the start of day `day_of_year` (1 is 1 January; may extend into the next
+/// year).
 pub(super) fn from_day_of_year(year: i32, day_of_year: i64, nanosecond: i64) -> Epoch {
     let days = days_to_month(year, 1) + day_of_year - 1;
     let total = i128::from(days) * i128::from(DAY_NS) + i128::from(nanosecond);
     Epoch::from_duration(Duration::from_total_nanoseconds(total), TimeScale::UTC)
 }
 
-/// The year of an epoch, its day of the year (1 is 1 January) and the nanosecond of that day, in UTC.
+/// Returns the year of an epoch, its day of the year (1 is 1 January) and the nanosecond of that day, in UTC.
 pub(super) fn to_day_of_year(epoch: Epoch) -> (i32, i64, i64) {
     let total = epoch.to_utc_duration().total_nanoseconds();
     let days = total.div_euclid(i128::from(DAY_NS)) as i64;
@@ -53,9 +54,10 @@ pub(super) fn to_day_of_year(epoch: Epoch) -> (i32, i64, i64) {
     (year, days - days_to_month(year, 1) + 1, nanosecond)
 }
 
-/// Reads `2026-07-08T17:37:14.092032`, `2007-064T10:34:41.4264` (day of year), a blank for the `T`, and a `Z` at the end.
+/// Parses `2026-07-08T17:37:14.092032` or `2007-064T10:34:41.4264` (day of year); a blank may replace the `T`, and a
+/// `Z` may follow.
 ///
-/// Digits beyond the nanosecond are cut. Returns `None` for anything else, an impossible date included.
+/// Digits beyond the nanosecond are ignored. Returns `None` for other text or an impossible date.
 pub(crate) fn parse_iso(text: &str) -> Option<Epoch> {
     let bytes = text.trim().as_bytes();
     let bytes = bytes.strip_suffix(b"Z").unwrap_or(bytes);
@@ -84,7 +86,7 @@ pub(crate) fn parse_iso(text: &str) -> Option<Epoch> {
     Some(from_day_of_year(year, day_of_year, nanosecond_of_day(time)?))
 }
 
-/// `17:37:14.092032` as nanoseconds after midnight.
+/// Parses `17:37:14.092032` as nanoseconds after midnight.
 fn nanosecond_of_day(time: &[u8]) -> Option<i64> {
     let [h1, h2, b':', m1, m2, rest @ ..] = time else { return None };
     let (hour, minute) = (digits(&[*h1, *h2])?, digits(&[*m1, *m2])?);
@@ -109,7 +111,7 @@ fn nanosecond_of_day(time: &[u8]) -> Option<i64> {
     Some((i64::from(hour) * 3600 + i64::from(minute) * 60 + i64::from(second)) * 1_000_000_000 + nanosecond)
 }
 
-/// An unsigned number of at most nine digits and nothing else.
+/// Parses an unsigned number of at most nine digits.
 pub(super) fn digits(bytes: &[u8]) -> Option<u32> {
     if bytes.is_empty() || bytes.len() > 9 {
         return None;
@@ -140,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_impossible_dates_are_refused() {
+    fn verif_impossible_dates_are_rejected() {
         for text in [
             "",
             "T",

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::element_set::NoradId;
 use super::record::{ElementFormat, Rejected};
 
-/// What a file may be, for messages.
+/// Accepted formats, for messages.
 const ALLOWED: &str = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
 
 fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
@@ -21,97 +21,97 @@ fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ElementsError {
-    /// No file was named.
-    #[error("no file of element sets was named")]
+    /// An empty list of files.
+    #[error("no file of element sets is given")]
     NoFiles,
-    /// The operating system refused.
+    /// An error of the operating system.
     #[error("cannot read {file}: {source}")]
     Unreadable {
-        /// Name as it was given.
+        /// Given name.
         file: String,
-        /// Its words.
+        /// Error of the system.
         source: io::Error,
     },
-    /// A directory was named.
-    #[error("{file} is a directory; name the files of element sets in it")]
+    /// A directory instead of a file.
+    #[error("{file} is a directory; specify the files of element sets in it")]
     Directory {
-        /// Name as it was given.
+        /// Given name.
         file: String,
     },
-    /// Nothing in it, or blanks only.
-    #[error("{file} is empty; it should hold element sets as {ALLOWED}")]
+    /// An empty file, or one with blanks only.
+    #[error("{file} is empty; expected element sets as {ALLOWED}")]
     Empty {
-        /// Name as it was given.
+        /// Given name.
         file: String,
     },
-    /// A gzip file cut short or damaged.
-    #[error("{file} is a broken gzip file ({source}): it may have been cut short; fetch it again")]
+    /// A truncated or damaged gzip file.
+    #[error("{file} is an invalid gzip file ({source}): it may be truncated; download it again")]
     BrokenGzip {
-        /// Name as it was given.
+        /// Given name.
         file: String,
         /// Error of the decoder.
         source: io::Error,
     },
-    /// None of the formats.
-    #[error("{file} holds no element sets ({what}); allowed are {ALLOWED}")]
+    /// An unknown format.
+    #[error("{file} contains no element sets ({what}); allowed: {ALLOWED}")]
     UnknownFormat {
-        /// Name as it was given.
+        /// Given name.
         file: String,
-        /// What it looks like.
+        /// Apparent content.
         what: String,
     },
-    /// A known format in which no record is good. Going on would call every exposure clear.
-    #[error("{file} ({format}) holds no usable element set{}", rejected_words(*.rejected, .first))]
+    /// A known format without a valid record. Continuing would report every exposure as clear.
+    #[error("{file} ({format}) contains no valid element set{}", rejected_words(*.rejected, .first))]
     NothingUsable {
-        /// Name as it was given.
+        /// Given name.
         file: String,
-        /// Its format.
+        /// Format.
         format: ElementFormat,
-        /// How many records were rejected.
+        /// Number of rejected records.
         rejected: usize,
-        /// The first of them.
+        /// First rejected record.
         first: Option<Box<Rejected>>,
     },
-    /// No constellation of this name comes with the library.
-    #[error("unknown shells {name:?}; known are {known}")]
+    /// An unknown name of a constellation.
+    #[error("unknown shells {name:?}: expected one of {known}")]
     UnknownShells {
         /// Requested value.
         name: String,
-        /// The names there are.
+        /// Known names.
         known: String,
     },
-    /// The TOML is invalid.
+    /// Invalid TOML.
     #[error("constellation file: {0}")]
     ShellSyntax(String),
-    /// A number outside what can be.
-    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: {allowed}")]
+    /// A number out of range.
+    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: allowed {allowed}")]
     ShellOutOfRange {
         /// Name of the constellation.
         name: String,
-        /// Which shell, from 1.
+        /// Number of the shell, from 1.
         shell: usize,
-        /// The key.
+        /// Name of the key.
         field: &'static str,
-        /// The number.
+        /// Given number.
         value: f64,
-        /// What is allowed, with its unit.
+        /// Allowed range with unit.
         allowed: &'static str,
     },
-    /// The stated total is not what the shells add up to.
-    #[error("constellation {name:?} states {stated} satellites, its shells add up to {sum} (1 to 999999 are allowed)")]
+    /// A stated total that differs from the sum of the shells.
+    #[error("constellation {name:?} states {stated} satellites, but its shells have {sum} (allowed: 1 to 999999)")]
     ShellTotal {
         /// Name of the constellation.
         name: String,
-        /// The number stated, or the sum where none is.
+        /// Stated number, or the sum if none is stated.
         stated: u64,
-        /// What planes times satellites add up to.
+        /// Sum of planes times satellites per plane.
         sum: u64,
     },
-    /// Alpha-5 ends at 339,999.
-    #[error("catalogue number {0} does not fit a TLE: Alpha-5 ends at 339999")]
+    /// A catalogue number above the range of Alpha-5.
+    #[error("catalogue number {0} does not fit a TLE; allowed: up to 339999 (Alpha-5)")]
     TleId(NoradId),
-    /// A number does not fit its columns.
-    #[error("{field} {value} of object {norad_id} does not fit its columns of a TLE")]
+    /// A number that does not fit its columns.
+    #[error("{field} {value} of object {norad_id} does not fit its columns in a TLE")]
     TleColumns {
         /// NORAD catalogue number.
         norad_id: NoradId,

@@ -1,7 +1,7 @@
-//! Which satellite is of which kind: brightness goes by the kind, not by the satellite.
+//! Satellite generations, which determine the brightness model.
 //!
-//! Told by the launch where a table knows it (Starlink to April 2025), else by the name, else by what is likely; the answer
-//! says which. Names are those of CelesTrak and Space-Track.
+//! The generation follows from the launch if it is in the table (Starlink to April 2025), otherwise from the name,
+//! otherwise from the most likely kind; [`Certainty`] gives the evidence. Names are those of CelesTrak and Space-Track.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -11,17 +11,17 @@ use serde::{Deserialize, Serialize};
 
 use super::element_set::{ElementSet, Origin};
 
-/// Launch and kind, a small table of facts.
+/// Table of launches and kinds.
 const LAUNCHES: &str = include_str!("starlink_launches.txt");
 
-/// Launches on which Starlinks were a minority among others' satellites: without a name nothing can be said.
+/// Launches with few Starlinks among other satellites: without a name the kind is unknown.
 const SHARED_LAUNCHES: [Launch; 2] = [Launch(2021, 6), Launch(2021, 59)];
 
-/// A kind of satellite that has a brightness of its own.
+/// A kind of satellite with its own brightness model.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Generation {
-    /// The sixty of May 2019.
+    /// The sixty satellites of May 2019.
     #[serde(rename = "starlink-v0.9")]
     StarlinkV09,
     /// November 2019 to July 2020: no visor, no dielectric mirror.
@@ -30,10 +30,10 @@ pub enum Generation {
     /// V1.0 with a visor: STARLINK-1436, and all from August 2020 to June 2021.
     #[serde(rename = "starlink-visorsat")]
     StarlinkVisorSat,
-    /// From June 2021 on: lasers, dielectric mirror film, no visor.
+    /// Launched from June 2021 on: lasers, dielectric mirror film, no visor.
     #[serde(rename = "starlink-v1.5")]
     StarlinkV15,
-    /// From February 2023 on.
+    /// Launched from February 2023 on.
     #[serde(rename = "starlink-v2mini")]
     StarlinkV2Mini,
     /// V2 Mini with an antenna for telephones, from January 2024 on; flies lower.
@@ -60,7 +60,7 @@ pub enum Generation {
 }
 
 impl Generation {
-    /// Every kind.
+    /// All kinds.
     pub const ALL: [Self; 12] = [
         Self::StarlinkV09,
         Self::StarlinkV10,
@@ -76,7 +76,7 @@ impl Generation {
         Self::Other,
     ];
 
-    /// The word for files and messages, such as `starlink-v1.5`.
+    /// Returns the name in files and messages, such as `starlink-v1.5`.
     pub fn name(self) -> &'static str {
         match self {
             Self::StarlinkV09 => "starlink-v0.9",
@@ -94,7 +94,7 @@ impl Generation {
         }
     }
 
-    /// The kind of this [`name`](Self::name).
+    /// Returns the kind with this [`name`](Self::name).
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|generation| generation.name() == name)
     }
@@ -114,16 +114,16 @@ pub enum Certainty {
     Table,
     /// The name contains a constellation or its number.
     Name,
-    /// Likely from the date of the launch or the catalogue number alone, or a synthetic satellite for which a kind is assumed.
+    /// Likely from the date of the launch or the catalogue number only, or a synthetic satellite with an assumed kind.
     Guess,
 }
 
-/// Year and number of a launch, in the order of time.
+/// Year and number of a launch, ordered by time.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 struct Launch(u16, u16);
 
 impl Launch {
-    /// `2020-055` or `2020-055AB`.
+    /// Parses `2020-055` or `2020-055AB`.
     fn of(designator: &str) -> Option<Self> {
         let (year, rest) = designator.split_once('-')?;
         let number = rest.get(..3)?;
@@ -131,7 +131,7 @@ impl Launch {
     }
 }
 
-/// Which launch carried which kind.
+/// Table of launches and the kinds of their satellites.
 ///
 /// ```
 /// use streakcast::elements::{Satellites, Generation, GenerationTable, ReadOptions};
@@ -153,12 +153,12 @@ pub struct GenerationTable {
 static EMBEDDED: LazyLock<GenerationTable> = LazyLock::new(|| GenerationTable::parse(LAUNCHES));
 
 impl GenerationTable {
-    /// The table that comes with the library: Starlink launches to 14 April 2025.
+    /// Returns the table of the library: Starlink launches to 14 April 2025.
     pub fn embedded() -> &'static Self {
         &EMBEDDED
     }
 
-    /// The kind of a satellite.
+    /// Returns the kind of a satellite.
     pub fn of(&self, set: &ElementSet) -> Generation {
         self.classify(set).0
     }
@@ -170,7 +170,7 @@ impl GenerationTable {
             return (synthetic(name), Certainty::Guess);
         }
         let launch = Launch::of(&set.international_designator);
-        // Pieces and rocket bodies carry the name of what they came from.
+        // Debris and rocket bodies have the name of their parent object.
         if name.ends_with(" DEB") || name.contains(" DEB ") || name.contains("R/B") {
             return (Generation::Other, Certainty::Name);
         }
@@ -178,7 +178,7 @@ impl GenerationTable {
             return self.starlink(rest, launch, set.norad_id.0);
         }
         if name.is_empty() || strip_prefix_ignoring_case(name, "OBJECT ").is_some() {
-            // Nameless: most pieces of a Starlink launch are Starlinks.
+            // Without a name: most objects of a Starlink launch are Starlinks.
             return match launch.and_then(|launch| Some((launch, *self.launches.get(&launch)?))) {
                 Some((launch, generation)) if !SHARED_LAUNCHES.contains(&launch) => (generation, Certainty::Guess),
                 _ => (Generation::Other, Certainty::Guess),
@@ -200,22 +200,22 @@ impl GenerationTable {
         (found.map_or(Generation::Other, |(_, generation)| *generation), Certainty::Name)
     }
 
-    /// A satellite whose name begins with STARLINK; `rest` is what follows.
+    /// Classifies a satellite whose name begins with STARLINK; `rest` is the text after it.
     fn starlink(&self, rest: &str, launch: Option<Launch>, norad_id: u32) -> (Generation, Certainty) {
         let digits = rest.trim_start_matches(['-', ' ']);
         let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
         let number: Option<u32> = digits[..end].parse().ok();
-        // They share their launches with V2 Mini.
+        // They share launches with V2 Mini.
         if rest.contains("[DTC]") || matches!(number, Some(11_000..=11_999)) {
             return (Generation::StarlinkDirectToCell, Certainty::Name);
         }
-        // The first visor, on a launch of V1.0 without.
+        // The first visor, on a launch of V1.0 without visors.
         if number == Some(1436) {
             return (Generation::StarlinkVisorSat, Certainty::Name);
         }
         let listed = launch.and_then(|launch| self.launches.get(&launch)).copied();
         match (listed, number) {
-            // Built with a visor and flown early: STARLINK-1521 of 2020-038 is on MMT-9's list of VisorSats.
+            // Built with a visor and launched early: STARLINK-1521 of 2020-038 is on MMT-9's list of VisorSats.
             (Some(Generation::StarlinkV10), Some(1518..=2999)) => {
                 return (Generation::StarlinkVisorSat, Certainty::Name);
             }
@@ -232,7 +232,7 @@ impl GenerationTable {
         }
     }
 
-    /// Lines of `kind: launch launch ...`; comments begin with `#`. A test holds that every line is good.
+    /// Parses lines of `kind: launch launch ...`; comments begin with `#`. A test checks every line.
     fn parse(text: &str) -> Self {
         let mut launches = HashMap::new();
         for line in text.lines().filter(|line| !line.starts_with('#')) {
@@ -244,7 +244,7 @@ impl GenerationTable {
     }
 }
 
-/// What flew at the time, for launches that the table does not hold.
+/// Returns the kind launched at the time, for launches that are not in the table.
 fn by_date(launch: Launch) -> Generation {
     match launch {
         _ if launch < Launch(2019, 74) => Generation::StarlinkV09,
@@ -255,7 +255,7 @@ fn by_date(launch: Launch) -> Generation {
     }
 }
 
-/// What was catalogued at the time. Numbers beyond the table's are of today's kind.
+/// Returns the kind catalogued at the time. Numbers beyond the table are of the current kind.
 fn by_norad_id(norad_id: u32) -> Generation {
     match norad_id {
         ..=44_700 => Generation::StarlinkV09,
@@ -266,7 +266,7 @@ fn by_norad_id(norad_id: u32) -> Generation {
     }
 }
 
-/// The kind assumed for a synthetic shell: the latest one that was built for it.
+/// Returns the kind assumed for a synthetic shell: the latest one built for it.
 fn synthetic(name: &str) -> Generation {
     let assumed = [
         ("STARLINK-GEN1", Generation::StarlinkV15),

@@ -1,4 +1,4 @@
-//! Every element set of every object in time order, and the one nearest to an instant.
+//! Element sets of every object in order of time, and the one nearest to a time.
 
 use std::collections::HashSet;
 
@@ -8,7 +8,7 @@ use super::element_set::{ElementSet, NoradId};
 
 /// Element sets by object, then by epoch; of equal epochs the one read last comes last and is preferred.
 ///
-/// An exact duplicate (same object, same epoch, the same seven numbers that SGP4 uses) is there once.
+/// Exact duplicates (same object, same epoch, the same seven numbers for SGP4) are stored once.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     sets: Vec<ElementSet>,
@@ -17,67 +17,67 @@ pub struct History {
 impl History {
     /// Sorts the records and drops exact duplicates.
     pub fn new(mut sets: Vec<ElementSet>) -> Self {
-        // Stable: of equal epochs the order of reading stays.
+        // Stable sort: the order of reading is kept for equal epochs.
         sets.sort_by(|a, b| a.norad_id.cmp(&b.norad_id).then_with(|| a.epoch.cmp(&b.epoch)));
         drop_duplicates(&mut sets);
         Self { sets }
     }
 
-    /// Number of records.
+    /// Returns the number of records.
     pub fn len(&self) -> usize {
         self.sets.len()
     }
 
-    /// Whether there is no record.
+    /// Returns true if there is no record.
     pub fn is_empty(&self) -> bool {
         self.sets.is_empty()
     }
 
-    /// All records by object, then by epoch.
+    /// Returns all records by object, then by epoch.
     pub fn element_sets(&self) -> &[ElementSet] {
         &self.sets
     }
 
-    /// All records by object, then by epoch.
+    /// Returns all records by object, then by epoch.
     pub fn into_element_sets(self) -> Vec<ElementSet> {
         self.sets
     }
 
-    /// The records of one object in time order; empty where there are none.
+    /// Returns the records of one object in order of time; empty for an unknown object.
     pub fn of(&self, norad_id: NoradId) -> &[ElementSet] {
         let start = self.sets.partition_point(|set| set.norad_id < norad_id);
         let length = self.sets[start..].partition_point(|set| set.norad_id == norad_id);
         &self.sets[start..start + length]
     }
 
-    /// The records of each object in turn, each slice in time order.
+    /// Returns the records of each object, each slice in order of time.
     pub fn objects(&self) -> impl Iterator<Item = &[ElementSet]> {
         self.sets.chunk_by(|a, b| a.norad_id == b.norad_id)
     }
 
-    /// The element set of an object whose epoch is nearest to an instant, before or after it; of two equally far ones
-    /// the later.
+    /// Returns the element set of an object whose epoch is nearest to a time, before or after it; of two equally near
+    /// ones the later.
     pub fn nearest(&self, norad_id: NoradId, epoch: Epoch) -> Option<&ElementSet> {
         let sets = self.of(norad_id);
         sets.get(nearest_index(sets, epoch)?)
     }
 
-    /// Of every object the element set nearest to an instant, by catalogue number.
+    /// Returns for every object the element set nearest to a time, by catalogue number.
     pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
         nearest_of_each(&self.sets, epoch)
     }
 
-    /// Of every object the latest element set, by catalogue number.
+    /// Returns for every object the latest element set, by catalogue number.
     pub fn newest(&self) -> Vec<ElementSet> {
         self.objects().filter_map(|sets| sets.last()).cloned().collect()
     }
 
-    /// As [`at`](Self::at), without copying.
+    /// Same as [`at`](Self::at), without copying.
     pub fn into_nearest(self, epoch: Epoch) -> Vec<ElementSet> {
         self.into_one_each(|sets| nearest_index(sets, epoch).unwrap_or(0))
     }
 
-    /// As [`newest`](Self::newest), without copying.
+    /// Same as [`newest`](Self::newest), without copying.
     pub fn into_newest(self) -> Vec<ElementSet> {
         self.into_one_each(|sets| sets.len() - 1)
     }
@@ -95,22 +95,22 @@ impl History {
     }
 }
 
-/// Of every object in sorted records the one nearest to an instant.
+/// Returns for every object in sorted records the one nearest to a time.
 pub(super) fn nearest_of_each(sets: &[ElementSet], epoch: Epoch) -> Vec<ElementSet> {
     let objects = sets.chunk_by(|a, b| a.norad_id == b.norad_id);
     objects.filter_map(|sets| sets.get(nearest_index(sets, epoch)?)).cloned().collect()
 }
 
-/// Index of the nearest epoch in records in time order.
+/// Returns the index of the nearest epoch in records in order of time.
 fn nearest_index(sets: &[ElementSet], epoch: Epoch) -> Option<usize> {
     let after = sets.partition_point(|set| set.epoch <= epoch);
     if after == 0 {
-        // Of equal first epochs the last.
+        // Of equal first epochs the last is used.
         let first = sets.first()?.epoch;
         return Some(sets.partition_point(|set| set.epoch <= first) - 1);
     }
     let Some(next) = sets.get(after) else { return Some(after - 1) };
-    // TAI: across a leap second UTC durations are a second short.
+    // TAI: across a leap second UTC durations are a second too short.
     let tai = |epoch: Epoch| epoch.to_tai_duration();
     if tai(next.epoch) - tai(epoch) <= tai(epoch) - tai(sets[after - 1].epoch) {
         Some(sets.partition_point(|set| set.epoch <= next.epoch) - 1)
@@ -119,7 +119,7 @@ fn nearest_index(sets: &[ElementSet], epoch: Epoch) -> Option<usize> {
     }
 }
 
-/// Keeps the first of exact duplicates in sorted records; it takes over a name that only the dropped one had.
+/// Keeps the first of exact duplicates in sorted records, with the name of a dropped one if it has none.
 fn drop_duplicates(sets: &mut Vec<ElementSet>) {
     let same_instant = |a: &ElementSet, b: &ElementSet| a.norad_id == b.norad_id && a.epoch == b.epoch;
     if !sets.windows(2).any(|pair| same_instant(&pair[0], &pair[1])) {
@@ -145,7 +145,7 @@ fn drop_duplicates(sets: &mut Vec<ElementSet>) {
     *sets = kept;
 }
 
-/// The numbers that SGP4 uses, as bits; minus zero is zero.
+/// Returns the numbers for SGP4 as bits; minus zero counts as zero.
 fn elements(set: &ElementSet) -> [u64; 7] {
     [
         set.mean_motion_rev_day,

@@ -1,4 +1,4 @@
-//! Element sets in all formats in use, their history, simulated shells, and kinds of satellites.
+//! Element sets in all common formats, their history, simulated shells, and kinds of satellites.
 
 mod element_set;
 mod epoch;

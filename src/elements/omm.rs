@@ -1,11 +1,12 @@
-//! An orbit mean-elements message (CCSDS 502.0-B, OMM) as keywords and texts; JSON, CSV, XML and KVN only find them.
+//! Orbit mean-elements messages (CCSDS 502.0-B, OMM) as keywords and texts, common to JSON, CSV, XML and KVN.
 //!
-//! Numbers stay text until here and are parsed once, correctly rounded, so the four syntaxes and a TLE that print the same
-//! decimals give the same bits. SGP4's message: theory SGP4 (or TLE), frame TEME, time system UTC, all three optional as
-//! CelesTrak's JSON and CSV leave them out. B* and the mean motion must be there; the derivatives may be missing.
+//! Numbers are kept as text and parsed once, correctly rounded, so that the four syntaxes and a TLE with the same
+//! decimals give the same bits. Supported are the message of SGP4: theory SGP4 (or TLE), frame TEME, time system UTC,
+//! all three optional, since CelesTrak's JSON and CSV omit them. B* and the mean motion are required; the derivatives
+//! are optional.
 //!
-//! A record that has no mean elements but the two lines of a TLE (Space-Track's `TLE_LINE1`, other tables' `Line1`) is read
-//! from those.
+//! A record with the two lines of a TLE (Space-Track's `TLE_LINE1`, other tables' `Line1`) instead of mean elements is
+//! read from those.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use super::record::{Parsed, RejectReason, checked, excerpt};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::parse_five_characters;
 
-/// The keywords that count. Everything else in a record is skipped.
+/// Supported keywords. All others in a record are ignored.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(super) enum Keyword {
@@ -43,11 +44,11 @@ pub(super) enum Keyword {
     TleLine2,
 }
 
-/// How many keywords there are.
+/// Number of keywords.
 const KEYWORDS: usize = Keyword::TleLine2 as usize + 1;
 
 impl Keyword {
-    /// Recognises a keyword, a column's title or a JSON key: upper or lower case, with the other spellings in use.
+    /// Recognises a keyword, a column title or a JSON key, in any case and in the spellings in use.
     pub fn of(text: &str) -> Option<Self> {
         let text = text.trim();
         if text.len() > 20 {
@@ -84,43 +85,44 @@ impl Keyword {
     }
 }
 
-/// The texts of one record by keyword; a keyword without a text is absent.
+/// Texts of one record by keyword; a keyword without a text is absent.
 #[derive(Debug, Default)]
 pub(super) struct Fields<'a> {
     texts: [Cow<'a, str>; KEYWORDS],
 }
 
 impl<'a> Fields<'a> {
-    /// Notes a text. Of a keyword that comes twice, the last counts.
+    /// Stores a text. The last one of a repeated keyword is used.
     pub fn set(&mut self, keyword: Keyword, text: Cow<'a, str>) {
         self.texts[keyword as usize] = text;
     }
 
-    /// The text without blanks around it; `None` where it is absent or empty.
+    /// Returns the trimmed text; `None` if it is absent or empty.
     pub fn get(&self, keyword: Keyword) -> Option<&str> {
         let text = self.texts[keyword as usize].trim();
         (!text.is_empty() && text != "null").then_some(text)
     }
 
-    /// Forgets everything.
+    /// Removes all texts.
     pub fn clear(&mut self) {
         self.texts.fill(Cow::Borrowed(""));
     }
 
-    /// Whether nothing was noted.
+    /// Returns true if no text is stored.
     pub fn is_empty(&self) -> bool {
         self.texts.iter().all(|text| text.is_empty())
     }
 
-    /// Whether this says anything about an orbit; a name alone may be that of a list.
+    /// Returns true if the texts describe an orbit; a name only may be that of a list.
     pub fn is_record(&self) -> bool {
-        let telling = [Keyword::NoradCatId, Keyword::Epoch, Keyword::MeanMotion, Keyword::TleLine1, Keyword::TleLine2];
-        telling.iter().any(|keyword| self.get(*keyword).is_some())
+        let describing =
+            [Keyword::NoradCatId, Keyword::Epoch, Keyword::MeanMotion, Keyword::TleLine1, Keyword::TleLine2];
+        describing.iter().any(|keyword| self.get(*keyword).is_some())
     }
 
-    /// Makes the element set of these texts and gives it to `parsed`, or the reason why not.
+    /// Builds the element set from these texts and adds it, or the reason for its rejection, to `parsed`.
     pub fn finish(&self, offset: usize, checksums: Checksums, parsed: &mut Parsed) {
-        // The mean elements come first: they carry more digits than a TLE.
+        // Mean elements take precedence: they have more digits than a TLE.
         if self.get(Keyword::MeanMotion).is_none()
             && let (Some(line1), Some(line2)) = (self.get(Keyword::TleLine1), self.get(Keyword::TleLine2))
         {
@@ -162,14 +164,14 @@ impl<'a> Fields<'a> {
             bstar_per_earth_radius: self.number(Keyword::Bstar, "BSTAR")?,
             mean_motion_dot_rev_day2: self.optional(Keyword::MeanMotionDot, "MEAN_MOTION_DOT")?,
             mean_motion_ddot_rev_day3: self.optional(Keyword::MeanMotionDdot, "MEAN_MOTION_DDOT")?,
-            // A count; `as` saturates and takes what is no number as 0.
+            // A count; `as` saturates and converts NaN to 0.
             revolution_at_epoch: revolution as u32,
             origin: Origin::Published,
         };
         checked(set)
     }
 
-    /// SGP4's elements only: another theory's numbers look the same and are wrong by kilometres.
+    /// Only elements for SGP4 are accepted: numbers of another theory look the same and are wrong by kilometres.
     fn check_theory(&self) -> Result<(), RejectReason> {
         let allowed: [(Keyword, &str, &[&str], &str); 5] = [
             (
@@ -185,7 +187,7 @@ impl<'a> Fields<'a> {
                 Keyword::EphemerisType,
                 "EPHEMERIS_TYPE",
                 &["0", "0.0", "1", "2", "3", "5", "SGP", "SGP4", "SDP4"],
-                "0 (SGP4); 4 marks SGP4-XP elements, which need another propagator",
+                "0 (SGP4); 4 means SGP4-XP elements, which require another propagator",
             ),
         ];
         for (keyword, field, values, words) in allowed {
@@ -215,13 +217,13 @@ impl<'a> Fields<'a> {
     }
 }
 
-/// A finite number, correctly rounded.
+/// Parses a finite number, correctly rounded.
 fn parse_number(text: &str, field: &'static str) -> Result<f64, RejectReason> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
     number.ok_or_else(|| RejectReason::FieldNotANumber { field, text: excerpt(text.as_bytes()) })
 }
 
-/// One to nine digits, the same as a float (`28485.0`, what a data frame makes of a column with gaps), or Alpha-5.
+/// Parses one to nine digits, the same as a float (`28485.0`, as data frames write columns with gaps), or Alpha-5.
 fn parse_norad_id(text: &str) -> Option<NoradId> {
     let whole = match text.split_once('.') {
         Some((whole, fraction)) if fraction.bytes().all(|byte| byte == b'0') => whole,

@@ -1,7 +1,8 @@
-//! OMM as CSV: a line of titles, then a record a line; also tables that carry the two lines of a TLE in columns.
+//! OMM as CSV: a line of titles, then one record per line; also tables with the two lines of a TLE in columns.
 //!
-//! Read line by line, for element sets hold no line ends, and a quotation mark that is never closed must not swallow the
-//! rest of the file. Titles are taken in any case and order, unknown columns are skipped, `;` and tabs separate too.
+//! The text is read line by line, since element sets contain no line ends and an unclosed quotation mark must not hide
+//! the rest of the file. Titles may be in any case and order, unknown columns are ignored, `;` and tabs are accepted as
+//! separators.
 
 use std::borrow::Cow;
 
@@ -14,7 +15,7 @@ use super::tle::Checksums;
 pub(super) fn looks_like(text: &str) -> bool {
     let line = text.split(['\n', '\r']).find(|line| is_content(line));
     let Some(line) = line.filter(|line| line.len() < 10_000) else { return false };
-    let has = |wanted| split(line, separator_of(line)).iter().any(|title| Keyword::of(title) == Some(wanted));
+    let has = |keyword| split(line, separator_of(line)).iter().any(|title| Keyword::of(title) == Some(keyword));
     has(Keyword::NoradCatId) && has(Keyword::MeanMotion) || has(Keyword::TleLine1) && has(Keyword::TleLine2)
 }
 
@@ -38,7 +39,7 @@ fn parse_piece(text: &str, separator: char, columns: &[Option<Keyword>], checksu
             continue;
         }
         let cells = split(line, separator);
-        // The titles; files appended to one another repeat them.
+        // The titles; concatenated files repeat them.
         if cells
             .iter()
             .zip(columns)
@@ -68,13 +69,13 @@ fn is_content(line: &str) -> bool {
     !line.is_empty() && !line.starts_with('#')
 }
 
-/// The separator that the titles hold most of.
+/// Returns the most frequent separator of the titles.
 fn separator_of(titles: &str) -> char {
     let count = |separator: char| titles.matches(separator).count();
     [',', ';', '\t'].into_iter().max_by_key(|&separator| (count(separator), separator == ',')).unwrap_or(',')
 }
 
-/// The cells of a line; quotation marks as in RFC 4180.
+/// Splits a line into cells, with quotation marks as in RFC 4180.
 fn split(line: &str, separator: char) -> Vec<Cow<'_, str>> {
     if !line.contains('"') {
         return line.split(separator).map(Cow::Borrowed).collect();
@@ -101,7 +102,7 @@ fn split(line: &str, separator: char) -> Vec<Cow<'_, str>> {
     }
 }
 
-/// The text up to the closing mark and what stands behind it; doubled marks stand for one.
+/// Returns the text up to the closing quotation mark and the rest after it; doubled marks are unescaped.
 fn quoted_cell(text: &str) -> Option<(Cow<'_, str>, &str)> {
     let bytes = text.as_bytes();
     let mut at = 0;

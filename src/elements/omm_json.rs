@@ -1,8 +1,8 @@
-//! OMM as JSON: an array, an object, objects around arrays (`{"data": [...]}`), or an object a line.
+//! OMM as JSON: an array, an object, objects around arrays (`{"data": [...]}`), or one object per line.
 //!
-//! A small scanner of its own instead of a JSON library, for two reasons: numbers must stay text until they are rounded once
-//! (a library's fast path may miss the last bit), and a broken record must not take the rest of the file with it. A
-//! record is any object with a keyword of [`Keyword`] among its keys; objects and arrays inside it are entered.
+//! A small scanner replaces a JSON library for two reasons: numbers are kept as text until they are rounded once (a
+//! library's fast path may be wrong in the last bit), and an invalid record must not invalidate the rest of the file. A
+//! record is any object with a [`Keyword`] among its keys; nested objects and arrays are searched.
 
 use std::borrow::Cow;
 
@@ -15,7 +15,7 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     let mut scanner = Scanner { text, at: 0 };
     let mut parsed = Parsed::default();
     parsed.sets.reserve(text.len() / 500);
-    // Objects that are open: where they begin, and what they have said.
+    // Open objects: their offsets and the texts read so far.
     let mut open: Vec<(usize, Fields<'_>)> = Vec::new();
     while let Some(token) = scanner.next() {
         match token {
@@ -54,7 +54,7 @@ fn syntax(what: &str) -> RejectReason {
     RejectReason::Syntax { format: "JSON", what: what.into() }
 }
 
-/// What the scanner sees: objects, and their members with plain values. Arrays and commas carry nothing here.
+/// Tokens of the scanner: objects, and their members with plain values. Arrays and commas are ignored.
 enum Token<'a> {
     ObjectStart(usize),
     ObjectEnd,
@@ -91,7 +91,7 @@ impl<'a> Scanner<'a> {
                 b'[' | b']' | b',' => self.at += 1,
                 b'"' => {
                     let Some(key) = self.string() else {
-                        return Some(self.broken(offset, "a string without an end"));
+                        return Some(self.broken(offset, "a string without a closing quotation mark"));
                     };
                     if self.peek() != Some(b':') {
                         // A string in an array.
@@ -99,11 +99,11 @@ impl<'a> Scanner<'a> {
                     }
                     self.at += 1;
                     match self.peek() {
-                        // Members that are objects or arrays are entered.
+                        // Members that are objects or arrays are scanned.
                         Some(b'{' | b'[') => {}
                         Some(b'"') => {
                             let Some(value) = self.string() else {
-                                return Some(self.broken(offset, "a string without an end"));
+                                return Some(self.broken(offset, "a string without a closing quotation mark"));
                             };
                             return Some(Token::Member(key, value));
                         }
@@ -120,7 +120,7 @@ impl<'a> Scanner<'a> {
                     let bare = self.bare();
                     if bare.parse::<f64>().is_err() && !matches!(bare, "null" | "true" | "false") {
                         let what =
-                            format!("{:?} where a key, a value or a bracket is allowed", excerpt(bare.as_bytes()));
+                            format!("unexpected {:?}, expected a key, a value or a bracket", excerpt(bare.as_bytes()));
                         return Some(Token::Broken(offset, what));
                     }
                 }
@@ -132,7 +132,8 @@ impl<'a> Scanner<'a> {
         Token::Broken(offset, what.into())
     }
 
-    /// A number, `true`, `false`, `null`: what stands before the next delimiter. Moves at least one character on.
+    /// Returns a number, `true`, `false` or `null`: the text before the next delimiter. Advances by at least one
+    /// character.
     fn bare(&mut self) -> &'a str {
         let rest = &self.text[self.at..];
         let end = rest.find(|c: char| ",]}{[\":".contains(c) || c.is_whitespace()).unwrap_or(rest.len());
@@ -145,7 +146,7 @@ impl<'a> Scanner<'a> {
         &rest[..end]
     }
 
-    /// The text of a string, which ends on its own line: JSON allows no line end inside.
+    /// Returns the text of a string, which ends on its own line: JSON allows no line end inside.
     fn string(&mut self) -> Option<Cow<'a, str>> {
         let start = self.at + 1;
         let bytes = self.text.as_bytes();
@@ -167,11 +168,11 @@ impl<'a> Scanner<'a> {
         if !escaped {
             return Some(Cow::Borrowed(raw));
         }
-        // Escapes are rare enough to leave them to the library; what it cannot read stays as it is.
+        // Escapes are rare and left to the library; invalid ones are kept as they are.
         Some(serde_json::from_str(&self.text[start - 1..at + 1]).map_or(Cow::Borrowed(raw), Cow::Owned))
     }
 
-    /// After damage: on to the next object that begins a line or follows another one.
+    /// Resumes after an error at the next object that begins a line or follows another one.
     fn skip_to_next_object(&mut self) {
         let start = (self.at + 1..=self.text.len()).find(|&at| self.text.is_char_boundary(at));
         let rest = start.map_or("", |start| &self.text[start..]);

@@ -1,4 +1,4 @@
-//! OMM as lines of `KEYWORD = value`, one message or many in a row.
+//! OMM as lines of `KEYWORD = value`, one or more messages.
 
 use std::borrow::Cow;
 
@@ -7,10 +7,10 @@ use super::record::{Parsed, RejectReason, excerpt};
 use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
 
-/// The keyword that opens a message.
+/// The keyword at the start of a message.
 const OPENING: &str = "CCSDS_OMM_VERS";
 
-/// Whether one of the first lines opens an OMM.
+/// Returns true if one of the first lines starts an OMM.
 pub(super) fn looks_like(text: &str) -> bool {
     text.split(['\n', '\r']).take(40).any(opens)
 }
@@ -19,12 +19,12 @@ fn opens(line: &str) -> bool {
     line.trim_start().strip_prefix(OPENING).is_some_and(|rest| rest.trim_start().starts_with('='))
 }
 
-/// Reads every message. A line that is no `KEYWORD = value` spoils its own message only.
+/// Reads every message. A line that is not `KEYWORD = value` invalidates only its own message.
 pub(super) fn parse(text: &str) -> Parsed {
     parse_in_chunks(text, next_message, parse_piece)
 }
 
-/// Offset of the next line that opens a message.
+/// Returns the offset of the next line that starts a message.
 fn next_message(text: &str, from: usize) -> usize {
     let mut at = next_line(text, from);
     for line in text[at..].split_inclusive(['\n', '\r']) {
@@ -45,7 +45,7 @@ fn parse_piece(text: &str) -> Parsed {
         match broken.take() {
             Some(rejected) => parsed.rejected.push(rejected),
             None if fields.is_empty() => {}
-            // KVN has no place for the two lines of a TLE.
+            // KVN cannot contain the two lines of a TLE.
             None => fields.finish(opened_at, Checksums::Require, &mut parsed),
         }
         fields.clear();
@@ -76,7 +76,7 @@ fn parse_piece(text: &str) -> Parsed {
     parsed
 }
 
-/// `15.5 [rev/day]` without the unit that CCSDS allows behind a number.
+/// Removes the unit that CCSDS allows after a number, as in `15.5 [rev/day]`.
 fn without_unit(value: &str) -> &str {
     let value = value.trim();
     match value.rfind('[') {

@@ -1,6 +1,7 @@
-//! OMM as XML: one `<omm>`, or many of them in an `<ndm>`.
+//! OMM as XML: one `<omm>`, or several in an `<ndm>`.
 //!
-//! The text is cut at the `<omm>` elements first and each is parsed on its own, so that a broken one stays alone.
+//! The text is first split at the `<omm>` elements, and each is parsed separately, so that an invalid one affects no
+//! other.
 
 use std::borrow::Cow;
 
@@ -12,7 +13,7 @@ use super::record::parse_in_chunks;
 use super::record::{Parsed, RejectReason};
 use super::tle::Checksums;
 
-/// Whether there is an `<omm>` (in any name space) somewhere.
+/// Returns true if there is an `<omm>` (in any name space).
 pub(super) fn looks_like(text: &str) -> bool {
     next_start(text, 0).is_some()
 }
@@ -40,15 +41,15 @@ fn parse_piece(text: &str, checksums: Checksums) -> Parsed {
     parsed
 }
 
-/// Offset of the next `<omm ...>`, with or without a name-space prefix, from `from` on.
+/// Returns the offset of the next `<omm ...>`, with or without a name-space prefix, at or after `from`.
 fn next_start(text: &str, from: usize) -> Option<usize> {
     let mut at = from;
     loop {
         at += text.get(at..)?.find("omm")?;
         let (before, after) = (&text[..at], &text[at + 3..]);
         if after.starts_with(|c: char| c == '>' || c == '/' || c.is_whitespace()) {
-            // The element's own bracket, at or after `from`: not the one whose name this is.
-            // Names are short, and a hostile text must not be searched back again and again.
+            // The bracket of the element itself, at or after `from`, not that of its end tag. Names are short; the
+            // limit prevents repeated backward searches in malicious input.
             let window = &before.as_bytes()[before.len().saturating_sub(64)..];
             let start = window.iter().rposition(|&byte| byte == b'<').map(|back| at - window.len() + back);
             let start = start.filter(|start| *start >= from);
@@ -62,13 +63,13 @@ fn next_start(text: &str, from: usize) -> Option<usize> {
     }
 }
 
-/// `ndm:`, what stands before a name in a name space.
+/// Returns true for a name-space prefix such as `ndm:`.
 fn is_prefix(text: &str) -> bool {
     let name = text.strip_suffix(':').unwrap_or_default();
     !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c))
 }
 
-/// The texts of one `<omm>`; what stands behind its end is not looked at.
+/// Returns the texts of one `<omm>`; text after its end is ignored.
 fn parse_message(text: &str) -> Result<Fields<'_>, String> {
     let mut reader = Reader::from_str(text);
     let mut fields = Fields::default();
@@ -87,7 +88,7 @@ fn parse_message(text: &str) -> Result<Fields<'_>, String> {
             Event::CData(text) if keyword.is_some() => {
                 value.push_str(&text);
             }
-            // `&amp;` and its like arrive as events of their own.
+            // `&amp;` and similar entities are events of their own.
             Event::GeneralRef(reference) if keyword.is_some() => match reference.resolve_char_ref() {
                 Ok(Some(character)) => value.push(character),
                 _ => value.push_str(quick_xml::escape::resolve_predefined_entity(&reference).unwrap_or("?")),

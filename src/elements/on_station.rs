@@ -1,8 +1,8 @@
 //! Phases of orbits (raising, on station, decaying) from their heights, and the mean motion of SGP4 for a height.
 //!
-//! An element set has Kozai's mean motion n. SGP4 first computes Brouwer's (Hoots & Roehrich,
-//! Spacetrack Report 3, section 6; Vallado et al. 2006, AIAA 2006-6753, `initl`), which is what the semi-major axis belongs
-//! to. Kepler's law with the printed mean motion is wrong by up to 5 km in low orbits. Constants are WGS72, as in SGP4.
+//! An element set contains Kozai's mean motion n. SGP4 first computes Brouwer's (Hoots & Roehrich, Spacetrack Report 3,
+//! section 6; Vallado et al. 2006, AIAA 2006-6753, `initl`), which determines the semi-major axis. Kepler's law with
+//! the published mean motion is wrong by up to 5 km in low orbits. Constants are WGS72, as in SGP4.
 
 use std::f64::consts::TAU;
 
@@ -20,19 +20,19 @@ const J4: f64 = -0.000_001_655_97;
 /// Minutes in a day.
 const DAY_MIN: f64 = 1440.0;
 
-/// √μ in earth radii^1.5 a minute: mean motion at one earth radius, rad/min.
+/// Returns √μ in earth radii^1.5 a minute: mean motion at one earth radius, rad/min.
 fn k_e() -> f64 {
     60.0 / (EARTH_RADIUS_KM.powi(3) / WGS72_MU_KM3_S2).sqrt()
 }
 
-/// δ = 3/2 k₂ (3 cos²i − 1) / (a² (1 − e²)^1.5) with k₂ = J₂/2, a in earth radii.
+/// Returns δ = 3/2 k₂ (3 cos²i − 1) / (a² (1 − e²)^1.5) with k₂ = J₂/2, a in earth radii.
 fn delta(semi_major_axis: f64, eccentricity: f64, inclination_rad: f64) -> f64 {
     let cos_i = inclination_rad.cos();
     0.75 * J2 * (3.0 * cos_i * cos_i - 1.0)
         / (semi_major_axis * semi_major_axis * (1.0 - eccentricity * eccentricity).powf(1.5))
 }
 
-/// Brouwer's mean motion over Kozai's printed one: 1 / (1 + δ₀), and the semi-major axis in earth radii.
+/// Returns the semi-major axis in earth radii, with Brouwer's mean motion n / (1 + δ₀) from Kozai's published n.
 fn recover(mean_motion_rad_min: f64, eccentricity: f64, inclination_rad: f64) -> f64 {
     // a₁ = (k_e / n)^(2/3);  a₀ = a₁ (1 − δ₁/3 − δ₁² − 134/81 δ₁³);  n″ = n / (1 + δ₀)       STR 3, section 6
     let a1 = (k_e() / mean_motion_rad_min).powf(2.0 / 3.0);
@@ -42,24 +42,25 @@ fn recover(mean_motion_rad_min: f64, eccentricity: f64, inclination_rad: f64) ->
     (k_e() / brouwer).powf(2.0 / 3.0)
 }
 
-/// Semi-major axis (Brouwer's mean, the one SGP4 works with) of an element set, km.
+/// Returns the semi-major axis (Brouwer's mean, as used in SGP4) of an element set, km.
 pub fn semi_major_axis_km(set: &ElementSet) -> f64 {
     let mean_motion = set.mean_motion_rev_day * TAU / DAY_MIN;
     EARTH_RADIUS_KM * recover(mean_motion, set.eccentricity, set.inclination_deg.to_radians())
 }
 
-/// The mean motion to print, revolutions a day, so that SGP4 flies a circular orbit with this mean radius (km).
+/// Returns the published mean motion, revolutions a day, for which SGP4 gives a circular orbit of this mean radius
+/// (km).
 ///
-/// SGP4's radius of a circular mean orbit is a (1 − 3/4 J₂ (R/a)² (3 cos²i − 1)) and terms that average to nothing over a
-/// revolution: the semi-major axis that belongs to a radius differs from it by up to 5 km. Good to a metre.
+/// SGP4's radius of a circular mean orbit is a (1 − 3/4 J₂ (R/a)² (3 cos²i − 1)) plus terms that average to zero over a
+/// revolution: the semi-major axis for a radius differs from it by up to 5 km. Accurate to a metre.
 pub(super) fn mean_motion_for_radius(radius_km: f64, inclination_rad: f64) -> f64 {
     let radius = radius_km / EARTH_RADIUS_KM;
-    // δ of a circular orbit is just that short-period offset: r = a (1 − δ(a)); the iteration gains three digits a step.
+    // δ of a circular orbit equals that short-period offset: r = a (1 − δ(a)); each iteration gains three digits.
     let mut a = radius;
     for _ in 0..6 {
         a = radius / (1.0 - delta(a, 0.0, inclination_rad));
     }
-    // The inverse of `recover`, by fixed point on the printed mean motion.
+    // The inverse of `recover`, by fixed-point iteration on the published mean motion.
     let mut mean_motion = k_e() / a.powf(1.5);
     for _ in 0..6 {
         mean_motion *= (recover(mean_motion, 0.0, inclination_rad) / a).powf(1.5);
@@ -67,15 +68,15 @@ pub(super) fn mean_motion_for_radius(radius_km: f64, inclination_rad: f64) -> f6
     mean_motion * DAY_MIN / TAU
 }
 
-/// How fast SGP4 turns a circular orbit, without drag: the node and the argument of latitude (ω + M), rad/day.
+/// Returns SGP4's rates of a circular orbit without drag: of the node and of the argument of latitude (ω + M), rad/day.
 ///
-/// `mean_motion_rev_day` is the printed one. Near-Earth orbits only (periods below 225 minutes).
+/// `mean_motion_rev_day` is the published one. Near-Earth orbits only (periods below 225 minutes).
 pub(super) fn secular_rates_rad_day(mean_motion_rev_day: f64, inclination_rad: f64) -> (f64, f64) {
     let a = recover(mean_motion_rev_day * TAU / DAY_MIN, 0.0, inclination_rad);
     let n = k_e() / a.powf(1.5);
     let cos = inclination_rad.cos();
     let (cos2, cos4) = (cos * cos, cos.powi(4));
-    // Ṁ, ω̇, Ω̇ as `sgp4init` of Vallado et al. (2006) has them, for e = 0.
+    // Ṁ, ω̇, Ω̇ as in `sgp4init` of Vallado et al. (2006), for e = 0.
     let t1 = 1.5 * J2 * n / (a * a);
     let t2 = 0.5 * t1 * J2 / (a * a);
     let t3 = -0.46875 * J4 * n / a.powi(4);
@@ -87,41 +88,41 @@ pub(super) fn secular_rates_rad_day(mean_motion_rev_day: f64, inclination_rad: f
     (node * DAY_MIN, (anomaly + perigee) * DAY_MIN)
 }
 
-/// What counts as on station.
+/// Criteria of the on-station phase.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct StationRule {
     /// Least height of the semi-major axis above the equatorial radius, km.
     pub min_height_km: f64,
     /// Largest rate of the semi-major axis, either way, m/day.
     pub max_rate_m_day: f64,
-    /// How many consecutive element sets must agree, at least 2.
+    /// Number of consecutive element sets that must agree, at least 2.
     pub consecutive_sets: usize,
 }
 
 impl Default for StationRule {
-    /// 530 km, 100 m/day, three element sets: Lu (2024, section 3).
+    /// Returns 530 km, 100 m/day and three element sets: Lu (2024, section 3).
     fn default() -> Self {
         Self { min_height_km: 530.0, max_rate_m_day: 100.0, consecutive_sets: 3 }
     }
 }
 
-/// What a satellite does at the time of an element set.
+/// Phase of an orbit at the time of an element set.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum OrbitPhase {
-    /// High enough and steady.
+    /// Steady, above the minimum height.
     OnStation,
-    /// Steady, but below the rule: parked, or a lower shell.
+    /// Steady, below the minimum height: parked, or a lower shell.
     Parked,
-    /// The semi-major axis grows faster than the rule allows.
+    /// The semi-major axis increases faster than the limit.
     Raising,
-    /// The semi-major axis shrinks faster than the rule allows.
+    /// The semi-major axis decreases faster than the limit.
     Decaying,
     /// Undetermined: too few element sets nearby, or rates of both signs.
     Unknown,
 }
 
 impl OrbitPhase {
-    /// The word for files and messages.
+    /// Returns the name in files and messages.
     pub fn name(self) -> &'static str {
         match self {
             Self::OnStation => "on_station",
@@ -133,16 +134,17 @@ impl OrbitPhase {
     }
 }
 
-/// Element sets closer together than this make no rate: fits of the same tracking, rounding over hours, days.
+/// Least interval of element sets for a rate, days: closer ones are fits of the same tracking or differ by rounding.
 const LEAST_INTERVAL_DAY: f64 = 0.05;
 
-/// What the satellite does at each of its element sets, in the order given: the records of **one** object in time order,
-/// as [`History::of`](super::History::of) returns them.
+/// Returns the phase of a satellite at each of its element sets, in the given order: the records of **one** object in
+/// order of time, as returned by [`History::of`](super::History::of).
 ///
-/// A set is judged by every run of `consecutive_sets` sets that holds it. If in one of them all rates are slow, it is
-/// steady; else all rates of the sets around it must have the same sign. Sets less than 72 minutes apart count as one.
+/// A set is judged by every run of `consecutive_sets` sets that contains it. If all rates of one run are slow, it is
+/// steady; otherwise all rates of the sets around it must have the same sign. Sets less than 72 minutes apart count as
+/// one.
 pub fn orbit_phases(sets: &[ElementSet], rule: &StationRule) -> Vec<OrbitPhase> {
-    // 1. Instants apart from one another, with their semi-major axes.
+    // 1. Separate times with their semi-major axes.
     let mut distinct: Vec<(Epoch, f64)> = Vec::with_capacity(sets.len());
     let mut index = Vec::with_capacity(sets.len());
     for set in sets {
@@ -155,7 +157,7 @@ pub fn orbit_phases(sets: &[ElementSet], rule: &StationRule) -> Vec<OrbitPhase> 
     // 2. Rates between neighbours, m/day.
     let rates: Vec<f64> =
         distinct.windows(2).map(|pair| (pair[1].1 - pair[0].1) * 1000.0 / days_between(pair[0].0, pair[1].0)).collect();
-    // 3. One verdict for each distinct set.
+    // 3. One phase for each separate set.
     let verdicts: Vec<OrbitPhase> =
         (0..distinct.len()).map(|at| verdict(at, distinct[at].1 - EARTH_EQUATORIAL_RADIUS_KM, &rates, rule)).collect();
     index.into_iter().map(|at| verdicts[at]).collect()

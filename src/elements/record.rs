@@ -1,4 +1,4 @@
-//! Records of element files: their errors, rejected records, and reading in parallel chunks.
+//! Records of element files: errors, rejected records, and reading in parallel chunks.
 
 use std::fmt;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use super::element_set::ElementSet;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RejectReason {
-    /// A fixed-column field holds no number.
+    /// A fixed-column field without a valid number.
     #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}")]
     NotANumber {
         /// Line of the element set, 1 or 2.
@@ -26,9 +26,9 @@ pub enum RejectReason {
         /// Last column.
         last: u8,
     },
-    /// The catalogue number of a TLE is neither digits nor Alpha-5.
+    /// A catalogue number of a TLE that is neither digits nor Alpha-5.
     #[error(
-        "line {line}: {text:?} in columns 3-7 is not a catalogue number (1-99999, or Alpha-5 with A-Z without I and O)"
+        "line {line}: invalid catalogue number {text:?} in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O"
     )]
     BadTleId {
         /// Line of the element set, 1 or 2.
@@ -37,37 +37,37 @@ pub enum RejectReason {
         text: String,
     },
     /// A message without any of the fields of an element set, or with empty ones only.
-    #[error("this message holds no elements")]
+    #[error("this message contains no elements")]
     NoElements,
-    /// A line of a TLE is too short or too long.
-    #[error("line {line} has {length} characters; 69 are allowed, or 68 where the checksum is missing")]
+    /// A line of a TLE that is too short or too long.
+    #[error("line {line} has {length} characters, expected 69, or 68 without a checksum")]
     LineLength {
         /// Line of the element set, 1 or 2.
         line: u8,
-        /// Characters without the blanks at the end.
+        /// Number of characters without trailing blanks.
         length: usize,
     },
-    /// Something stands where a TLE has a blank between two fields: the columns are shifted.
-    #[error("line {line}: {found:?} in column {column}, where a blank separates two fields: the columns are shifted")]
+    /// A character in place of a blank between two fields of a TLE: the columns are shifted.
+    #[error("line {line}: {found:?} in column {column}, expected a blank: the columns are shifted")]
     ShiftedColumns {
         /// Line of the element set, 1 or 2.
         line: u8,
         /// Column, from 1.
         column: u8,
-        /// The character found.
+        /// Character found there.
         found: char,
     },
-    /// The checksum of a line is there and wrong.
-    #[error("line {line}: the checksum is {stated:?}, the line adds up to {computed}")]
+    /// A wrong checksum of a line.
+    #[error("line {line}: checksum {stated:?} does not match the sum of the line, {computed}")]
     BadChecksum {
         /// Line of the element set, 1 or 2.
         line: u8,
         /// The character in column 69.
         stated: char,
-        /// Sum of the digits, a minus counting 1, modulo 10.
+        /// Sum of the digits modulo 10, with a minus counted as 1.
         computed: u8,
     },
-    /// The two lines have different catalogue numbers.
+    /// Different catalogue numbers in the two lines.
     #[error("line 1 is of object {first}, line 2 of object {second}")]
     MixedObjects {
         /// Catalogue number in line 1.
@@ -75,19 +75,19 @@ pub enum RejectReason {
         /// Catalogue number in line 2.
         second: u32,
     },
-    /// A line 1 that no line 2 follows.
+    /// A line 1 without a following line 2.
     #[error("line 1 of an element set is not followed by its line 2")]
     LineOneAlone,
-    /// A line 2 without a line 1 before it.
-    #[error("line 2 of an element set has no line 1 before it")]
+    /// A line 2 without a preceding line 1.
+    #[error("line 2 of an element set is not preceded by its line 1")]
     LineTwoAlone,
-    /// A line that no element set follows.
-    #[error("{text:?} is neither part of an element set nor the name of one")]
+    /// A line that belongs to no element set.
+    #[error("unexpected line {text:?}: neither part nor name of an element set")]
     Stray {
         /// The line, shortened.
         text: String,
     },
-    /// A field of an OMM, or a column of a CSV file, holds no number.
+    /// A field of an OMM, or a column of a CSV file, without a valid number.
     #[error("{field} {text:?} is not a number")]
     FieldNotANumber {
         /// Keyword.
@@ -95,57 +95,57 @@ pub enum RejectReason {
         /// Text found there.
         text: String,
     },
-    /// A field that must be there is not.
+    /// A missing required field.
     #[error("{field} is missing")]
     Missing {
         /// Keyword.
         field: &'static str,
     },
-    /// The catalogue number of an OMM is no number of one to nine digits.
-    #[error("NORAD_CAT_ID {text:?} is not a catalogue number (1 to 999999999, or Alpha-5)")]
+    /// A catalogue number of an OMM that is not a number of one to nine digits.
+    #[error("invalid NORAD_CAT_ID {text:?}: expected 1 to 999999999, or Alpha-5")]
     BadId {
         /// Text found there.
         text: String,
     },
-    /// An epoch that is no date.
-    #[error("epoch {text:?} is not a date: {allowed}")]
+    /// An invalid epoch.
+    #[error("invalid epoch {text:?}: expected {allowed}")]
     BadEpoch {
         /// Text found there.
         text: String,
-        /// What is allowed.
+        /// Accepted form.
         allowed: &'static str,
     },
-    /// A number outside what can be.
-    #[error("{field} {value} is out of range: {allowed}")]
+    /// A number out of range.
+    #[error("{field} {value} is out of range: allowed {allowed}")]
     OutOfRange {
         /// Name of the field.
         field: &'static str,
         /// The number, in the unit of `allowed`.
         value: f64,
-        /// What is allowed, with its unit.
+        /// Accepted range, with its unit.
         allowed: &'static str,
     },
-    /// Mean elements of another theory, frame or time system than SGP4's.
-    #[error("{field} {text:?} is not supported: {allowed}")]
+    /// Mean elements of a theory, frame or time system other than SGP4's.
+    #[error("unsupported {field} {text:?}: allowed {allowed}")]
     Unsupported {
         /// Keyword.
         field: &'static str,
         /// Text found there.
         text: String,
-        /// What is allowed.
+        /// Accepted values.
         allowed: &'static str,
     },
-    /// The syntax around the record is broken.
-    #[error("broken {format}: {what}")]
+    /// Invalid syntax around a record.
+    #[error("invalid {format}: {what}")]
     Syntax {
         /// JSON, XML, KVN or CSV.
         format: &'static str,
-        /// What is wrong.
+        /// Description of the error.
         what: String,
     },
 }
 
-/// The syntax of a file of element sets.
+/// Format of a file of element sets.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ElementFormat {
@@ -173,14 +173,14 @@ impl fmt::Display for ElementFormat {
     }
 }
 
-/// Rejected record with its position and reason. Prints as `file:line: why`.
+/// Rejected record with its position and reason, displayed as `file:line: reason`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
-    /// Name of the file as it was given.
+    /// Given name of the file.
     pub file: Arc<str>,
     /// Line in the file, from 1.
     pub line: usize,
-    /// Why it was left out.
+    /// Reason for the rejection.
     pub reason: RejectReason,
 }
 
@@ -190,21 +190,21 @@ impl fmt::Display for Rejected {
     }
 }
 
-/// What a reader made of a text. Places are byte offsets; they become line numbers when the file is done.
+/// Result of parsing a text. Positions are byte offsets; they are converted to line numbers at the end.
 #[derive(Debug, Default)]
 pub(super) struct Parsed {
-    /// The good records in their order.
+    /// Valid records in order.
     pub sets: Vec<ElementSet>,
-    /// Where the last of them stands.
+    /// Offset of the last valid record.
     pub last_good_at: Option<usize>,
-    /// The bad ones: where and why.
+    /// Offsets of the rejected records with the reasons.
     pub rejected: Vec<(usize, RejectReason)>,
-    /// Records taken in spite of a wrong checksum.
+    /// Number of records accepted with a wrong checksum.
     pub bad_checksums_accepted: usize,
 }
 
 impl Parsed {
-    /// Takes a record or notes why not.
+    /// Stores a record or the reason for its rejection.
     pub fn take(&mut self, offset: usize, record: Result<ElementSet, RejectReason>) {
         match record {
             Ok(set) => {
@@ -215,15 +215,15 @@ impl Parsed {
         }
     }
 
-    /// Whether no good record follows the last bad one: the text may have been cut within it.
+    /// Returns true if no valid record follows the last rejected one: the text may have been cut within it.
     pub fn is_cut_short(&self) -> bool {
         self.rejected.iter().map(|(offset, _)| *offset).max() > self.last_good_at
     }
 }
 
-/// The ranges every element set must keep, whatever the syntax.
+/// Checks the ranges of an element set, which are the same for every syntax.
 ///
-/// Angles may leave one turn by a turn in either direction: they mean the same.
+/// Angles may be outside one turn by one turn in either direction.
 pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
     const TURN: &str = "-360 to 360 deg";
     let out_of_range = |field, value, allowed| Err(RejectReason::OutOfRange { field, value, allowed });
@@ -260,7 +260,7 @@ pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
     Ok(set)
 }
 
-/// A text for an error message: at most 60 characters of it.
+/// Returns a text for an error message: at most 60 characters.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim();
@@ -270,17 +270,17 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
     }
 }
 
-/// Least length of a chunk, bytes: smaller ones cost more than they save.
+/// Least length of a chunk, bytes: smaller ones cost more than they gain.
 const LEAST_CHUNK: usize = 200_000;
 
-/// Reads `text` with `parse`, in pieces that begin where `next_record(text, from)` says: the offset at or after `from` at
-/// which reading may begin afresh, or the length of the text. The answer is the one that a single piece gives.
+/// Parses `text` with `parse` in chunks that begin at `next_record(text, from)`: the offset at or after `from` at which
+/// parsing may start afresh, or the length of the text. The result equals that of a single chunk.
 pub(super) fn parse_in_chunks<'a>(
     text: &'a str,
     next_record: impl Fn(&'a str, usize) -> usize,
     parse: impl Fn(&'a str) -> Parsed + Sync,
 ) -> Parsed {
-    // Two pieces a thread, for threads may be busy elsewhere.
+    // Two chunks per thread, since threads may be busy otherwise.
     let pieces = (text.len() / LEAST_CHUNK).min(2 * rayon::current_num_threads());
     let mut cuts = vec![0];
     for piece in 1..pieces {
@@ -303,7 +303,7 @@ pub(super) fn parse_in_chunks<'a>(
     whole
 }
 
-/// Offset of the first line that begins at or after `from`.
+/// Returns the offset of the first line that begins at or after `from`.
 pub(super) fn next_line(text: &str, from: usize) -> usize {
     if from == 0 {
         return 0;

@@ -13,17 +13,17 @@ use super::shell::Constellation;
 use super::source::{FileReading, SourceFile, read_bytes, read_file};
 use super::tle::Checksums;
 
-/// How to read, and what to keep.
+/// Options of reading element sets.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Take records whose checksum is there and wrong; they are counted in [`SourceFile::bad_checksums_accepted`].
-    /// A missing checksum is never wrong.
+    /// Accepts records with a wrong checksum; they are counted in [`SourceFile::bad_checksums_accepted`]. A missing
+    /// checksum is always accepted.
     pub accept_bad_checksums: bool,
-    /// Which of several element sets of one object stay.
+    /// Selection among several element sets of one object.
     pub keep: Keep,
 }
 
-/// Which of several element sets of one object stay in a catalogue.
+/// Selection among several element sets of one object.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Keep {
     /// The one with the latest epoch.
@@ -31,7 +31,7 @@ pub enum Keep {
     Newest,
     /// The one nearest to an epoch, before or after it.
     Nearest(Epoch),
-    /// All of them, for a [`History`].
+    /// All element sets, for a [`History`].
     All,
 }
 
@@ -54,27 +54,27 @@ pub enum Keep {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Satellites {
-    /// In the order of their catalogue numbers, and of their epochs where several of one object were kept.
+    /// Element sets by catalogue number, and by epoch if several of one object are kept.
     pub element_sets: Vec<ElementSet>,
-    /// Records that were left out, by file and line.
+    /// Rejected records, by file and line.
     pub rejected: Vec<Rejected>,
-    /// The files, in the order in which they were given.
+    /// Files, in the given order.
     pub sources: Vec<SourceFile>,
-    /// Records dropped because the same object with the same epoch and elements was there already.
+    /// Number of records dropped as exact duplicates of another one.
     pub duplicates: usize,
-    /// Records not kept because another epoch of the object was preferred.
+    /// Number of records dropped in favour of another epoch of the same object.
     pub superseded: usize,
 }
 
 impl Satellites {
-    /// Reads files, each in whichever format its content shows.
+    /// Reads files, each in the format detected from its content.
     ///
-    /// A bad record is left out and named in [`rejected`](Self::rejected); the rest goes on.
+    /// Invalid records are listed in [`rejected`](Self::rejected); the others are kept.
     ///
     /// # Errors
-    /// * no file was named;
-    /// * a file cannot be read, is a directory, is empty, or is a broken gzip file;
-    /// * a file is in none of the formats, or not one of its records is good.
+    /// * no file is given;
+    /// * a file cannot be read, is a directory, is empty, or is an invalid gzip file;
+    /// * a file is in none of the formats, or has no valid record.
     pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, ElementsError> {
         if paths.is_empty() {
             return Err(ElementsError::NoFiles);
@@ -84,16 +84,16 @@ impl Satellites {
         Ok(Self::assemble(readings?, options.keep))
     }
 
-    /// Reads files with the default options: of several element sets of one object the newest stays, and records with a wrong
-    /// checksum are left out.
+    /// Reads files with the default options: the newest of several element sets of one object is kept, and records with
+    /// a wrong checksum are rejected.
     ///
     /// # Errors
-    /// As for [`read`](Self::read).
+    /// Same as [`read`](Self::read).
     pub fn from_files<P: AsRef<Path> + Sync>(paths: impl AsRef<[P]>) -> Result<Self, ElementsError> {
         Self::read(paths.as_ref(), &ReadOptions::default())
     }
 
-    /// A synthetic constellation as filed, for example `starlink-gen1` at this epoch.
+    /// Returns a synthetic constellation as filed, for example `starlink-gen1`, at this epoch.
     ///
     /// Its positions do not correspond to real satellites.
     ///
@@ -104,32 +104,33 @@ impl Satellites {
         Ok(Self::from_element_sets(element_sets, Keep::All))
     }
 
-    /// Reads the content of one file; `name` stands for it in messages and provenance.
+    /// Reads the content of one file; `name` is its name in messages and provenance.
     ///
     /// # Errors
-    /// As for [`read`](Self::read).
+    /// Same as [`read`](Self::read).
     pub fn from_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self, ElementsError> {
         Ok(Self::assemble(vec![read_bytes(name, bytes, options.checksums())?], options.keep))
     }
 
-    /// A catalogue of element sets that did not come from a file.
+    /// Creates a catalogue from element sets that do not come from a file.
     pub fn from_element_sets(element_sets: Vec<ElementSet>, keep: Keep) -> Self {
         let mut catalogue = Self::default();
         catalogue.put(element_sets, keep);
         catalogue
     }
 
-    /// Of every object the element set nearest to an epoch. Read with [`Keep::All`], else there is one of each to choose.
+    /// Returns for every object the element set nearest to an epoch. Read with [`Keep::All`]; otherwise there is only
+    /// one for each object.
     pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
         nearest_of_each(&self.element_sets, epoch)
     }
 
-    /// Every record as a history. Read with [`Keep::All`], else there is one record of each object.
+    /// Returns every record as a history. Read with [`Keep::All`]; otherwise there is only one record for each object.
     pub fn into_history(self) -> History {
         History::new(self.element_sets)
     }
 
-    /// Earliest and latest epoch, or `None` where the catalogue is empty.
+    /// Returns the earliest and latest epoch; `None` for an empty catalogue.
     pub fn epochs(&self) -> Option<(Epoch, Epoch)> {
         let epochs = || self.element_sets.iter().map(|set| set.epoch);
         epochs().min().zip(epochs().max())

@@ -7,13 +7,13 @@
 //! u_ps = u₀ + 360° · s / S + 360° · F · p / T                 s = 0 … S−1
 //! ```
 //!
-//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are circular,
-//! without drag (B* = 0), and SGP4 flies them at a mean radius of the Earth's equatorial radius (6378.137 km) plus the
-//! shell's altitude. Ω₀ and u₀ belong to 2000-01-01T12:00:00 UTC; from there the planes turn and the satellites go as
-//! SGP4's own secular rates say, so element sets of one constellation for two epochs are the same satellites: propagated
-//! from the one epoch to the other they meet within kilometres.
+//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are
+//! circular, without drag (B* = 0), and their mean radius in SGP4 is the Earth's equatorial radius (6378.137 km) plus
+//! the shell's altitude. Ω₀ and u₀ are those of 2000-01-01T12:00:00 UTC; the angles change with SGP4's secular rates,
+//! so element sets of one constellation for two epochs describe the same satellites: propagated to a common time they
+//! agree within kilometres.
 //!
-//! What this is not: a forecast of where anything is. Counts and statistics mean something, single crossings do not.
+//! Positions do not correspond to real satellites: counts and statistics are meaningful, single crossings are not.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -27,14 +27,14 @@ use super::error::ElementsError;
 use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
-/// The constellations that come with the library, with their sources.
+/// Constellations of the library, with their sources.
 const EMBEDDED: &str = include_str!("shells.toml");
 
-/// Catalogue numbers from here on are synthetic: a block of a million for each constellation.
+/// First catalogue number of synthetic satellites: a block of a million for each constellation.
 pub const FIRST_SYNTHETIC_ID: u32 = 900_000_000;
-/// Constellations of one's own begin here.
+/// First catalogue number of constellations defined by the user.
 const FIRST_OWN_ID: u32 = 950_000_000;
-/// Catalogue numbers set aside for one constellation.
+/// Catalogue numbers reserved for one constellation.
 const ID_BLOCK: u32 = 1_000_000;
 
 /// One shell: circular orbits of one altitude and inclination in evenly spaced planes.
@@ -77,7 +77,7 @@ fn full_circle() -> f64 {
 pub struct Constellation {
     /// Name, such as `starlink-gen1`.
     pub name: String,
-    /// Where the numbers come from.
+    /// Source of the numbers.
     pub source: String,
     /// The shells.
     pub shells: Vec<Shell>,
@@ -102,16 +102,16 @@ struct Entry {
 }
 
 impl Constellation {
-    /// The constellations that come with the library.
+    /// Returns the constellations of the library.
     pub fn embedded() -> Vec<Self> {
-        // The text is part of the library, and a test reads it.
+        // The text is part of the library and covered by a test.
         parse(EMBEDDED, FIRST_SYNTHETIC_ID).unwrap_or_default()
     }
 
-    /// The constellation of this name, in any case.
+    /// Returns the constellation of this name, in any case.
     ///
     /// # Errors
-    /// The name is unknown; the error lists the known ones.
+    /// An unknown name; the error lists the known ones.
     pub fn by_name(name: &str) -> Result<Self, ElementsError> {
         let mut all = Self::embedded();
         match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {
@@ -123,7 +123,7 @@ impl Constellation {
         }
     }
 
-    /// Reads constellations of one's own from TOML.
+    /// Reads constellations from TOML.
     ///
     /// ```
     /// use streakcast::elements::Constellation;
@@ -131,8 +131,14 @@ impl Constellation {
     /// let mine = Constellation::from_toml(r#"
     ///     [[constellation]]
     ///     name = "mine"
-    ///     source = "a thought"
-    ///     shell = [{ altitude_km = 800, inclination_deg = 86.4, planes = 6, satellites_per_plane = 11, phasing = 2, node_spread_deg = 180 }]
+    ///     source = "example"
+    ///     [[constellation.shell]]
+    ///     altitude_km = 800
+    ///     inclination_deg = 86.4
+    ///     planes = 6
+    ///     satellites_per_plane = 11
+    ///     phasing = 2
+    ///     node_spread_deg = 180
     /// "#)?;
     /// assert_eq!(mine[0].satellites(), 66);
     /// # Ok::<(), streakcast::elements::ElementsError>(())
@@ -141,21 +147,21 @@ impl Constellation {
     /// Keys are those of [`Shell`]; `satellites` in a `[[constellation]]` states the total and is checked.
     ///
     /// # Errors
-    /// * the text is not TOML, or a key is missing or unknown;
-    /// * a number is out of range, or the stated total is not the sum.
+    /// * invalid TOML, or a missing or unknown key;
+    /// * a number out of range, or a stated total that is not the sum.
     pub fn from_toml(text: &str) -> Result<Vec<Self>, ElementsError> {
         parse(text, FIRST_OWN_ID)
     }
 
-    /// How many satellites the shells hold.
+    /// Returns the number of satellites of all shells.
     pub fn satellites(&self) -> usize {
         self.shells.iter().map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
     }
 
-    /// The element sets of every satellite for an epoch, in the order of shells, planes and satellites.
+    /// Returns the element sets of every satellite for an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers run from [`first_id`](Self::first_id); names read `STARLINK-GEN1-S1 P03-07 (synthetic)`, shell,
-    /// plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
+    /// Catalogue numbers start at [`first_id`](Self::first_id); names have the form `STARLINK-GEN1-S1 P03-07
+    /// (synthetic)`, with shell, plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
         let epoch = epoch.to_time_scale(TimeScale::UTC);
         let days = days_since_reference(epoch);
@@ -203,9 +209,9 @@ impl Constellation {
     }
 }
 
-/// Days of 86,400 s UTC since 2000-01-01T12:00:00, as SGP4 counts time between element sets.
+/// Returns the days of 86,400 s UTC since 2000-01-01T12:00:00, as SGP4 counts time between element sets.
 fn days_since_reference(epoch: Epoch) -> f64 {
-    // 36,524.5 days lie between 1900-01-01T00:00:00, where UTC is counted from, and the reference.
+    // 36,524.5 days from 1900-01-01T00:00:00, the zero of hifitime's UTC, to the reference.
     let reference = i128::from(DAY_NS) * 73_049 / 2;
     Duration::from_total_nanoseconds(epoch.to_utc_duration().total_nanoseconds() - reference)
         .to_unit(hifitime::Unit::Day)
@@ -214,9 +220,12 @@ fn days_since_reference(epoch: Epoch) -> f64 {
 fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ElementsError> {
     let file: File =
         toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(error.to_string().trim().to_string()))?;
-    // As many as there are blocks of numbers up to 999,999,999.
+    // The number of blocks up to catalogue number 999,999,999.
     if file.constellation.len() > 49 {
-        return Err(ElementsError::ShellSyntax(format!("{} constellations; 49 are allowed", file.constellation.len())));
+        return Err(ElementsError::ShellSyntax(format!(
+            "{} constellations; allowed: at most 49",
+            file.constellation.len()
+        )));
     }
     file.constellation
         .into_iter()
@@ -275,7 +284,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_errors_say_what_is_allowed() {
+    fn verif_errors_contain_the_allowed_values() {
         let shell = |text: &str| {
             Constellation::from_toml(&format!("[[constellation]]\nname = \"x\"\nshell = [{{ {text} }}]"))
                 .unwrap_err()
@@ -283,7 +292,7 @@ mod tests {
         };
         assert_eq!(
             shell("altitude_km = 50, inclination_deg = 53, planes = 1, satellites_per_plane = 1"),
-            "constellation \"x\", shell 1: altitude_km 50 is out of range: 120 to 5500 km"
+            "constellation \"x\", shell 1: altitude_km 50 is out of range: allowed 120 to 5500 km"
         );
         assert!(
             shell("altitude_km = 550, inclination_deg = 53, planes = 0, satellites_per_plane = 1").contains("planes")
@@ -291,7 +300,7 @@ mod tests {
         assert!(shell("altitude = 550").contains("unknown field `altitude`"));
         assert_eq!(
             Constellation::by_name("starling").unwrap_err().to_string(),
-            "unknown shells \"starling\"; known are starlink-gen1, starlink-gen2, oneweb, kuiper, qianfan, guowang"
+            "unknown shells \"starling\": expected one of starlink-gen1, starlink-gen2, oneweb, kuiper, qianfan, guowang"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! One file of element sets: unpacked, its format sniffed from the content, every record read or named.
+//! Reading one file of element sets: decompression, detection of the format, valid and rejected records.
 
 use std::borrow::Cow;
 use std::io::Read;
@@ -15,25 +15,25 @@ use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
 
-/// Where element sets came from, for the provenance of every answer.
+/// Source of element sets, for the provenance of every result.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SourceFile {
-    /// Name as it was given.
+    /// Given name.
     pub name: Arc<str>,
     /// SHA-256 of the bytes on disk in lower-case hex, as `sha256sum` prints it.
     pub sha256: String,
     /// Syntax.
     pub format: ElementFormat,
-    /// Whether the file was compressed with gzip.
+    /// True if the file was compressed with gzip.
     pub gzipped: bool,
-    /// Good records, duplicates included.
+    /// Number of valid records, including duplicates.
     pub records: usize,
-    /// Records left out.
+    /// Number of rejected records.
     pub rejected: usize,
-    /// Whether the last record is one of those: the file may have been cut short, or is still being written.
+    /// True if the last record was rejected: the file may have been cut short, or is still being written.
     pub cut_short: bool,
-    /// Records taken in spite of a wrong checksum.
+    /// Number of records accepted with a wrong checksum.
     pub bad_checksums_accepted: usize,
     /// Earliest epoch.
     pub first_epoch: Epoch,
@@ -41,7 +41,7 @@ pub struct SourceFile {
     pub last_epoch: Epoch,
 }
 
-/// What came out of one file.
+/// Content of one file.
 pub(super) struct FileReading {
     pub source: SourceFile,
     pub sets: Vec<ElementSet>,
@@ -60,13 +60,13 @@ pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading
 
 /// Reads the content of a file.
 pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, ElementsError> {
-    // Hashing and reading take about as long as each other.
+    // Hashing and parsing take about the same time and run in parallel.
     let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
     let Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted } = content?;
     let name: Arc<str> = Arc::from(name);
     let rejected: Vec<Rejected> =
         rejected.into_iter().map(|(line, reason)| Rejected { file: name.clone(), line, reason }).collect();
-    // All are UTC here: comparing what they hold spares the leap seconds.
+    // All are UTC here: comparing the raw durations avoids leap seconds.
     let epochs = || sets.iter().map(|set| set.epoch);
     let duration = |epoch: &Epoch| epoch.duration;
     let (Some(first_epoch), Some(last_epoch)) = (epochs().min_by_key(duration), epochs().max_by_key(duration)) else {
@@ -92,7 +92,7 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
     Ok(FileReading { source, sets, rejected })
 }
 
-/// What a file holds, bad records by line.
+/// Content of a file, with rejected records by line.
 struct Content {
     format: ElementFormat,
     gzipped: bool,
@@ -126,9 +126,9 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
     Ok(Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted })
 }
 
-/// Byte offsets in rising order to line numbers from 1.
+/// Converts increasing byte offsets to line numbers from 1.
 fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
-    // Files of the classic Macintosh end their lines with a lone carriage return.
+    // Classic Macintosh files end their lines with a lone carriage return.
     let line_end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
     let (mut at, mut line) = (0, 1);
     rejected
@@ -153,7 +153,7 @@ fn unpack<'a>(name: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, ElementsErro
     Ok(Cow::Owned(unpacked))
 }
 
-/// Without byte order mark; UTF-16 (what a Windows shell writes) as UTF-8.
+/// Removes a byte order mark and converts UTF-16 (as written by Windows shells) to UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf16 = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
@@ -167,7 +167,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// The format, or what the text looks like instead.
+/// Detects the format; the error describes other content.
 fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     let packed: &[(&[u8], &str)] = &[
         (b"PK\x03\x04", "it is a zip archive; unpack it"),
@@ -182,7 +182,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     let body = text.trim_start();
     match body.as_bytes().first() {
         Some(b'{') => return Ok(ElementFormat::OmmJson),
-        // A lone bracket opens tables of TOML and INI as well.
+        // A lone bracket also starts tables of TOML and INI.
         Some(b'[') if matches!(body[1..].trim_start().as_bytes().first(), None | Some(b'{' | b'[' | b']' | b'"')) => {
             return Ok(ElementFormat::OmmJson);
         }
@@ -190,7 +190,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
         Some(b'<') => return Err("it is a web page or another kind of XML".into()),
         _ => {}
     }
-    // A CSV file may carry its two lines in columns: ask before TLE.
+    // A CSV file may contain the two lines in columns, so it is tested before TLE.
     if omm_kvn::looks_like(body) {
         Ok(ElementFormat::OmmKvn)
     } else if omm_csv::looks_like(body) {
@@ -203,7 +203,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     }
 }
 
-/// Lower-case hex.
+/// Returns lower-case hex.
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -1,18 +1,18 @@
 //! One two-line element set: 138 characters in fixed columns.
 //!
-//! Columns as in the NORAD two-line format (Hoots & Roehrich, Spacetrack Report 3; Kelso, CelesTrak "FAQs: Two-Line Element
-//! Set Format"). What is taken beyond the letter of it, because it is unambiguous and in use:
+//! Columns as in the NORAD two-line format (Hoots & Roehrich, Spacetrack Report 3; Kelso, CelesTrak "FAQs: Two-Line
+//! Element Set Format"). Accepted in addition, because unambiguous and in use:
 //!
 //! * catalogue numbers with blanks for zeros, and Alpha-5 (`A0000` = 100,000 ... `Z9999` = 339,999; no I, no O);
 //! * plus signs, and angles with zeros for leading blanks;
-//! * a missing checksum (68 characters): nothing is stated, so nothing is wrong. Only a checksum that is there can be bad;
+//! * a missing checksum (68 characters); only a checksum that is present can be wrong;
 //! * blank fields for the two derivatives, the revolution and the set number (taken as 0): SGP4 uses none of them;
-//! * text after column 69 that a blank separates (verification files carry times there).
+//! * text after column 69, separated by a blank (verification files have times there).
 //!
-//! What is refused: a line cut short or shifted by a column, for a number read from the wrong columns looks like a number.
+//! Rejected: a line that is truncated or shifted by a column, since a number from the wrong columns may look valid.
 //!
-//! Numbers are read as a whole number over a power of ten, both exact in binary64, so one correctly rounded division gives
-//! the same bits as any other syntax gives for the same decimal.
+//! Numbers are read as a whole number over a power of ten, both exact in binary64, so that one correctly rounded
+//! division gives the same bits as any other syntax with the same decimal.
 
 use std::sync::Arc;
 
@@ -23,19 +23,19 @@ use super::epoch;
 use super::record::{RejectReason, checked, excerpt};
 use super::tle_fields::{BODY, decimal, designator_of, exponential, parse_five_characters, verify_checksum};
 
-/// What a reader does with a checksum that is there and wrong.
+/// Treatment of wrong checksums.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Checksums {
-    /// Leave the record out.
+    /// Rejects the record.
     Require,
     /// Accepts the record and counts it.
     Ignore,
 }
 
-/// One element set read from its two lines, and whether a wrong checksum was overlooked.
+/// One element set, and true if a wrong checksum was accepted.
 pub(super) type Read = (ElementSet, bool);
 
-/// Reads one element set. Lines come without blanks or line ends behind them.
+/// Reads one element set from lines without trailing blanks and line ends.
 ///
 /// # Errors
 /// The line (1 or 2) at fault, and what is wrong: see [`RejectReason`].
@@ -76,11 +76,11 @@ pub(super) fn parse_lines(
         revolution_at_epoch: second.revolution,
         origin: Origin::Published,
     };
-    // Catalogue number 0 is the only range that line 1 alone can break.
+    // Catalogue number 0 is the only range error of line 1.
     checked(set).map(|set| (set, overlooked)).map_err(|error| (if first.norad_id == 0 { 1 } else { 2 }, error))
 }
 
-/// The name on a name line: no leading "0 ", no blanks around it.
+/// Returns the name on a name line, without leading "0 " and surrounding blanks.
 pub(super) fn name_of(line: &[u8]) -> Arc<str> {
     let line = line.trim_ascii();
     let line = if line == b"0" { &[] } else { line.strip_prefix(b"0 ").unwrap_or(line).trim_ascii() };
@@ -117,12 +117,12 @@ fn parse_line1(text: &[u8]) -> Result<Line1, RejectReason> {
     let dot = line.decimal_or_zero("first derivative of the mean motion", 34, 43)?;
     let ddot = line.exponential("second derivative of the mean motion", 45, 52, true)?;
     let bstar = line.exponential("B*", 54, 61, false)?;
-    // Type 4 marks SGP4-XP: same columns, another theory, wrong by kilometres in SGP4.
+    // Type 4 means SGP4-XP: same columns, another theory, wrong by kilometres in SGP4.
     if text[62] == b'4' {
         return Err(RejectReason::Unsupported {
             field: "ephemeris type",
             text: "4".into(),
-            allowed: "0 (SGP4); 4 marks SGP4-XP elements, which need another propagator",
+            allowed: "0 (SGP4); 4 means SGP4-XP elements, which require another propagator",
         });
     }
     Ok(Line1 { norad_id, designator: designator_of(line.columns(10, 17)), epoch, dot, ddot, bstar })
@@ -143,19 +143,19 @@ fn parse_line2(text: &[u8]) -> Result<Line2, RejectReason> {
     })
 }
 
-/// One of the two lines with its number, for the columns and the messages.
+/// One of the two lines with its number, for columns and messages.
 struct Line<'a> {
     number: u8,
     text: &'a [u8],
 }
 
 impl<'a> Line<'a> {
-    /// Columns `first` to `last`, counted from 1 as the format's descriptions do. The shape was checked before.
+    /// Returns columns `first` to `last`, counted from 1 as in the format description. The shape has been checked.
     fn columns(&self, first: u8, last: u8) -> &'a [u8] {
         &self.text[usize::from(first) - 1..usize::from(last)]
     }
 
-    /// Length, and blanks between the fields.
+    /// Checks the length, and the blanks between the fields.
     fn check_shape(&self, blanks: &[u8]) -> Result<(), RejectReason> {
         let length = self.text.len();
         let ends_well = length == BODY || length == BODY + 1 || self.text.get(BODY + 1) == Some(&b' ');
@@ -182,7 +182,7 @@ impl<'a> Line<'a> {
             .ok_or_else(|| RejectReason::BadTleId { line: self.number, text: excerpt(self.columns(3, 7)) })
     }
 
-    /// A number with a decimal point somewhere in its columns.
+    /// Parses a number with a decimal point in its columns.
     fn decimal(&self, field: &'static str, first: u8, last: u8) -> Result<f64, RejectReason> {
         decimal(self.columns(first, last)).ok_or_else(|| self.not_a_number(field, first, last))
     }
@@ -191,7 +191,7 @@ impl<'a> Line<'a> {
         if self.columns(first, last).trim_ascii().is_empty() { Ok(0.0) } else { self.decimal(field, first, last) }
     }
 
-    /// `SNNNNNSE`: a fraction with its leading point assumed, and a power of ten.
+    /// Parses `SNNNNNSE`: a fraction with an implied leading point, and a power of ten.
     fn exponential(&self, field: &'static str, first: u8, last: u8, blank_is_zero: bool) -> Result<f64, RejectReason> {
         let text = self.columns(first, last);
         if blank_is_zero && text.trim_ascii().is_empty() {
@@ -200,10 +200,10 @@ impl<'a> Line<'a> {
         exponential(text).ok_or_else(|| self.not_a_number(field, first, last))
     }
 
-    /// Seven digits with the leading point assumed.
+    /// Parses seven digits with an implied leading point.
     fn eccentricity(&self) -> Result<f64, RejectReason> {
         let field = self.columns(27, 33);
-        // Blanks stand for zeros only in front.
+        // Only leading blanks are zeros.
         let value = epoch::digits(field.trim_ascii_start());
         value.map(|value| f64::from(value) / 1e7).ok_or_else(|| self.not_a_number("eccentricity", 27, 33))
     }
@@ -216,11 +216,11 @@ impl<'a> Line<'a> {
         epoch::digits(field).ok_or_else(|| self.not_a_number("revolution number", 64, 68))
     }
 
-    /// Two digits of the year (57-99 are 1957-1999), the day of the year and its fraction.
+    /// Parses two digits of the year (57-99 are 1957-1999), the day of the year and its fraction.
     fn epoch(&self) -> Result<Epoch, RejectReason> {
         let bad = || RejectReason::BadEpoch {
             text: excerpt(self.columns(19, 32)),
-            allowed: "line 1, columns 19-32: YYDDD.DDDDDDDD with the day from 1 to below 367",
+            allowed: "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367",
         };
         let year = epoch::digits(self.columns(19, 20).trim_ascii()).ok_or_else(bad)? as i32;
         let year = if year < 57 { 2000 + year } else { 1900 + year };
@@ -229,7 +229,7 @@ impl<'a> Line<'a> {
         let day = epoch::digits(&field[..point]).ok_or_else(bad)?;
         let mut nanosecond = 0;
         if let Some(fraction) = field.get(point + 1..).filter(|fraction| !fraction.is_empty()) {
-            // At most ten digits fit; eight of them are 864,000 ns each, so the product is exact.
+            // At most ten digits fit; eight digits are units of 864,000 ns, so the product is exact.
             let scale = 10_i64.pow(fraction.len() as u32);
             let whole = fraction
                 .iter()
@@ -286,40 +286,38 @@ mod tests {
     }
 
     #[test]
-    fn verif_errors_say_what_and_where() {
+    fn verif_errors_contain_reason_and_position() {
         let put = |line: &str, column: usize, text: &str| {
             format!("{}{text}{}", &line[..column - 1], &line[column - 1 + text.len()..68])
         };
         let cases = [
             (LINE1.into(), put(LINE2, 9, "     abc"), r#"line 2: inclination "abc" is not a number in columns 9-16"#),
-            (LINE1.into(), put(LINE2, 9, "181.0000"), "inclination 181 is out of range: 0 to 180 deg"),
-            (LINE1.into(), put(LINE2, 53, " 0.00000000"), "mean motion 0 is out of range: above 0 revolutions a day"),
-            (LINE1.into(), put(LINE2, 3, "25545"), "line 1 is of object 25544, line 2 of object 25545"),
+            (LINE1.into(), put(LINE2, 9, "181.0000"), "inclination 181 is out of range: allowed 0 to 180 deg"),
             (
                 LINE1.into(),
-                LINE2[..60].to_string(),
-                "line 2 has 60 characters; 69 are allowed, or 68 where the checksum is missing",
+                put(LINE2, 53, " 0.00000000"),
+                "mean motion 0 is out of range: allowed above 0 revolutions a day",
             ),
             (
                 put(LINE1, 3, "I5544"),
                 LINE2.into(),
-                r#"line 1: "I5544" in columns 3-7 is not a catalogue number (1-99999, or Alpha-5 with A-Z without I and O)"#,
+                r#"line 1: invalid catalogue number "I5544" in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O"#,
             ),
             (
                 put(LINE1, 19, "26000"),
                 LINE2.into(),
-                r#"epoch "26000.73419088" is not a date: line 1, columns 19-32: YYDDD.DDDDDDDD with the day from 1 to below 367"#,
+                r#"invalid epoch "26000.73419088": expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367"#,
             ),
-            (format!("{}4", &LINE1[..68]), LINE2.into(), "line 1: the checksum is '4', the line adds up to 9"),
+            (format!("{}4", &LINE1[..68]), LINE2.into(), "line 1: checksum '4' does not match the sum of the line, 9"),
             (
                 LINE1.replacen("98067A  ", "98067A ", 1),
                 LINE2.into(),
-                "line 1: '2' in column 18, where a blank separates two fields: the columns are shifted",
+                "line 1: '2' in column 18, expected a blank: the columns are shifted",
             ),
             (
                 put(LINE1, 63, "4"),
                 LINE2.into(),
-                r#"ephemeris type "4" is not supported: 0 (SGP4); 4 marks SGP4-XP elements, which need another propagator"#,
+                r#"unsupported ephemeris type "4": allowed 0 (SGP4); 4 means SGP4-XP elements, which require another propagator"#,
             ),
         ];
         for (line1, line2, expected) in cases {

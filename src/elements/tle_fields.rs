@@ -8,10 +8,10 @@ use super::record::RejectReason;
 /// Length of a line without its checksum.
 pub(super) const BODY: usize = 68;
 
-/// Alpha-5's letters: the value of the first two digits is 10 for A, 33 for Z.
+/// Letters of Alpha-5: the value of the first two digits is 10 for A, 33 for Z.
 pub(super) const ALPHA5: &[u8; 24] = b"ABCDEFGHJKLMNPQRSTUVWXYZ";
 
-/// Catalogue number of at most five characters: digits, or Alpha-5.
+/// Parses a catalogue number of at most five characters: digits, or Alpha-5.
 pub(super) fn parse_five_characters(field: &[u8]) -> Option<u32> {
     match field {
         [letter, rest @ ..] if letter.is_ascii_uppercase() && rest.len() == 4 => {
@@ -23,7 +23,7 @@ pub(super) fn parse_five_characters(field: &[u8]) -> Option<u32> {
     }
 }
 
-/// `98067A` as `1998-067A`; what does not have that form stays as it is.
+/// Converts `98067A` to `1998-067A`; other forms are kept.
 pub(super) fn designator_of(field: &[u8]) -> Arc<str> {
     let field = field.trim_ascii();
     if field.is_empty() {
@@ -51,7 +51,7 @@ const TENS: [f64; 23] = [
     1e21, 1e22,
 ];
 
-/// A signed decimal number with blanks around it, correctly rounded. At most 15 digits.
+/// Parses a signed decimal number with surrounding blanks, correctly rounded. At most 15 digits.
 pub(super) fn decimal(field: &[u8]) -> Option<f64> {
     let field = field.trim_ascii();
     let (negative, field) = match field {
@@ -79,7 +79,7 @@ pub(super) fn decimal(field: &[u8]) -> Option<f64> {
     Some(if negative { -value } else { value })
 }
 
-/// ` 10370-3` is 0.10370e-3, correctly rounded. A blank sign is a plus.
+/// Parses ` 10370-3` as 0.10370e-3, correctly rounded. A blank sign is a plus.
 pub(super) fn exponential(field: &[u8]) -> Option<f64> {
     let [sign, mantissa @ .., exponent_sign, exponent] = field else { return None };
     let negative = match sign {
@@ -101,7 +101,7 @@ pub(super) fn exponential(field: &[u8]) -> Option<f64> {
     Some(if negative { -value } else { value })
 }
 
-/// Sum of the first 68 characters: digits count as they are, a minus as 1, modulo 10.
+/// Returns the sum of the first 68 characters modulo 10: digits by value, a minus as 1.
 pub(super) fn checksum(text: &[u8]) -> u8 {
     let sum: u32 = text
         .iter()

@@ -8,21 +8,21 @@ use super::record::{Parsed, RejectReason, excerpt, next_line, parse_in_chunks};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::{ALPHA5, BODY, checksum};
 
-/// A line with its place in the text, without blanks at its end.
+/// A line with its offset in the text, without trailing blanks.
 type Placed<'a> = (usize, &'a [u8]);
 
-/// From this length on a line that begins with "1 " or "2 " is data, not a name.
+/// Least length of a data line; shorter lines that begin with "1 " or "2 " may be names.
 const DATA_LENGTH: usize = 60;
 
-/// Reads two-line, three-line and "0 NAME" sets, mixed as they come.
+/// Reads two-line, three-line and "0 NAME" sets in any mixture.
 ///
-/// Blank lines and lines that begin with `#` are skipped; blanks before a data line are overlooked. What cannot be paired
-/// is rejected on its own, and reading goes on with the next line.
+/// Blank lines and lines that begin with `#` are skipped; blanks before a data line are ignored. Unpaired lines are
+/// rejected, and reading continues with the next line.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
 }
 
-/// Offset behind the next line 1 with its line 2, from where nothing before matters.
+/// Returns the offset after the next complete pair of lines, from which parsing does not depend on earlier text.
 fn after_next_set(text: &str, from: usize) -> usize {
     let mut lines = Lines { text: text.as_bytes(), at: next_line(text, from) };
     let mut after_first = false;
@@ -76,7 +76,7 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
     parsed
 }
 
-/// Whether the text holds a line 1 and a line 2 one after the other, or at least one line that can only be data.
+/// Returns true if the text contains a line 1 followed by a line 2, or at least one line that can only be data.
 pub(super) fn looks_like(text: &str) -> bool {
     Lines { text: text.as_bytes(), at: 0 }.any(|(_, line)| {
         line.len() >= DATA_LENGTH
@@ -86,7 +86,7 @@ pub(super) fn looks_like(text: &str) -> bool {
     })
 }
 
-/// Lines that are neither blank nor comments.
+/// Iterator of lines that are neither blank nor comments.
 struct Lines<'a> {
     text: &'a [u8],
     at: usize,
@@ -102,7 +102,7 @@ impl<'a> Iterator for Lines<'a> {
             let length = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r').unwrap_or(rest.len());
             self.at = offset + length + 1;
             let line = rest[..length].trim_ascii_end();
-            // NUL bytes are what is left of files cut off by a crash.
+            // NUL bytes remain in files truncated by a crash.
             if line.is_empty() || line[0] == b'#' || line.iter().all(|&byte| byte == 0) {
                 continue;
             }
@@ -118,10 +118,10 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Writes the two lines of an element set, each of 69 characters, rounded to what the columns hold.
+/// Writes the two lines of an element set, each of 69 characters, rounded to the width of the columns.
 ///
 /// The classification is `U`, the set number 999. Digits beyond the format are lost (eccentricity 1e-7, B* five digits,
-/// epoch 1e-8 day): write OMM where they matter.
+/// epoch 1e-8 day); OMM keeps them.
 ///
 /// # Errors
 /// * the catalogue number is above 339,999;
@@ -133,7 +133,7 @@ pub fn format_tle(set: &ElementSet) -> Result<[String; 2], ElementsError> {
     let mut fraction = (nanosecond + 432_000) / 864_000;
     if fraction == 100_000_000 {
         (fraction, day) = (0, day + 1);
-        // Keep the day inside its year: 366 is 1 January after a common year.
+        // The day stays within its year: 366 is 1 January after a common year.
         (year, day, _) = epoch::to_day_of_year(epoch::from_day_of_year(year, day, 0));
     }
     if !(1957..=2056).contains(&year) {
@@ -183,7 +183,7 @@ fn format_id(norad_id: NoradId) -> Result<String, ElementsError> {
     Ok(format!("{}{rest:04}", char::from(*letter)))
 }
 
-/// `1998-067A` as `98067A`; blank where it has another form.
+/// Converts `1998-067A` to `98067A`; blank for other forms.
 fn format_designator(designator: &str) -> String {
     match designator.as_bytes() {
         [_, _, y1, y2, b'-', rest @ ..] if (3..=6).contains(&rest.len()) && designator.is_ascii() => {
@@ -193,10 +193,10 @@ fn format_designator(designator: &str) -> String {
     }
 }
 
-/// ` 10370-3`, or `None` outside 1e-10 to 1e9.
+/// Formats ` 10370-3`; `None` outside 1e-10 to 1e9.
 fn format_exponential(value: f64) -> Option<String> {
     let sign = if value < 0.0 { '-' } else { ' ' };
-    // Rust prints d.dddde-n; the point moves one place to the left.
+    // Rust formats d.dddde-n; the point moves one digit to the left.
     let text = format!("{:.4e}", value.abs());
     let (mantissa, exponent) = text.split_once('e')?;
     let digits = mantissa.replace('.', "");
@@ -217,13 +217,13 @@ mod tests {
                         2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097";
 
     #[test]
-    fn verif_what_was_read_is_written() {
+    fn verif_round_trip_of_a_text() {
         let catalogue = Satellites::from_bytes("iss", TEXT.as_bytes(), &ReadOptions::default()).unwrap();
         assert_eq!(format_tle(&catalogue.element_sets[0]).unwrap().join("\n"), TEXT);
     }
 
     #[test]
-    fn verif_alpha5_ends_where_it_ends() {
+    fn verif_alpha5_has_its_largest_number() {
         for (id, text) in [(5, "00005"), (99_999, "99999"), (100_000, "A0000"), (180_000, "J0000"), (339_999, "Z9999")]
         {
             assert_eq!(format_id(NoradId(id)).unwrap(), text);
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_what_does_not_fit_is_an_error() {
+    fn verif_numbers_that_do_not_fit_are_errors() {
         let catalogue = Satellites::from_bytes("iss", TEXT.as_bytes(), &ReadOptions::default()).unwrap();
         let good = &catalogue.element_sets[0];
         let cases = [

@@ -1,22 +1,23 @@
 //! Uncertainty of the fitted parameters.
 //!
-//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the influence function; JᵀW J for squares) is inverted over the parameters between their
-//! bounds. If points come in groups with shared systematic errors (a track, a night), H⁻¹ is too small, and the sandwich estimator
+//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the influence function; JᵀW J for squares) is inverted over the
+//! parameters between their bounds. If points come in groups with shared systematic errors (a track, a night), H⁻¹ is
+//! too small, and the sandwich estimator
 //!
 //! ```text
 //! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-k),    s_g = Σ_{i in g} gradient of the cost of point i
 //! ```
 //!
-//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n - k). A track contributes
-//! to many pixels, so pixels have no such groups: see `jackknife`.
+//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n -
+//! k). A track contributes to many pixels, so pixels have no such groups: see `jackknife`.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::form::Parameter;
 
-/// A parameter is at a bound if it is nearer than this share of the interval between its bounds.
+/// Distance to a bound, as a fraction of the interval between the bounds, below which a parameter is at the bound.
 const AT_BOUND: f64 = 1e-6;
-/// A direction is undetermined if its eigenvalue of the curvature (scaled to a diagonal of 1) is below this.
+/// Eigenvalue of the curvature (scaled to a diagonal of 1) below which a direction is undetermined.
 const SINGULAR: f64 = 1e-10;
 
 /// Origin of a covariance.
@@ -33,7 +34,8 @@ pub enum CovarianceKind {
 /// Uncertainty of the parameters of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitUncertainty {
-    /// Covariance of all parameters; 0 for those that are held, at a bound or undetermined. `None` if the curvature is singular.
+    /// Covariance of all parameters; 0 for those that are held, at a bound or undetermined. `None` if the curvature is
+    /// singular.
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Origin of the covariance.
     pub kind: CovarianceKind,
@@ -81,8 +83,8 @@ pub(super) fn uncertainty(
     let mut inner = inner;
     let inverse = loop {
         // Undetermined parameters are removed, and the rest is inverted without them.
-        if let Some(place) = inner.iter().position(|&k| !(curvature[(k, k)] > 0.0 && curvature[(k, k)].is_finite())) {
-            known.undetermined.push(free[inner.remove(place)]);
+        if let Some(index) = inner.iter().position(|&k| !(curvature[(k, k)] > 0.0 && curvature[(k, k)].is_finite())) {
+            known.undetermined.push(free[inner.remove(index)]);
             continue;
         }
         let m = inner.len();
@@ -144,10 +146,11 @@ mod tests {
     const SIMULATIONS: u64 = 300;
     const GROUPS: u32 = 60;
     const IN_GROUP: usize = 12;
-    /// Of a line in the phase angle: at its beginning, and over a radian.
+    /// Line in the phase angle: value at its beginning, and change over a radian.
     const TRUTH: [f64; 2] = [6.0, 1.5];
 
-    /// Groups whose points share an offset of 0.3 mag (one sigma) and a stretch of phase angles; `far_share` of the points lie off by 3 mag more (one sigma).
+    /// Groups of points with a common offset of 0.3 mag (one sigma) and a common interval of phase angles; a fraction
+    /// `far_share` of the points has an additional error of 3 mag (one sigma).
     fn seen(seed: u64, offset_mag: f64, far_share: f64) -> Vec<FitPoint> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut points = Vec::new();
@@ -166,7 +169,7 @@ mod tests {
         points
     }
 
-    /// True scatter of both coefficients, the root mean square of their sigmas, and of those that H⁻¹ alone gives where there are no groups.
+    /// True scatter of both coefficients, the root mean square of their sigmas, and of those from H⁻¹ without groups.
     fn sigmas(offset_mag: f64, far_share: f64, loss: Loss) -> [[f64; 3]; 2] {
         let settings = FitSettings { loss, ..FitSettings::free(&["a0", "a1"]) };
         let one = |seed: u64| {
@@ -177,11 +180,11 @@ mod tests {
             let fit = solved(&points).expect("a fit");
             assert_eq!(fit.uncertainty.kind, CovarianceKind::Grouped);
             points.iter_mut().for_each(|point| point.group = 0);
-            let alone = solved(&points).expect("a fit");
-            assert_eq!(alone.uncertainty.kind, CovarianceKind::Scaled);
+            let ungrouped = solved(&points).expect("a fit");
+            assert_eq!(ungrouped.uncertainty.kind, CovarianceKind::Scaled);
             [0, 1].map(|i| {
                 let sigma = |fit: &crate::fit::Fit| fit.uncertainty.sigma(i).expect("a sigma");
-                [fit.parameters[i].value, sigma(&fit), sigma(&alone)]
+                [fit.parameters[i].value, sigma(&fit), sigma(&ungrouped)]
             })
         };
         let all: Vec<_> = (1..=SIMULATIONS).map(one).collect();
@@ -194,15 +197,16 @@ mod tests {
         })
     }
 
-    /// Shares: the scatter of 300 simulations is known to 4 %, three of these, and a bias of a few per cent of 60 groups.
+    /// Relative tolerance: the scatter of 300 simulations has an error of 4 %, three of these, plus a bias of a few per
+    /// cent for 60 groups.
     const MONTE_CARLO: f64 = 0.16;
 
     #[test]
     fn verif_the_sigma_of_groups_is_the_scatter() {
-        for [scatter, grouped, alone] in sigmas(0.3, 0.0, Loss::Squares) {
+        for [scatter, grouped, ungrouped] in sigmas(0.3, 0.0, Loss::Squares) {
             assert!((grouped / scatter - 1.0).abs() < MONTE_CARLO, "{grouped} {scatter}");
-            // Points taken as independent know too much.
-            assert!(alone < 0.6 * scatter, "{alone} {scatter}");
+            // Points taken as independent give too small a sigma.
+            assert!(ungrouped < 0.6 * scatter, "{ungrouped} {scatter}");
         }
     }
 
@@ -212,7 +216,7 @@ mod tests {
         for loss in [Loss::SoftL1, Loss::Student(4.0)] {
             for ([scatter, grouped, _], [of_squares, ..]) in sigmas(0.1, 0.1, loss).into_iter().zip(squares) {
                 assert!((grouped / scatter - 1.0).abs() < MONTE_CARLO, "{loss:?}: {grouped} {scatter}");
-                // One point in ten is far off, and hardly counts.
+                // One point in ten is an outlier and hardly counts.
                 assert!(scatter < 0.7 * of_squares, "{loss:?}: {scatter} {of_squares}");
             }
         }

@@ -1,9 +1,10 @@
 //! Comparison of forms of brightness law by their predictions for unseen points.
 //!
-//! Single measurements are held out by group (track, night). Pixels cannot be: a track contributes to many of them and would be on both sides.
-//! For pixels the tracks are dealt into folds, and each side is reduced separately: a form is fitted to the pixels of all folds but one, and
-//! compared with the pixels that this fold alone makes. A fold holds a share of 1/folds of the points, so thresholds on numbers of points and
-//! tracks are divided by the number of folds there (rounded up); the limit on the spread is unchanged.
+//! Single measurements are held out by group (track, night). Pixels cannot be: a track contributes to many of them and
+//! would be on both sides. For pixels the tracks are divided into folds, and each side is reduced separately: a form is
+//! fitted to the pixels of all folds but one, and compared with the pixels of that fold. A fold contains a fraction of
+//! 1/folds of the points, so thresholds on numbers of points and tracks are divided by the number of folds (rounded
+//! up); the limit on the spread is unchanged.
 
 use rayon::prelude::*;
 
@@ -43,16 +44,17 @@ pub struct FormScore {
     pub held_out_mag: Vec<f64>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
-    /// Sigma that holds 68.3 % of the points held out.
+    /// Sigma that contains 68.3 % of the points held out.
     pub sigma_68_mag: f64,
-    /// Share of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a predicted sigma.
+    /// Fraction of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a
+    /// predicted sigma.
     pub within_one_sigma: f64,
 }
 
 /// Fits and cross-validates every form on the points that all forms explain.
 ///
-/// `points` are fitted in sample. If they are pixels, `tracks` are the measurements behind them and the options of their reduction, and whole
-/// tracks are held out.
+/// `points` are fitted in sample. If they are pixels, `tracks` are the measurements behind them and the options of
+/// their reduction, and whole tracks are held out.
 ///
 /// # Errors
 /// * those of [`Problem`];
@@ -96,8 +98,8 @@ pub fn compare_forms(
     forms.iter().zip(&fitted).zip(held_out).map(score).collect()
 }
 
-/// Baseline forms: a diffuse sphere, a quadratic in the phase angle, and, for satellites with chassis and sail, two Phong panels without
-/// mutual blocking, transmission and earthshine.
+/// Baseline forms: a diffuse sphere, a quadratic in the phase angle, and, for satellites with chassis and sail, two
+/// Phong panels without mutual blocking, transmission and earthshine.
 pub fn baseline_forms(of: Option<&TwoPanelForm>) -> Vec<CompetingForm> {
     let form = |name: &str, form: Box<dyn Form>, free: &[&str]| CompetingForm {
         name: name.to_owned(),
@@ -147,7 +149,7 @@ struct Split {
 }
 
 impl<'a> Folds<'a> {
-    /// Folds of single measurements: groups are dealt in the order of their numbers and never split.
+    /// Folds of single measurements: groups are assigned in the order of their numbers and never split.
     fn of_points(points: &'a [FitPoint], count: usize) -> Result<Self, FitError> {
         let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
         groups.sort_unstable();
@@ -219,7 +221,7 @@ fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<V
     Ok((0..forms.len()).map(of_form).collect())
 }
 
-/// Share of points within the sigma that the other folds give.
+/// Fraction of points within the sigma of the other folds.
 fn within_sigma_of_other_folds(held_out: &HeldOut) -> f64 {
     let count = held_out.folds.iter().max().map_or(0, |last| last + 1);
     let (mut inside, mut all) = (0.0, 0.0);
@@ -247,7 +249,8 @@ fn common<'f>(forms: impl Iterator<Item = &'f dyn Form>, points: Vec<FitPoint>) 
     })
 }
 
-/// Magnitudes at 1000 km predicted by a form with parameters `x` (all, in order); NaN for points that it does not explain.
+/// Magnitudes at 1000 km predicted by a form with parameters `x` (all, in order); NaN for points that it does not
+/// explain.
 pub fn predict(form: &dyn Form, points: &[FitPoint], x: &[f64]) -> Vec<f64> {
     let prepared = form.prepare(points);
     let evaluated = prepared.at(x);
@@ -270,7 +273,8 @@ mod tests {
     use crate::geometry::ViewingGeometry;
     use crate::photometry::StandardMagnitude;
 
-    /// Six tracks of 200 points, each with a range of phase angles of its own and an offset of 0.5 mag up or down: no law, tracks alone.
+    /// Six tracks of 200 points, each with its own range of phase angles and an offset of 0.5 mag up or down: tracks
+    /// only, without a law.
     fn tracks() -> Measurements {
         let mut seen = Measurements::default();
         for group in 0..6_u32 {
@@ -312,7 +316,7 @@ mod tests {
         };
         let (by_pixel, by_track) =
             (unseen(Folds::of_points(&points, 6)), unseen(Folds::of_tracks(&seen, options(), 6)));
-        // Neighbouring pixels tell a track's offset; other tracks do not.
+        // Neighbouring pixels reveal a track's offset; other tracks do not.
         assert!(by_pixel < 0.5 && by_track > 1.0, "{by_pixel} {by_track}");
     }
 
@@ -337,9 +341,9 @@ mod tests {
     }
 
     #[test]
-    fn verif_thresholds_on_numbers_are_shared_out() {
+    fn verif_thresholds_on_numbers_are_divided() {
         let seen = tracks();
-        // 1,200 points in some 70 pixels: none of a sixth of them has as many as all have.
+        // 1,200 points in some 70 pixels: no pixel of a sixth of them reaches the threshold for all.
         let most =
             reduce(&seen.points, options()).expect("pixels").pixels.iter().map(|p| p.count).max().expect("a pixel");
         let strict = ReduceOptions { least_count: most, ..options() };

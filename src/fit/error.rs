@@ -13,10 +13,10 @@ pub(super) const FORMATS: &str = "pomenis, mmt, score, slingshot, csv";
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
-    /// No file was given.
-    #[error("no file of photometry given")]
+    /// An empty list of files.
+    #[error("no file of photometry is given")]
     NoFiles,
-    /// A file cannot be opened, read or decompressed.
+    /// A file that cannot be opened, read or decompressed.
     #[error("cannot read {file}: {problem}")]
     Unreadable {
         /// Name of the file.
@@ -30,18 +30,18 @@ pub enum FitError {
         /// Name of the file.
         file: String,
     },
-    /// The header matches none of the known formats.
-    #[error("{file}: the header '{header}' belongs to no known format; name one of {FORMATS}, or give a column map")]
+    /// A header that matches none of the known formats.
+    #[error("{file}: unknown format with the header '{header}'; specify one of {FORMATS}, or a column map")]
     UnknownFormat {
         /// Name of the file.
         file: String,
-        /// The first line that is no comment, truncated.
+        /// First line that is not a comment, truncated.
         header: String,
     },
     /// An unknown name of a format.
-    #[error("unknown format of photometry '{name}'; known are {FORMATS}")]
+    #[error("unknown format of photometry '{name}': expected one of {FORMATS}")]
     UnknownFormatName {
-        /// The given name.
+        /// Given name.
         name: String,
     },
     /// A missing column.
@@ -58,14 +58,14 @@ pub enum FitError {
         /// The problem and what is allowed.
         problem: String,
     },
-    /// A column of times without a time scale; TAI taken for UTC would be 37 s off.
+    /// A column of times without a time scale; TAI read as UTC would be 37 s off.
     #[error("column map: the times of column '{column}' have no scale; specify time_scale = utc, tai or tt")]
     NoTimeScale {
         /// The column of times.
         column: String,
     },
-    /// Two filters in one file without a choice.
-    #[error("{file} data row {row}: filter '{other}' after rows of filter '{first}'; name the filters that are wanted")]
+    /// Several filters in one file without a selection.
+    #[error("{file} data row {row}: filter '{other}' after rows of filter '{first}'; specify the filters")]
     MixedFilters {
         /// Name of the file.
         file: String,
@@ -77,24 +77,24 @@ pub enum FitError {
         other: String,
     },
     /// An option outside its range.
-    #[error("{name} {given} is not allowed: {allowed}")]
+    #[error("invalid {name} {given}: allowed {allowed}")]
     Setting {
         /// Name of the option.
         name: &'static str,
-        /// The given value.
+        /// Given value.
         given: String,
         /// Allowed values.
         allowed: &'static str,
     },
     /// Missing element sets.
-    #[error("{what} needs element sets, and none were given")]
+    #[error("{what} requires element sets; none are given")]
     NoHistory {
-        /// What needs them.
+        /// Operation that requires them.
         what: &'static str,
     },
-    /// No point is left.
+    /// An empty set of points.
     #[error(
-        "no point is left to fit: {given} given; at {unexplained} of them the model {form} has no lit visible surface"
+        "no points to fit: {given} given, and at {unexplained} of them the model {form} has no lit visible surface"
     )]
     NoPoints {
         /// Points given.
@@ -105,21 +105,21 @@ pub enum FitError {
         form: String,
     },
     /// More free parameters than points.
-    #[error("{points} points cannot constrain {free} parameters ({names}): at least {least} points are needed")]
+    #[error("{points} points cannot constrain {free} parameters ({names}): expected at least {least} points")]
     TooFew {
         /// Points that the form explains.
         points: usize,
         /// Number of free parameters.
         free: usize,
-        /// Their names.
+        /// Names of the free parameters.
         names: String,
         /// Least number of points.
         least: usize,
     },
     /// An unknown parameter.
-    #[error("unknown parameter {given:?} of the model {form}; known are {allowed}")]
+    #[error("unknown parameter {given:?} of the model {form}: expected one of {allowed}")]
     Parameter {
-        /// As it was given.
+        /// Given name.
         given: String,
         /// Name of the form.
         form: String,
@@ -127,18 +127,18 @@ pub enum FitError {
         allowed: String,
     },
     /// An invalid error or magnitude.
-    #[error("point {index}: {quantity} is {given}, allowed is {allowed}")]
+    #[error("point {index}: {quantity} is {given}, allowed: {allowed}")]
     Point {
         /// Index of the point.
         index: usize,
         /// Name of the invalid quantity.
         quantity: &'static str,
-        /// As it was given.
+        /// Given value.
         given: f64,
         /// Allowed values.
         allowed: &'static str,
     },
-    /// No descent ended at a finite cost.
+    /// A fit whose descents all failed.
     #[error("no minimum with a finite cost from any of {starts} starts")]
     NoMinimum {
         /// Number of starts.
@@ -152,17 +152,15 @@ pub enum FitError {
         /// Requested folds.
         folds: usize,
     },
-    /// No point of any fold can be predicted.
-    #[error(
-        "no point is left in {folds} folds held out: their pixels contain too few points, or no form explains them"
-    )]
+    /// Folds without a point that can be predicted.
+    #[error("no points in {folds} folds held out: their pixels contain too few points, or no form explains them")]
     NoneUnseen {
         /// Requested folds.
         folds: usize,
     },
-    /// Invalid number of sets for the jackknife.
+    /// An invalid number of sets for the jackknife.
     #[error(
-        "{sets} sets of {groups} groups of points (tracks, nights); allowed: more sets than the {free} free parameters, at most as many as groups"
+        "invalid number of sets {sets} for {groups} groups of points (tracks, nights); allowed: more than the {free} free parameters, at most the number of groups"
     )]
     Sets {
         /// Requested sets.
@@ -172,7 +170,7 @@ pub enum FitError {
         /// Number of free parameters.
         free: usize,
     },
-    /// A file of chains cannot be read or written, or belongs to another fit.
+    /// A file of chains that cannot be read or written, or belongs to another fit.
     #[error("chains {}: {problem}", path.display())]
     ChainFile {
         /// The file.
@@ -181,7 +179,7 @@ pub enum FitError {
         problem: String,
     },
     /// Too few walkers or an odd number of them.
-    #[error("{walkers} walkers for {parameters} parameters: an even number of at least {least} is needed")]
+    #[error("{walkers} walkers for {parameters} parameters: expected an even number of at least {least}")]
     Walkers {
         /// Given number of walkers.
         walkers: usize,
@@ -190,22 +188,22 @@ pub enum FitError {
         /// Least number of walkers.
         least: usize,
     },
-    /// A starting place with probability zero.
-    #[error("walker {walker} starts at a place of zero or invalid probability: {place:?}")]
+    /// A starting position with probability zero.
+    #[error("walker {walker} starts at a position with zero or invalid probability: {place:?}")]
     WalkerStart {
         /// Number of the walker.
         walker: usize,
-        /// Its starting place.
+        /// Starting position.
         place: Vec<f64>,
     },
-    /// All walkers start in a plane, which the stretch move cannot leave.
-    #[error("the walkers' starting places do not differ in parameter {parameter}")]
+    /// Starting positions in a plane, which the stretch move cannot leave.
+    #[error("the starting positions of the walkers do not differ in parameter {parameter}")]
     FlatWalkers {
         /// Index of the constant parameter.
         parameter: usize,
     },
-    /// A chain whose length does not match the numbers of walkers and parameters.
-    #[error("the chain has {given} numbers, not those of {walkers} walkers and {parameters} parameters at each step")]
+    /// A chain of unexpected length.
+    #[error("the chain has {given} numbers, which do not match {walkers} walkers and {parameters} parameters")]
     ChainShape {
         /// Length of the chain.
         given: usize,
@@ -214,23 +212,23 @@ pub enum FitError {
         /// Number of parameters.
         parameters: usize,
     },
-    /// The folder contains none of the known files.
-    #[error("no photometry in {}: looked for {looked_for}", folder.display())]
+    /// A folder without any of the known files.
+    #[error("no photometry in {}; expected one of {looked_for}", folder.display())]
     NoPhotometry {
         /// The folder.
         folder: PathBuf,
         /// Paths of the known files in it.
         looked_for: String,
     },
-    /// A file cannot be read.
+    /// A file that cannot be read.
     #[error("photometry {}: {problem}", path.display())]
     CheckUnreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system or of the table's reader.
+        /// Message of the system or of the table reader.
         problem: String,
     },
-    /// A row is invalid. Published sets are complete, so that every row is required.
+    /// An invalid row. Published sets are complete, so that every row is required.
     #[error("photometry {0}")]
     CheckRow(DropExample),
 }

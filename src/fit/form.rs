@@ -5,7 +5,7 @@ use super::point::FitPoint;
 /// Points per block, so that a block stays in the level-1 cache.
 pub const BLOCK: usize = 128;
 
-/// Least lit and visible area of all panels together, m².
+/// Least total lit and visible area of all panels, m².
 pub(super) const LEAST_LIT_M2: f64 = 1e-6;
 /// Least light of a point, m² sr⁻¹ (magnitude 33 at 1000 km), so that the cost of a black model is finite.
 pub(super) const LEAST_M2_SR: f64 = 1e-12;
@@ -36,9 +36,9 @@ impl Parameter {
 pub trait Form: Sync {
     /// Name for tables.
     fn name(&self) -> String;
-    /// Its parameters.
+    /// Parameters in order.
     fn parameters(&self) -> Vec<Parameter>;
-    /// Precomputes everything that depends on the points alone.
+    /// Precomputes everything that depends on the points only.
     fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared>;
 }
 
@@ -48,8 +48,8 @@ pub trait Prepared: Sync + Send {
     fn explains(&self, point: usize) -> bool;
     /// Form with the values of all parameters, in their order.
     fn at<'a>(&'a self, x: &[f64]) -> Box<dyn Evaluated + 'a>;
-    /// Starting values for descents, best first. Parameters in `free` vary, the others keep their values in `x`; `observed` contains magnitude
-    /// and 1/σ of each point.
+    /// Starting values for descents, best first. Parameters in `free` vary, the others keep their values in `x`;
+    /// `observed` contains magnitude and 1/σ of each point.
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>>;
     /// Form with derivatives by the parameters in `free`; the default uses central differences.
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
@@ -84,7 +84,8 @@ pub(super) struct Moved<E> {
 }
 
 impl<E: Evaluated> Moved<E> {
-    /// Moves the parameter of this index a step up and a step down from `x`, within its bounds, outside of which a law may be undefined.
+    /// Moves the parameter of this index one step up and one step down from `x`, within its bounds, outside which a law
+    /// may be undefined.
     pub fn new(x: &[f64], index: usize, parameter: &Parameter, at: impl Fn(&[f64]) -> E) -> Self {
         let (mut up, mut down) = (x.to_vec(), x.to_vec());
         up[index] = (x[index] + parameter.step).min(parameter.greatest);

@@ -1,18 +1,20 @@
 //! Covariance of a fit to pixels by leaving out sets of tracks (delete-a-group jackknife).
 //!
-//! One track crosses many pixels and adds its own offset to all of them, so pixels are not independent; tracks are. They are dealt into G sets
-//! of similar size. Reduction and fit are repeated without each set in turn (Efron and Stein 1981, Ann. Statist. 9, 586):
+//! One track crosses many pixels and adds its own offset to all of them, so pixels are not independent; tracks are.
+//! They are divided into G sets of similar size. Reduction and fit are repeated without each set in turn (Efron and
+//! Stein 1981, Ann. Statist. 9, 586):
 //!
 //! ```text
 //! Σ = (G-1)/G Σ_g (θ_g - θ̄)(θ_g - θ̄)ᵀ,    θ̄ = Σ_g θ_g / G
 //! ```
 //!
-//! With G sets the sigmas have a relative error of 1/√(2(G-1)): 15 % for 24. Errors common to all tracks (photometric zero point, form of
-//! the model) are not included.
+//! With G sets the sigmas have a relative error of 1/√(2(G-1)): 15 % for 24. Errors common to all tracks (photometric
+//! zero point, form of the model) are not included.
 //!
-//! Statistics that are not smooth need large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth: they jump when a few
-//! of many points are left out. In pixels with points of many tracks the sigma is too large: in the tests below, with 70 points of as many
-//! tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample mode).
+//! Statistics that are not smooth require large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not
+//! smooth: they jump when a few of many points are omitted. In pixels with points of many tracks the sigma is too
+//! large: in the tests below, with 70 points of as many tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample
+//! mode).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -24,15 +26,17 @@ use super::measurements::{Measurement, Measurements, ReduceOptions, Reducer, Red
 use super::point::points_of_pixels;
 use super::solve::{Fit, FitSettings, Problem};
 
-/// Seed of the random order in which tracks are dealt: neighbours in a file share a night and its geometry.
+/// Seed of the random assignment of tracks to sets: neighbours in a file share a night and its geometry.
 const SEED: u64 = 1;
 /// Measurements per call of the reducer, to avoid a copy of all measurements for each set.
 const CHUNK: usize = 1 << 16;
 
-/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for parameters that are held or at a bound.
+/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for parameters that are held or at a
+/// bound.
 ///
-/// `fit` is the fit of `form` with `settings` to `measurements` reduced with `options`; descents start at its solution. Each thread holds one
-/// more reduction, some 10 bytes per measurement. The result does not depend on the number of threads.
+/// `fit` is the fit of `form` with `settings` to `measurements` reduced with `options`; descents start at its solution.
+/// Each thread holds one more reduction, some 10 bytes per measurement. The result does not depend on the number of
+/// threads.
 ///
 /// # Errors
 /// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
@@ -76,7 +80,7 @@ pub fn jackknife(
     Ok(covariance)
 }
 
-/// Measurements whose groups (tracks, nights) are dealt into sets of similar size.
+/// Measurements with their groups (tracks, nights) divided into sets of similar size.
 pub(super) struct TrackSets<'a> {
     measurements: &'a Measurements,
     /// Set of each group, by the group's number.
@@ -86,7 +90,7 @@ pub(super) struct TrackSets<'a> {
 }
 
 impl<'a> TrackSets<'a> {
-    /// Deals the groups into sets, always in the same way.
+    /// Assigns the groups to sets, always in the same way.
     pub fn new(measurements: &'a Measurements, sets: usize) -> Self {
         let mut groups: Vec<u32> = measurements.points.iter().map(|point| point.group).collect();
         groups.sort_unstable();
@@ -95,21 +99,21 @@ impl<'a> TrackSets<'a> {
         let mut drawn: Vec<(u64, u32)> = groups.iter().map(|&group| (random.next_u64(), group)).collect();
         drawn.sort_unstable();
         let mut set_of_group = vec![0; groups.last().map_or(0, |&last| last as usize + 1)];
-        for (place, (_, group)) in drawn.into_iter().enumerate() {
-            set_of_group[group as usize] = place % sets.max(1);
+        for (index, (_, group)) in drawn.into_iter().enumerate() {
+            set_of_group[group as usize] = index % sets.max(1);
         }
         Self { measurements, set_of_group, groups: groups.len() }
     }
 
-    /// Reduces the measurements of the wanted sets.
+    /// Reduces the measurements of the selected sets.
     ///
     /// # Errors
     /// [`FitError::Reduction`] for invalid options.
-    pub fn reduced(&self, options: ReduceOptions, wanted: impl Fn(usize) -> bool) -> Result<Reduction, FitError> {
+    pub fn reduced(&self, options: ReduceOptions, selected: impl Fn(usize) -> bool) -> Result<Reduction, FitError> {
         let mut reducer = Reducer::new(options)?;
-        let is_wanted = |point: &&Measurement| wanted(self.set_of_group[point.group as usize]);
+        let is_selected = |point: &&Measurement| selected(self.set_of_group[point.group as usize]);
         for chunk in self.measurements.points.chunks(CHUNK) {
-            reducer.add(&chunk.iter().filter(is_wanted).copied().collect::<Vec<_>>());
+            reducer.add(&chunk.iter().filter(is_selected).copied().collect::<Vec<_>>());
         }
         Ok(reducer.finish())
     }
@@ -139,7 +143,7 @@ mod tests {
         ReduceOptions { nside: 4, layer_width_rad: 0.2, least_count: 20, most_iqr_mag: 3.0, mode, ..paper }
     }
 
-    /// Cells so small that each holds a point: no mode is in it, and the fit is the mean of all points, which is smooth.
+    /// Cells with single points: they have no mode, and the fit is the mean of all points, which is smooth.
     fn fine() -> ReduceOptions {
         ReduceOptions { nside: 1024, least_count: 1, ..coarse(DensityMode::HalfSample) }
     }
@@ -187,7 +191,7 @@ mod tests {
         (fit.parameters[0].value, own, by_sets[0][0])
     }
 
-    /// Scatter of the value, and the sigmas that the curvature and the jackknife give on average.
+    /// Scatter of the value, and the mean sigmas from the curvature and from the jackknife.
     fn sigmas(offset_mag: f64, options: ReduceOptions) -> [f64; 3] {
         const SIMULATIONS: u64 = 48;
         let all: Vec<(f64, f64, f64)> = (1..=SIMULATIONS).map(|seed| fitted(seed, offset_mag, options)).collect();
@@ -202,24 +206,24 @@ mod tests {
     #[test]
     fn verif_sigma_is_the_scatter_where_groups_share_an_offset() {
         let [scatter, own, by_sets] = sigmas(0.3, fine());
-        /// Share; the scatter of 48 is known to 10 %.
+        /// Relative tolerance; the scatter of 48 simulations has an error of 10 %.
         const ALIKE: f64 = 0.25;
         assert!((by_sets / scatter - 1.0).abs() < ALIKE, "{by_sets} {scatter}");
-        // Pixels taken as independent know too much.
+        // Pixels taken as independent give too small a sigma.
         assert!(own < 0.7 * scatter, "{own} {scatter}");
     }
 
     #[test]
     fn verif_sigma_is_that_of_the_curvature_where_points_are_independent() {
         let [scatter, own, by_sets] = sigmas(0.0, fine());
-        /// Share.
+        /// Relative tolerance.
         const ALIKE: f64 = 0.3;
         assert!((by_sets / own - 1.0).abs() < ALIKE, "{by_sets} {own} {scatter}");
     }
 
     #[test]
     fn verif_sigma_of_modes_errs_on_the_safe_side() {
-        /// Shares: modes jump where a few of many points are left out.
+        /// Ratios: modes jump when a few of many points are omitted.
         const ALIKE: [(DensityMode, std::ops::Range<f64>); 2] =
             [(DensityMode::Kernel, 0.75..2.0), (DensityMode::HalfSample, 0.75..3.0)];
         for (mode, alike) in ALIKE {

@@ -1,7 +1,8 @@
 //! Starting points of a fit: a grid over the nonlinear parameters, with the linear ones solved at each node.
 //!
-//! The cost has several local minima, nearly all caused by exponents and widths. For given values of these, light is linear in the weights;
-//! near the solution residuals of light F with errors σ F approximate those of magnitudes, which leaves a quadratic form between bounds.
+//! The cost has several local minima, nearly all caused by exponents and widths. For given values of these, light is
+//! linear in the weights; near the solution residuals of light F with errors σ F approximate those of magnitudes, which
+//! leaves a quadratic form between bounds.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -9,20 +10,22 @@ use rayon::prelude::*;
 use super::form::{LEAST_M2_SR, Parameter};
 use super::inference::minimise_in_box;
 
-/// Form whose light is linear in some parameters.
+/// A form with light that is linear in some parameters.
 pub(super) trait Basis: Sync {
     /// Light of every point, m² sr⁻¹, for these values of all parameters.
     fn light(&self, x: &[f64]) -> Vec<f64>;
 }
 
-/// Grid nodes of each nonlinear parameter: shares of the interval between its bounds, by ratio if the lower bound is positive.
+/// Grid nodes of each nonlinear parameter: fractions of the interval between its bounds, by ratio if the lower bound is
+/// positive.
 const SHARES: [f64; 4] = [0.12, 0.37, 0.62, 0.87];
-/// Most grid nodes; larger grids are thinned out evenly.
+/// Largest number of grid nodes; larger grids are thinned out evenly.
 const MOST_COMBINATIONS: usize = 96;
 /// Number of best nodes returned.
 const KEPT: usize = 6;
 
-/// Values of all parameters, least cost first: `linear` and `nonlinear` are the free ones, the others keep their values in `x`.
+/// Values of all parameters, least cost first: `linear` and `nonlinear` are the free ones, the others keep their values
+/// in `x`.
 pub(super) fn search(
     basis: &impl Basis,
     parameters: &[Parameter],
@@ -35,11 +38,11 @@ pub(super) fn search(
     let mut grid = vec![x.to_vec()];
     for &i in nonlinear {
         let values = nodes(&parameters[i]);
-        let with = |place: &Vec<f64>| {
+        let with = |x: &Vec<f64>| {
             let set = |&value: &f64| {
-                let mut place = place.clone();
-                place[i] = value;
-                place
+                let mut x = x.clone();
+                x[i] = value;
+                x
             };
             values.iter().map(set).collect::<Vec<_>>()
         };
@@ -47,13 +50,11 @@ pub(super) fn search(
     }
     let stride = grid.len().div_ceil(MOST_COMBINATIONS);
     let chosen: Vec<Vec<f64>> = grid.into_iter().step_by(stride).collect();
-    let mut found: Vec<(f64, Vec<f64>)> = chosen
-        .into_par_iter()
-        .filter_map(|place| solved(basis, parameters, place, linear, observed, zero_mag))
-        .collect();
+    let mut found: Vec<(f64, Vec<f64>)> =
+        chosen.into_par_iter().filter_map(|x| solved(basis, parameters, x, linear, observed, zero_mag)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(KEPT);
-    found.into_iter().map(|(_, place)| place).collect()
+    found.into_iter().map(|(_, x)| x).collect()
 }
 
 fn nodes(parameter: &Parameter) -> Vec<f64> {
@@ -68,16 +69,16 @@ fn nodes(parameter: &Parameter) -> Vec<f64> {
 fn solved(
     basis: &impl Basis,
     parameters: &[Parameter],
-    mut place: Vec<f64>,
+    mut x: Vec<f64>,
     linear: &[usize],
     observed: &[(f64, f64)],
     zero_mag: f64,
 ) -> Option<(f64, Vec<f64>)> {
-    linear.iter().for_each(|&i| place[i] = 0.0);
-    let dark = basis.light(&place);
+    linear.iter().for_each(|&i| x[i] = 0.0);
+    let dark = basis.light(&x);
     let column = |&i: &usize| {
         // At its upper bound, beyond which a law may be undefined.
-        let mut lit = place.clone();
+        let mut lit = x.clone();
         lit[i] = parameters[i].greatest;
         let light = basis.light(&lit);
         light.iter().zip(&dark).map(|(lit, dark)| (lit - dark) / parameters[i].greatest).collect::<Vec<f64>>()
@@ -99,13 +100,13 @@ fn solved(
     let bounds = |end: fn(&Parameter) -> f64| linear.iter().map(|&i| end(&parameters[i])).collect::<Vec<f64>>();
     let least = bounds(|parameter| parameter.least);
     let c = minimise_in_box(&a, &b, &least, &bounds(|parameter| parameter.greatest), &least)?;
-    linear.iter().zip(&c).for_each(|(&i, c)| place[i] = *c);
+    linear.iter().zip(&c).for_each(|(&i, c)| x[i] = *c);
     // Ranked by a robust cost in magnitudes.
     let cost = |(point, light): (usize, f64)| {
         let (magnitude, per_sigma) = observed[point];
         let r = (magnitude - zero_mag + 2.5 * light.max(LEAST_M2_SR).log10()) * per_sigma;
         (1.0 + r * r).sqrt() - 1.0
     };
-    let total = basis.light(&place).into_iter().enumerate().map(cost).sum::<f64>();
-    Some((total, place))
+    let total = basis.light(&x).into_iter().enumerate().map(cost).sum::<f64>();
+    Some((total, x))
 }

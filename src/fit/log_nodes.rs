@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 /// N values of a positive parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LogNodes<const N: usize> {
-    /// The values, rising.
+    /// The values, increasing.
     pub at: [f64; N],
     logarithms: [f64; N],
     barycentric: [f64; N],
@@ -27,8 +27,8 @@ impl<const N: usize> LogNodes<N> {
     }
 
     /// Weights of the nodes at a value of the parameter.
-    pub fn weights(&self, place: f64) -> [f64; N] {
-        let x = place.ln();
+    pub fn weights(&self, value: f64) -> [f64; N] {
+        let x = value.ln();
         if let Some(at) = self.logarithms.iter().position(|node| *node == x) {
             return std::array::from_fn(|k| f64::from(u8::from(k == at)));
         }
@@ -38,11 +38,11 @@ impl<const N: usize> LogNodes<N> {
     }
 
     /// Derivatives of the weights by the parameter.
-    pub fn slopes(&self, place: f64) -> [f64; N] {
-        // Polynomials in ln x: differences lose 1e-9 of them.
+    pub fn slopes(&self, value: f64) -> [f64; N] {
+        // Central differences of polynomials in ln x have a relative error of 1e-9.
         let h = 1e-4;
-        let (up, down) = (self.weights(place * f64::exp(h)), self.weights(place * f64::exp(-h)));
-        std::array::from_fn(|k| (up[k] - down[k]) / (2.0 * h * place))
+        let (up, down) = (self.weights(value * f64::exp(h)), self.weights(value * f64::exp(-h)));
+        std::array::from_fn(|k| (up[k] - down[k]) / (2.0 * h * value))
     }
 }
 
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_polynomials_of_the_logarithm_come_back() {
+    fn verif_polynomials_of_the_logarithm_are_reproduced() {
         let nodes = LogNodes::<6>::new([0.5, 200.0]);
         let value = |x: f64| 1.0 + 0.5 * x.ln() - 0.1 * x.ln().powi(3) + 0.01 * x.ln().powi(5);
         let slope = |x: f64| (0.5 - 0.3 * x.ln().powi(2) + 0.05 * x.ln().powi(4)) / x;

@@ -9,7 +9,7 @@ use super::solve::Fit;
 
 /// Assumed growth of sigma outside the fitted geometry, in quadrature, mag; the same for all models.
 const OUTSIDE_MAG: f64 = 1.0;
-/// Share of the points ignored at each end of the range of geometry, since single stray points are no coverage.
+/// Fraction of the points ignored at each end of the range of geometry, since single stray points are not coverage.
 const STRAY_SHARE: f64 = 0.001;
 
 /// Texts of a model file.
@@ -33,8 +33,8 @@ pub struct ModelDescription {
     pub sigma_origin: String,
 }
 
-/// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their covariance, the range of the points
-/// and a sigma.
+/// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
+/// covariance, the range of the points and a sigma.
 ///
 /// # Errors
 /// [`PhotometryError`] if a number is outside the limits of model files.
@@ -46,15 +46,15 @@ pub fn model_file(
     sigma_mag: f64,
     description: &ModelDescription,
 ) -> Result<ModelFile, PhotometryError> {
-    let place = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
+    let index = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
     let mut order: Vec<usize> = base
         .parameters()
         .iter()
         .filter(|(name, _)| *name != PANEL_OFFSET)
-        .filter_map(|(name, _)| place(name))
+        .filter_map(|(name, _)| index(name))
         .collect();
     // The covariance of chassis and sail contains the panel offset only if it was fitted.
-    order.extend(place(PANEL_OFFSET).filter(|place| base.shape.is_some() && fit.free.contains(place)));
+    order.extend(index(PANEL_OFFSET).filter(|index| base.shape.is_some() && fit.free.contains(index)));
     let covariance = fit.uncertainty.covariance.as_ref();
     let value = |name: &str, otherwise: f64| fit.value(name).unwrap_or(otherwise);
     let mut fitted = base.clone();

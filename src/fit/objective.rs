@@ -7,7 +7,8 @@ use super::form::{BLOCK, Evaluated, Parameter, Prepared};
 use super::inference::{LogProbability, NormalEquations};
 use super::point::FitPoint;
 
-/// Loss function ρ(r) of a residual in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a constant.
+/// Loss function ρ(r) of a residual in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a
+/// constant.
 #[derive(Copy, Clone, Debug, PartialEq, Default)]
 pub enum Loss {
     /// r²: normal errors.
@@ -38,8 +39,8 @@ impl Loss {
         }
     }
 
-    /// ψ'(r) of the influence function ψ(r) = ρ'(r²) r: the curvature of the cost itself, while [`Self::weight`] is its Gauss-Newton
-    /// approximation. Negative for outliers under Student's t.
+    /// ψ'(r) of the influence function ψ(r) = ρ'(r²) r: the curvature of the cost itself, while [`Self::weight`] is its
+    /// Gauss-Newton approximation. Negative for outliers under Student's t.
     pub fn influence_slope(self, r2: f64) -> f64 {
         // ψ' = ρ' + 2 r² ρ''
         match self {
@@ -121,7 +122,8 @@ impl<'a> Objective<'a> {
         residuals
     }
 
-    /// Terms of the gradient JᵀW r, one per point, `(n_point)` of `(n_free)`, and the curvature Σ ψ'(r) J Jᵀ/σ² `(n_free, n_free)`.
+    /// Terms of the gradient JᵀW r, one per point, `(n_point)` of `(n_free)`, and the curvature Σ ψ'(r) J Jᵀ/σ²
+    /// `(n_free, n_free)`.
     pub(super) fn scores(&self, free: &[f64], points: usize) -> (Vec<Vec<f64>>, DMatrix<f64>) {
         let n = self.free.len();
         let sloped = self.prepared.with_slopes(&self.all(free), &self.free, &self.parameters);
@@ -226,18 +228,20 @@ impl NormalEquations for Objective<'_> {
 
 /// Posterior: a flat prior between the bounds times the likelihood exp(-C).
 impl LogProbability for Objective<'_> {
-    fn of_many(&self, places: &[Vec<f64>]) -> Vec<f64> {
-        let inside = |place: &[f64]| {
-            self.free_parameters().zip(place).all(|(parameter, x)| (parameter.least..=parameter.greatest).contains(x))
+    fn of_many(&self, positions: &[Vec<f64>]) -> Vec<f64> {
+        let inside = |position: &[f64]| {
+            self.free_parameters()
+                .zip(position)
+                .all(|(parameter, x)| (parameter.least..=parameter.greatest).contains(x))
         };
-        let possible: Vec<usize> = (0..places.len()).filter(|&i| inside(&places[i])).collect();
-        let evaluated: Vec<_> = possible.iter().map(|&i| self.prepared.at(&self.all(&places[i]))).collect();
+        let possible: Vec<usize> = (0..positions.len()).filter(|&i| inside(&positions[i])).collect();
+        let evaluated: Vec<_> = possible.iter().map(|&i| self.prepared.at(&self.all(&positions[i]))).collect();
         // A chunk of points stays in the cache while all walkers evaluate it.
         let parts: Vec<Vec<f64>> = self
             .chunks()
             .map(|from| evaluated.iter().map(|evaluated| self.cost_of_blocks(&**evaluated, from)).collect())
             .collect();
-        let mut values = vec![f64::NEG_INFINITY; places.len()];
+        let mut values = vec![f64::NEG_INFINITY; positions.len()];
         for (k, &i) in possible.iter().enumerate() {
             let cost: f64 = parts.iter().map(|part| part[k]).sum();
             values[i] = if cost.is_finite() { -cost } else { f64::NEG_INFINITY };
@@ -246,7 +250,7 @@ impl LogProbability for Objective<'_> {
     }
 }
 
-/// Sum with eight accumulators, so that additions do not wait for one another.
+/// Sum with eight accumulators, so that additions do not wait for each other.
 fn sum(column: &[f64; BLOCK]) -> f64 {
     let mut lanes = [0.0; 8];
     for eight in column.chunks_exact(8) {

@@ -1,10 +1,11 @@
 //! Many-panel satellites as a form, with their earthshine.
 //!
-//! Cosines, areas and obstruction do not depend on the parameters and are computed once for each point, and so is
-//! earthshine by each law. Laws are then evaluated with each set of parameters; derivatives are differences.
+//! Cosines, areas and obstruction are independent of the parameters and computed once for each point, as is earthshine
+//! by each law. Laws are then evaluated with each set of parameters; derivatives are differences.
 //!
-//! Light is linear in the weight of each law, so a law of weight 1 is computed once for each point. Where a parameter
-//! bends the law (an exponent, a width, a slope) it is computed at sixteen values of it and interpolated.
+//! Light is linear in the weight of each law, so a law of weight 1 is computed once for each point. If a parameter
+//! changes the shape of the law (an exponent, a width, a slope), it is computed at sixteen values of it and
+//! interpolated.
 
 use rayon::prelude::*;
 
@@ -17,7 +18,7 @@ use crate::photometry::brdf::{Brdf, Law};
 use crate::photometry::panels::{AttitudeSpec, Coefficient, LawSpec, LitFace, PanelAssembly, PanelsSpec};
 use crate::photometry::{Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
 
-/// Panels of a model file, of which laws and spheres are fitted and attitudes are not.
+/// Panels of a model file with fitted laws and spheres and fixed attitudes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelsForm {
     /// Panels, laws, and parameters at their values.
@@ -42,7 +43,7 @@ impl Form for PanelsForm {
 
     fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {
         let assembly = self.spec.assemble(&[]);
-        let seen = |point: &FitPoint| Seen {
+        let seen = |point: &FitPoint| PointGeometry {
             faces: assembly.lit_faces(point.geometry.to_sun().vector(), point.geometry.to_observer().vector()),
             phase_rad: point.geometry.phase_angle_rad(),
         };
@@ -62,8 +63,8 @@ impl Form for PanelsForm {
 }
 
 impl PanelsForm {
-    /// Chassis and sail of the paper with the sizes of the panel that faces down and the one that is turned to the Sun's
-    /// azimuth; `None` where either is missing.
+    /// Chassis and sail of the paper with the sizes of the panel that faces down and of the one that follows the Sun's
+    /// azimuth; `None` if either is missing.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         let of = |is: fn(&AttitudeSpec) -> bool| self.spec.panels.iter().find(|panel| is(&panel.attitude));
         let base = of(|attitude| matches!(attitude, AttitudeSpec::Nadir {}))?;
@@ -86,7 +87,7 @@ impl PanelsForm {
 }
 
 /// Geometry of one point.
-struct Seen {
+struct PointGeometry {
     faces: Vec<LitFace>,
     phase_rad: f64,
 }
@@ -94,9 +95,9 @@ struct Seen {
 struct PreparedPanels {
     form: PanelsForm,
     points: Vec<FitPoint>,
-    seen: Vec<Seen>,
+    seen: Vec<PointGeometry>,
     has_spheres: bool,
-    /// Earthshine; `None` where it has to be computed each time.
+    /// Earthshine; `None` if it is computed each time.
     earth: Option<PanelEarth>,
     zero_mag: f64,
 }
@@ -170,7 +171,7 @@ impl Evaluated for PanelsAt<'_> {
     }
 }
 
-/// Values of a bending parameter: interpolation is good to 1e-3 of the light.
+/// Number of values of a shape parameter: the interpolation is accurate to 1e-3 of the light.
 const NODES: usize = 16;
 
 /// All laws on fronts that receive earthshine.
@@ -180,25 +181,25 @@ pub(super) struct PanelEarth {
 }
 
 struct EarthLaw {
-    /// Index of the parameter that light is proportional to; `None` for a number, which is in the light.
+    /// Index of the parameter to which light is proportional; `None` for a number, which is included in the light.
     weight: Option<usize>,
-    /// Index of the parameter that bends the law, and its values.
-    bent: Option<(usize, LogNodes<NODES>)>,
-    /// `(n_point)` of `(n_node)`, m² sr⁻¹; one node where nothing bends the law.
+    /// Index of the shape parameter, and its values.
+    shape: Option<(usize, LogNodes<NODES>)>,
+    /// `(n_point)` of `(n_node)`, m² sr⁻¹; one node without a shape parameter.
     light: Vec<Vec<f64>>,
 }
 
 impl PanelEarth {
-    /// Returns `None` where a law depends on parameters in another way: earthshine is then computed each time.
+    /// Returns `None` if a law depends on parameters in another way: earthshine is then computed each time.
     pub fn new(spec: &PanelsSpec, points: &[FitPoint]) -> Option<Self> {
         let mut laws = Vec::new();
         for (number, panel) in spec.panels.iter().enumerate().filter(|(_, panel)| panel.earthshine) {
             for law in &panel.front {
-                // The other panels stay, since they may hide this one.
-                let mut alone = spec.clone();
-                alone.panels.iter_mut().enumerate().for_each(|(other, panel)| panel.earthshine = other == number);
-                alone.panels[number].front = vec![law.clone()];
-                laws.push(EarthLaw::new(&alone, law, points)?);
+                // The other panels are kept, since they may hide this one.
+                let mut isolated = spec.clone();
+                isolated.panels.iter_mut().enumerate().for_each(|(other, panel)| panel.earthshine = other == number);
+                isolated.panels[number].front = vec![law.clone()];
+                laws.push(EarthLaw::new(&isolated, law, points)?);
             }
         }
         Some(Self { laws })
@@ -207,9 +208,9 @@ impl PanelEarth {
     /// Weights of the laws at these parameters, node by node.
     pub fn weights(&self, x: &[f64]) -> Vec<Vec<f64>> {
         let of_law = |law: &EarthLaw| {
-            let weight = law.weight.map_or(1.0, |place| x[place]);
-            match &law.bent {
-                Some((place, nodes)) => nodes.weights(x[*place]).iter().map(|share| weight * share).collect(),
+            let weight = law.weight.map_or(1.0, |index| x[index]);
+            match &law.shape {
+                Some((index, nodes)) => nodes.weights(x[*index]).iter().map(|share| weight * share).collect(),
                 None => vec![weight],
             }
         };
@@ -226,37 +227,37 @@ impl PanelEarth {
 }
 
 impl EarthLaw {
-    /// `alone` has earthshine on the panel of this law alone, and no other law there.
-    fn new(alone: &PanelsSpec, law: &LawSpec, points: &[FitPoint]) -> Option<Self> {
-        let place = |coefficient: &Coefficient| match coefficient {
+    /// `isolated` has earthshine on the panel of this law only, and no other law there.
+    fn new(isolated: &PanelsSpec, law: &LawSpec, points: &[FitPoint]) -> Option<Self> {
+        let index = |coefficient: &Coefficient| match coefficient {
             Coefficient::Number(_) => None,
-            Coefficient::Parameter(name) => alone.parameters.iter().position(|parameter| parameter.name == *name),
+            Coefficient::Parameter(name) => isolated.parameters.iter().position(|parameter| parameter.name == *name),
         };
         let (linear, bending): (Vec<_>, Vec<_>) = law.terms().into_iter().partition(|term| term.is_linear);
-        let weight = linear.iter().find_map(|term| place(term.coefficient));
-        let bent = bending.iter().find_map(|term| place(term.coefficient));
-        // One parameter of two that bend a law (ABg) moves over a range for which sixteen values are too few.
-        if bent.is_some() && (bending.len() > 1 || bent == weight) {
+        let weight = linear.iter().find_map(|term| index(term.coefficient));
+        let shape = bending.iter().find_map(|term| index(term.coefficient));
+        // If two parameters change the shape of a law (ABg), sixteen values are too few for the range of one of them.
+        if shape.is_some() && (bending.len() > 1 || shape == weight) {
             return None;
         }
-        let bent = bent.map(|place| (place, LogNodes::<NODES>::new(alone.ranges()[place])));
-        let mut values: Vec<f64> = alone.parameters.iter().map(|parameter| parameter.value).collect();
-        if let Some(place) = weight {
-            values[place] = 1.0;
+        let shape = shape.map(|index| (index, LogNodes::<NODES>::new(isolated.ranges()[index])));
+        let mut values: Vec<f64> = isolated.parameters.iter().map(|parameter| parameter.value).collect();
+        if let Some(index) = weight {
+            values[index] = 1.0;
         }
-        let assemblies: Vec<_> = match &bent {
-            Some((place, nodes)) => {
+        let assemblies: Vec<_> = match &shape {
+            Some((index, nodes)) => {
                 let at = |value: &f64| {
-                    values[*place] = *value;
-                    alone.assemble(&values)
+                    values[*index] = *value;
+                    isolated.assemble(&values)
                 };
                 nodes.at.iter().map(at).collect()
             }
-            None => vec![alone.assemble(&values)],
+            None => vec![isolated.assemble(&values)],
         };
         let of_point = |point: &FitPoint| {
             assemblies.iter().map(|assembly| assembly.earthshine_m2_sr(&point.geometry)).collect::<Vec<f64>>()
         };
-        Some(Self { weight, bent, light: points.par_iter().map(of_point).collect() })
+        Some(Self { weight, shape, light: points.par_iter().map(of_point).collect() })
     }
 }

@@ -1,5 +1,5 @@
-//! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun, necessity of the sail's glossy lobe,
-//! necessity of earthshine.
+//! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun,
+//! necessity of the sail's glossy lobe, necessity of earthshine.
 
 use super::error::FitError;
 use crate::photometry::{Earthshine, PANEL_OFFSET};
@@ -20,7 +20,7 @@ const LEAST_IN_LAYER: usize = 100;
 pub struct LayerOffset {
     /// Limits of the Sun's latitude, degrees.
     pub sun_latitude_deg: [f64; 2],
-    /// Points in the layer.
+    /// Number of points in the layer.
     pub n: usize,
     /// Panel offset, degrees.
     pub panel_offset_deg: f64,
@@ -35,7 +35,7 @@ pub struct LayerOffset {
 pub struct PairedModels {
     /// Names of both models.
     pub names: [&'static str; 2],
-    /// Points.
+    /// Number of points.
     pub n: usize,
     /// Numbers of fitted parameters.
     pub parameters: [usize; 2],
@@ -60,7 +60,7 @@ pub struct PaperTests {
     pub earthshine: PairedModels,
 }
 
-/// Makes the fits of all three tests; `layer_deg` is the width of the layers of table 2.
+/// Computes the fits of all three tests; `layer_deg` is the width of the layers of table 2.
 ///
 /// # Errors
 /// Those of [`Problem::new`] and [`Problem::solve`] over all points; a layer without a fit is omitted.

@@ -1,4 +1,4 @@
-//! Baseline forms that depend on the phase angle alone: a diffuse sphere and a polynomial.
+//! Baseline forms that depend on the phase angle only: a diffuse sphere and a polynomial.
 
 use crate::photometry::{DiffuseSphere, StandardMagnitude};
 
@@ -60,7 +60,7 @@ impl Form for PhaseForm {
     }
 }
 
-/// Form whose magnitudes are linear in the parameters.
+/// A form with magnitudes that are linear in the parameters.
 struct Linear {
     offsets: Vec<[f64; BLOCK]>,
     /// `(n_block)` of `(n_parameter)` columns.

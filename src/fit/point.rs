@@ -5,7 +5,7 @@ use crate::math::quantile::quantile;
 
 use super::measurements::{Measurement, Measurements, Pixel, Reduction};
 
-/// Least error of a pixel, mag: half the photometric error that MMT-9 states.
+/// Least error of a pixel, mag: half the photometric error stated for MMT-9.
 const LEAST_PIXEL_SIGMA_MAG: f64 = 0.05;
 /// The interquartile range of fewer points than this is not used as an error.
 const LEAST_FOR_RANGE: u32 = 5;
@@ -17,20 +17,20 @@ pub struct FitPoint {
     pub geometry: ViewingGeometry,
     /// Magnitude at 1000 km.
     pub magnitude: f64,
-    /// Its error, mag; positive.
+    /// Error of the magnitude, mag; positive.
     pub sigma_mag: f64,
-    /// Number of the track, night or satellite whose points share systematic errors. Points of one group stay together in cross-validation
-    /// and vary together in the covariance.
+    /// Number of the track, night or satellite, a group of points with shared systematic errors. Points of one group
+    /// stay together in cross-validation and vary together in the covariance.
     pub group: u32,
 }
 
 /// Weights of single measurements.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct RawWeights {
-    /// Scatter beyond the measurement errors, mag, positive: satellites of one kind differ and change their attitude. Added in quadrature to
-    /// the stated error; the only error if none is stated.
+    /// Scatter beyond the measurement errors, mag, positive: satellites of one kind differ and change their attitude.
+    /// Added in quadrature to the stated error; the only error if none is stated.
     pub scatter_mag: f64,
-    /// Weighs a group (track, night) by the square root of its number of points, so that long groups do not dominate.
+    /// Weights a group (track, night) by the square root of its number of points, so that long groups do not dominate.
     pub by_group: bool,
 }
 
@@ -57,7 +57,8 @@ pub fn points_of_measurements(measurements: &Measurements, weights: &RawWeights)
     points
 }
 
-/// Factors on the errors by which a group weighs the square root of its number of points instead of the number; Σ 1/σ² is kept.
+/// Factors on the errors by which a group is weighted by the square root of its number of points instead of the number;
+/// Σ 1/σ² is kept.
 fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
     let groups = points.iter().map(|point| point.group as usize + 1).max().unwrap_or(0);
     let mut counts = vec![0.0_f64; groups];
@@ -70,8 +71,8 @@ fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
 
 /// Returns one point per kept pixel: its mode, with the interquartile range as error, in a group of its own.
 ///
-/// The range of fewer than five points is uninformative (0 for one point); the error of such pixels is the median range of the others, or the
-/// usual scatter of single measurements (0.5 mag) if there are no others.
+/// The range of fewer than five points is uninformative (0 for one point); the error of such pixels is the median range
+/// of the others, or the usual scatter of single measurements (0.5 mag) if there are no others.
 pub fn points_of_pixels(reduction: &Reduction) -> Vec<FitPoint> {
     let has_range = |pixel: &Pixel| pixel.count >= LEAST_FOR_RANGE;
     let mut ranges_mag: Vec<f64> =
@@ -98,7 +99,7 @@ mod tests {
     use super::*;
     use crate::photometry::StandardMagnitude;
 
-    /// Points of one place each, so that each is a pixel.
+    /// Points at one position each, so that each is a pixel.
     fn sigmas_mag(pixels: &[&[f64]]) -> Vec<f64> {
         let points: Vec<Measurement> = pixels
             .iter()
@@ -125,17 +126,17 @@ mod tests {
     }
 
     #[test]
-    fn verif_few_points_do_not_weigh_most() {
+    fn verif_few_points_do_not_have_the_largest_weight() {
         /// Pixels keep magnitudes as f32, mag.
         const ROUNDED: f64 = 1e-6;
         let (narrow, wide) = ([5.0, 5.1, 5.2, 5.3, 5.4], [5.0, 5.3, 5.6, 5.9, 6.2, 6.5, 6.8]);
-        // IQR 0.2 and 0.9; one point, two and four take what lies in the middle.
+        // IQR 0.2 and 0.9; cells of one, two and four points get the median of these.
         let sigmas = sigmas_mag(&[&narrow, &wide, &[6.0], &[6.0, 6.1], &[5.0, 5.0, 5.0, 5.0]]);
         for (sigma, expected) in sigmas.iter().zip([0.2, 0.55, 0.55, 0.55, 0.9]) {
             assert!((sigma - expected).abs() < ROUNDED, "{sigmas:?}");
         }
         assert_eq!(sigmas_mag(&[&[6.0], &[6.0, 6.1]]), [RawWeights::default().scatter_mag; 2]);
-        // Equal magnitudes are five times the same, and no more certain than photometry.
+        // Five equal magnitudes are no more certain than the photometry.
         assert_eq!(sigmas_mag(&[&[5.0; 5]]), [LEAST_PIXEL_SIGMA_MAG]);
     }
 }

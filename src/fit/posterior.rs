@@ -1,7 +1,7 @@
 //! Posterior of a fit by an ensemble of walkers, and the file that stores its chains.
 //!
-//! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the bytes of
-//! a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
+//! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the
+//! bytes of a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -21,9 +21,9 @@ use super::solve::Fit;
 use crate::math::quantile::quantile;
 use crate::output::AtomicFile;
 
-/// Distinguishes the seed of the starting places from that of the walk.
+/// Distinguishes the seed of the starting positions from that of the walk.
 const START_SALT: u64 = 0x5354_4152_5453;
-/// Half width of the starting places of a parameter without sigma, as a share of the interval between its bounds.
+/// Half width of the starting positions of a parameter without sigma, as a fraction of the interval between its bounds.
 const UNKNOWN_SPREAD: f64 = 1e-3;
 
 /// Settings of a posterior.
@@ -68,17 +68,17 @@ pub struct Posterior {
     pub marginals: Vec<Marginal>,
     /// `(n_free, n_free)`.
     pub covariance: Vec<Vec<f64>>,
-    /// Share of accepted proposals.
+    /// Fraction of accepted proposals.
     pub acceptance: f64,
     /// Steps after burn-in.
     pub steps: usize,
 }
 
-/// Starting places of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
-fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
+/// Starting positions of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
+fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(settings.seed ^ START_SALT);
     let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-    let mut place = |_| {
+    let mut start = |_| {
         let one = |&i: &usize| {
             let p = &fit.parameters[i];
             let width = p.greatest - p.least;
@@ -90,10 +90,11 @@ fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
         };
         fit.free.iter().map(one).collect()
     };
-    (0..settings.walkers).map(&mut place).collect()
+    (0..settings.walkers).map(&mut start).collect()
 }
 
-/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every step and may save the chain.
+/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every
+/// step and may save the chain.
 ///
 /// # Errors
 /// [`FitError::Ensemble`] for an invalid number of walkers, and every error that `each` returns.
@@ -106,7 +107,7 @@ pub fn draw(
 ) -> Result<Chain, FitError> {
     let mut ensemble = match resumed {
         Some(chain) if chain.steps() > 0 => Ensemble::resume(objective, chain, settings.seed)?,
-        _ => Ensemble::new(objective, starting_places(fit, settings), settings.seed)?,
+        _ => Ensemble::new(objective, starting_positions(fit, settings), settings.seed)?,
     };
     while ensemble.chain().steps() < settings.steps {
         ensemble.step();
@@ -138,9 +139,11 @@ pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
 }
 
 impl Posterior {
-    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each with its factor.
+    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each
+    /// with its factor.
     ///
-    /// The draws take points as independent, while the fit allows for errors that tracks share; for these parameters the draws are overconfident.
+    /// The draws treat points as independent, while the fit allows for errors shared within tracks; for these
+    /// parameters the draws are overconfident.
     pub fn overconfident(&self, fit: &Fit, times: f64) -> Vec<(String, f64)> {
         let ratio = |(marginal, &i): (&Marginal, &usize)| {
             let ratio = fit.uncertainty.sigma(i)? / marginal.sigma;
@@ -150,7 +153,7 @@ impl Posterior {
     }
 }
 
-/// Identification of the fit that a chain belongs to.
+/// Identification of the fit of a chain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChainAbout {
@@ -175,7 +178,7 @@ pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(),
     let mut archive = ZipWriter::new(file.file());
     let [steps, walkers, parameters] = [chain.steps(), chain.walkers(), chain.parameters()].map(|n| n as u64);
     let text = serde_json::to_vec(about).map_err(|error| failed(error.to_string()))?;
-    write_array(&mut archive, "chain", &[steps, walkers, parameters], chain.places()).map_err(io)?;
+    write_array(&mut archive, "chain", &[steps, walkers, parameters], chain.positions()).map_err(io)?;
     write_array(&mut archive, "log_prob", &[steps, walkers], chain.log_probabilities()).map_err(io)?;
     write_array(&mut archive, "accepted", &[walkers], chain.accepted()).map_err(io)?;
     write_array(&mut archive, "about", &[text.len() as u64], &text).map_err(io)?;
@@ -207,19 +210,19 @@ pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
     let file = File::open(path).map_err(|error| failed(error.to_string()))?;
     let mut archive = ZipArchive::new(file)
-        .map_err(|_| failed("invalid .npz; allowed: chains written by fit run --mcmc".to_owned()))?;
-    let (places, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
+        .map_err(|_| failed("invalid .npz file; expected a chain written by fit run --mcmc".to_owned()))?;
+    let (positions, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
     let (log_probabilities, _) = read_array::<f64>(&mut archive, "log_prob").map_err(failed)?;
     let (accepted, _) = read_array::<u64>(&mut archive, "accepted").map_err(failed)?;
     let (about, _) = read_array::<u8>(&mut archive, "about").map_err(failed)?;
     let about: ChainAbout = serde_json::from_slice(&about).map_err(|error| failed(format!("about: {error}")))?;
     let &[_, walkers, parameters] = &shape[..] else {
-        return Err(failed(format!("chain has {} axes, allowed is 3: steps, walkers, parameters", shape.len())));
+        return Err(failed(format!("chain has {} axes, expected 3: steps, walkers, parameters", shape.len())));
     };
     if parameters as usize != about.parameters.len() {
-        return Err(failed(format!("{parameters} parameters, and {} names of them", about.parameters.len())));
+        return Err(failed(format!("{parameters} parameters, but {} names", about.parameters.len())));
     }
-    let chain = Chain::from_parts(walkers as usize, parameters as usize, places, log_probabilities, accepted)?;
+    let chain = Chain::from_parts(walkers as usize, parameters as usize, positions, log_probabilities, accepted)?;
     Ok((chain, about))
 }
 

@@ -11,7 +11,7 @@ use super::posterior::{Marginal, Posterior};
 use super::solve::Fit;
 use crate::output::{Column, Kind, Table, Value};
 
-/// Report whose parts appear in the order in which they are added.
+/// Report with its parts in the order in which they are added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     text: String,
@@ -101,24 +101,24 @@ th,td{border:1px solid #bbb;padding:.2rem .6rem}img{max-width:100%}";
 
 const PARAMETERS: [Column; 7] = [
     Column::new("parameter", Kind::Text, "Name of the parameter."),
-    Column::real("value", "", 6, "As fitted, or as held."),
+    Column::real("value", "", 6, "Fitted or held value."),
     Column::real("sigma", "", 6, "One sigma; empty if it is held or at a bound."),
     Column::real("least", "", 4, "Lower bound."),
     Column::real("greatest", "", 4, "Upper bound."),
     Column::new("state", Kind::Text, "free, held, or at bound."),
-    Column::new("points_behind", Kind::Integer, "Points at which it matters: where |p dm/dp| > 0.1 mag."),
+    Column::new("points_behind", Kind::Integer, "Number of points at which it matters: |p dm/dp| > 0.1 mag."),
 ];
 
 /// Table with one row per parameter; `points_behind` lists the free ones, in their order.
 pub fn parameter_table(fit: &Fit, points_behind: &[usize]) -> Table {
     let row = |(i, parameter): (usize, &Parameter)| {
-        let place = fit.free.iter().position(|&free| free == i);
-        let state = match place {
+        let index = fit.free.iter().position(|&free| free == i);
+        let state = match index {
             None => "held",
             Some(_) if fit.uncertainty.at_bound.contains(&i) => "at bound",
             Some(_) => "free",
         };
-        let behind = place.and_then(|k| points_behind.get(k)).map(|count| Value::Integer(*count as i64));
+        let behind = index.and_then(|k| points_behind.get(k)).map(|count| Value::Integer(*count as i64));
         vec![
             parameter.name.as_str().into(),
             parameter.value.into(),
@@ -135,14 +135,14 @@ pub fn parameter_table(fit: &Fit, points_behind: &[usize]) -> Table {
 const SCORES: [Column; 10] = [
     Column::new("model", Kind::Text, "Form of brightness law."),
     Column::new("parameters", Kind::Integer, "Free parameters."),
-    Column::new("n", Kind::Integer, "Points."),
+    Column::new("n", Kind::Integer, "Number of points."),
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals, in sample."),
     Column::real("core_mag", "mag", 4, "1.4826 times their median absolute deviation, in sample."),
     Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k of squares, sum of losses + 2k of a robust loss."),
     Column::real("held_out_rms_mag", "mag", 4, "Root mean square of the points held out."),
     Column::real("held_out_core_mag", "mag", 4, "Core of the points held out."),
-    Column::real("sigma_mag", "mag", 3, "Sigma that holds 68.3 % of the points held out."),
-    Column::real("within_one_sigma", "", 3, "Share of each fold within the sigma of the other folds."),
+    Column::real("sigma_mag", "mag", 3, "Sigma that contains 68.3 % of the points held out."),
+    Column::real("within_one_sigma", "", 3, "Fraction of each fold within the sigma of the other folds."),
 ];
 
 /// Table with one row per form.
@@ -167,9 +167,9 @@ pub fn form_score_table(scores: &[FormScore]) -> Table {
 const OFFSETS: [Column; 6] = [
     Column::real("sun_latitude_from_deg", "deg", 2, "Lower end of the layer, Sun above the chassis plane."),
     Column::real("sun_latitude_to_deg", "deg", 2, "Upper end of the layer."),
-    Column::new("n", Kind::Integer, "Points in it."),
+    Column::new("n", Kind::Integer, "Number of points in the layer."),
     Column::real("panel_offset_deg", "deg", 4, "Panel offset angle fitted to this layer."),
-    Column::real("panel_offset_sigma_deg", "deg", 4, "One sigma of it."),
+    Column::real("panel_offset_sigma_deg", "deg", 4, "One sigma of the offset."),
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
 ];
 
@@ -195,7 +195,7 @@ const PAIRED_MODELS: [Column; 7] = [
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
     Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k of squares, sum of losses + 2k of a robust loss."),
     Column::real("t", "", 3, "Student's t of the difference of the mean residuals (paired)."),
-    Column::real("p", "", 6, "Probability of such a t if both means are the same."),
+    Column::real("p", "", 6, "Probability of a t at least as large if both means are equal."),
 ];
 
 /// Table of pairs of models (sections 4.2 and 4.3 of the paper), two rows per pair.
@@ -226,10 +226,10 @@ const MARGINALS: [Column; 10] = [
     Column::real("fit_value", "", 6, "Value of the fit."),
     Column::real("fit_sigma", "", 6, "One sigma of the fit, which allows for errors that tracks share."),
     Column::real("autocorrelation_steps", "", 1, "Steps per independent draw."),
-    Column::new("is_trusted", Kind::Boolean, "True if the chain is longer than 50 of them."),
+    Column::new("is_trusted", Kind::Boolean, "True if the chain is longer than 50 autocorrelation times."),
 ];
 
-/// Table with one row per free parameter, beside its value and sigma in the fit at which the walkers started.
+/// Table with one row per free parameter, with its value and sigma in the fit at which the walkers started.
 pub fn marginal_table(posterior: &Posterior, fit: &Fit) -> Table {
     let row = |(m, &i): (&Marginal, &usize)| {
         vec![

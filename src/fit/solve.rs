@@ -136,7 +136,7 @@ impl Problem {
         }
         self.free.iter().for_each(|i| hash.update((*i as u64).to_le_bytes()));
         hash.update(format!("{:?}", self.settings.loss));
-        // Residuals at the initial values stand for form and geometry.
+        // Residuals at the initial values identify form and geometry.
         let residuals = self.objective().residuals_mag(&self.free_values(), self.points.len());
         for (point, residual) in self.points.iter().zip(residuals) {
             [point.magnitude, point.sigma_mag, residual].iter().for_each(|x| hash.update(x.to_le_bytes()));
@@ -177,7 +177,8 @@ impl Problem {
             parameter.value = value;
         }
         let (scores, curvature) = objective.scores(&minimum.x, self.points.len());
-        // The curvature of a robust loss is negative for outliers; if it is indefinite, the Gauss-Newton curvature replaces it.
+        // The curvature of a robust loss is negative for outliers; if it is indefinite, the Gauss-Newton curvature
+        // replaces it.
         let is_definite = curvature.clone().cholesky().is_some();
         let curvature: &DMatrix<f64> = if is_definite { &curvature } else { &minimum.curvature };
         let groups: Vec<u32> = self.points.iter().map(|point| point.group).collect();
@@ -201,7 +202,8 @@ impl Fit {
         self.parameters.iter().map(|parameter| parameter.value).collect()
     }
 
-    /// Replaces the covariance of all parameters, `(n_parameter, n_parameter)`; it stays `None` if the curvature is singular.
+    /// Replaces the covariance of all parameters, `(n_parameter, n_parameter)`; it stays `None` if the curvature is
+    /// singular.
     pub fn with_covariance(mut self, covariance: Vec<Vec<f64>>, kind: CovarianceKind) -> Self {
         if let Some(own) = &mut self.uncertainty.covariance {
             (*own, self.uncertainty.kind) = (covariance, kind);

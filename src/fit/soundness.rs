@@ -1,9 +1,10 @@
 //! Faults of a fit: parameters at bounds, degenerate or undetermined parameters, poor coverage of the geometry.
 //!
-//! Coverage: each axis of the geometry is cut into cells of 5° in the Sun's latitude, 30° in the observer's longitude from the Sun (folded) and
-//! 15° in the observer's latitude. The model extrapolates into cells with fewer than ten points. Longitudes must be covered from 0° to 180°.
-//! The reach of latitudes depends on height and site, so only whole cells between the ends of the observed range are required (without one
-//! point in a thousand at each end), and these ends must be two cells apart.
+//! Coverage: each axis of the geometry is cut into cells of 5° in the Sun's latitude, 30° in the observer's longitude
+//! from the Sun (folded) and 15° in the observer's latitude. The model extrapolates into cells with fewer than ten
+//! points. Longitudes must be covered from 0° to 180°. The reach of latitudes depends on height and site, so only whole
+//! cells between the ends of the observed range are required (without one point in a thousand at each end), and these
+//! ends must be two cells apart.
 
 use std::fmt;
 
@@ -17,14 +18,14 @@ use super::solve::{Fit, Problem};
 
 /// Correlation above which two parameters are degenerate.
 const DEGENERATE: f64 = 0.95;
-/// A parameter matters at a point if the magnitude changes by more than this when the parameter changes by its own size.
+/// Change of the magnitude above which a parameter matters at a point, for a change of the parameter by its own size.
 const MATTERS_MAG: f64 = 0.1;
-/// Least number of points (and least share) at which a parameter must matter.
+/// Least number (and least fraction) of points at which a parameter must matter.
 const LEAST_POINTS: usize = 20;
 const LEAST_SHARE: f64 = 0.005;
 /// Least number of points in a cell of the geometry.
 const LEAST_IN_CELL: usize = 10;
-/// Share of the points ignored at each end of the observed range.
+/// Fraction of the points ignored at each end of the observed range.
 const STRAY_SHARE: f64 = 0.001;
 /// Least distance between the ends of a latitude range, in cells.
 const LEAST_CELLS: f64 = 2.0;
@@ -32,46 +33,46 @@ const LEAST_CELLS: f64 = 2.0;
 /// One fault of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
-    /// The descent ended by its limit of evaluations or failed.
+    /// A descent that ended at its limit of evaluations or failed.
     NotConverged,
-    /// A parameter ended at a bound; the points favour values beyond it.
+    /// A parameter at a bound; the points favour values beyond it.
     AtBound {
         /// Name of the parameter.
         name: String,
         /// The bound.
         value: f64,
     },
-    /// Two parameters are strongly correlated.
+    /// Two strongly correlated parameters.
     Degenerate {
         /// First parameter.
         one: String,
         /// Second parameter.
         other: String,
-        /// Their correlation.
+        /// Correlation of both parameters.
         correlation: f64,
     },
-    /// The sigma of a parameter exceeds its value.
+    /// A parameter with a sigma larger than its value.
     Unconstrained {
         /// Name of the parameter.
         name: String,
-        /// As fitted.
+        /// Fitted value.
         value: f64,
         /// One sigma.
         sigma: f64,
     },
-    /// The curvature is singular: the points do not constrain these parameters.
+    /// A singular curvature: the points do not constrain these parameters.
     Singular {
         /// Names of the parameters.
         names: Vec<String>,
     },
-    /// A parameter matters at few points only.
+    /// A parameter that matters at few points only.
     FewPoints {
         /// Name of the parameter.
         name: String,
         /// Number of these points.
         points: usize,
     },
-    /// The points cover too little of an axis of the geometry.
+    /// An axis of the geometry with poor coverage.
     Coverage(PoorAxis),
 }
 
@@ -90,9 +91,9 @@ impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::NotConverged => write!(f, "the descent did not converge"),
-            Self::AtBound { name, value } => write!(f, "{name} stands at its bound {value}"),
+            Self::AtBound { name, value } => write!(f, "{name} is at its bound {value}"),
             Self::Degenerate { one, other, correlation } => {
-                write!(f, "{one} and {other} cannot be told apart (correlation {correlation:.2})")
+                write!(f, "{one} and {other} are degenerate (correlation {correlation:.2})")
             }
             Self::Unconstrained { name, value, sigma } => {
                 write!(f, "{name} is not constrained by the data ({value:.3e} +- {sigma:.3e})")
@@ -109,7 +110,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Returns all faults of a fit; none for a sound fit.
+/// Returns all faults of a fit; empty for a sound fit.
 pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
     let name = |i: usize| fit.parameters[i].name.clone();
     let mut faults = Vec::new();
@@ -122,7 +123,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
         faults.push(Fault::Singular { names: fit.uncertainty.undetermined.iter().map(|&i| name(i)).collect() });
     }
     for (k, &i) in fit.free.iter().enumerate() {
-        // The size of an angle is no measure of its error.
+        // The size of an angle is not a measure of its error.
         let has_size = fit.parameters[i].least >= 0.0;
         if let Some(sigma) = fit.uncertainty.sigma(i).filter(|sigma| has_size && *sigma > fit.parameters[i].value) {
             faults.push(Fault::Unconstrained { name: name(i), value: fit.parameters[i].value, sigma });
@@ -166,7 +167,7 @@ struct Axis {
     name: &'static str,
     angle_rad: fn(&ViewingGeometry) -> f64,
     cell_deg: f64,
-    /// Range that must be covered; `None`: the observed range.
+    /// Range to be covered; `None`: the observed range.
     whole_deg: Option<[f64; 2]>,
 }
 
@@ -192,7 +193,7 @@ fn poor(axis: &Axis, points: &[FitPoint]) -> Option<PoorAxis> {
     let seen = [STRAY_SHARE, 1.0 - STRAY_SHARE].map(|share| quantile(&angles_deg, share));
     let cell = axis.cell_deg;
     let is_narrow = axis.whole_deg.is_none() && seen[1] - seen[0] < LEAST_CELLS * cell;
-    // Division first: rounding must not make a cell of the last degree of 180.
+    // Division first, so that rounding does not create a cell beyond 180 degrees.
     let [from, to] = axis.whole_deg.unwrap_or(seen).map(|end| end / cell);
     let counts = |k: i32| {
         let [low, high] = [f64::from(k) * cell, f64::from(k + 1) * cell];

@@ -9,7 +9,7 @@ use super::objective::Loss;
 
 /// Sigma of a normal distribution over its median absolute deviation.
 const SIGMA_OF_MAD: f64 = 1.4826;
-/// Share of a normal distribution within one sigma.
+/// Fraction of a normal distribution within one sigma.
 const ONE_SIGMA_SHARE: f64 = 0.6827;
 
 /// Statistics of residuals or of other differences, mag.
@@ -23,17 +23,18 @@ pub struct ResidualStatistics {
     pub sd_mag: f64,
     /// Root mean square about zero.
     pub rms_mag: f64,
-    /// 1.4826 times the median absolute deviation from the median: the sigma of a normal core, whatever its wings.
+    /// 1.4826 times the median absolute deviation from the median: the sigma of a normal core, independent of the
+    /// wings.
     pub core_mag: f64,
 }
 
 impl ResidualStatistics {
-    /// Statistics of the finite residuals with equal weights; `None` if there are none.
+    /// Statistics of the finite residuals with equal weights; `None` without any.
     pub fn of(residuals_mag: &[f64]) -> Option<Self> {
         Self::weighted(residuals_mag.iter().filter(|r| r.is_finite()).map(|r| (*r, 1.0)))
     }
 
-    /// Statistics of pairs of a residual, mag, and its weight (positive, finite); `None` if the weights add up to nothing.
+    /// Statistics of pairs of a residual, mag, and its weight (positive, finite); `None` if the weights sum to zero.
     pub(crate) fn weighted(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
         let mut pairs: Vec<(f64, f64)> = pairs.into_iter().collect();
         let weight: f64 = pairs.iter().map(|(_, w)| w).sum();
@@ -74,14 +75,14 @@ pub fn rms(residuals_mag: &[f64]) -> f64 {
     (residuals_mag.iter().map(|r| r * r).sum::<f64>() / residuals_mag.len() as f64).sqrt()
 }
 
-/// Sigma that holds the share 0.6827 of the finite residuals, whatever their distribution.
+/// Sigma that contains the fraction 0.6827 of the finite residuals, for any distribution.
 pub fn sigma_68_mag(residuals_mag: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = residuals_mag.iter().filter(|r| r.is_finite()).map(|r| r.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     quantile(&sizes, ONE_SIGMA_SHARE)
 }
 
-/// Share of the weight of pairs (residual, mag; weight) within ± `sigma_mag`; `None` for no weight.
+/// Fraction of the weight of pairs (residual, mag; weight) within ± `sigma_mag`; `None` without weight.
 pub(super) fn share_within(pairs: impl IntoIterator<Item = (f64, f64)>, sigma_mag: f64) -> Option<f64> {
     let (mut inside, mut all) = (0.0, 0.0);
     for (residual, weight) in pairs {
@@ -99,8 +100,8 @@ pub(super) fn aic(rms_mag: f64, n: usize, k: usize) -> f64 {
 
 /// Akaike's criterion of a fit under this loss, comparable among forms on the same points under the same loss.
 ///
-/// For squares it is n ln(RMSE²) + 2k, as in the paper. A robust fit does not minimise the RMS; its likelihood is exp(-½ Σ ρ(r²/σ²)),
-/// and the criterion -2 ln L + 2k = Σ ρ + 2k, up to a constant that depends on the points alone.
+/// For squares it is n ln(RMSE²) + 2k, as in the paper. A robust fit does not minimise the RMS; its likelihood is
+/// exp(-½ Σ ρ(r²/σ²)), and the criterion -2 ln L + 2k = Σ ρ + 2k, up to a constant that depends on the points only.
 pub(super) fn aic_under(loss: Loss, residuals_mag: &[f64], sigmas_mag: &[f64], k: usize) -> f64 {
     match loss {
         Loss::Squares => aic(rms(residuals_mag), residuals_mag.len(), k),
@@ -125,7 +126,7 @@ pub struct PairedTest {
 /// `None` with fewer than two pairs, or if all differences are equal.
 pub(super) fn paired_t_test(one: &[f64], other: &[f64]) -> Option<PairedTest> {
     let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
-    // Without scatter t is infinite, and statrs does not return from its tail.
+    // Without scatter t is infinite, and statrs does not terminate in its tail.
     let first = *differences.first()?;
     if differences.iter().all(|difference| *difference == first) {
         return None;
@@ -154,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_weight_counts_as_so_many_numbers() {
+    fn verif_a_weight_equals_repeated_numbers() {
         let weighted = ResidualStatistics::weighted([(0.5, 3.0), (-1.0, 1.0), (2.0, 2.0)]).expect("weights");
         let repeated = ResidualStatistics::of(&[0.5, 0.5, 0.5, -1.0, 2.0, 2.0]).expect("numbers");
         assert!((weighted.mean_mag - repeated.mean_mag).abs() < 1e-12);
@@ -171,7 +172,7 @@ mod tests {
         /// Four printed digits of the RMSE: 4651 · 2 · 0.00005/0.24.
         const ROUNDING: f64 = 2.0;
         let n = 4651;
-        // The RMSE that is printed as 0.2408 lies within half a unit of its last digit.
+        // The RMSE printed as 0.2408 is within half a unit of its last digit.
         let printed = |rmse: f64, k: usize| (aic(rmse - 5e-5, n, k), aic(rmse + 5e-5, n, k));
         for (rmse, k, expected) in [(0.2408, 7, -13232.0), (0.2423, 5, -13176.0)] {
             let (least, greatest) = printed(rmse, k);

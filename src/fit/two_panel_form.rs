@@ -17,21 +17,22 @@ use crate::photometry::{ChassisAndSail, Coefficients, Earthshine, SatelliteShape
 const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
 /// Index of the panel offset.
 const OFFSET: usize = 7;
-/// Exponents of the lobes: below, a lobe is a second diffuse law; above, it is narrower than attitudes are kept.
+/// Bounds of the exponents: below, a lobe is a second diffuse law; above, it is narrower than the stability of
+/// attitudes.
 const EXPONENTS: [f64; 2] = [0.5, 200.0];
-/// Panel offsets, degrees.
+/// Bounds of the panel offset, degrees.
 const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];
 
 /// Step of panel offsets for derivatives, degrees.
 const OFFSET_STEP_DEG: f64 = 1e-4;
 
-/// Light is linear in the parameters before this one.
+/// Index of the first parameter in which light is not linear.
 const FIRST_EXPONENT: usize = 5;
 
 /// Chassis and sail of given sizes with eight parameters, of which any can be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoPanelForm {
-    /// Sizes, and the panel offset where it is not fitted.
+    /// Sizes, and the panel offset if it is not fitted.
     pub shape: SatelliteShape,
     /// Values of coefficients that are not fitted.
     pub coefficients: Coefficients,
@@ -74,7 +75,7 @@ struct PreparedPoints {
     count: usize,
     directions: Vec<Directions<BLOCK>>,
     lit: Vec<LitPanels<BLOCK>>,
-    /// One for each block; empty where earthshine is off.
+    /// One for each block; empty without earthshine.
     earth: Vec<EarthBlock>,
     exponents: LogNodes<NODES>,
     zero_mag: f64,
@@ -162,7 +163,7 @@ impl Prepared for PreparedPoints {
     }
 
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
-        // The blocked shapes have corners: by differences.
+        // By differences, since the blocked shapes have corners.
         let by_offset = |column| (column, Moved::new(x, OFFSET, &parameters[OFFSET], |x| self.with(x)));
         let slopes_by_offset = free.iter().position(|&i| i == OFFSET).map(by_offset);
         Box::new(Slopes {

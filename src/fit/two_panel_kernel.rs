@@ -12,16 +12,16 @@ use crate::photometry::two_panel::{Directions, LitPanels, magnitudes, slope_of_l
 /// Parameters with analytic derivatives: c1 to c5, n_sail, n_base.
 pub(super) const SLOPES: usize = 7;
 
-/// Exponents at which earthshine is known: interpolation is good to 1e-5 of the diffuse light.
+/// Number of exponents with tabulated earthshine: the interpolation is accurate to 1e-5 of the diffuse light.
 pub(super) const NODES: usize = 16;
 
 /// Earthshine on the chassis at one block of points for c4 = c5 = 1, m² sr⁻¹.
 ///
-/// The glossy part is smooth in ln n: values at Chebyshev's nodes are interpolated by weights that all points share.
+/// The glossy part is smooth in ln n: values at Chebyshev nodes are interpolated with weights common to all points.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EarthBlock {
     pub diffuse: [f64; BLOCK],
-    /// At each node; single precision (6e-8) halves the memory that the loops read.
+    /// Values at each node; single precision (6e-8) halves the memory traffic of the loops.
     pub glossy: Box<[[f32; BLOCK]; NODES]>,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Evaluation<'a> {
     /// Magnitude at 1000 km of 1 m² sr⁻¹.
     pub zero_mag: f64,
     pub lit: Cow<'a, [LitPanels<BLOCK>]>,
-    /// As many as `lit`, or none.
+    /// One block for each of `lit`, or empty.
     pub earth: &'a [EarthBlock],
     /// Weights of the nodes at n_base.
     pub earth_weights: [f64; NODES],
@@ -47,7 +47,7 @@ impl Evaluated for Evaluation<'_> {
 }
 
 impl Evaluation<'_> {
-    /// Derivatives too; `earth_slopes` are those of the weights of the nodes by n_base.
+    /// Computes derivatives too; `earth_slopes` are those of the weights of the nodes by n_base.
     pub fn magnitudes_and_slopes(
         &self,
         block: usize,
@@ -124,7 +124,7 @@ fn interpolated<const F: bool>(earth: &EarthBlock, weights: &[f64; NODES]) -> [f
     let (rows, weights) = (&*earth.glossy, *weights);
     let mut values = [0.0; BLOCK];
     for lane in 0..BLOCK {
-        // The inner loop is unrolled and the outer one made of vectors: each sum stays in its register.
+        // The inner loop is unrolled and the outer one vectorised: each sum stays in its register.
         let mut sum = 0.0;
         for node in 0..NODES {
             sum = fused::<F>(weights[node], f64::from(rows[node][lane]), sum);

@@ -8,14 +8,14 @@ use crate::passes::SkyError;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ForecastError {
-    /// A number is out of range.
+    /// A number out of range.
     #[error("{what} {given}{unit}: allowed {allowed}")]
     OutOfRange {
         /// Name of the number.
         what: &'static str,
         /// Given value.
         given: f64,
-        /// Its unit with a blank before it; empty for none.
+        /// Unit with a preceding blank, or empty.
         unit: &'static str,
         /// Allowed range.
         allowed: &'static str,

@@ -1,4 +1,4 @@
-//! Passes in formats of other programs: iCalendar, CCSDS Tracking Data Message, SCORE.
+//! Passes in the formats of other programs: iCalendar, CCSDS Tracking Data Message, SCORE.
 
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ use crate::output::{Provenance, csv_cell, format_utc};
 use crate::passes::TrackPoint;
 use crate::photometry::PhotometryOptions;
 
-/// Longest content line of an iCalendar, octets, without its end.
+/// Longest content line of an iCalendar, octets, without its line end.
 const LINE: usize = 75;
 
 /// Night without a pass.
@@ -25,12 +25,13 @@ pub struct EmptyNight<'a> {
     pub why: &'a str,
 }
 
-/// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each; `made` is the time of its creation, and `alarm_s`
-/// the time of an alarm before each event.
+/// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each; `made` is the time of creation,
+/// and `alarm_s` the time of an alarm before each event.
 ///
-/// Lines end in CR LF and are folded at 75 octets (section 3.1), text is escaped (section 3.3.11), and the UID of an event is the same in
-/// every run. An event lasts from the whole second in which the visible part begins to the one after it ends. A calendar must have at least
-/// one component (section 3.6): for an `empty` night that is one transparent event over the whole time, with the reason.
+/// Lines end in CR LF and are folded at 75 octets (section 3.1), text is escaped (section 3.3.11), and the UID of an
+/// event is the same in every run. An event lasts from the whole second in which the visible part begins to the one
+/// after it ends. A calendar must have at least one component (section 3.6): for an `empty` night that is one
+/// transparent event over the whole time, with the reason.
 pub fn calendar<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
@@ -84,7 +85,7 @@ pub fn calendar<'a>(
         line(format!("DTSTAMP:{}", stamp(made)));
         line(format!("DTSTART:{}", stamp(start)));
         line(format!("DTEND:{}", stamp(seconds_after(end, 1.0))));
-        line(format!("SUMMARY:{}", escaped(&format!("No satellite to be seen over {}", site.name))));
+        line(format!("SUMMARY:{}", escaped(&format!("No visible satellite pass over {}", site.name))));
         line(format!("DESCRIPTION:{}", escaped(why)));
         line(format!("LOCATION:{}", escaped(&site.name)));
         line("TRANSP:TRANSPARENT".into());
@@ -118,7 +119,8 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// Appends a content line, folded between characters after 75 octets; continuation lines begin with a blank, which counts.
+/// Appends a content line, folded between characters after 75 octets; continuation lines begin with a blank, which
+/// counts.
 fn fold(text: &mut String, content: &str) {
     let mut free = LINE;
     for mark in content.chars() {
@@ -164,11 +166,11 @@ impl AngleType {
     }
 }
 
-/// Returns the visible passes as a CCSDS Tracking Data Message (503.0-B-2, version 2.0) in keyword-value notation: angles and magnitude, one
-/// segment for each pass; `made` is the time of its creation.
+/// Returns the visible passes as a CCSDS Tracking Data Message (503.0-B-2, version 2.0) in keyword-value notation:
+/// angles and magnitude, one segment for each pass; `made` is the time of its creation.
 ///
-/// A segment has the visible samples of the pass, or without samples its begin, highest and brightest point and end. The provenance is in
-/// comments of the header.
+/// A segment has the visible samples of the pass, or without samples its begin, highest and brightest point and end.
+/// The provenance is in comments of the header.
 pub fn tdm<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
@@ -264,11 +266,12 @@ fn calendar_time(epoch: Epoch) -> String {
 /// Header of SCORE.
 const SCORE_HEADER: &str = "satellite_name,norad_cat_id,observation_time_utc,observation_time_uncertainty_sec,apparent_magnitude,apparent_magnitude_uncertainty,observer_latitude_deg,observer_longitude_deg,observer_altitude_m,limiting_magnitude,instrument,observing_mode,observing_filter,observer_email,observer_orcid,satellite_right_ascension_deg,satellite_declination_deg,sigma_2_ra,sigma_ra_sigma_dec,sigma_2_dec,range_to_satellite_km,range_to_satellite_uncertainty_km,range_rate_of_satellite_km_per_sec,range_rate_of_satellite_uncertainty_km_per_sec,comments,data_archive_link,mpc_code";
 
-/// Returns the passes in the columns of SCORE, the archive of satellite photometry of the IAU CPS, for comparison with measurements: one row
-/// for each pass with a magnitude, at its brightest point (a row without one would mean that nothing was seen).
+/// Returns the passes in the columns of SCORE, the archive of satellite photometry of the IAU CPS, for comparison with
+/// measurements: one row for each pass with a magnitude, at its brightest point (a row without a magnitude would mean
+/// that the satellite was not detected).
 ///
-/// The columns of a measurement (its time error, instrument, mode, observer, limiting magnitude) are empty, and the comment marks the row as
-/// predicted. Such a file must not be uploaded.
+/// The columns of a measurement (its time error, instrument, mode, observer, limiting magnitude) are empty, and the
+/// comment marks the row as predicted. Such a file must not be uploaded.
 pub fn score_report<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,

@@ -13,16 +13,16 @@ use crate::photometry::MagnitudeSource;
 /// Sampling interval of the Sun, seconds: a quarter of a degree.
 const STEP_S: f64 = 60.0;
 
-/// Time span at a site, with the intervals in which the Sun is low enough.
+/// Interval at a site, with the parts in which the Sun is low enough.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Night {
     /// Start.
     pub start: Epoch,
     /// End.
     pub end: Epoch,
-    /// Upper limit of the Sun's altitude, radians; `None` for day and night.
+    /// Upper limit of the Sun's altitude, radians; `None` includes day and night.
     pub max_sun_altitude_rad: Option<f64>,
-    /// Intervals below it, in order of time.
+    /// Intervals with the Sun below the limit, in order of time.
     pub dark: Vec<(Epoch, Epoch)>,
     /// The lowest altitude of the Sun's centre, radians, without refraction.
     pub lowest_sun_rad: f64,
@@ -63,11 +63,11 @@ impl Night {
         self.dark.iter().map(|(from, until)| seconds_between(*from, *until)).sum()
     }
 
-    /// Returns the reason why it is never dark; `None` if it is.
+    /// Returns the reason why the night is never dark; `None` if it is.
     pub fn why_never_dark(&self, site: &str) -> Option<String> {
         let limit_rad = self.max_sun_altitude_rad.filter(|_| self.dark.is_empty())?;
         Some(format!(
-            "it does not get dark at {site} between {} and {}: the Sun sinks to {:.1} deg at the lowest ({}), and {:.1} deg was asked for",
+            "it does not get dark at {site} between {} and {}: the lowest altitude of the Sun is {:.1} deg (at {}), above the limit of {:.1} deg",
             format_utc(self.start, 0),
             format_utc(self.end, 0),
             self.lowest_sun_rad.to_degrees(),
@@ -77,7 +77,7 @@ impl Night {
     }
 }
 
-/// Night and its passes.
+/// A night and its passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
     /// The night.
@@ -89,7 +89,8 @@ pub struct Forecast {
 /// Computes every visible pass of the selected satellites, on all threads of the current pool.
 ///
 /// # Errors
-/// A number is out of range, no satellite is selected, the observer is in orbit, or the time is outside the ephemerides.
+/// A number is out of range, no satellite is selected, the observer is in orbit, or the time is outside the
+/// ephemerides.
 pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, ForecastError> {
     request.check()?;
     let satellites = sky.elements().len();
@@ -147,17 +148,18 @@ impl Forecast {
         if reasons.is_empty() {
             let lowest_deg = request.min_altitude_rad.to_degrees();
             let of = if satellites == 1 {
-                "the one satellite does not stand".to_owned()
+                "the only satellite does not rise".to_owned()
             } else {
-                format!("none of {satellites} satellites stands")
+                format!("none of {satellites} satellites rises")
             };
             let when = if request.include_dark { String::new() } else { format!(" while it is dark at {site}") };
-            reasons.push(format!("{of} above {lowest_deg:.1} deg{when} within the time asked about"));
+            reasons.push(format!("{of} above {lowest_deg:.1} deg{when} within the requested interval"));
         }
         Some(reasons.join("; "))
     }
 
-    /// Returns a warning with the number of passes whose magnitudes are only a prior, shown or omitted as too faint; `None` without them.
+    /// Returns a warning with the number of passes whose magnitudes are only a prior, shown or omitted as too faint;
+    /// `None` if there are none.
     pub fn prior_warning(&self, sky: &Sky, max_magnitude: Option<f64>) -> Option<String> {
         let is_prior = |pass: &&VisiblePass| *sky.model(pass.element_index).source() == MagnitudeSource::Prior;
         let shown = self.found.passes.iter().filter(|pass| pass.visible.is_some()).filter(is_prior).count();
@@ -168,32 +170,32 @@ impl Forecast {
             parts.push(format!("{} shown", passes(shown)));
         }
         if let Some(limit) = max_magnitude.filter(|_| hidden > 0) {
-            parts.push(format!("{} left out as fainter than mag {limit}", passes(hidden)));
+            parts.push(format!("{} omitted as fainter than mag {limit}", passes(hidden)));
         }
         let parts = (!parts.is_empty()).then(|| parts.join(", "))?;
         Some(format!(
-            "nothing is known of the brightness of some satellites, and their magnitudes are a wide prior alone ({parts}); --qs-mag FILE takes standard magnitudes"
+            "the brightness of some satellites is unknown: their magnitudes are only a wide prior ({parts}); specify standard magnitudes with --qs-mag FILE"
         ))
     }
 }
 
 const NIGHT_COLUMNS: [Column; 12] = [
-    Column::time("start_utc", "First moment asked about."),
-    Column::time("end_utc", "Last moment asked about."),
-    Column::real("sun_altitude_limit_deg", "deg", 3, "Darkness is a Sun below this; empty where day counts too."),
-    Column::time("dark_from_utc", "It first gets dark; empty where it never does."),
-    Column::time("dark_until_utc", "It was dark for the last time."),
-    Column::real("dark_h", "h", 4, "How long it is dark, all stretches together."),
-    Column::real("lowest_sun_altitude_deg", "deg", 3, "The Sun's centre at its lowest, without refraction."),
-    Column::time("lowest_sun_utc", "When that is."),
+    Column::time("start_utc", "Start of the requested interval."),
+    Column::time("end_utc", "End of the requested interval."),
+    Column::real("sun_altitude_limit_deg", "deg", 3, "Upper limit of the Sun's altitude; empty where day is included."),
+    Column::time("dark_from_utc", "Start of the first dark interval; empty without one."),
+    Column::time("dark_until_utc", "End of the last dark interval."),
+    Column::real("dark_h", "h", 4, "Total duration of darkness."),
+    Column::real("lowest_sun_altitude_deg", "deg", 3, "Lowest altitude of the Sun's centre, without refraction."),
+    Column::time("lowest_sun_utc", "Time of the lowest altitude."),
     Column::new(
         "passes_in_shadow",
         Kind::Integer,
-        "Passes left out because the satellite is in the Earth's shadow whenever it is up while it is dark.",
+        "Passes omitted because the satellite is in the Earth's shadow during all of their dark part.",
     ),
-    Column::new("passes_too_faint", Kind::Integer, "Passes left out because of the magnitude asked for."),
-    Column::new("passes_too_low", Kind::Integer, "Passes left out because they culminate too low."),
-    Column::new("why_empty", Kind::Text, "Where there is no pass: why."),
+    Column::new("passes_too_faint", Kind::Integer, "Passes omitted because of the magnitude limit."),
+    Column::new("passes_too_low", Kind::Integer, "Passes omitted because they culminate too low."),
+    Column::new("why_empty", Kind::Text, "Reason, if there is no pass."),
 ];
 
 /// Returns the night of a forecast as a table of one row, with the reason if there is no pass.

@@ -1,4 +1,5 @@
-//! Tables of passes: one row for each pass, one row for each point of a light curve, and a table in local time for observers.
+//! Tables of passes: one row for each pass, one row for each point of a light curve, and a table in local time for
+//! observers.
 
 use hifitime::Epoch;
 
@@ -7,7 +8,7 @@ use crate::frames::{seconds_after, seconds_between};
 use crate::output::{Column, Kind, Table, TableField, Value, format_utc};
 use crate::passes::{TrackPoint, Visibility, VisiblePass};
 
-/// Largest difference of equal times, seconds.
+/// Largest difference between equal times, seconds.
 const SAME_S: f64 = 0.01;
 
 /// Pass with its element set.
@@ -15,7 +16,7 @@ const SAME_S: f64 = 0.01;
 pub struct PassRow<'a> {
     /// The pass.
     pub pass: &'a VisiblePass,
-    /// Its element set.
+    /// Element set of the satellite.
     pub elements: &'a ElementSet,
 }
 
@@ -42,7 +43,7 @@ impl<'a> PassRow<'a> {
         })
     }
 
-    /// Returns the event that ends it: `set`, `shadow` or `dawn`.
+    /// Returns the event that ends the visible part: `set`, `shadow` or `dawn`.
     pub fn ends_by(&self) -> Option<&'static str> {
         let end = &self.pass.visible.as_ref()?.end;
         Some(if is_at(end, self.pass.set.as_ref()) {
@@ -67,14 +68,20 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
         }),
         field(Column::new("name", Kind::Text, "Name in the element set."), |row| Value::nonempty(&row.elements.name)),
         field(
-            Column::time("rise_utc", "Reaches the least altitude; empty where it is up before the search begins."),
+            Column::time(
+                "rise_utc",
+                "Rise above the least altitude; empty if the satellite is up at the start of the search.",
+            ),
             |row| epoch(row.pass.rise.as_ref()),
         ),
-        field(Column::time("culmination_utc", "Highest point of the pass, seen or not."), |row| {
+        field(Column::time("culmination_utc", "Highest point of the pass, visible or not."), |row| {
             row.pass.culmination.epoch.into()
         }),
         field(
-            Column::time("set_utc", "Falls below the least altitude; empty where it is up after the search ends."),
+            Column::time(
+                "set_utc",
+                "Set below the least altitude; empty if the satellite is up at the end of the search.",
+            ),
             |row| epoch(row.pass.set.as_ref()),
         ),
         field(Column::real("rise_azimuth_deg", "deg", 3, "Azimuth at the rise, from north through east."), |row| {
@@ -87,29 +94,26 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             azimuth_deg(row.pass.set.as_ref())
         }),
         field(
-            Column::time(
-                "shadow_entry_utc",
-                "Light first begins to fade into the Earth's shadow; empty where it does not.",
-            ),
+            Column::time("shadow_entry_utc", "Start of the first entry into the Earth's shadow; empty without one."),
             |row| epoch(row.pass.shadow_entry.as_ref()),
         ),
-        field(Column::time("shadow_exit_utc", "Light is first back in full; empty where it was never gone."), |row| {
+        field(Column::time("shadow_exit_utc", "End of the first exit from the shadow; empty without one."), |row| {
             epoch(row.pass.shadow_exit.as_ref())
         }),
-        field(Column::time("peak_utc", "Brightest moment that can be seen."), |row| epoch(row.peak())),
+        field(Column::time("peak_utc", "Time of the brightest visible point."), |row| epoch(row.peak())),
         field(
-            Column::real("peak_magnitude", "mag", 3, "Apparent magnitude there; empty where nothing is seen."),
+            Column::real("peak_magnitude", "mag", 3, "Apparent magnitude at the peak; empty without a visible part."),
             |row| magnitude(row.peak()),
         ),
-        field(Column::real("peak_magnitude_sigma", "mag", 3, "One sigma of it."), |row| sigma(row.peak())),
-        field(Column::real("peak_altitude_deg", "deg", 3, "Altitude there, without refraction."), |row| {
+        field(Column::real("peak_magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| sigma(row.peak())),
+        field(Column::real("peak_altitude_deg", "deg", 3, "Altitude at the peak, without refraction."), |row| {
             altitude_deg(row.peak())
         }),
-        field(Column::real("peak_azimuth_deg", "deg", 3, "Azimuth there."), |row| azimuth_deg(row.peak())),
-        field(Column::real("range_km", "km", 3, "Distance there; at culmination where there is no peak."), |row| {
+        field(Column::real("peak_azimuth_deg", "deg", 3, "Azimuth at the peak."), |row| azimuth_deg(row.peak())),
+        field(Column::real("range_km", "km", 3, "Distance at the peak; at culmination without one."), |row| {
             row.peak().unwrap_or(&row.pass.culmination).range_km.into()
         }),
-        field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+        field(Column::new("mag_source", Kind::Text, "Source of the magnitude."), |row| {
             row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.source.to_string()).into()
         }),
         field(
@@ -117,45 +121,47 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
                 "element_age_days",
                 "d",
                 4,
-                "Culmination less epoch of the elements; negative where these are newer.",
+                "Culmination less epoch of the elements; negative for elements from after the pass.",
             ),
             |row| row.pass.element_age_days.into(),
         ),
     ]
 }
 
-/// Columns that only formats with nested tables contain: scripts rely on the columns of the other formats.
+/// Columns only in formats with nested tables; scripts rely on a fixed set of columns in the other formats.
 fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
     let field = TableField::<PassRow<'a>>::new;
     vec![
         field(Column::new("international_designator", Kind::Text, "COSPAR designator."), |row| {
             Value::nonempty(&row.elements.international_designator)
         }),
-        field(Column::time("begin_utc", "The visible part begins."), |row| epoch(seen(row).map(|seen| &seen.begin))),
-        field(Column::real("begin_altitude_deg", "deg", 3, "Altitude there."), |row| {
+        field(Column::time("begin_utc", "Begin of the visible part."), |row| epoch(seen(row).map(|seen| &seen.begin))),
+        field(Column::real("begin_altitude_deg", "deg", 3, "Altitude at its begin."), |row| {
             altitude_deg(seen(row).map(|seen| &seen.begin))
         }),
-        field(Column::real("begin_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
+        field(Column::real("begin_azimuth_deg", "deg", 3, "Azimuth at its begin."), |row| {
             azimuth_deg(seen(row).map(|seen| &seen.begin))
         }),
-        field(Column::new("begins_by", Kind::Text, "rise, shadow or dusk."), |row| row.begins_by().into()),
+        field(Column::new("begins_by", Kind::Text, "Event at its begin: rise, shadow or dusk."), |row| {
+            row.begins_by().into()
+        }),
         field(Column::time("highest_utc", "Highest point of the visible part."), |row| {
             epoch(seen(row).map(|seen| &seen.highest))
         }),
-        field(Column::real("highest_altitude_deg", "deg", 3, "Altitude there."), |row| {
+        field(Column::real("highest_altitude_deg", "deg", 3, "Altitude at that point."), |row| {
             altitude_deg(seen(row).map(|seen| &seen.highest))
         }),
-        field(Column::real("highest_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
+        field(Column::real("highest_azimuth_deg", "deg", 3, "Azimuth at that point."), |row| {
             azimuth_deg(seen(row).map(|seen| &seen.highest))
         }),
-        field(Column::time("end_utc", "The visible part ends."), |row| epoch(seen(row).map(|seen| &seen.end))),
-        field(Column::real("end_altitude_deg", "deg", 3, "Altitude there."), |row| {
+        field(Column::time("end_utc", "End of the visible part."), |row| epoch(seen(row).map(|seen| &seen.end))),
+        field(Column::real("end_altitude_deg", "deg", 3, "Altitude at its end."), |row| {
             altitude_deg(seen(row).map(|seen| &seen.end))
         }),
-        field(Column::real("end_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
+        field(Column::real("end_azimuth_deg", "deg", 3, "Azimuth at its end."), |row| {
             azimuth_deg(seen(row).map(|seen| &seen.end))
         }),
-        field(Column::new("ends_by", Kind::Text, "set, shadow or dawn."), |row| row.ends_by().into()),
+        field(Column::new("ends_by", Kind::Text, "Event at its end: set, shadow or dawn."), |row| row.ends_by().into()),
         field(Column::real("peak_phase_angle_deg", "deg", 3, "Sun-satellite-observer angle at the peak."), |row| {
             row.peak().map(|peak| peak.geometry.phase_angle_rad().to_degrees()).into()
         }),
@@ -163,15 +169,15 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             Column::new(
                 "in_fitted_range",
                 Kind::Boolean,
-                "False where the model is asked beyond the geometry it rests on, and the sigma is wide.",
+                "False where the geometry is outside the range of the model, and the sigma is large.",
             ),
             |row| row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.in_fitted_range).into(),
         ),
     ]
 }
 
-/// Returns passes as a table, in their order; with `more` columns for formats that hold any number of them, and with the points along each
-/// pass if there are samples.
+/// Returns passes as a table, in their order; with `more` columns for formats that hold any number of them, and with
+/// the points along each pass if there are samples.
 pub fn pass_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, more: bool, samples: bool) -> Table {
     let mut fields = pass_fields();
     if more {
@@ -210,7 +216,7 @@ fn sigma(point: Option<&TrackPoint>) -> Value {
 
 /// Columns of a point of a pass.
 const POINTS: &[Column] = &[
-    Column::time("utc", "Moment of reception."),
+    Column::time("utc", "Time of reception."),
     Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
     Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
     Column::real("ra_deg", "deg", 6, "Right ascension, ICRS astrometric topocentric."),
@@ -218,9 +224,9 @@ const POINTS: &[Column] = &[
     Column::real("range_km", "km", 3, "Distance from the observer."),
     Column::real("phase_angle_deg", "deg", 3, "Sun-satellite-observer angle."),
     Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra."),
-    Column::real("lit_fraction", "", 4, "Share of the Sun's light that arrives."),
-    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty in the umbra and where nothing lit is seen."),
-    Column::real("magnitude_sigma", "mag", 3, "One sigma of it."),
+    Column::real("lit_fraction", "", 4, "Fraction of the Sun's light that arrives."),
+    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty in the umbra and where no lit surface is visible."),
+    Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."),
 ];
 
 /// Columns of the pass of a point.
@@ -264,24 +270,25 @@ pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Tab
 const READABLE_COLUMNS: [Column; 16] = [
     Column::new("date", Kind::Text, "Local date of the start."),
     Column::new("satellite", Kind::Text, "Name."),
-    Column::real("magnitude", "mag", 1, "At the brightest moment."),
-    Column::real("sigma", "mag", 1, "One sigma of it."),
-    Column::new("start", Kind::Text, "Local time at which it can first be seen."),
-    Column::new("start_altitude", Kind::Text, "Altitude there."),
-    Column::new("start_azimuth", Kind::Text, "Direction there."),
+    Column::real("magnitude", "mag", 1, "Magnitude at the brightest point."),
+    Column::real("sigma", "mag", 1, "One sigma of the magnitude."),
+    Column::new("start", Kind::Text, "Local time at which the visible part begins."),
+    Column::new("start_altitude", Kind::Text, "Altitude at the start."),
+    Column::new("start_azimuth", Kind::Text, "Compass direction at the start."),
     Column::new("highest", Kind::Text, "Local time of the highest visible point."),
-    Column::new("highest_altitude", Kind::Text, "Altitude there."),
-    Column::new("highest_azimuth", Kind::Text, "Direction there."),
-    Column::new("end", Kind::Text, "Local time at which it can last be seen."),
-    Column::new("end_altitude", Kind::Text, "Altitude there."),
-    Column::new("end_azimuth", Kind::Text, "Direction there."),
-    Column::new("ends_by", Kind::Text, "set, shadow or dawn."),
+    Column::new("highest_altitude", Kind::Text, "Altitude at that point."),
+    Column::new("highest_azimuth", Kind::Text, "Compass direction at that point."),
+    Column::new("end", Kind::Text, "Local time at which the visible part ends."),
+    Column::new("end_altitude", Kind::Text, "Altitude at the end."),
+    Column::new("end_azimuth", Kind::Text, "Compass direction at the end."),
+    Column::new("ends_by", Kind::Text, "Event at the end: set, shadow or dawn."),
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-    Column::new("mag_source", Kind::Text, "What the magnitude rests on."),
+    Column::new("mag_source", Kind::Text, "Source of the magnitude."),
 ];
 
-/// Returns the passes as the table that observers know: date, magnitude, start, highest point and end with time, altitude and direction.
-/// Times are `utc_offset_s` ahead of UTC; passes without a visible part have those of rise and set.
+/// Returns the passes as the usual table for observers: date, magnitude, and time, altitude and direction of start,
+/// highest point and end. Times are `utc_offset_s` ahead of UTC; passes without a visible part have those of rise and
+/// set.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: f64) -> Table {
     Table {
         columns: READABLE_COLUMNS.to_vec(),

@@ -1,4 +1,4 @@
-//! Reproduction of published counts: the published number, ours with its assumptions, and the difference.
+//! Comparison with published counts: the published number, the computed one with its assumptions, and the difference.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -15,7 +15,7 @@ use crate::photometry::PhotometryOptions;
 /// Largest difference of a number that agrees with the published one, percent.
 const AGREES_PERCENT: f64 = 20.0;
 
-/// Published number and ours.
+/// A published number and the computed one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reproduced {
     /// Description of the quantity.
@@ -26,20 +26,20 @@ pub struct Reproduced {
     pub published: Option<f64>,
     /// Result of the formula of the paper, computed here, if no number is published.
     pub by_method: Option<f64>,
-    /// Ours.
+    /// Computed number.
     pub ours: f64,
-    /// One sigma of ours from counting, if it is a count.
+    /// One sigma of the computed number from counting statistics, if it is a count.
     pub ours_sigma: Option<f64>,
     /// Source of the published number.
     pub source: &'static str,
-    /// Assumptions of ours.
+    /// Assumptions of the computation.
     pub assumed: String,
-    /// Reason of the difference; empty if there is no published number.
+    /// Reason for the difference; empty if there is no published number.
     pub reason: &'static str,
 }
 
 impl Reproduced {
-    /// Returns ours less the published number (or that of the method), percent of that.
+    /// Returns the computed number less the published one (or that of the method), in percent of the latter.
     pub fn difference_percent(&self) -> Option<f64> {
         self.published.or(self.by_method).map(|theirs| 100.0 * (self.ours - theirs) / theirs)
     }
@@ -47,9 +47,10 @@ impl Reproduced {
 
 /// Visits of the first year of LSST with a streak, percent: Hu et al. (2022, ApJL 941, L15), no avoidance.
 pub const HU2022: [(&str, f64); 3] = [("starlink-gen1", 1.66), ("starlink-gen2", 8.69), ("oneweb", 10.63)];
-/// The same of the first 10,000 visits (2023-10-01 to 13), from the counts by visit that the authors released with the paper:
-/// github.com/lsst-sims/satellite-dodging-ApJL, `plots/satellite_sim_0.0_{slv1,slv2,onew}_v2.2_1yrs.npz`, rows with `observationId` below 10,000 and
-/// `n_streaks` above 0. All 214,014 visits of these files give the three numbers of [`HU2022`] to their last digit.
+/// The same for the first 10,000 visits (2023-10-01 to 13), from the counts by visit that the authors released with the
+/// paper: github.com/lsst-sims/satellite-dodging-ApJL, `plots/satellite_sim_0.0_{slv1,slv2,onew}_v2.2_1yrs.npz`, rows
+/// with `observationId` below 10,000 and `n_streaks` above 0. All 214,014 visits of these files reproduce the three
+/// numbers of [`HU2022`] to the last digit.
 const HU2022_FIRST_VISITS: [(&str, f64); 3] = [("starlink-gen1", 1.44), ("starlink-gen2", 7.95), ("oneweb", 9.22)];
 const HU2022_FIRST_SOURCE: &str =
     "Hu et al. 2022, counts by visit released with the paper (lsst-sims/satellite-dodging-ApJL), visits 0 to 9,999";
@@ -63,8 +64,9 @@ const LU2024B_PERCENT: f64 = 69.33;
 const LU2024B_REASON: &str = "the lowest altitude that counts, which the abstract does not name (25 % of ours above 0, 95 % above 30 deg), and the photometry \
      that the model was fitted to";
 const LU2024B_SOURCE: &str = "Lu 2024 (arXiv 2403.11118), abstract";
-/// The 11,908 satellites of that paper: Gen1 as filed, and 7,500 of Gen2 as granted in FCC 22-91 (525, 530 and 535 km; their planes are not published,
-/// 25 of 100 are taken). By its name every satellite gets the model of V1.5, as in the paper.
+/// The 11,908 satellites of that paper: Gen1 as filed, and 7,500 of Gen2 as granted in FCC 22-91 (525, 530 and 535 km;
+/// their planes are not published, 25 of 100 are assumed). As in the paper, every satellite gets the model of V1.5,
+/// which is selected by its name.
 const LU2024B_SHELLS: &str = r#"
 [[constellation]]
 name = "starlink-gen1-and-2a"
@@ -90,16 +92,17 @@ const BASSA2022_REASON: &str =
 /// Returns the constellations of Lu (2024b).
 ///
 /// # Errors
-/// None: the shells are part of the library.
+/// None for the shells of the library.
 pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ElementsError> {
     Constellation::from_toml(LU2024B_SHELLS)
 }
 
-/// Returns the share of exposures crossed by at least one lit satellite, percent, with that of Hu et al. (2022) for a constellation of [`HU2022`]: of
-/// their year and, if `is_first_visits`, of their visits in the same nights (`HU2022_FIRST_VISITS`).
+/// Returns the fraction of exposures crossed by at least one lit satellite, percent, with that of Hu et al. (2022) for
+/// a constellation of [`HU2022`]: of their year and, if `is_first_visits`, of their visits in the same nights
+/// (`HU2022_FIRST_VISITS`).
 ///
 /// # Errors
-/// As of [`Sky::field_passes`].
+/// Same as [`Sky::field_passes`].
 pub fn hu2022(
     constellation: &str,
     sky: &Sky,
@@ -129,11 +132,11 @@ pub fn hu2022(
     Ok(rows)
 }
 
-/// Returns the share of the lit satellites above an altitude that are brighter than 7 mag, percent, over many moments, with that of Lu (2024b) if
-/// `is_theirs`.
+/// Returns the fraction of the lit satellites above an altitude that are brighter than 7 mag, percent, over many
+/// moments, with that of Lu (2024b) if `is_theirs`.
 ///
 /// # Errors
-/// As of [`Sky::snapshots`].
+/// Same as [`Sky::snapshots`].
 pub fn lu2024b(
     sky: &Sky,
     moments: &[Epoch],
@@ -158,7 +161,7 @@ pub fn lu2024b(
         published: is_theirs.then_some(LU2024B_PERCENT),
         by_method: None,
         ours: 100.0 * bright / lit.max(1.0),
-        // The moments have the same satellites: there is no error from counting.
+        // The same satellites are counted at all times, so that no counting error applies.
         ours_sigma: None,
         source: LU2024B_SOURCE,
         assumed: assumed.to_owned(),
@@ -166,11 +169,11 @@ pub fn lu2024b(
     })
 }
 
-/// Returns the number of satellites of a constellation above an altitude, lit or not: the mean over a day from `start`, with the density of Bassa et al.
-/// (2022).
+/// Returns the number of satellites of a constellation above an altitude, lit or not: the mean over a day from `start`,
+/// with the expectation by the density of Bassa et al. (2022).
 ///
 /// # Errors
-/// As of [`Sky::snapshots`].
+/// Same as [`Sky::snapshots`].
 pub fn bassa2022(
     constellation: &Constellation,
     sky: &Sky,
@@ -200,7 +203,8 @@ pub fn bassa2022(
     })
 }
 
-/// Returns the mean number of satellites of a shell above an altitude at a latitude: Bassa et al. (2022), section 2, on a spherical Earth.
+/// Returns the mean number of satellites of a shell above an altitude at a latitude: Bassa et al. (2022), section 2, on
+/// a spherical Earth.
 ///
 /// A shell of N satellites in circular orbits of inclination i has at latitude δ the density
 ///
@@ -208,7 +212,8 @@ pub fn bassa2022(
 /// n(δ) = N / (2π² √(sin² i - sin² δ))   satellites per steradian about the Earth's centre
 /// ```
 ///
-/// Satellites above the altitude h are within ψ = acos(R cos h / r) - h of the site. With sin δ = sin i sin u the density cancels, and
+/// Satellites above the altitude h are within ψ = acos(R cos h / r) - h of the site. With sin δ = sin i sin u the
+/// density cancels, and
 ///
 /// ```text
 /// N(h) = N / π² ∫ Δλ(u) du,   cos Δλ = (cos ψ - sin φ sin δ) / (cos φ cos δ)
@@ -231,17 +236,17 @@ fn expected_above(shell: &Shell, latitude_rad: f64, min_altitude_rad: f64) -> f6
 }
 
 const COLUMNS: [Column; 11] = [
-    Column::new("quantity", Kind::Text, "What is counted."),
+    Column::new("quantity", Kind::Text, "Quantity counted."),
     Column::new("unit", Kind::Text, "Unit; empty for a number of satellites."),
-    Column::real("published", "", 2, "The paper's number, or that of the counts released with it."),
-    Column::real("ours", "", 2, "Ours."),
-    Column::real("ours_sigma", "", 2, "One sigma of ours by counting."),
-    Column::real("difference_percent", "", 1, "Ours less published (or by_method), percent of that."),
+    Column::real("published", "", 2, "Number in the paper, or in the data released with it."),
+    Column::real("ours", "", 2, "Computed number."),
+    Column::real("ours_sigma", "", 2, "One sigma of the computed number from counting statistics."),
+    Column::real("difference_percent", "", 1, "Computed less published (or by_method), in percent of the latter."),
     Column::new("agrees", Kind::Boolean, "Within 20 percent."),
-    Column::new("source", Kind::Text, "Where the published number stands."),
-    Column::new("assumed", Kind::Text, "What was assumed for ours."),
-    Column::real("by_method", "", 2, "What the paper's formula gives, computed here, where it prints no number."),
-    Column::new("reason", Kind::Text, "Why ours is another number."),
+    Column::new("source", Kind::Text, "Source of the published number."),
+    Column::new("assumed", Kind::Text, "Assumptions of the computation."),
+    Column::real("by_method", "", 2, "Result of the paper's formula, computed here, if the paper prints no number."),
+    Column::new("reason", Kind::Text, "Reason for the difference."),
 ];
 
 /// Returns published numbers and ours as a table.

@@ -13,14 +13,14 @@ const LONGEST_DAYS: f64 = 31.0;
 /// Most points along one pass.
 const MOST_SAMPLES: usize = 10_000;
 
-/// Request of the passes of a night or of another time span.
+/// Request for the passes of a night or of another interval.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForecastRequest {
     /// Start.
     pub start: Epoch,
     /// End, at most 31 days later.
     pub end: Epoch,
-    /// Upper limit of the Sun's altitude at the site, radians; `None` for day and night.
+    /// Upper limit of the Sun's altitude at the site, radians; `None` includes day and night.
     pub max_sun_altitude_rad: Option<f64>,
     /// Altitude of rise and set, radians, [0, π/2).
     pub min_altitude_rad: f64,
@@ -37,7 +37,8 @@ pub struct ForecastRequest {
 }
 
 impl ForecastRequest {
-    /// Creates a request from `start` to `end` with the Sun 6 deg below the horizon, altitudes above 10 deg, and any magnitude.
+    /// Creates a request from `start` to `end` with the Sun 6 deg below the horizon, altitudes above 10 deg, and any
+    /// magnitude.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self {
             start,
@@ -55,15 +56,15 @@ impl ForecastRequest {
     /// Checks the ranges of all numbers.
     ///
     /// # Errors
-    /// [`ForecastError::OutOfRange`] for the first that is out of range.
+    /// [`ForecastError::OutOfRange`] for the first number that is out of range.
     pub fn check(&self) -> Result<(), ForecastError> {
         let days = seconds_between(self.start, self.end) / DAY_S;
-        // The degrees as written: the conversion to radians and back loses the last digits.
+        // Degrees as entered: the conversion to radians and back loses the last digits.
         let degrees = |radians: f64| (radians.to_degrees() * 1e9).round() / 1e9;
         let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
         if !(0.0..=LONGEST_DAYS).contains(&days) {
             return refuse(
-                "length of the time asked about",
+                "length of the requested interval",
                 days,
                 " days",
                 "0 to 31 days, the end not before the start",
@@ -90,7 +91,8 @@ impl ForecastRequest {
     }
 }
 
-/// Selection of satellites: of one of the kinds, with one of the names, and with one of the numbers; an empty list selects all.
+/// Selection of satellites: of one of the kinds, with one of the names, and with one of the numbers; an empty list
+/// selects all.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// Kinds.
@@ -113,7 +115,8 @@ impl Selection {
             && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(elements)))
     }
 
-    /// Returns a warning with the selected catalogue numbers that no satellite has; `None` without them.
+    /// Returns a warning with the selected catalogue numbers that are not in the element sets; `None` if there are
+    /// none.
     pub fn unknown_warning(&self, elements: &[ElementSet]) -> Option<String> {
         let is_unknown = |id: &&u32| !elements.iter().any(|set| set.norad_id.0 == **id);
         let unknown: Vec<String> = self.norad_ids.iter().filter(is_unknown).map(ToString::to_string).collect();

@@ -1,15 +1,16 @@
-//! Statistics of a site: numbers of lit satellites above an altitude, their brightness, and the expected trails in an exposure, as functions of
-//! the Sun's altitude.
+//! Statistics of a site: numbers of lit satellites above an altitude, their brightness, and the expected trails in an
+//! exposure, as functions of the Sun's altitude.
 //!
-//! Expected trails follow Bassa et al. (2022, A&A 657, A75): the probability that a satellite is in the field at the opening is the solid angle of
-//! the field over that of the sky, and the probability that it crosses into it is the solid angle swept over that of the sky,
+//! Expected trails follow Bassa et al. (2022, A&A 657, A75): the probability that a satellite is in the field at the
+//! opening is the solid angle of the field over that of the sky, and the probability that it crosses into it is the
+//! solid angle swept over that of the sky,
 //!
 //! ```text
 //! trails = Σ (π D²/4 + ω t D) / 2π (1 - sin h)
 //! ```
 //!
-//! over the lit satellites above the altitude h, each with its angular rate ω: the mean over uniform pointings above h, for a circular field
-//! of diameter D and an exposure of length t.
+//! over the lit satellites above the altitude h, each with its angular rate ω: the mean over uniform pointings above h,
+//! for a circular field of diameter D and an exposure of length t.
 
 use std::f64::consts::{PI, TAU};
 
@@ -43,9 +44,9 @@ pub struct StatisticsRequest {
     pub field_rad: f64,
     /// Length of the exposure, seconds.
     pub exposure_s: f64,
-    /// Number of moments averaged in each count, evenly spread over [`Self::spread_s`].
+    /// Number of times averaged in each count, evenly spread over [`Self::spread_s`].
     pub moments: usize,
-    /// Time span of these moments, seconds.
+    /// Interval of these times, seconds.
     pub spread_s: f64,
     /// Band, system, extinction.
     pub photometry: PhotometryOptions,
@@ -54,7 +55,7 @@ pub struct StatisticsRequest {
 /// Mean count at one altitude of the Sun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyCount {
-    /// Middle of the moments.
+    /// Middle of the averaged times.
     pub epoch: Epoch,
     /// True in the evening, false in the morning.
     pub evening: bool,
@@ -62,24 +63,25 @@ pub struct SkyCount {
     pub sun_altitude_rad: f64,
     /// Lowest altitude of the satellites counted, radians.
     pub min_altitude_rad: f64,
-    /// Satellites above it, lit or not.
+    /// Number of satellites above it, lit or not.
     pub above: f64,
-    /// Lit satellites above it.
+    /// Number of lit satellites above it.
     pub lit: f64,
-    /// Satellites brighter than the magnitudes 3 to 8.
+    /// Number of satellites brighter than the magnitudes 3 to 8.
     pub brighter_than: [f64; 6],
     /// Expected trails in one exposure.
     pub trails: f64,
 }
 
 impl SkyCount {
-    /// Returns the share of exposures with a trail, for independent trails: 1 - exp(-trails).
+    /// Returns the fraction of exposures with a trail, for independent trails: 1 - exp(-trails).
     pub fn streaked_share(&self) -> f64 {
         -(-self.trails).exp_m1()
     }
 }
 
-/// Counts of one night, evening before morning, by decreasing altitude of the Sun; the altitudes that the Sun does not reach; satellites left out.
+/// Counts of one night, evening before morning, by decreasing altitude of the Sun; Sun altitudes that are not reached;
+/// satellites left out.
 pub type SkyCounts = (Vec<SkyCount>, Vec<f64>, Vec<LeftOut>);
 
 /// Counts satellites at every altitude of the Sun, in the evening and in the morning.
@@ -143,7 +145,7 @@ impl StatisticsRequest {
     }
 }
 
-/// Returns the altitudes of the Sun with the times at which it crosses them, and true in the evening.
+/// Returns the altitudes of the Sun with the times of their crossings, and true for the evening.
 fn moments_of(sky: &Sky, observer: &Observer, request: &StatisticsRequest) -> Vec<(f64, Epoch, bool)> {
     let orientation: OrientationTable = sky.orientation_over(request.start, request.end);
     let sun = SunTable::new(request.start, request.end);
@@ -204,26 +206,27 @@ fn count(
 }
 
 const COLUMNS: [Column; 17] = [
-    Column::time("utc", "Middle of the moments that are averaged."),
+    Column::time("utc", "Middle of the averaged times."),
     Column::new("twilight", Kind::Text, "evening or morning."),
-    Column::real("latitude_deg", "deg", 4, "Of the site."),
+    Column::real("latitude_deg", "deg", 4, "Latitude of the site."),
     Column::real("sun_altitude_deg", "deg", 2, "The Sun's centre, without refraction."),
-    Column::real("min_altitude_deg", "deg", 1, "Satellites above this are counted, and pointings spread over it."),
-    Column::real("above", "", 2, "Satellites above it, lit or not."),
-    Column::real("lit", "", 2, "Those in any sunlight."),
-    Column::real("brighter_than_3", "", 2, "Those brighter than magnitude 3."),
-    Column::real("brighter_than_4", "", 2, "Brighter than magnitude 4."),
-    Column::real("brighter_than_5", "", 2, "Brighter than magnitude 5."),
-    Column::real("brighter_than_6", "", 2, "Brighter than magnitude 6."),
-    Column::real("brighter_than_7", "", 2, "Brighter than magnitude 7."),
-    Column::real("brighter_than_8", "", 2, "Brighter than magnitude 8."),
+    Column::real("min_altitude_deg", "deg", 1, "Lowest altitude of the counted satellites and of the pointings."),
+    Column::real("above", "", 2, "Satellites above that altitude, lit or not."),
+    Column::real("lit", "", 2, "Satellites in full or partial sunlight."),
+    Column::real("brighter_than_3", "", 2, "Satellites brighter than magnitude 3."),
+    Column::real("brighter_than_4", "", 2, "Satellites brighter than magnitude 4."),
+    Column::real("brighter_than_5", "", 2, "Satellites brighter than magnitude 5."),
+    Column::real("brighter_than_6", "", 2, "Satellites brighter than magnitude 6."),
+    Column::real("brighter_than_7", "", 2, "Satellites brighter than magnitude 7."),
+    Column::real("brighter_than_8", "", 2, "Satellites brighter than magnitude 8."),
     Column::real("field_deg", "deg", 4, "Full diameter of the field."),
     Column::real("exposure_s", "s", 3, "Length of the exposure."),
     Column::real("trails_per_exposure", "", 5, "Expected trails of lit satellites."),
-    Column::real("streaked_share", "", 5, "Share of exposures with at least one."),
+    Column::real("streaked_share", "", 5, "Fraction of exposures with at least one trail."),
 ];
 
-/// Returns counts at a latitude (radians) as a table: one row for each night, latitude, altitude of the Sun and lowest altitude.
+/// Returns counts at a latitude (radians) as a table: one row for each night, latitude, altitude of the Sun and lowest
+/// altitude.
 pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a StatisticsRequest, &'a SkyCount)>) -> Table {
     let row = |(latitude_rad, request, count): (f64, &StatisticsRequest, &SkyCount)| -> Vec<Value> {
         let mut row: Vec<Value> = vec![

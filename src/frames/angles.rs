@@ -1,4 +1,4 @@
-//! Angles as people write them: decimal degrees or sexagesimal hours and degrees.
+//! Parsing of right ascensions and declinations in decimal degrees or sexagesimal form.
 
 use super::error::FramesError;
 use super::vector::{Direction, Gcrs};
@@ -6,11 +6,11 @@ use super::vector::{Direction, Gcrs};
 const RIGHT_ASCENSION: &str = "a right ascension: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
 const DECLINATION: &str = "a declination: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
 
-/// A right ascension in degrees, [0, 360). A plain number is degrees; `12h34m56.7s`, `12h34m`, `12:34:56.7` and `12 34 56.7` are hours;
-/// `188.5deg`, `188.5d` and `188d30m` are degrees.
+/// Parses a right ascension and returns degrees in [0, 360). A plain number is degrees; `12h34m56.7s`, `12h34m`,
+/// `12:34:56.7` and `12 34 56.7` are hours; `188.5deg`, `188.5d` and `188d30m` are degrees.
 ///
 /// # Errors
-/// Text of another form, minutes or seconds of 60 and more, or an angle outside of the circle.
+/// Text of another form, minutes or seconds of 60 or more, or an angle outside [0, 360].
 pub fn parse_right_ascension_deg(text: &str) -> Result<f64, FramesError> {
     let bad = || FramesError::BadAngle { text: text.to_owned(), wanted: RIGHT_ASCENSION };
     let angle = parse(text).ok_or_else(bad)?;
@@ -25,10 +25,11 @@ pub fn parse_right_ascension_deg(text: &str) -> Result<f64, FramesError> {
     Ok(if degrees == 360.0 { 0.0 } else { degrees })
 }
 
-/// A declination in degrees, [-90, 90]. A plain number is degrees; so are `-30d12m34.5s`, `-30:12:34.5`, `-30 12 34.5` and `-30°12'34.5"`.
+/// Parses a declination and returns degrees in [-90, 90]. A plain number is degrees; so are `-30d12m34.5s`,
+/// `-30:12:34.5`, `-30 12 34.5` and `-30°12'34.5"`.
 ///
 /// # Errors
-/// Text of another form, hours, minutes or seconds of 60 and more, or an angle beyond the poles.
+/// Text of another form, hours, minutes or seconds of 60 or more, or an angle beyond the poles.
 pub fn parse_declination_deg(text: &str) -> Result<f64, FramesError> {
     let bad = || FramesError::BadAngle { text: text.to_owned(), wanted: DECLINATION };
     let angle = parse(text).ok_or_else(bad)?;
@@ -52,7 +53,7 @@ struct Angle {
     unit: Unit,
 }
 
-/// Sign, then up to three numbers parted by `h d ° : ' m " s` or blanks.
+/// Parses a sign and up to three numbers separated by `h d ° : ' m " s` or blanks.
 fn parse(text: &str) -> Option<Angle> {
     let text = text.trim().replace("deg", "d");
     let (negative, text) = match text.strip_prefix(['-', '−']) {
@@ -76,7 +77,7 @@ fn parse(text: &str) -> Option<Angle> {
             Some(mark @ ('h' | 'H' | 'd' | 'D' | '°' | ':' | 'm' | 'M' | '\'' | '′' | 's' | 'S' | '"' | '″')) => {
                 marks.push(mark);
                 rest = after[mark.len_utf8()..].trim_start();
-                // A colon parts two numbers, it does not end one.
+                // A colon separates two numbers and cannot end the text.
                 if mark == ':' && rest.is_empty() {
                     return None;
                 }
@@ -89,8 +90,8 @@ fn parse(text: &str) -> Option<Angle> {
             None => rest = after,
         }
     }
-    for (place, mark) in marks.iter().enumerate() {
-        match (place, mark) {
+    for (index, mark) in marks.iter().enumerate() {
+        match (index, mark) {
             (0, 'h' | 'H') => unit = Unit::Hours,
             (0, 'd' | 'D' | '°') => unit = Unit::Degrees,
             (0, ':') => unit = Unit::Colons,
@@ -101,14 +102,14 @@ fn parse(text: &str) -> Option<Angle> {
         }
     }
     let mut value = 0.0;
-    for (place, number) in numbers.iter().enumerate() {
+    for (index, number) in numbers.iter().enumerate() {
         let part: f64 = number.parse().ok()?;
-        let last = place + 1 == numbers.len();
-        // Only the last number may have a fraction, and minutes and seconds stay below 60.
-        if (!last && number.contains('.')) || (place > 0 && part >= 60.0) {
+        let last = index + 1 == numbers.len();
+        // Only the last number may have a fraction, and minutes and seconds are below 60.
+        if (!last && number.contains('.')) || (index > 0 && part >= 60.0) {
             return None;
         }
-        value += part / [1.0, 60.0, 3600.0][place];
+        value += part / [1.0, 60.0, 3600.0][index];
     }
     (!numbers.is_empty()).then_some(Angle { negative, value, unit })
 }
@@ -179,7 +180,7 @@ mod tests {
             let degrees = parse_declination_deg(text).expect(text);
             assert!((degrees - expected).abs() < 1e-12, "{text}: {degrees}");
         }
-        // The sign counts where the degrees are zero.
+        // The sign counts even where the degrees are zero.
         assert!((parse_declination_deg("-00:30:00").expect("an angle") + 0.5).abs() < 1e-15);
         assert_eq!(parse_declination_deg("90").expect("the pole"), 90.0);
         for text in ["90.0001", "-91", "12h", "30d61m", "x", "-", "+-3"] {

@@ -1,7 +1,8 @@
 //! Earth orientation parameters: UT1 - UTC and polar motion, measured and predicted by the IERS.
 //!
-//! Without them UT1 is taken as UTC: 0.1 s of UT1 turns the Earth by 46 m at the equator, and UT1 - UTC reaches 0.9 s; the pole moves by
-//! up to 0.6" (18 m). That is an error of the observer's place, not of the satellite's: at 550 km range 46 m are 17".
+//! Without a table UT1 is taken equal to UTC. UT1 - UTC reaches 0.9 s, and 0.1 s turns the Earth by 46 m at the
+//! equator; the pole moves by up to 0.6" (18 m). Both are errors of the observer's position, not of the satellite's: 46
+//! m are 17" at a range of 550 km.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -17,7 +18,7 @@ const ARCSEC_RAD: f64 = PI / 648_000.0;
 /// Numbers derived from finals2000A; the header of the file describes how.
 const EMBEDDED: &str = include_str!("data/earth_orientation.txt");
 
-/// UT1 - UTC and the coordinates of the pole at one moment.
+/// UT1 - UTC and the coordinates of the pole at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct EarthOrientationParameters {
     /// UT1 - UTC, seconds.
@@ -33,29 +34,29 @@ impl EarthOrientationParameters {
     pub const ZERO: Self = Self { ut1_minus_utc_s: 0.0, xp_rad: 0.0, yp_rad: 0.0 };
 }
 
-/// How far an answer of [`EopTable::at`] can be trusted.
+/// Origin and accuracy of the values that [`EopTable::at`] returns.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum EopStatus {
     /// Measured: UT1 to 0.1 ms (5 mm at the equator) from a file, to 0.5 ms (0.2 m) from the embedded table.
     Measured,
     /// Predicted: a few ms (a metre) after a month, some 30 ms (14 m) after a year.
     Predicted,
-    /// The moment lies after the table's last row: UT1 = UTC and no polar motion were taken.
+    /// The time is after the table's last row: UT1 = UTC and no polar motion are used.
     Expired {
         /// Last row of the table.
         last: Epoch,
     },
-    /// The moment lies before the table's first row: UT1 = UTC and no polar motion were taken.
+    /// The time is before the table's first row: UT1 = UTC and no polar motion are used.
     TooEarly {
         /// First row of the table.
         first: Epoch,
     },
-    /// No table: UT1 = UTC and no polar motion were taken.
+    /// No table: UT1 = UTC and no polar motion are used.
     NoTable,
 }
 
 impl EopStatus {
-    /// True where the table had an answer.
+    /// Returns true where the table covers the time.
     pub fn is_covered(&self) -> bool {
         matches!(self, Self::Measured | Self::Predicted)
     }
@@ -76,14 +77,14 @@ impl fmt::Display for EopStatus {
 
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct Row {
-    /// TAI seconds after the first row; across leap seconds it goes on evenly, and so does UT1 - TAI.
+    /// TAI seconds after the first row; TAI and UT1 - TAI have no jumps at leap seconds.
     tai_s: f64,
     ut1_minus_tai_s: f64,
     xp_rad: f64,
     yp_rad: f64,
 }
 
-/// A table of UT1 - UTC and polar motion with straight lines between the rows.
+/// A table of UT1 - UTC and polar motion, interpolated linearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EopTable {
     name: &'static str,
@@ -96,24 +97,25 @@ pub struct EopTable {
 }
 
 impl EopTable {
-    /// The bundled table, from 2000 to its expiry in October 2027: rows of the IERS series every three days, which leave the daily values
-    /// by at most 0.5 ms in UT1 (0.2 m at the equator) and 1.1 mas in the pole (3 cm).
+    /// Returns the bundled table, from 2000 to its expiry in October 2027: rows of the IERS series every three days,
+    /// within 0.5 ms of the daily values in UT1 (0.2 m at the equator) and 1.1 mas in the pole (3 cm).
     pub fn embedded() -> Self {
         static TABLE: OnceLock<EopTable> = OnceLock::new();
         TABLE.get_or_init(|| parse_embedded(EMBEDDED)).clone()
     }
 
-    /// No table: UT1 = UTC and no polar motion at all times.
+    /// Returns an empty table: UT1 = UTC and no polar motion at all times.
     pub fn none() -> Self {
         Self { name: "none", first: None, predicted_from_s: 0.0, rows: Vec::new(), polar_motion: true }
     }
 
-    /// Reads the text of a finals2000A file (`.all`, `.data` or `.daily`) of the IERS: Bulletin A, columns of its ReadMe.
+    /// Reads the text of a finals2000A file (`.all`, `.data` or `.daily`) of the IERS: Bulletin A, columns of its
+    /// ReadMe.
     ///
-    /// Rows without UT1 - UTC or pole (the days beyond the predictions) end the table.
+    /// Rows without UT1 - UTC or pole (the days beyond the predictions) are skipped.
     ///
     /// # Errors
-    /// A number that cannot be read, dates that do not grow, or no row at all.
+    /// An invalid number, dates that do not increase, or no row at all.
     pub fn from_finals2000a(text: &str) -> Result<Self, FramesError> {
         let mut first: Option<Epoch> = None;
         let mut predicted_from_s = f64::INFINITY;
@@ -153,7 +155,8 @@ impl EopTable {
         Ok(Self { name: "finals2000A", first, predicted_from_s, rows, polar_motion: true })
     }
 
-    /// The same table with the pole held at its origin: what programs do that know UT1 only. It moves observers by up to 18 m.
+    /// Returns the same table with the pole held at its origin, for comparison with programs that use UT1 only.
+    /// Observers move by up to 18 m.
     pub fn without_polar_motion(mut self) -> Self {
         for row in &mut self.rows {
             (row.xp_rad, row.yp_rad) = (0.0, 0.0);
@@ -162,9 +165,10 @@ impl EopTable {
         self
     }
 
-    /// The parameters at a moment; [`EarthOrientationParameters::ZERO`] outside of the table, which [`EopTable::status`] tells.
+    /// Returns the parameters at a time: [`EarthOrientationParameters::ZERO`] outside the table, see
+    /// [`EopTable::status`].
     ///
-    /// UT1 - TAI is interpolated and the leap seconds are added after that: no jump is smeared over a day.
+    /// UT1 - TAI is interpolated and the leap seconds are added afterwards, so that no jump is spread over a day.
     pub fn at(&self, epoch: Epoch) -> EarthOrientationParameters {
         let Some(seconds) = self.covered_s(epoch) else { return EarthOrientationParameters::ZERO };
         let after = self.rows.partition_point(|row| row.tai_s <= seconds).clamp(1, self.rows.len().max(2) - 1);
@@ -185,7 +189,7 @@ impl EopTable {
         }
     }
 
-    /// Measured, predicted, or outside of the table.
+    /// Returns whether the values at a time are measured, predicted, or outside the table.
     pub fn status(&self, epoch: Epoch) -> EopStatus {
         let (Some(first), Some(last)) = (self.first(), self.last()) else { return EopStatus::NoTable };
         match self.covered_s(epoch) {
@@ -196,20 +200,20 @@ impl EopTable {
         }
     }
 
-    /// The first moment covered.
+    /// Returns the first time covered.
     pub fn first(&self) -> Option<Epoch> {
         self.first
     }
 
-    /// The last moment covered.
+    /// Returns the last time covered.
     pub fn last(&self) -> Option<Epoch> {
         Some(super::time::seconds_after(self.first?, self.rows.last()?.tai_s))
     }
 
-    /// One line for a log: what the table is, what it covers, and what it means to be outside.
+    /// Returns one line for a log: source of the table, interval covered, and the effect outside it.
     pub fn describe(&self) -> String {
         let (Some(first), Some(last)) = (self.first(), self.last()) else {
-            return "no Earth orientation table: UT1 = UTC, which errs by up to 0.9 s (0.1 s is 46 m at the equator)"
+            return "no Earth orientation table: UT1 = UTC, with an error of up to 0.9 s (0.1 s is 46 m at the equator)"
                 .to_owned();
         };
         let measured = super::time::seconds_after(first, self.predicted_from_s.min(seconds_between(first, last)));
@@ -229,15 +233,15 @@ impl EopTable {
     }
 }
 
-/// The UTC date, as in `2027-10-29`.
+/// Formats the UTC date, as in `2027-10-29`.
 fn day(epoch: Epoch) -> String {
     let (year, month, day, ..) = epoch.to_gregorian_utc();
     format!("{year:04}-{month:02}-{day:02}")
 }
 
-/// The embedded table's own form: a head of `key value` lines, then `UT1-TAI x y` in 0.1 ms and 0.1 mas.
+/// Parses the format of the embedded table: a header of `key value` lines, then `UT1-TAI x y` in 0.1 ms and 0.1 mas.
 ///
-/// It is part of the library and read by its tests, so lines that do not fit are left out instead of reported.
+/// The table is part of the library and covered by its tests, so invalid lines are skipped.
 fn parse_embedded(text: &str) -> EopTable {
     let (mut first_mjd, mut step_days, mut predicted_from_mjd, mut last_mjd) = (0, 1, i64::MAX, 0);
     let mut rows = Vec::new();
@@ -252,7 +256,7 @@ fn parse_embedded(text: &str) -> EopTable {
                 let (Ok(ut1), Ok(x), Ok(y)) = (ut1.parse::<f64>(), x.parse::<f64>(), y.parse::<f64>()) else {
                     continue;
                 };
-                // The last row closes the table on the last day of the predictions, less than a step after the one before.
+                // The last row is the last day of the predictions, less than one step after the row before.
                 let mjd = last_mjd.min(first_mjd + step_days * rows.len() as i64);
                 let first = epoch_from_utc_day(first_mjd);
                 rows.push(Row {
@@ -284,7 +288,8 @@ mod tests {
         text.parse().expect("an epoch")
     }
 
-    /// Three days of finals2000A around the leap second of 2016 (columns as in the IERS ReadMe), a prediction and a blank row.
+    /// Three days of finals2000A around the leap second of 2016 (columns as in the IERS ReadMe), a prediction and a
+    /// blank row.
     const SAMPLE: &str = "\
 161231 57753.00 I  0.072600 0.000091  0.264600 0.000091  I-0.4080000 0.0000100  0.0000 0.0000
 17 1 1 57754.00 I  0.070600 0.000091  0.265600 0.000091  I 0.5908000 0.0000100  0.0000 0.0000
@@ -305,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn status_tells_where_the_table_ends() {
+    fn status_shows_where_the_table_ends() {
         let table = EopTable::from_finals2000a(SAMPLE).expect("a table");
         assert_eq!(table.status(utc("2016-12-31T12:00:00 UTC")), EopStatus::Measured);
         assert_eq!(table.status(utc("2017-01-02T00:00:00 UTC")), EopStatus::Predicted);

@@ -1,4 +1,5 @@
-//! Rotations from Earth-fixed axes to the horizon and from ICRS to the equator and equinox of date, and annual aberration.
+//! Rotations from Earth-fixed axes to the horizon and from ICRS to the equator and equinox of date, and annual
+//! aberration.
 
 use hifitime::Epoch;
 use nalgebra::{Matrix3, Vector3};
@@ -8,9 +9,11 @@ use super::time::tt_jd;
 use super::vector::{Direction, Gcrs, Horizontal, Itrs, OfDate, Rotation, Velocity};
 use crate::constants::SPEED_OF_LIGHT_KM_S;
 
-/// Returns the rotation from Earth-fixed axes to north, east, zenith at an east longitude and a geodetic latitude, radians.
+/// Returns the rotation from Earth-fixed axes to north, east and zenith at an east longitude and a geodetic latitude,
+/// radians.
 ///
-/// The zenith is the normal of the ellipsoid, without the deflection of the vertical (up to a minute of arc in mountains).
+/// The zenith is the normal of the ellipsoid, without the deflection of the vertical (up to a minute of arc in
+/// mountains).
 pub fn itrs_to_horizontal(longitude_rad: f64, latitude_rad: f64) -> Rotation<Itrs, Horizontal> {
     let (sin_lon, cos_lon) = longitude_rad.sin_cos();
     let (sin_lat, cos_lat) = latitude_rad.sin_cos();
@@ -33,7 +36,8 @@ pub fn gcrs_to_of_date(epoch: Epoch) -> Rotation<Gcrs, OfDate> {
     Rotation::from_matrix(matrix(&sofars::pnp::pnm06a(day, fraction)))
 }
 
-/// Returns the direction in which an observer with the barycentric velocity `observer` sees an object in the astrometric `direction`.
+/// Returns the direction in which an observer with the barycentric velocity `observer` sees an object in the
+/// astrometric `direction`.
 ///
 /// With β = v/c:  p' = (p/γ + β (1 + p·β/(1 + 1/γ))) / (1 + p·β)        (SOFA ab, without the Sun's potential: 0.4 µas)
 pub fn annual_aberration(direction: &Direction<Gcrs>, observer: &Velocity<Gcrs>) -> Direction<Gcrs> {
@@ -61,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pole_star_stands_in_the_north_at_the_latitude() {
+    fn celestial_pole_is_north_at_the_altitude_of_the_latitude() {
         let horizon = itrs_to_horizontal(1.0, 0.6);
         let pole = horizon * Direction::<Itrs>::from_lon_lat_rad(0.0, std::f64::consts::FRAC_PI_2);
         assert!((pole.latitude_rad() - 0.6).abs() < 1e-15);

@@ -1,4 +1,4 @@
-//! Times from text. A time without `Z` needs a time scale, and so does a number.
+//! Parsing of times. A time without `Z` or a bare number requires a time scale.
 
 use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
 
@@ -10,13 +10,14 @@ pub const FIRST_YEAR: i32 = 1957;
 /// Last supported year (SOFA's Earth ephemeris `epv00` holds for 1900-2100).
 pub const LAST_YEAR: i32 = 2099;
 
-/// Below this a bare number is a modified Julian date, from it on a Julian date (MJD 10^6 is the year 4596, JD 10^6 1976 BC).
+/// Smallest bare number that is read as a Julian date; smaller ones are modified Julian dates (MJD 10^6 is the year
+/// 4596, JD 10^6 is 1976 BC).
 const FIRST_JD: f64 = 1e6;
 
-/// Returns the time of an ISO 8601 text, or, with a scale, of a bare MJD or JD.
+/// Parses an ISO 8601 time or, with a scale, a bare MJD or JD.
 ///
 /// # Errors
-/// As [`parse_instant`]; a number out of the range of Julian dates.
+/// Same as [`parse_instant`], and a number outside the range of Julian dates.
 pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, FramesError> {
     match (text.trim().parse::<f64>(), scale) {
         (Ok(number), Some(scale)) if number < FIRST_JD => Ok(epoch_from_mjd(number, scale)?),
@@ -26,7 +27,8 @@ pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Frame
     }
 }
 
-/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00` for the `Z`.
+/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00`
+/// for the `Z`.
 ///
 /// Without `Z` or offset the text is in `scale`. A second 60 is valid if UTC has one.
 ///
@@ -199,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_time_without_scale_is_refused_with_the_reason() {
+    fn a_time_without_scale_is_rejected_with_the_reason() {
         for text in ["2024-08-14T00:30:00", "60536.02", "2460536.52"] {
             let error = parse_instant(text, None).unwrap_err();
             assert_eq!(error, FramesError::NoScale(text.to_owned()));
@@ -220,7 +222,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_times_are_rejected() {
         for text in [
             "",
             "now",

@@ -1,7 +1,8 @@
-//! Axes as types: mixing two frames does not compile. And what turns them against one another: the Earth, in time.
+//! Reference frames, time scales and the Earth's orientation. Frames are types, so that mixing two of them does not
+//! compile.
 //!
 //! Precession and nutation are IAU 2006/2000A, UT1 and the pole come from a table of the IERS ([`EopTable`]), times are
-//! [`hifitime::Epoch`]s. One orientation costs 40 µs, one out of a table made for a night 0.1 µs:
+//! [`hifitime::Epoch`]s. One orientation costs 40 µs, or 0.1 µs from a table made for a night:
 //!
 //! ```
 //! use hifitime::Epoch;

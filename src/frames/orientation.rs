@@ -1,15 +1,15 @@
 //! Rotations between Earth-fixed, TEME and celestial axes at an epoch.
 //!
-//! The chain that reproduces astropy (and Skyfield within millimetres):
+//! Rotation chains; they agree with astropy, and with Skyfield within millimetres:
 //!
 //! ```text
-//! GCRS ── IAU 2006/2000A precession-nutation, Earth rotation angle, polar motion ── ITRS        (SOFA c2t06a)
-//! TEME ── GMST 1982 ── pseudo Earth-fixed ── polar motion ── ITRS                               (Vallado 2006, appendix C)
+//! GCRS ── IAU 2006/2000A precession-nutation, Earth rotation angle, polar motion ── ITRS      (SOFA c2t06a)
+//! TEME ── GMST 1982 ── pseudo Earth-fixed ── polar motion ── ITRS             (Vallado 2006, appendix C)
 //! ```
 //!
-//! so that TEME to GCRS is the second chain followed by the first one backwards. Polar motion drops out of it, and of UT1 only the slow
-//! difference of two conventions remains: positions of satellites among the stars do not need the Earth's orientation (1 cm), those of
-//! observers do (46 m for 0.1 s of UT1).
+//! TEME to GCRS is the second chain followed by the inverse of the first. Polar motion cancels in it, and of UT1 only
+//! the slow difference of two conventions remains: GCRS positions of satellites hardly depend on the Earth's
+//! orientation (1 cm), those of observers do (46 m for 0.1 s of UT1).
 
 use std::f64::consts::TAU;
 
@@ -23,24 +23,25 @@ use super::vector::Rotation;
 use super::vector::{Gcrs, Itrs, Teme};
 use crate::constants::DAY_S;
 
-/// The rotations between the three geocentric frames at one moment.
+/// The rotations between the three geocentric frames at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Orientation {
-    /// From SGP4's axes to the celestial ones.
+    /// Rotation from SGP4's axes to the celestial ones.
     pub teme_to_gcrs: Rotation<Teme, Gcrs>,
-    /// From the Earth-fixed axes to SGP4's.
+    /// Rotation from the Earth-fixed axes to SGP4's.
     pub itrs_to_teme: Rotation<Itrs, Teme>,
-    /// From the Earth-fixed axes to the celestial ones.
+    /// Rotation from the Earth-fixed axes to the celestial ones.
     pub itrs_to_gcrs: Rotation<Itrs, Gcrs>,
 }
 
 impl Orientation {
-    /// The exact orientation (no interpolation but that of the table); about 40 µs. For many moments see [`OrientationTable`].
+    /// Computes the exact orientation (only the table is interpolated); about 40 µs. For many times see
+    /// [`OrientationTable`].
     pub fn at(epoch: Epoch, eop: &EopTable) -> Self {
         Self::from_parameters(epoch, &eop.at(epoch))
     }
 
-    /// As [`Orientation::at`], with the Earth orientation parameters given.
+    /// Same as [`Orientation::at`], with given Earth orientation parameters.
     pub fn from_parameters(epoch: Epoch, parameters: &EarthOrientationParameters) -> Self {
         let (ut1_day, ut1_fraction) = ut1_jd(epoch, parameters.ut1_minus_utc_s);
         let gmst_rad = sofars::erst::gmst82(ut1_day, ut1_fraction);
@@ -58,9 +59,10 @@ impl Orientation {
     }
 }
 
-/// TEME to GCRS: C⁻¹(X, Y, s) R₃(GMST82 - ERA - s'), free of polar motion.
+/// Returns the rotation from TEME to GCRS: C⁻¹(X, Y, s) R₃(GMST82 - ERA - s'), free of polar motion.
 ///
-/// With W' = W R₃(s') the polar motion of c2t06a and W that of the TEME chain, (W' R₃(ERA) C)⁻¹ · W R₃(GMST) = C⁻¹ R₃(-ERA) R₃(-s') R₃(GMST).
+/// With W' = W R₃(s') the polar motion of c2t06a and W that of the TEME chain, (W' R₃(ERA) C)⁻¹ · W R₃(GMST) = C⁻¹
+/// R₃(-ERA) R₃(-s') R₃(GMST).
 fn slow_matrix(epoch: Epoch, ut1_minus_utc_s: f64) -> Matrix3<f64> {
     let (tt_day, tt_fraction) = tt_jd(epoch);
     let (ut1_day, ut1_fraction) = ut1_jd(epoch, ut1_minus_utc_s);
@@ -72,7 +74,7 @@ fn slow_matrix(epoch: Epoch, ut1_minus_utc_s: f64) -> Matrix3<f64> {
     celestial_to_intermediate.transpose() * Matrix3::new(cos, sin, 0.0, -sin, cos, 0.0, 0.0, 0.0, 1.0)
 }
 
-/// (W R₃(GMST))ᵀ with W = R₁(-yp) R₂(-xp), whose angles (10⁻⁶ rad) are taken to second order.
+/// Returns (W R₃(GMST))ᵀ with W = R₁(-yp) R₂(-xp); the angles of W (10⁻⁶ rad) are taken to second order.
 fn itrs_to_teme(gmst_rad: f64, xp_rad: f64, yp_rad: f64) -> Rotation<Itrs, Teme> {
     let (x, y) = (xp_rad, yp_rad);
     let (cos_x, cos_y) = (1.0 - 0.5 * x * x, 1.0 - 0.5 * y * y);
@@ -87,9 +89,10 @@ pub(super) fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
     Matrix3::from_fn(|row, column| rows[row][column])
 }
 
-/// Orientations over a span of time: the slow part sampled every half day, the Earth's rotation computed.
+/// Orientations over an interval: the slow part sampled every half day, the Earth's rotation computed.
 ///
-/// Making one costs 40 µs for each half day covered (at least four). Interpolation errs by less than 10⁻⁹ rad (6 mm at the Earth's surface).
+/// Construction costs 40 µs for each half day covered (at least four). The interpolation error is below 10⁻⁹ rad (6 mm
+/// at the Earth's surface).
 #[derive(Clone, Debug)]
 pub struct OrientationTable {
     reference: Epoch,
@@ -104,7 +107,8 @@ pub struct OrientationTable {
 }
 
 impl OrientationTable {
-    /// Covers `start` to `end`. Outside, the ends are prolonged: good for another half day, then ever worse.
+    /// Creates a table from `start` to `end`. Beyond the ends the cubics are extrapolated, which is accurate for
+    /// another half day.
     ///
     /// Where the Earth orientation table ends within the span, the step to UT1 = UTC is spread over half a day.
     pub fn new(start: Epoch, end: Epoch, eop: &EopTable) -> Self {
@@ -115,8 +119,8 @@ impl OrientationTable {
         Self::with_slow(start, end, eop, slow)
     }
 
-    /// The part from `start` to `end` of what this table covers, seconds counted from `start`; a tenth of the time of making it, and the same
-    /// to rounding. `eop` is the table of the Earth's orientation that this one was made of.
+    /// Returns the part of this table from `start` to `end`, with seconds counted from `start`. Ten times faster than a
+    /// new table, and equal to it within rounding. `eop` must be the table that this one was made from.
     pub fn part(&self, start: Epoch, end: Epoch, eop: &EopTable) -> Self {
         Self::with_slow(start, end, eop, self.slow.counted_from(seconds_between(self.reference, start)))
     }
@@ -128,7 +132,7 @@ impl OrientationTable {
             let parameters = eop.at(epoch);
             [parameters.ut1_minus_utc_s - tai_minus_utc_s(epoch) - offset_s, parameters.xp_rad, parameters.yp_rad]
         });
-        // GMST82 in seconds of time, T in Julian centuries of UT1 since J2000 (Aoki 1982), and the day's turn that 0h UT1 hides:
+        // GMST82 in seconds of time, T in Julian centuries of UT1 since J2000 (Aoki 1982), plus the turn since 0h UT1:
         // 24110.54841 + 8640184.812866 T + 0.093104 T² - 6.2e-6 T³ + 86400 (UT1 day fraction)
         let (ut1_day, ut1_fraction) = ut1_jd(start, at_start.ut1_minus_utc_s);
         let century_s = 36_525.0 * DAY_S;
@@ -145,12 +149,13 @@ impl OrientationTable {
         }
     }
 
-    /// The epoch from which seconds count: the `start` given.
+    /// Returns the epoch from which seconds count: `start`.
     pub fn reference(&self) -> Epoch {
         self.reference
     }
 
-    /// The orientation `seconds_after_reference` (SI seconds, leap seconds counted) after the reference; about 0.1 µs, no allocation.
+    /// Returns the orientation `seconds_after_reference` (SI seconds, leap seconds counted) after the reference; about
+    /// 0.1 µs, no allocation.
     pub fn at_s(&self, seconds_after_reference: f64) -> Orientation {
         let [ut1_drift_s, xp_rad, yp_rad] = self.eop.linear_at(seconds_after_reference);
         let ut1_s = seconds_after_reference + ut1_drift_s;
@@ -165,7 +170,7 @@ mod tests {
     use super::*;
     use crate::frames::{Position, seconds_after};
 
-    /// Promised in the docs of [`OrientationTable`].
+    /// Tolerance stated in the docs of [`OrientationTable`].
     const TABLE_TOLERANCE_RAD: f64 = 1e-9;
 
     fn largest_difference(a: &Matrix3<f64>, b: &Matrix3<f64>) -> f64 {
@@ -175,7 +180,7 @@ mod tests {
     #[test]
     fn verif_table_against_exact() {
         let eop = EopTable::embedded();
-        // A night, and a span over the leap second of 2016 with the Moon's terms in all phases.
+        // One night, and an interval over the leap second of 2016 with the Moon's terms in all phases.
         for (start, days) in
             [("2024-08-13T23:17:11 UTC", 0.4), ("2016-12-20T05:00:00 UTC", 40.0), ("2020-02-01T00:00:00 UTC", 400.0)]
         {
@@ -213,12 +218,12 @@ mod tests {
             for hours in [0.0, 11.99, 23.9, 40.1] {
                 let start = seconds_after(day, hours * 3600.0);
                 let end = seconds_after(start, 30_000.0);
-                let (part, alone) = (whole.part(start, end, &eop), OrientationTable::new(start, end, &eop));
+                let (part, separate) = (whole.part(start, end, &eop), OrientationTable::new(start, end, &eop));
                 assert_eq!(part.reference(), start);
                 for seconds in [0.0, 777.7, 30_000.0] {
-                    let (part, alone) = (part.at_s(seconds).itrs_to_gcrs, alone.at_s(seconds).itrs_to_gcrs);
-                    let difference = largest_difference(part.matrix(), alone.matrix());
-                    // Over a leap second the nodes lie a second apart: two interpolations of the same function.
+                    let (part, separate) = (part.at_s(seconds).itrs_to_gcrs, separate.at_s(seconds).itrs_to_gcrs);
+                    let difference = largest_difference(part.matrix(), separate.matrix());
+                    // Over a leap second the nodes are a second apart: two interpolations of the same function.
                     assert!(difference < TABLE_TOLERANCE_RAD, "{day} {hours} h {seconds} s: {difference}");
                 }
             }

@@ -5,8 +5,9 @@ use hifitime::Epoch;
 use super::time::{epoch_from_utc_day, mjd_utc, seconds_after, seconds_between};
 use crate::math::interpolation::cubic_weights;
 
-/// Distance of the nodes, seconds. Precession, nutation, the Earth's orbit and the Moon's pull on it are smooth on this scale: a cubic
-/// through four nodes errs by less than 3·10⁻¹⁰ of their size, and daily tables of the Earth's orientation keep their own nodes.
+/// Spacing of the nodes, seconds. Precession, nutation, the Earth's orbit and the Moon's perturbations are smooth on
+/// this scale: a cubic through four nodes has an error below 3·10⁻¹⁰ of their size, and daily tables of the Earth's
+/// orientation keep their own nodes.
 const STEP_S: f64 = 43_200.0;
 
 /// `N` smooth functions of time.
@@ -19,42 +20,44 @@ pub(crate) struct Sampled<const N: usize> {
 }
 
 impl<const N: usize> Sampled<N> {
-    /// Samples `function` over the span from `start` to `end` and half a day on either side; seconds count from `start`.
+    /// Samples `function` from `start` to `end` and half a day on either side; seconds count from `start`.
     ///
-    /// Nodes lie at 0h and 12h UTC (shifted by the leap seconds within the span), where tables of the Earth's orientation have theirs.
+    /// Nodes lie at 0h and 12h UTC (shifted by the leap seconds within the span), where tables of the Earth's
+    /// orientation have theirs.
     pub(crate) fn new(start: Epoch, end: Epoch, function: impl Fn(Epoch) -> [f64; N]) -> Self {
         let midnight = epoch_from_utc_day(mjd_utc(start).floor() as i64);
         let lead_s = seconds_between(midnight, start);
         let lead_nodes = (lead_s / STEP_S).floor();
         let first_s = (lead_nodes - 1.0) * STEP_S - lead_s;
         let span_s = seconds_between(start, end).max(0.0);
-        // One node before the start, the two after the end, and never fewer than the cubic needs.
+        // One node before the start, two after the end, and at least the four that a cubic needs.
         let count = ((span_s - first_s) / STEP_S).floor() as usize + 3;
         let nodes = (0..count).map(|node| function(seconds_after(start, first_s + node as f64 * STEP_S))).collect();
         Self { first_s, nodes }
     }
 
-    /// The same nodes with another zero of time, `seconds` after the one they have.
+    /// Returns the same nodes with the zero of time moved later by `seconds`.
     pub(crate) fn counted_from(&self, seconds: f64) -> Self {
         Self { first_s: self.first_s - seconds, nodes: self.nodes.clone() }
     }
 
-    /// The node before `seconds` (never the last one) and the way to the next as a fraction. Outside of the nodes the fraction leaves [0, 1].
+    /// Returns the node before `seconds` (never the last one) and the fraction of the step after it. Outside the nodes
+    /// the fraction is outside [0, 1].
     fn locate(&self, seconds: f64) -> (usize, f64) {
-        let place = (seconds - self.first_s) / STEP_S;
-        // A NaN or a negative place becomes 0 in the cast.
-        let node = (place as usize).min(self.nodes.len() - 2);
-        (node, place - node as f64)
+        let position = (seconds - self.first_s) / STEP_S;
+        // A NaN or a negative position becomes 0 in the cast.
+        let node = (position as usize).min(self.nodes.len() - 2);
+        (node, position - node as f64)
     }
 
-    /// Straight line between two nodes: for what is itself a table of straight lines.
+    /// Interpolates linearly between two nodes, for functions that are tables with linear interpolation.
     pub(crate) fn linear_at(&self, seconds: f64) -> [f64; N] {
         let (node, fraction) = self.locate(seconds);
         let (left, right) = (&self.nodes[node], &self.nodes[node + 1]);
         std::array::from_fn(|k| left[k] + (right[k] - left[k]) * fraction)
     }
 
-    /// Cubic through the four nodes around.
+    /// Interpolates by a cubic through the four nearest nodes.
     pub(crate) fn cubic_at(&self, seconds: f64) -> [f64; N] {
         let (node, _) = self.locate(seconds);
         let first = node.clamp(1, self.nodes.len() - 3) - 1;
@@ -74,7 +77,7 @@ mod tests {
     fn cubics_pass_through_a_table_of_any_length() {
         for start in ["2024-01-01T00:00:00 UTC", "2024-01-01T12:00:00 UTC", "2024-01-01T11:59:59.5 UTC"] {
             let start: Epoch = start.parse().expect("an epoch");
-            // A cubic of time is its own interpolation, before the start and after the end too.
+            // A cubic of time is reproduced exactly, also before the start and after the end.
             let cubic = |days: f64| 1.0 + days * (2.0 - days * (0.5 - 0.25 * days));
             for span_s in [0.0, 1e-3, 43_199.0, 43_200.0, 43_201.0, 1e6] {
                 let table = Sampled::new(start, seconds_after(start, span_s), |epoch| {

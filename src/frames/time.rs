@@ -1,7 +1,7 @@
 //! Conversions between `hifitime` epochs and the Julian dates of astronomical routines.
 //!
-//! An [`Epoch`] counts nanoseconds as an integer. A Julian date in one `f64` loses 40 µs, so dates leave this file in two parts: a whole
-//! number of days and a half, and the fraction of the day (resolution 10⁻¹¹ s).
+//! An [`Epoch`] counts nanoseconds as an integer. A Julian date in one `f64` loses 40 µs, so Julian dates are returned
+//! in two parts: a whole number of days plus a half, and the fraction of the day (resolution 10⁻¹¹ s).
 
 use hifitime::{Duration, Epoch, TimeScale};
 
@@ -9,7 +9,7 @@ use super::error::FramesError;
 
 /// Julian date of 1900-01-01T00:00:00, the zero of `hifitime`'s TAI, TT and UTC counts.
 const JD_1900: f64 = 2_415_020.5;
-/// Modified Julian date of the same.
+/// Modified Julian date of 1900-01-01.
 const MJD_1900: i64 = 15_020;
 /// Nanoseconds in a day.
 const DAY_NS: i128 = 86_400_000_000_000;
@@ -18,49 +18,50 @@ const TT_MINUS_TAI_NS: i128 = 32_184_000_000;
 /// TAI - GPS time, and TAI - BeiDou time, nanoseconds (by definition).
 const GPS_LAG_NS: i128 = 19_000_000_000;
 const BEIDOU_LAG_NS: i128 = 33_000_000_000;
-/// From 1900-01-01T00:00:00 to 2000-01-01T12:00:00, nanoseconds.
+/// Nanoseconds from 1900-01-01T00:00:00 to 2000-01-01T12:00:00.
 const J2000_NS: i128 = 36_524 * DAY_NS + DAY_NS / 2;
-/// Dates from 1900-01-01 to 2199-12-31 are accepted: a number outside is almost surely in another unit.
+/// Accepted dates, 1900-01-01 to 2199-12-31: a number outside is almost certainly in another unit.
 const MJD_RANGE: (f64, f64) = (15_020.0, 124_593.0);
 /// Julian date of MJD 0.
 const MJD_ZERO_JD: f64 = 2_400_000.5;
 
-/// Two-part Julian date, TT.
+/// Returns the two-part Julian date in TT.
 pub fn tt_jd(epoch: Epoch) -> (f64, f64) {
     split_days(tai_ns(epoch) + TT_MINUS_TAI_NS)
 }
 
-/// Two-part Julian date, UT1, from UT1 - UTC in seconds at the epoch.
+/// Returns the two-part Julian date in UT1, from UT1 - UTC in seconds at the epoch.
 pub fn ut1_jd(epoch: Epoch, ut1_minus_utc_s: f64) -> (f64, f64) {
     let (day, fraction) = split_days(tai_ns(epoch));
     (day, fraction + (ut1_minus_utc_s - tai_minus_utc_s(epoch)) / crate::constants::DAY_S)
 }
 
-/// Two-part Julian date, UTC. During a leap second it repeats the first second of the next day, as `hifitime`'s UTC count does.
+/// Returns the two-part Julian date in UTC. During a leap second it repeats the first second of the next day, as the
+/// UTC count of `hifitime` does.
 pub fn utc_jd(epoch: Epoch) -> (f64, f64) {
     split_days(epoch.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds())
 }
 
-/// Modified Julian date in one number, UTC; good to 1 µs, for tables and messages.
+/// Returns the modified Julian date in UTC as one number; accurate to 1 µs, for tables and messages.
 pub fn mjd_utc(epoch: Epoch) -> f64 {
     let (day, fraction) = utc_jd(epoch);
     (day - MJD_ZERO_JD) + fraction
 }
 
-/// TAI - UTC, seconds: the leap seconds inserted until then. 0 before 1972.
+/// Returns TAI - UTC, seconds: the leap seconds inserted so far. 0 before 1972.
 pub fn tai_minus_utc_s(epoch: Epoch) -> f64 {
     f64::from(epoch.leap_seconds_iers())
 }
 
-/// Until when the leap seconds that this library counts are known to be all: IERS Bulletin C 72 of July 2026 announces none for the end of that year, and
-/// the IERS table made of it expires on 28 June 2027.
+/// Returns the time until which the built-in leap seconds are known to be complete: IERS Bulletin C 72 of July 2026
+/// announces none for the end of that year, and the IERS table made from it expires on 28 June 2027.
 pub fn leap_seconds_known_until() -> Epoch {
     Epoch::from_gregorian_utc_at_midnight(2027, 6, 28)
 }
 
-/// Seconds (SI) from `earlier` to `later`, leap seconds counted.
+/// Returns the SI seconds from `earlier` to `later`, leap seconds counted.
 ///
-/// The subtraction of two UTC epochs in `hifitime` is short by one second for each leap second between them; this one is not.
+/// Subtracting two UTC epochs in `hifitime` omits the leap seconds between them.
 pub fn seconds_between(earlier: Epoch, later: Epoch) -> f64 {
     let difference_ns = tai_ns(later) - tai_ns(earlier);
     let whole_s = difference_ns.div_euclid(1_000_000_000);
@@ -68,8 +69,8 @@ pub fn seconds_between(earlier: Epoch, later: Epoch) -> f64 {
     whole_s as f64 + rest_ns as f64 * 1e-9
 }
 
-/// The epoch `seconds` (SI) after another, rounded to the nanosecond; in the same time scale, but in TAI for the 36 s before a
-/// leap second, where `hifitime`'s way from TAI to UTC is a second off.
+/// Returns the epoch `seconds` (SI) after another, rounded to the nanosecond, in the same time scale; in TAI for the 36
+/// s before a leap second, where the conversion from TAI to UTC in `hifitime` is off by one second.
 pub fn seconds_after(epoch: Epoch, seconds: f64) -> Epoch {
     let whole_s = seconds.floor();
     let rest_ns = ((seconds - whole_s) * 1e9).round();
@@ -79,10 +80,11 @@ pub fn seconds_after(epoch: Epoch, seconds: f64) -> Epoch {
     if tai_ns(back) == tai_ns(later) { back } else { later }
 }
 
-/// The epoch of a modified Julian date, whose scale must be said: TAI read as UTC is 37 s wrong, and a satellite 280 km further.
+/// Returns the epoch of a modified Julian date. The scale is required: TAI read as UTC is wrong by 37 s, a satellite by
+/// 280 km.
 ///
 /// # Errors
-/// A number that is not finite or lies outside of 1900..2200, or a time scale that no clock keeps (TCG, TCB).
+/// A number that is not finite or outside 1900..2200, or an unsupported time scale (TCG, TCB).
 pub fn epoch_from_mjd(mjd: f64, scale: TimeScale) -> Result<Epoch, FramesError> {
     let (first, last) = MJD_RANGE;
     if !(first..=last).contains(&mjd) {
@@ -92,10 +94,10 @@ pub fn epoch_from_mjd(mjd: f64, scale: TimeScale) -> Result<Epoch, FramesError> 
         .ok_or(FramesError::UnsupportedTimeScale { scale })
 }
 
-/// The epoch of a Julian date. One `f64` holds it to 40 µs only, which is 30 cm of a satellite's way.
+/// Returns the epoch of a Julian date. One `f64` resolves 40 µs, 30 cm along a satellite's track.
 ///
 /// # Errors
-/// A number that is not finite or lies outside of 1900..2200, or a time scale that no clock keeps (TCG, TCB).
+/// A number that is not finite or outside 1900..2200, or an unsupported time scale (TCG, TCB).
 pub fn epoch_from_jd(jd: f64, scale: TimeScale) -> Result<Epoch, FramesError> {
     let (first, last) = (MJD_RANGE.0 + MJD_ZERO_JD, MJD_RANGE.1 + MJD_ZERO_JD);
     if !(first..=last).contains(&jd) {
@@ -106,12 +108,12 @@ pub fn epoch_from_jd(jd: f64, scale: TimeScale) -> Result<Epoch, FramesError> {
         .ok_or(FramesError::UnsupportedTimeScale { scale })
 }
 
-/// Nanoseconds since 1900-01-01T00:00:00 TAI.
+/// Returns nanoseconds since 1900-01-01T00:00:00 TAI.
 pub(crate) fn tai_ns(epoch: Epoch) -> i128 {
     epoch.to_tai_duration().total_nanoseconds()
 }
 
-/// 0h UTC of a whole modified Julian date.
+/// Returns 0h UTC of a whole modified Julian date.
 pub(crate) fn epoch_from_utc_day(mjd: i64) -> Epoch {
     Epoch::from_duration(Duration::from_total_nanoseconds(i128::from(mjd - MJD_1900) * DAY_NS), TimeScale::UTC)
 }
@@ -120,7 +122,7 @@ fn from_day_and_fraction(mjd: i64, fraction: f64, scale: TimeScale) -> Option<Ep
     let since_1900_ns = i128::from(mjd - MJD_1900) * DAY_NS + (fraction * DAY_NS as f64).round() as i128;
     let count = |scale, nanoseconds| Epoch::from_duration(Duration::from_total_nanoseconds(nanoseconds), scale);
     Some(match scale {
-        // These three count from 1900-01-01T00:00:00 of their own clock.
+        // These three scales count from 1900-01-01T00:00:00 in their own time.
         TimeScale::UTC | TimeScale::TAI | TimeScale::TT => count(scale, since_1900_ns),
         TimeScale::GPST | TimeScale::QZSST | TimeScale::GST => count(TimeScale::TAI, since_1900_ns + GPS_LAG_NS),
         TimeScale::BDT => count(TimeScale::TAI, since_1900_ns + BEIDOU_LAG_NS),
@@ -144,7 +146,7 @@ mod tests {
         text.parse().expect("an epoch")
     }
 
-    /// Through a leap second and the 36 s before it a step of so many seconds is just that, a step of nothing nothing.
+    /// Steps through a leap second and through the 36 s before it have the requested length, zero included.
     #[test]
     fn verif_steps_through_a_leap_second() {
         for second in [0, 20, 30, 45, 59] {

@@ -1,4 +1,4 @@
-//! Reference frames as types, and positions, velocities, directions and rotations in them.
+//! Reference frames as types; positions, velocities, directions and rotations between them.
 
 use std::f64::consts::TAU;
 use std::fmt::Debug;
@@ -7,9 +7,9 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// A set of axes. Implemented by the empty types of this file and by nothing else.
+/// A set of axes. Implemented by the empty types of this file only.
 pub trait Frame: Copy + Clone + Debug + PartialEq + Send + Sync + 'static {
-    /// The frame's name as it is printed.
+    /// Name of the frame for display.
     const NAME: &'static str;
 }
 
@@ -25,7 +25,7 @@ macro_rules! frame {
 }
 
 frame!(
-    /// True equator, mean equinox of date: what SGP4 answers in. Never leaves `orbit`.
+    /// True equator, mean equinox of date: the frame of SGP4's output. Used inside `orbit` only.
     Teme, "TEME"
 );
 frame!(
@@ -59,12 +59,12 @@ macro_rules! framed_vector {
         }
 
         impl<F: Frame> $name<F> {
-            /// From a plain vector that is already in this frame and unit.
+            /// Creates a vector from components that are already in this frame and unit.
             pub fn from_vector(vector: Vector3<f64>) -> Self {
                 Self { vector, frame: PhantomData }
             }
 
-            /// The plain vector, in the axes of the frame.
+            /// Returns the components in the axes of the frame.
             pub fn vector(&self) -> &Vector3<f64> {
                 &self.vector
             }
@@ -73,7 +73,8 @@ macro_rules! framed_vector {
 }
 
 framed_vector!(
-    /// A place, km from the centre of the Earth (or, for `Horizontal` and differences, from where it is said).
+    /// A position, km, relative to the centre of the Earth (for `Horizontal` and for differences, relative to the
+    /// documented point).
     Position
 );
 framed_vector!(
@@ -86,17 +87,17 @@ framed_vector!(
 );
 
 impl<F: Frame> Position<F> {
-    /// From components in km.
+    /// Creates a position from components in km.
     pub fn new(x_km: f64, y_km: f64, z_km: f64) -> Self {
         Self::from_vector(Vector3::new(x_km, y_km, z_km))
     }
 
-    /// Distance from the origin, km.
+    /// Returns the distance from the origin, km.
     pub fn norm_km(&self) -> f64 {
         self.vector.norm()
     }
 
-    /// The direction from the origin; `None` at the origin itself or where a component is not finite.
+    /// Returns the direction from the origin; `None` at the origin itself or where a component is not finite.
     pub fn direction(&self) -> Option<Direction<F>> {
         let norm = self.vector.norm();
         (norm > 0.0 && norm.is_finite()).then(|| Direction::from_vector(self.vector / norm))
@@ -104,67 +105,69 @@ impl<F: Frame> Position<F> {
 }
 
 impl<F: Frame> Velocity<F> {
-    /// From components in km/s.
+    /// Creates a velocity from components in km/s.
     pub fn new(x_km_s: f64, y_km_s: f64, z_km_s: f64) -> Self {
         Self::from_vector(Vector3::new(x_km_s, y_km_s, z_km_s))
     }
 
-    /// Speed, km/s.
+    /// Returns the speed, km/s.
     pub fn norm_km_s(&self) -> f64 {
         self.vector.norm()
     }
 
-    /// The way made in `seconds`.
+    /// Returns the displacement in `seconds`.
     pub fn displacement(&self, seconds: f64) -> Position<F> {
         Position::from_vector(self.vector * seconds)
     }
 }
 
 impl<F: Frame> Direction<F> {
-    /// From longitude (right ascension, azimuth) and latitude (declination, altitude), radians.
+    /// Creates a direction from longitude (right ascension, azimuth) and latitude (declination, altitude), radians.
     pub fn from_lon_lat_rad(longitude_rad: f64, latitude_rad: f64) -> Self {
         let (sin_lon, cos_lon) = longitude_rad.sin_cos();
         let (sin_lat, cos_lat) = latitude_rad.sin_cos();
         Self::from_vector(Vector3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat))
     }
 
-    /// Longitude (right ascension, azimuth) in [0, 2π), radians.
+    /// Returns the longitude (right ascension, azimuth) in [0, 2π), radians.
     pub fn longitude_rad(&self) -> f64 {
         let longitude = self.vector.y.atan2(self.vector.x).rem_euclid(TAU);
         // rem_euclid of a tiny negative number rounds to 2π itself.
         if longitude >= TAU { 0.0 } else { longitude }
     }
 
-    /// Latitude (declination, altitude) in [-π/2, π/2], radians; exact near the poles too.
+    /// Returns the latitude (declination, altitude) in [-π/2, π/2], radians; accurate near the poles too.
     pub fn latitude_rad(&self) -> f64 {
         self.vector.z.atan2(self.vector.x.hypot(self.vector.y))
     }
 
-    /// Angle to another direction in [0, π], radians; exact for tiny and for nearly opposite angles.
+    /// Returns the angle to another direction in [0, π], radians; accurate for tiny and for nearly opposite angles.
     pub fn separation_rad(&self, other: &Self) -> f64 {
         self.vector.cross(&other.vector).norm().atan2(self.vector.dot(&other.vector))
     }
 
-    /// Cosine of the angle to another direction.
+    /// Returns the cosine of the angle to another direction.
     pub fn cosine(&self, other: &Self) -> f64 {
         self.vector.dot(&other.vector)
     }
 
-    /// Position angle of `other` seen from here: from the frame's north through increasing longitude (east), in [0, 2π), radians.
+    /// Returns the position angle of `other` from this direction: from the frame's north through increasing longitude
+    /// (east), in [0, 2π), radians.
     pub fn position_angle_rad(&self, other: &Self) -> f64 {
         let (east, north) = self.east_north();
         let angle = other.vector.dot(&east).atan2(other.vector.dot(&north)).rem_euclid(TAU);
         if angle >= TAU { 0.0 } else { angle }
     }
 
-    /// Unit vectors towards increasing longitude and latitude at this direction. At a pole, those of longitude 0.
+    /// Returns the unit vectors towards increasing longitude and latitude at this direction; at a pole, those of
+    /// longitude 0.
     pub fn east_north(&self) -> (Vector3<f64>, Vector3<f64>) {
         let (sin_lon, cos_lon) = self.longitude_rad().sin_cos();
         let east = Vector3::new(-sin_lon, cos_lon, 0.0);
         (east, self.vector.cross(&east))
     }
 
-    /// The place at `range_km` in this direction.
+    /// Returns the position at `range_km` in this direction.
     pub fn at_range(&self, range_km: f64) -> Position<F> {
         Position::from_vector(self.vector * range_km)
     }
@@ -205,7 +208,7 @@ impl<F: Frame> Neg for Direction<F> {
     }
 }
 
-/// An orthogonal map that turns components in frame `A` into components in frame `B`.
+/// An orthogonal transformation of components in frame `A` into components in frame `B`.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Rotation<A: Frame, B: Frame> {
     matrix: Matrix3<f64>,
@@ -213,17 +216,17 @@ pub struct Rotation<A: Frame, B: Frame> {
 }
 
 impl<A: Frame, B: Frame> Rotation<A, B> {
-    /// From a matrix that is already orthogonal; rows are the axes of `B` in `A`.
+    /// Creates a rotation from an orthogonal matrix whose rows are the axes of `B` in `A`.
     pub fn from_matrix(matrix: Matrix3<f64>) -> Self {
         Self { matrix, frames: PhantomData }
     }
 
-    /// The matrix; rows are the axes of `B` in `A`.
+    /// Returns the matrix; rows are the axes of `B` in `A`.
     pub fn matrix(&self) -> &Matrix3<f64> {
         &self.matrix
     }
 
-    /// The way back.
+    /// Returns the inverse rotation.
     pub fn inverse(&self) -> Rotation<B, A> {
         Rotation::from_matrix(self.matrix.transpose())
     }

@@ -1,44 +1,48 @@
-//! What can go wrong with a place on the Earth.
+//! Errors of sites.
 
 /// Errors of this module.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GeometryError {
-    /// A coordinate outside of its range.
-    #[error("{what} {value} {unit} of site {site:?} is not between {first} and {last}")]
+    /// A coordinate outside its range.
+    #[error("invalid {what} {value} {unit} of site {site:?}: expected a value between {first} and {last}")]
     CoordinateOutOfRange {
         /// The site's name.
         site: String,
-        /// Which coordinate.
+        /// Name of the coordinate.
         what: &'static str,
         /// The number given.
         value: f64,
-        /// Its unit.
+        /// Unit of the coordinate.
         unit: &'static str,
         /// Smallest number allowed.
         first: f64,
         /// Largest number allowed.
         last: f64,
     },
-    /// A name that the table does not hold.
-    #[error("unknown site {name:?}; {}", near(nearest))]
+    /// A site name that is not in the table.
+    #[error("unknown site {name:?}: {}", near(nearest))]
     UnknownSite {
         /// Requested value.
         name: String,
-        /// Names in the table that look like it, nearest first; none where nothing does.
+        /// Similar names in the table, nearest first; empty if there are none.
         nearest: Vec<String>,
     },
-    /// An observatory code that the table does not hold.
+    /// An observatory code that is not in the table.
     #[error(
-        "unknown MPC observatory code {code:?}; the bundled table knows {known} codes, any other place can be given by latitude, longitude and height"
+        "unknown MPC observatory code {code:?}: not among the {known} codes of the bundled table; specify latitude, longitude and height instead"
     )]
     UnknownMpcCode {
         /// Requested value.
         code: String,
-        /// How many codes the table knows.
+        /// Number of codes in the table.
         known: usize,
     },
 }
 
 fn near(names: &[String]) -> String {
-    if names.is_empty() { "no known name is near it".to_owned() } else { format!("near it: {}", names.join(", ")) }
+    if names.is_empty() {
+        "no similar name in the bundled table; specify latitude, longitude and height instead".to_owned()
+    } else {
+        format!("similar names: {}", names.join(", "))
+    }
 }

@@ -1,4 +1,4 @@
-//! The Earth's limb as an observer in space sees it.
+//! The Earth's limb for an observer in space.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,13 +7,14 @@ use nalgebra::Vector3;
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING};
 use crate::frames::{Direction, Gcrs, Position};
 
-/// The border of what the Earth hides: the WGS84 ellipsoid, or a shell above it.
+/// Boundary of the region hidden by the Earth: the WGS84 ellipsoid, or a shell above it.
 ///
-/// z stretched by 1/(1 - f) makes the ellipsoid a sphere and keeps lines straight, so that hidden or not is exact for height 0 (the Earth's axis taken as z of
-/// GCRS, 60 m in 2026); angles from the limb are those of the stretched space, within 0.2°.
+/// Stretching z by 1/(1 - f) makes the ellipsoid a sphere and keeps lines straight, so that the visibility is exact for
+/// height 0 (with the Earth's axis taken as z of GCRS, 60 m in 2026). Angles from the limb are those of the stretched
+/// space, within 0.2°.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct EarthLimb {
-    /// Height of the shell above the ellipsoid, km, at least 0: what is seen through less air than this counts as hidden.
+    /// Height of the shell above the ellipsoid, km, at least 0: lines of sight that pass lower count as hidden.
     pub height_km: f64,
 }
 
@@ -22,7 +23,8 @@ impl EarthLimb {
         EARTH_EQUATORIAL_RADIUS_KM + self.height_km
     }
 
-    /// Least height of the straight line between two places above the limb's shell, km; negative where the Earth stands in between.
+    /// Returns the least height of the straight line between two positions above the limb's shell, km; negative where
+    /// the Earth is in between.
     pub fn clearance_km(&self, observer: &Position<Gcrs>, target: &Position<Gcrs>) -> f64 {
         let (from, to) = (stretch(observer.vector()), stretch(target.vector()));
         let line = to - from;
@@ -30,12 +32,14 @@ impl EarthLimb {
         (from + line * nearest).norm() - self.radius_km()
     }
 
-    /// Height of a place above the ellipsoid, km, in the stretched space as all of the limb: over the poles too large by 1/298 of itself.
+    /// Returns the height of a position above the ellipsoid, km, in the stretched space: over the poles too large by
+    /// 1/298 of itself.
     pub fn height_of_km(&self, observer: &Position<Gcrs>) -> f64 {
         stretch(observer.vector()).norm() - EARTH_EQUATORIAL_RADIUS_KM
     }
 
-    /// Angle of a direction above the limb, radians, [-π/2, π]; negative where it meets the Earth. An observer below the shell sees nothing: -π/2.
+    /// Returns the angle of a direction above the limb, radians, [-π/2, π]; negative where the direction meets the
+    /// Earth. An observer below the shell sees nothing: -π/2.
     pub fn altitude_rad(&self, observer: &Position<Gcrs>, direction: &Direction<Gcrs>) -> f64 {
         let (down, ahead) = (-stretch(observer.vector()), stretch(direction.vector()));
         if down.norm() < self.radius_km() {
@@ -68,9 +72,9 @@ mod tests {
             assert_eq!(limb.clearance_km(&observer, &far) > 0.0, seen);
             assert!(shell.altitude_rad(&observer, &direction) < altitude_rad);
         }
-        // What stands this side of the Earth is seen against it.
+        // A target between observer and Earth is seen against it.
         assert!(limb.clearance_km(&observer, &Position::new(6600.0, 0.0, 0.0)) > 0.0);
-        // From below the shell every direction is hidden, and no angle lies outside its range.
+        // From below the shell every direction is hidden, and all angles are in range.
         assert!((limb.height_of_km(&observer) - 540.0).abs() < 1e-9);
         for longitude_rad in [0.0, 1.0, std::f64::consts::PI] {
             let up = Direction::from_lon_lat_rad(longitude_rad, 0.0);
@@ -79,9 +83,9 @@ mod tests {
     }
 
     proptest! {
-        /// Against points along the line on the ellipsoid's own equation.
+        /// Compares with points along the line, tested by the ellipsoid's equation.
         #[test]
-        fn verif_hidden_is_what_meets_the_ellipsoid(
+        fn verif_hidden_lines_meet_the_ellipsoid(
             a in prop::array::uniform3(-1.0..1.0f64), b in prop::array::uniform3(-1.0..1.0f64), high in 6800.0..9000.0f64, far in 6800.0..40_000.0f64,
         ) {
             let (a, b) = (Vector3::from(a), Vector3::from(b));

@@ -11,7 +11,9 @@
 //! let (satellite, velocity) = (Position::<Gcrs>::new(-5900.0, 150.0, -3500.0), Velocity::<Gcrs>::new(1.0, 7.4, 0.5));
 //!
 //! let seen = aspect(&satellite, &velocity, &observer.position, &sun.earth_velocity);
-//! println!("RA {:.4} Dec {:.4} deg", seen.direction.longitude_rad().to_degrees(), seen.direction.latitude_rad().to_degrees());
+//! let direction = seen.direction;
+//! println!("RA {:.4} deg", direction.longitude_rad().to_degrees());
+//! println!("Dec {:.4} deg", direction.latitude_rad().to_degrees());
 //! println!("altitude and azimuth {:?} rad", observer.altitude_azimuth_rad(&seen.geometric));
 //! println!("{}", illumination(&satellite, &sun.sun).name());
 //! # Ok::<(), streakcast::geometry::GeometryError>(())

@@ -12,15 +12,15 @@ use crate::frames::{
     Gcrs, Horizontal, Itrs, Orientation, OrientationTable, Position, Rotation, Velocity, itrs_to_horizontal,
 };
 
-/// `name;aliases parted by |;MPC code;latitude;longitude;height`: see the head of the file for where the numbers come from.
+/// Table of `name;aliases separated by |;MPC code;latitude;longitude;height`; the head of the file lists the sources.
 const TABLE: &str = include_str!("sites.csv");
 
-/// A place on (or above) the WGS84 ellipsoid.
+/// A position on (or above) the WGS84 ellipsoid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Site {
-    /// What people call it.
+    /// Name for display.
     pub name: String,
-    /// The Minor Planet Center's observatory code, where there is one.
+    /// Minor Planet Center observatory code, if any.
     pub mpc_code: Option<String>,
     /// Geodetic latitude, radians, north positive.
     pub latitude_rad: f64,
@@ -30,20 +30,22 @@ pub struct Site {
     pub height_m: f64,
 }
 
-/// So many letters in common, at the beginning or as a whole name, make two names look alike.
+/// Number of common letters, at the beginning or as a whole name, that makes two names similar.
 const ALIKE: usize = 4;
 
 struct Entry {
     site: Site,
-    /// Names and aliases without blanks and marks, lower case.
+    /// Names and aliases in lower case without blanks and punctuation.
     keys: Vec<String>,
 }
 
 impl Site {
-    /// A place by numbers: degrees, east longitude positive (to 360 is allowed too), metres above the ellipsoid.
+    /// Creates a site from coordinates: degrees, east longitude positive (up to 360 is accepted), metres above the
+    /// ellipsoid.
     ///
     /// # Errors
-    /// A latitude beyond ±90, a longitude beyond -180..360, a height beyond -11 km..100 km, or a number that is not finite.
+    /// A latitude beyond ±90, a longitude beyond -180..360, a height beyond -11 km..100 km, or a number that is not
+    /// finite.
     pub fn new_deg(name: &str, latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, GeometryError> {
         let checks = [
             ("latitude", latitude_deg, "deg", -90.0, 90.0),
@@ -66,10 +68,11 @@ impl Site {
         })
     }
 
-    /// A place of the bundled table by one of its names; case, blanks, hyphens and other marks do not count, an MPC code is a name too.
+    /// Returns a site of the bundled table by one of its names or its MPC code; case, blanks, hyphens and other
+    /// punctuation are ignored.
     ///
     /// # Errors
-    /// An unknown name; the error lists the nearest ones, where any name is near.
+    /// An unknown name; the error lists similar names, if any.
     pub fn by_name(name: &str) -> Result<Self, GeometryError> {
         let key = key_of(name);
         if let Some(entry) = table().iter().find(|entry| entry.keys.contains(&key)) {
@@ -81,14 +84,14 @@ impl Site {
         Err(GeometryError::UnknownSite { name: name.to_owned(), nearest: nearest_names(&key) })
     }
 
-    /// A place of the bundled table by the Minor Planet Center's observatory code, in upper or lower case.
+    /// Returns a site of the bundled table by its Minor Planet Center observatory code, in upper or lower case.
     ///
     /// # Errors
     /// An unknown code.
     pub fn from_mpc(code: &str) -> Result<Self, GeometryError> {
-        let wanted = code.trim();
+        let requested = code.trim();
         let matches =
-            |entry: &&Entry| entry.site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(wanted));
+            |entry: &&Entry| entry.site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(requested));
         match table().iter().find(matches) {
             Some(entry) => Ok(entry.site.clone()),
             None => Err(GeometryError::UnknownMpcCode {
@@ -98,12 +101,12 @@ impl Site {
         }
     }
 
-    /// All places of the bundled table.
+    /// Returns all sites of the bundled table.
     pub fn all() -> impl Iterator<Item = &'static Site> {
         table().iter().map(|entry| &entry.site)
     }
 
-    /// Earth-fixed place, km.
+    /// Returns the Earth-fixed position, km.
     ///
     /// N = a / √(1 - e² sin² φ),  x = (N + h) cos φ cos λ,  z = (N (1 - e²) + h) sin φ
     pub fn itrs(&self) -> Position<Itrs> {
@@ -116,7 +119,7 @@ impl Site {
         Position::new(across_km * cos_lon, across_km * sin_lon, (normal_km * (1.0 - e2) + height_km) * sin_lat)
     }
 
-    /// From Earth-fixed axes to the horizon of the ellipsoid's normal.
+    /// Returns the rotation from Earth-fixed axes to the horizon of the ellipsoid's normal.
     pub fn horizon(&self) -> Rotation<Itrs, Horizontal> {
         itrs_to_horizontal(self.longitude_rad, self.latitude_rad)
     }
@@ -127,7 +130,7 @@ fn table() -> &'static [Entry] {
     ENTRIES.get_or_init(|| TABLE.lines().filter_map(read_entry).collect())
 }
 
-/// The table is part of the library and held by its tests: what is not an entry is a remark.
+/// Lines that are not entries are comments; the table is part of the library and covered by its tests.
 fn read_entry(line: &str) -> Option<Entry> {
     let fields: Vec<&str> = line.split(';').map(str::trim).collect();
     let &[name, aliases, code, latitude, longitude, height] = fields.as_slice() else { return None };
@@ -141,8 +144,8 @@ fn key_of(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Up to four names that look like it: those that hold the text or lie within it first, then by the number of letters to change.
-/// A name with more than a third of its letters to change looks like something else, unless it begins alike.
+/// Returns up to four similar names: those that contain the text or are contained in it first, then by edit distance. A
+/// name with more than a third of its letters changed is not similar, unless it begins with the same letters.
 fn nearest_names(key: &str) -> Vec<String> {
     let mut ranked: Vec<(usize, &str)> = table()
         .iter()
@@ -163,7 +166,7 @@ fn nearest_names(key: &str) -> Vec<String> {
     ranked.iter().take(4).map(|&(_, name)| name.to_owned()).collect()
 }
 
-/// True for a part long enough to tell something.
+/// Returns true for a part long enough to be significant.
 fn is_within(part: &str, whole: &str) -> bool {
     part.chars().count() >= ALIKE && whole.contains(part)
 }
@@ -211,7 +214,8 @@ impl Observer {
 
     /// Returns the celestial position, velocity and horizon.
     ///
-    /// The velocity is ω × r about the pole of date; the length of day (10⁻⁸) and polar motion are neglected: below 0.01 mm/s.
+    /// The velocity is ω × r about the pole of date; the length of day (10⁻⁸) and polar motion are neglected: below
+    /// 0.01 mm/s.
     pub fn state(&self, orientation: &Orientation) -> ObserverState {
         let in_teme = (orientation.itrs_to_teme * self.itrs).vector().to_owned();
         let turn = Vector3::new(-in_teme.y, in_teme.x, 0.0) * EARTH_ROTATION_RAD_S;
@@ -230,15 +234,15 @@ impl Observer {
 }
 
 impl ObserverState {
-    /// Returns the altitude and azimuth (from north through east, [0, 2π)) of a position relative to the observer, radians, without
-    /// refraction; `None` for the position of the observer.
+    /// Returns the altitude and azimuth (from north through east, [0, 2π)) of a position relative to the observer,
+    /// radians, without refraction; `None` for the position of the observer.
     pub fn altitude_azimuth_rad(&self, geometric: &Position<Gcrs>) -> Option<(f64, f64)> {
         let direction = (self.horizon * *geometric).direction()?;
         Some((direction.latitude_rad(), direction.longitude_rad()))
     }
 
-    /// Returns the altitude and azimuth of the Sun's centre, as [`altitude_azimuth_rad`](Self::altitude_azimuth_rad), without
-    /// aberration (20"); `None` outside the years 1900 to 2100.
+    /// Returns the altitude and azimuth of the Sun's centre, as [`altitude_azimuth_rad`](Self::altitude_azimuth_rad),
+    /// without aberration (20"); `None` outside the years 1900 to 2100.
     pub fn sun_altitude_azimuth_rad(&self, moment: Epoch) -> Option<(f64, f64)> {
         let seen = self.altitude_azimuth_rad(&(SunState::at(moment).sun - self.position));
         seen.filter(|(altitude, _)| altitude.is_finite())
@@ -254,11 +258,13 @@ impl ObserverState {
 mod tests {
     use super::*;
 
-    /// A campus is some hundred metres wide, and a name stands for one dome of it: astropy's own entry is often another one, or rounded to a minute
-    /// of arc. At 1000 km, 1 km is three minutes of arc: better places than a name must be given by numbers.
+    /// A campus is some hundred metres wide, and a name denotes one dome of it: the entry of astropy is often another
+    /// dome, or rounded to an arcminute. At 1000 km, 1 km is three arcminutes: better positions must be given as
+    /// numbers.
     const CAMPUS_M: f64 = 1000.0;
 
-    /// `name, latitude, longitude east, height` as astropy's site table (astropy-data, sites.json of 2025) prints them, its sources beside.
+    /// `name, latitude, longitude east, height` from astropy's site table (astropy-data, sites.json of 2025), with its
+    /// sources.
     const PUBLISHED: [(&str, f64, f64, f64); 14] = [
         ("rubin", -30.244_633_33, 289.250_583_33, 2662.75),
         ("Cerro Tololo", -30.165_277_78, 289.185, 2215.0),   // IRAF
@@ -277,7 +283,7 @@ mod tests {
     ];
 
     #[test]
-    fn valid_places_against_astropy() {
+    fn valid_positions_against_astropy() {
         for (name, latitude, longitude, height) in PUBLISHED {
             let ours = Site::by_name(name).expect(name);
             let theirs = Site::new_deg(name, latitude, longitude, height).expect(name);
@@ -319,11 +325,11 @@ mod tests {
     }
 
     #[test]
-    fn unknown_names_list_their_neighbours() {
+    fn unknown_names_list_similar_names() {
         let error = Site::by_name("Paranall").expect_err("no such site");
         let GeometryError::UnknownSite { nearest, .. } = &error else { panic!("{error}") };
         assert_eq!(nearest[0], "Paranal");
-        assert!(error.to_string().starts_with("unknown site \"Paranall\"; near it: Paranal"), "{error}");
+        assert!(error.to_string().starts_with("unknown site \"Paranall\": similar names: Paranal"), "{error}");
         for (name, near) in [("palomr", "Palomar"), ("la sila", "La Silla"), ("Mauna Koa", "Maunakea")] {
             let Err(GeometryError::UnknownSite { nearest, .. }) = Site::by_name(name) else { panic!("{name}") };
             assert!(nearest[0].starts_with(near) && nearest.len() <= 4, "{name}: {nearest:?}");
@@ -349,7 +355,10 @@ mod tests {
             assert!(Site::new_deg("here", latitude, longitude, height).is_err(), "{latitude} {longitude} {height}");
         }
         let error = Site::new_deg("here", -91.5, 0.0, 0.0).expect_err("beyond the pole");
-        assert_eq!(error.to_string(), "latitude -91.5 deg of site \"here\" is not between -90 and 90");
+        assert_eq!(
+            error.to_string(),
+            "invalid latitude -91.5 deg of site \"here\": expected a value between -90 and 90"
+        );
         assert_eq!(Site::new_deg("a", 0.0, 289.0, 0.0).expect("a site").longitude_rad, (-71.0_f64).to_radians());
     }
 

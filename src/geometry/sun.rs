@@ -1,26 +1,26 @@
 //! Position of the Sun and velocity of the Earth.
 //!
-//! From the analytic Earth ephemeris of SOFA (epv00, VSOP2000): within 11 km of JPL's DE405 from 1900 to 2100, which is 0.015" in the Sun's
-//! direction. No file is needed.
+//! From the analytic Earth ephemeris of SOFA (epv00, VSOP2000): within 11 km of JPL's DE405 from 1900 to 2100, 0.015"
+//! in the Sun's direction. No file is needed.
 
 use hifitime::Epoch;
 
 use crate::constants::{AU_KM, DAY_S};
 use crate::frames::{Gcrs, Position, Sampled, Velocity, seconds_between, tt_jd};
 
-/// Sun and Earth at one moment.
+/// Sun and Earth at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SunState {
-    /// From the Earth's centre to the Sun, km: geometric, both at the same instant (no light time, no aberration).
+    /// Geocentric position of the Sun, km: geometric, both at the same instant (no light time, no aberration).
     pub sun: Position<Gcrs>,
-    /// The Earth's velocity against the barycentre of the solar system, km/s.
+    /// The Earth's velocity relative to the solar system barycentre, km/s.
     pub earth_velocity: Velocity<Gcrs>,
 }
 
 impl SunState {
-    /// The exact state; about 35 µs. For many moments see [`SunTable`]. Not a number outside of the years 1900 to 2100.
+    /// Computes the exact state; about 35 µs. For many times see [`SunTable`]. NaN outside the years 1900 to 2100.
     ///
-    /// TT stands for TDB, which differ by less than 2 ms: 60 m of the Earth's way, 4·10⁻¹⁰ rad.
+    /// TT is used for TDB, which differ by less than 2 ms: 60 m of the Earth's motion, 4·10⁻¹⁰ rad.
     pub fn at(epoch: Epoch) -> Self {
         Self::from_numbers(&numbers(epoch))
     }
@@ -33,7 +33,7 @@ impl SunState {
 /// Sun, km, and Earth's barycentric velocity, km/s.
 fn numbers(epoch: Epoch) -> [f64; 6] {
     let (day, fraction) = tt_jd(epoch);
-    // None: a date beyond 1900..2100, for which sofars gives no numbers.
+    // None: a date outside 1900..2100, which sofars rejects.
     match sofars::eph::epv00(day, fraction) {
         Some((heliocentric, barycentric)) => {
             let [position, _] = heliocentric;
@@ -52,7 +52,8 @@ fn numbers(epoch: Epoch) -> [f64; 6] {
     }
 }
 
-/// States over a span of time, sampled every half day and interpolated by cubics: within 10⁻⁹ rad and 10⁻⁶ km/s of the exact ones.
+/// States over an interval, sampled every half day and interpolated by cubics: within 10⁻⁹ rad and 10⁻⁶ km/s of the
+/// exact ones.
 #[derive(Clone, Debug)]
 pub struct SunTable {
     reference: Epoch,
@@ -60,22 +61,23 @@ pub struct SunTable {
 }
 
 impl SunTable {
-    /// Covers `start` to `end`; some 35 µs for each half day, at least four. Outside, the ends are prolonged: good for another half day.
+    /// Creates a table from `start` to `end`; some 35 µs for each half day, at least four. Beyond the ends the cubics
+    /// are extrapolated, which is accurate for another half day.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self { reference: start, samples: Sampled::new(start, end, numbers) }
     }
 
-    /// The same table with seconds counted from another moment that it covers.
+    /// Returns the same table with seconds counted from another time that it covers.
     pub fn part(&self, start: Epoch) -> Self {
         Self { reference: start, samples: self.samples.counted_from(seconds_between(self.reference, start)) }
     }
 
-    /// The epoch from which seconds count: the `start` given.
+    /// Returns the epoch from which seconds count: `start`.
     pub fn reference(&self) -> Epoch {
         self.reference
     }
 
-    /// The state `seconds_after_reference` (SI seconds) after the reference.
+    /// Returns the state `seconds_after_reference` (SI seconds) after the reference.
     pub fn at_s(&self, seconds_after_reference: f64) -> SunState {
         SunState::from_numbers(&self.samples.cubic_at(seconds_after_reference))
     }
@@ -86,7 +88,7 @@ mod tests {
     use super::*;
     use crate::frames::seconds_after;
 
-    /// Promised in the docs of [`SunTable`].
+    /// Tolerances stated in the docs of [`SunTable`].
     const DIRECTION_TOLERANCE_RAD: f64 = 1e-9;
     const VELOCITY_TOLERANCE_KM_S: f64 = 1e-6;
 
@@ -106,9 +108,9 @@ mod tests {
     }
 
     #[test]
-    fn sun_stands_where_the_seasons_put_it() {
-        // The equinox of March 2024 was on the 20th at 03:06 UT, by the apparent longitude of date; aberration 20" and precession (24 years,
-        // 0.335 deg) part it from the geometric one of J2000.
+    fn sun_is_where_the_seasons_put_it() {
+        // The equinox of March 2024 was on the 20th at 03:06 UT, by the apparent longitude of date; aberration (20")
+        // and precession (24 years, 0.335 deg) separate it from the geometric one of J2000.
         let equinox = SunState::at("2024-03-20T03:06:00 UTC".parse().expect("an epoch"));
         let longitude_deg = equinox.sun.direction().expect("a direction").longitude_rad().to_degrees();
         assert!((longitude_deg - (360.0 - 0.31)).abs() < 0.01, "{longitude_deg}");

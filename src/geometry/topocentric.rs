@@ -11,18 +11,18 @@ use crate::frames::{Direction, Gcrs, OfDate, Position, Velocity, gcrs_to_of_date
 pub struct Aspect {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,
-    /// From the observer to the satellite, both at the time of reception, km; its direction in the horizontal frame is altitude and
-    /// azimuth.
+    /// Vector from the observer to the satellite, both at the time of reception, km; its direction in the horizontal
+    /// frame is altitude and azimuth.
     pub geometric: Position<Gcrs>,
     /// Length of `geometric`, km.
     pub range_km: f64,
 }
 
-/// Computes the aspect of a satellite at the time of reception, from geocentric positions, the geocentric velocity of the satellite and
-/// the barycentric velocity of the Earth.
+/// Computes the aspect of a satellite at the time of reception, from geocentric positions, the geocentric velocity of
+/// the satellite and the barycentric velocity of the Earth.
 ///
-/// The light time is that of the distance at reception: an error of 3 mm at 1000 km, 40 mm in the geostationary ring, below 10⁻⁸ rad
-/// for both. The direction is NaN at the position of the observer.
+/// The light time is that of the distance at reception: an error of 3 mm at 1000 km, 40 mm in the geostationary ring,
+/// below 10⁻⁸ rad for both. The direction is NaN at the position of the observer.
 pub fn aspect(
     satellite: &Position<Gcrs>,
     satellite_velocity: &Velocity<Gcrs>,
@@ -38,8 +38,9 @@ pub fn aspect(
 
 /// Returns the ICRS position of an apparent position of date (true equator and equinox; "JNow" of mounts and of INDI).
 ///
-/// Precession and nutation are IAU 2006/2000A, and annual aberration (up to 20") is removed; light deflection by the Sun (1.8" at its
-/// limb, 4 mas at 90 deg), diurnal aberration (0.3") and refraction are not. In 2026 the two positions differ by 0.36 deg.
+/// Precession and nutation are IAU 2006/2000A, and annual aberration (up to 20") is removed; light deflection by the
+/// Sun (1.8" at its limb, 4 mas at 90 deg), diurnal aberration (0.3") and refraction are not. In 2026 the two positions
+/// differ by 0.36 deg.
 pub fn icrs_of_apparent(apparent: &Direction<OfDate>, epoch: Epoch) -> Direction<Gcrs> {
     let seen = gcrs_to_of_date(epoch).inverse() * *apparent;
     without_annual_aberration(&seen, &SunState::at(epoch).earth_velocity)
@@ -68,8 +69,8 @@ mod tests {
     /// Light deflection and the other effects in TETE of astropy, arcsec.
     const TOLERANCE_ARCSEC: f64 = 0.1;
 
-    /// (UTC, RA and declination of date, RA and declination ICRS), degrees; astropy 8.0.2, `SkyCoord(frame=TETE(obstime)).icrs`, geocentric, 2026-11-22,
-    /// by tests/reference/make_apparent_places.py.
+    /// (UTC, RA and declination of date, RA and declination ICRS), degrees; astropy 8.0.2,
+    /// `SkyCoord(frame=TETE(obstime)).icrs`, geocentric, 2026-11-22, by tests/reference/make_apparent_places.py.
     const PLACES: &[(&str, [f64; 2], [f64; 2])] = &[
         ("2016-12-17T16:30:00 UTC", [279.2468485, -33.3385894], [278.9774252, -33.3553579]),
         ("2016-11-02T07:30:00 UTC", [314.4792403, -81.6776451], [313.8193641, -81.7388791]),
@@ -86,7 +87,7 @@ mod tests {
     ];
 
     #[test]
-    fn valid_places_against_astropy() {
+    fn valid_positions_against_astropy() {
         assert!(PLACES.len() > 5);
         for (utc, [ra, dec], [icrs_ra, icrs_dec]) in PLACES {
             let epoch: Epoch = utc.parse().unwrap();

@@ -1,13 +1,13 @@
-//! Directions of Sun and observer in the frame of a satellite: the input of the photometry.
+//! Directions of the Sun and the observer in the frame of a satellite: the input of the photometry.
 //!
 //! The body frame of Lu (2024), section 2.2: origin at the chassis, **z** to the satellite's zenith, **x** in the plane
 //! of the chassis so that the Sun lies in the zx half plane with x > 0 (the Sun's longitude is 0 by construction),
-//! **y** = z × x. Latitudes are positive above the chassis plane, so an observer on the ground has a negative one.
-//! The vectors are geocentric celestial (GCRS) and geometric: light time moves a satellite by some 20 m, which is nothing
-//! here.
+//! **y** = z × x. Latitudes are positive above the chassis plane, so an observer on the ground has a negative one. The
+//! vectors are geocentric celestial (GCRS) and geometric: light time moves a satellite by some 20 m, which is
+//! negligible here.
 //!
-//! The paper takes angles with `arccos`, which loses half the digits near 0 and π (an observer straight below, the
-//! Sun on the horizon of the zx plane); here every angle is an `atan2` of components, exact everywhere.
+//! The paper computes angles with `arccos`, which loses half the digits near 0 and π (an observer straight below, the
+//! Sun on the horizon of the zx plane); here every angle is an `atan2` of components, accurate everywhere.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -16,12 +16,12 @@ use nalgebra::Vector3;
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Body, Direction, Gcrs, Position};
 
-/// The directions of Sun and observer from a satellite, and the distances that light travels.
+/// Directions of the Sun and the observer from a satellite, and their distances.
 ///
-/// Below, δ is a latitude above the chassis plane, α a longitude from the Sun's.
+/// δ is a latitude above the chassis plane, α a longitude from the Sun's.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ViewingGeometry {
-    /// δ of the Sun, [-π/2, π/2], radians; negative where it stands below the chassis plane.
+    /// δ of the Sun, [-π/2, π/2], radians; negative below the chassis plane.
     pub sun_latitude_rad: f64,
     /// α of the observer, [0, 2π), radians; 0 towards the Sun, growing right-handed about the zenith.
     pub observer_longitude_rad: f64,
@@ -36,11 +36,11 @@ pub struct ViewingGeometry {
 }
 
 impl ViewingGeometry {
-    /// From the geocentric positions of the three.
+    /// Computes the geometry from the three geocentric positions.
     ///
-    /// With the observer straight below or above, or the Sun in the zenith or nadir, the longitude has no meaning
-    /// and is 0. `None` where a component is not finite, where the satellite stands at the Earth's centre, or where
-    /// Sun or observer coincide with it.
+    /// With the observer straight below or above, or the Sun in the zenith or nadir, the longitude is undefined and set
+    /// to 0. `None` where a component is not finite, where the satellite is at the Earth's centre, or where the Sun or
+    /// the observer coincides with the satellite.
     pub fn new(satellite: &Position<Gcrs>, observer: &Position<Gcrs>, sun: &Position<Gcrs>) -> Option<Self> {
         let to_sun = sun.vector() - satellite.vector();
         let to_observer = observer.vector() - satellite.vector();
@@ -55,8 +55,8 @@ impl ViewingGeometry {
         let zenith = satellite.vector() / radius_km;
         let sun_up = zenith.dot(&to_sun);
         let observer_up = zenith.dot(&to_observer);
-        // r_z × r lies in the chassis plane, a quarter turn ahead of r's own projection: angles between two such are
-        // longitudes.
+        // r_z × r lies in the chassis plane, a quarter turn ahead of r's own projection: the angle between two such
+        // vectors is a difference of longitudes.
         let sun_across = zenith.cross(&to_sun);
         let observer_across = zenith.cross(&to_observer);
         // δ = π/2 - Ang(r_z, r)                                            Lu (2024), eqs. 10, 11
@@ -75,10 +75,10 @@ impl ViewingGeometry {
         })
     }
 
-    /// From angles directly, the Sun at 1 au: for maps, fits and tests.
+    /// Creates a geometry from angles, with the Sun at 1 au: for maps, fits and tests.
     ///
-    /// The longitude may be any angle and is brought to [0, 2π). `None` where an angle or length is not finite, a
-    /// latitude lies beyond ±π/2, or the range is not positive.
+    /// The longitude may be any angle and is reduced to [0, 2π). `None` where an angle or length is not finite, a
+    /// latitude is beyond ±π/2, or the range is not positive.
     pub fn from_angles(
         sun_latitude_rad: f64,
         observer_longitude_rad: f64,
@@ -104,49 +104,49 @@ impl ViewingGeometry {
         })
     }
 
-    /// Unit vector from the satellite to the Sun; its y is 0.
+    /// Returns the unit vector from the satellite to the Sun; its y is 0.
     pub fn to_sun(&self) -> Direction<Body> {
         let (up, towards) = self.sun_latitude_rad.sin_cos();
         Direction::from_vector(Vector3::new(towards, 0.0, up))
     }
 
-    /// Unit vector from the satellite to the observer.
+    /// Returns the unit vector from the satellite to the observer.
     pub fn to_observer(&self) -> Direction<Body> {
         Direction::from_lon_lat_rad(self.observer_longitude_rad, self.observer_latitude_rad)
     }
 
-    /// Angle Sun-satellite-observer in [0, π], radians; 0 where the observer stands before the Sun and sees a full
-    /// disk.
+    /// Returns the angle Sun-satellite-observer in [0, π], radians; 0 for an observer in the direction of the Sun, who
+    /// sees a full disk.
     pub fn phase_angle_rad(&self) -> f64 {
         self.to_sun().separation_rad(&self.to_observer())
     }
 
-    /// The same geometry with the observer's longitude folded to [0, π]: satellites here are symmetric about the zx
-    /// plane.
+    /// Returns the same geometry with the observer's longitude folded to [0, π]: the satellite models are symmetric
+    /// about the zx plane.
     pub fn folded(&self) -> Self {
         let longitude = self.observer_longitude_rad;
         Self { observer_longitude_rad: if longitude > PI { TAU - longitude } else { longitude }, ..*self }
     }
 
-    /// Altitude of the satellite above the plane through the observer square to its radius, radians.
+    /// Returns the altitude of the satellite above the plane through the observer perpendicular to its radius, radians.
     ///
     /// Follows from the triangle Earth's centre, observer, satellite; it differs from the altitude above a site's
-    /// horizon by the deflection of the radius from the normal, 0.19° at most. `None` where the triangle does not close
-    /// (angles given that reach no point off the Earth's centre).
+    /// horizon by the angle between radius and normal, 0.19° at most. `None` for angles whose line of sight does not
+    /// reach the observer.
     pub fn geocentric_altitude_rad(&self) -> Option<f64> {
         let radius_km = self.height_km + EARTH_EQUATORIAL_RADIUS_KM;
         let (up, across) = self.observer_latitude_rad.sin_cos();
         // Observer in the plane of the triangle, along and across the satellite's radius.
         let (along_km, across_km) = (radius_km + self.range_km * up, self.range_km * across);
         let observer_km = along_km.hypot(across_km);
-        // Satellite minus observer, resolved along the observer's own radius.
+        // Satellite minus observer, resolved along the observer's radius.
         let rise = -self.range_km * (up * along_km + across * across_km);
         let level = self.range_km * (up * across_km - across * along_km).abs();
         (observer_km > 0.0).then(|| rise.atan2(level))
     }
 }
 
-/// An angle brought to [0, 2π).
+/// Reduces an angle to [0, 2π).
 fn turn(angle_rad: f64) -> f64 {
     let angle = angle_rad.rem_euclid(TAU);
     // rem_euclid of a tiny negative number rounds to 2π itself.
@@ -165,7 +165,8 @@ mod tests {
         *Direction::<Body>::from_lon_lat_rad(longitude, latitude).vector()
     }
 
-    /// GCRS positions of satellite, observer and Sun that have these body-frame angles, for a body turned any way.
+    /// Returns GCRS positions of satellite, observer and Sun with these body-frame angles, for a body rotated by any
+    /// angle.
     fn placed(g: &ViewingGeometry, axis: Vector3<f64>, turn: f64) -> [Position<Gcrs>; 3] {
         let body = nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(axis), turn);
         let satellite = body * Vector3::z() * (EARTH_EQUATORIAL_RADIUS_KM + g.height_km);
@@ -199,13 +200,13 @@ mod tests {
             let back = ViewingGeometry::new(&satellite, &observer, &sun).unwrap();
             prop_assert!((back.sun_latitude_rad - sun_latitude_rad).abs() < ROUNDING_RAD);
             prop_assert!((back.observer_latitude_rad - observer_latitude_rad).abs() < ROUNDING_RAD);
-            // Near the zenith a longitude weighs cos δ.
+            // Near the zenith a longitude difference is weighted by cos δ.
             let across = turned_apart(back.observer_longitude_rad, longitude)
                 * observer_latitude_rad.cos().min(sun_latitude_rad.cos());
             prop_assert!(across.abs() < ROUNDING_RAD, "{across}");
             prop_assert!((back.range_km - range_km).abs() < 1e-9 && (back.height_km - height_km).abs() < 1e-9);
             prop_assert!((back.sun_distance_au - sun_distance_au).abs() < 1e-12);
-            // The phase angle of the angles is that of the vectors.
+            // The phase angle of the angles equals that of the vectors.
             let phase = (observer.vector() - satellite.vector()).angle_atan2(&(sun.vector() - satellite.vector()));
             prop_assert!((back.phase_angle_rad() - phase).abs() < ROUNDING_RAD);
         }
@@ -215,7 +216,7 @@ mod tests {
         fn angle_atan2(&self, other: &Self) -> f64;
     }
     impl AngleAtan2 for Vector3<f64> {
-        // Kahan's form: no cross product, hence independent of the code above.
+        // Kahan's formula: no cross product, independent of the code above.
         fn angle_atan2(&self, other: &Self) -> f64 {
             let (a, b) = (self.normalize(), other.normalize());
             2.0 * (a - b).norm().atan2((a + b).norm())
@@ -244,7 +245,7 @@ mod tests {
         assert_eq!(below.observer_latitude_rad, -FRAC_PI_2);
         assert_eq!(below.observer_longitude_rad, 0.0);
         assert_eq!(below.height_km, 550.0);
-        // A millimetre to the side is 1.8 nrad, of which arccos knows nothing.
+        // A millimetre to the side is 1.8 nrad, which arccos cannot resolve.
         let aside = ViewingGeometry::new(&satellite, &Position::new(0.0, 1e-6, 6378.137), &sun).unwrap();
         assert!((aside.observer_latitude_rad + FRAC_PI_2 - 1e-6 / 550.0).abs() < 1e-15);
         assert!((aside.observer_longitude_rad - FRAC_PI_2).abs() < 1e-9);
@@ -260,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_nonsense_is_refused() {
+    fn verif_invalid_geometries_are_rejected() {
         let (satellite, observer) = (Position::new(7000.0, 0.0, 0.0), Position::new(6378.0, 0.0, 0.0));
         let sun = Position::new(0.0, AU_KM, 0.0);
         let (origin, nan) = (Position::new(0.0, 0.0, 0.0), Position::new(f64::NAN, 0.0, 0.0));

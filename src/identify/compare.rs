@@ -1,30 +1,33 @@
-//! Comparison of one satellite with a streak: its delay, the distance of the streak from its path, and the angle between them.
+//! Comparison of one satellite with a streak: its delay, the distance of the streak from its track, and the angle
+//! between them.
 //!
-//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak, by Newton's method
-//!    on SGP4. If the time is an exposure, the moment with the least delay and distance (in sigmas) is taken.
-//! 2. With that delay the whole track, and the distances of both ends from it. Their mean is the offset across the track, their
-//!    difference over the length the turn. A curved track is thus compared with the ends, not with a straight line. If the times of
-//!    the ends are known, the delay is the mean of those with which the track meets them at these times.
-//! 3. The predicted length against the measured one; if the ends may be those of the frame, only a longer streak counts.
+//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak, by
+//!    Newton's method on SGP4. For an exposure, the time with the least delay and distance (in sigmas) is used.
+//! 2. The whole track with that delay, and the distances of both ends from it. Their mean is the cross-track offset,
+//!    their difference over the length is the angle. A curved track is thus compared with the ends, not with a straight
+//!    line. If the times of the ends are known, the delay is the mean of those with which the track passes them at
+//!    these times.
+//! 3. The predicted length against the measured one; if the ends may be those of the frame, only a longer streak
+//!    counts.
 //!
 //! Sigmas are those of the elements' age ([`ExposureInterval::uncertainty`]) and of the measurement:
 //!
 //! ```text
-//! σ_δ² = σ_along² + σ_clock² + (σ_place/ω)²/2     σ_x² = (σ_cross/ρ)² + σ_place²/2
-//! σ_θ² = (n σ_cross/(ω ρ))² + σ_angle²            σ_L² = 2 σ_place² + 2 (ω σ_clock)² + (L σ_cross/ρ)²
+//! σ_δ² = σ_along² + σ_clock² + (σ_pos/ω)²/2     σ_x² = (σ_cross/ρ)² + σ_pos²/2
+//! σ_θ² = (n σ_cross/(ω ρ))² + σ_angle²            σ_L² = 2 σ_pos² + 2 (ω σ_clock)² + (L σ_cross/ρ)²
 //! ```
 //!
-//! with the angular rate ω, the range ρ and the mean motion n: an orbit tilted by σ_cross crosses its own prediction at the angle
-//! n σ_cross / v.
+//! with the angular rate ω, the range ρ and the mean motion n: an orbit tilted by σ_cross crosses its own prediction at
+//! the angle n σ_cross / v.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use nalgebra::Vector3;
 
-use super::likelihood::{Candidate, Offset, Weighed, within};
+use super::likelihood::{Candidate, CandidateWeight, Offset, integrate_exposure, log_normal};
 use super::streak::{MeasuredStreak, Timing};
 use crate::frames::{Direction, Gcrs};
-use crate::orbit::{OrbitUncertainty, Propagator};
+use crate::orbit::{Lateness, OrbitUncertainty, Propagator};
 use crate::passes::{DelayedTrack, ExposureInterval, Sighting};
 use crate::photometry::PhotometryOptions;
 
@@ -47,15 +50,16 @@ pub(super) struct Reach {
     pub cross_track_rad: f64,
 }
 
-/// Nearest passage of the middle of the streak.
+/// Passage nearest to the middle of the streak.
 #[derive(Copy, Clone)]
-struct Met {
-    late_s: f64,
-    beside_rad: f64,
+struct NearestPassage {
+    delay_s: f64,
+    cross_track_rad: f64,
     sighting: Sighting,
 }
 
-/// Compares one satellite with a streak; `None` if it is out of reach, below the horizon, or dark (unless `include_dark`).
+/// Compares one satellite with a streak; `None` if it is out of reach, below the horizon, or dark (unless
+/// `include_dark`).
 pub(super) fn compare(
     interval: &ExposureInterval<'_>,
     element_index: usize,
@@ -67,45 +71,50 @@ pub(super) fn compare(
 ) -> Option<Candidate> {
     let propagator = interval.propagator(element_index)?;
     let mid_s = 0.5 * interval.duration_s();
-    let middle = meet(interval, propagator, streak, mid_s, guess_s)?;
+    let middle = nearest_passage(interval, propagator, streak, mid_s, guess_s)?;
     let age_days = interval.element_age_days(propagator, mid_s);
     let errors = interval.uncertainty(element_index, age_days);
     let sigmas = Sigmas::new(&errors, &middle, propagator, streak);
 
     // The time of the passage.
-    let (passage_s, met, evidence) = match streak.timing() {
+    let (passage_s, met, within_exposure) = match streak.timing() {
         Timing::FirstToSecond | Timing::Whole => (mid_s, middle, None),
         Timing::Within => {
             let half_s = mid_s.max(streak.time_sigma_s().min(0.9 * DelayedTrack::MARGIN_S));
             let ends = [mid_s - half_s, mid_s + half_s]
-                .map(|time_s| meet(interval, propagator, streak, time_s, middle.late_s + time_s - mid_s));
+                .map(|time_s| nearest_passage(interval, propagator, streak, time_s, middle.delay_s + time_s - mid_s));
             let [Some(before), Some(after)] = ends else { return None };
-            let pulls = |met: &Met| [met.late_s / sigmas.late_s, met.beside_rad / sigmas.beside_rad];
+            let pulls = |met: &NearestPassage, sigma_s: f64| {
+                [met.delay_s / sigma_s, met.cross_track_rad / sigmas.cross_track_rad]
+            };
             // A streak of known length takes time, which must be within the exposure.
             let rate_rad_s = middle.sighting.own_rate.norm();
             let crossing_s = streak.length_rad().map_or(0.0, |length_rad| length_rad / rate_rad_s);
             let free = (1.0 - crossing_s / (2.0 * half_s)).clamp(0.0, 1.0);
-            let within = within(pulls(&before), pulls(&after), free);
-            let passage_s = mid_s + half_s * within.at;
-            let met = meet(interval, propagator, streak, passage_s, middle.late_s + passage_s - mid_s)?;
-            // ∫ dt N(δ; σ_δ) N(x; σ_x), of which `within` has the integral over [-1, 1]
-            let log_density = within.log_integral + half_s.ln() - (TAU * sigmas.late_s * sigmas.beside_rad).ln();
+            let integral = |sigma_s: f64| integrate_exposure(pulls(&before, sigma_s), pulls(&after, sigma_s), free);
+            let passage_s = mid_s + half_s * integral(sigmas.delay_s).at;
+            let met = nearest_passage(interval, propagator, streak, passage_s, middle.delay_s + passage_s - mid_s)?;
+            // ∫ dt f(δ) N(x; σ_x), of which `integral` is the part over [-1, 1] for each Gaussian of the density f
+            let log_density = log_sum(sigmas.lateness.parts().map(|(weight, sigma_s)| {
+                weight.ln() + integral(sigma_s).log_integral + half_s.ln()
+                    - (TAU * sigma_s * sigmas.cross_track_rad).ln()
+            }));
             (passage_s, met, Some(log_density))
         }
     };
-    if met.late_s.abs() > reach.along_track_s || met.beside_rad.abs() > reach.cross_track_rad {
+    if met.delay_s.abs() > reach.along_track_s || met.cross_track_rad.abs() > reach.cross_track_rad {
         return None;
     }
 
-    let mut late_s = met.late_s;
-    let mut track = interval.track(element_index, late_s).ok()?;
-    let mut line = Line::new(&track, passage_s, streak, met.beside_rad);
+    let mut delay_s = met.delay_s;
+    let mut track = interval.track(element_index, delay_s).ok()?;
+    let mut line = Line::new(&track, passage_s, streak, met.cross_track_rad);
     for _ in 0..MOST_CORRECTIONS {
         // At a changing rate, the middle of the track is the mean of both ends, not its position at half time.
         let Some(early_s) = line.ends_early_s(streak).filter(|early_s| early_s.abs() > CLOSE_S) else { break };
-        late_s += early_s;
-        track = interval.track(element_index, late_s).ok()?;
-        line = Line::new(&track, passage_s, streak, met.beside_rad);
+        delay_s += early_s;
+        track = interval.track(element_index, delay_s).ok()?;
+        line = Line::new(&track, passage_s, streak, met.cross_track_rad);
     }
     let passage = track.point(passage_s, photometry)?;
     let is_lit =
@@ -118,8 +127,8 @@ pub(super) fn compare(
         norad_id: propagator.norad_id(),
         element_index,
         passage,
-        along_track_s: Offset { value: late_s, sigma: sigmas.late_s },
-        cross_track_rad: Offset { value: line.beside_rad, sigma: sigmas.beside_rad },
+        along_track_s: Offset { value: delay_s, sigma: sigmas.delay_s },
+        cross_track_rad: Offset { value: line.cross_track_rad, sigma: sigmas.cross_track_rad },
         angle_rad: Offset { value: line.turn_rad, sigma: sigmas.turn_rad },
         length_rad: length.map(|(offset, _)| offset),
         predicted_length_rad: length
@@ -133,76 +142,87 @@ pub(super) fn compare(
         probability: 0.0,
         log_weight: 0.0,
     };
-    Weighed::new(&candidate, streak.timing(), evidence).apply_to(&mut candidate);
+    let log_density =
+        within_exposure.unwrap_or_else(|| sigmas.lateness.log_density(delay_s) + log_normal(candidate.cross_track_rad));
+    let delay_square = sigmas.lateness.equivalent_sigmas(delay_s).powi(2);
+    CandidateWeight::new(&candidate, streak.timing(), delay_square, log_density).apply_to(&mut candidate);
     (candidate.chi_square <= MOST_CHI_SQUARE).then_some(candidate)
 }
 
 /// One-sigma errors of the differences.
 struct Sigmas {
-    late_s: f64,
-    beside_rad: f64,
+    /// Half width that holds 68.27 % of `lateness`.
+    delay_s: f64,
+    /// Lateness of the satellite, with the errors of clock and measured position.
+    lateness: Lateness,
+    cross_track_rad: f64,
     turn_rad: f64,
     /// Relative error of the rate.
     rate_share: f64,
 }
 
 impl Sigmas {
-    fn new(errors: &OrbitUncertainty, met: &Met, propagator: &Propagator, streak: &MeasuredStreak) -> Self {
+    fn new(errors: &OrbitUncertainty, met: &NearestPassage, propagator: &Propagator, streak: &MeasuredStreak) -> Self {
         let rate_rad_s = met.sighting.own_rate.norm().max(1e-12);
         let across_rad = errors.cross_track_km / met.sighting.range_km;
-        let place_rad = streak.place_sigma_rad();
+        let place_rad = streak.position_sigma_rad();
         let mean_motion_rad_s = TAU / propagator.period_s();
+        let lateness = errors.lateness.blurred(streak.time_sigma_s().hypot(FRAC_1_SQRT_2 * place_rad / rate_rad_s));
         Self {
-            late_s: (errors.along_track_s.powi(2)
-                + streak.time_sigma_s().powi(2)
-                + 0.5 * (place_rad / rate_rad_s).powi(2))
-            .sqrt(),
-            beside_rad: (across_rad.powi(2) + 0.5 * place_rad.powi(2)).sqrt(),
+            delay_s: lateness.one_sigma_s(),
+            lateness,
+            cross_track_rad: (across_rad.powi(2) + 0.5 * place_rad.powi(2)).sqrt(),
             turn_rad: (mean_motion_rad_s * across_rad / rate_rad_s).hypot(streak.angle_sigma_rad()),
             rate_share: across_rad,
         }
     }
 }
 
+/// ln Σ exp(x), without overflow.
+fn log_sum(logarithms: impl Iterator<Item = f64> + Clone) -> f64 {
+    let greatest = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
+    greatest + logarithms.map(|x| (x - greatest).exp()).sum::<f64>().ln()
+}
+
 /// Finds the delay with which a satellite passes nearest to the middle of the streak at a time.
-fn meet(
+fn nearest_passage(
     interval: &ExposureInterval<'_>,
     propagator: &Propagator,
     streak: &MeasuredStreak,
     time_s: f64,
     guess_s: f64,
-) -> Option<Met> {
-    let place = *streak.place().vector();
+) -> Option<NearestPassage> {
+    let middle = *streak.middle().vector();
     let longest_s = 0.1 * propagator.period_s();
-    let mut late_s = guess_s;
+    let mut delay_s = guess_s;
     for _ in 0..MOST_STEPS {
-        let sighting = interval.sighting(propagator, time_s, late_s).ok()?;
+        let sighting = interval.sighting(propagator, time_s, delay_s).ok()?;
         let square = sighting.own_rate.norm_squared();
         if square == 0.0 {
             return None;
         }
-        // Remaining distance along the motion, as time: a place ahead of the satellite needs it earlier.
-        let step_s = (place.dot(&sighting.own_rate) / square).clamp(-longest_s, longest_s);
-        late_s -= step_s;
+        // Remaining distance along the motion, as time: a streak ahead of the satellite means a smaller delay.
+        let step_s = (middle.dot(&sighting.own_rate) / square).clamp(-longest_s, longest_s);
+        delay_s -= step_s;
         if step_s.abs() < CLOSE_S {
-            let side = side(&sighting.direction, &sighting.own_rate);
-            let cosine = place.dot(sighting.direction.vector());
-            let beside_rad = place.dot(&side).atan2(cosine);
-            return (cosine > 0.0).then_some(Met { late_s, beside_rad, sighting });
+            let axis = cross_track_axis(&sighting.direction, &sighting.own_rate);
+            let cosine = middle.dot(sighting.direction.vector());
+            let cross_track_rad = middle.dot(&axis).atan2(cosine);
+            return (cosine > 0.0).then_some(NearestPassage { delay_s, cross_track_rad, sighting });
         }
     }
     None
 }
 
 /// Returns the unit vector at right angles to the motion, towards its position angle + 90°.
-fn side(direction: &Direction<Gcrs>, rate: &Vector3<f64>) -> Vector3<f64> {
+fn cross_track_axis(direction: &Direction<Gcrs>, rate: &Vector3<f64>) -> Vector3<f64> {
     // With PA from north through east, PA + 90° is motion × line of sight.
     rate.normalize().cross(direction.vector())
 }
 
 /// Streak relative to a track.
 struct Line {
-    beside_rad: f64,
+    cross_track_rad: f64,
     turn_rad: f64,
     position_angle_rad: f64,
     rate_rad_s: f64,
@@ -211,20 +231,21 @@ struct Line {
 }
 
 impl Line {
-    fn new(track: &DelayedTrack<'_>, passage_s: f64, streak: &MeasuredStreak, beside_rad: f64) -> Self {
+    fn new(track: &DelayedTrack<'_>, passage_s: f64, streak: &MeasuredStreak, cross_track_rad: f64) -> Self {
         let (direction, rate) = track.direction(passage_s);
         let (east, north) = direction.east_north();
         let position_angle_rad = rate.dot(&east).atan2(rate.dot(&north)).rem_euclid(TAU);
         let rate_rad_s = rate.norm();
-        // The direction of motion is the same at the foot and at the middle of the streak, which lie at right angles to it.
+        // The direction of motion is the same at the foot and at the middle of the streak, which lie at right angles to
+        // it.
         let motion = rate.normalize();
-        let place = streak.place();
-        let (east, north) = place.east_north();
+        let middle = streak.middle();
+        let (east, north) = middle.east_north();
         let along = east * streak.position_angle_rad().sin() + north * streak.position_angle_rad().cos();
-        let turn_rad = along.dot(&motion.cross(place.vector())).atan2(along.dot(&motion));
+        let turn_rad = along.dot(&motion.cross(middle.vector())).atan2(along.dot(&motion));
         let is_backward = streak.timing() != Timing::FirstToSecond && turn_rad.abs() > 0.5 * PI;
         let turn_rad = if is_backward { turn_rad - PI * turn_rad.signum() } else { turn_rad };
-        let mut line = Self { beside_rad, turn_rad, position_angle_rad, rate_rad_s, times_s: [passage_s; 3] };
+        let mut line = Self { cross_track_rad, turn_rad, position_angle_rad, rate_rad_s, times_s: [passage_s; 3] };
         if let (Some(ends), Some(length_rad)) = (streak.ends(), streak.length_rad())
             && turn_rad.abs() < LARGEST_TURN_RAD
         {
@@ -233,11 +254,11 @@ impl Line {
             let at = [(ends[0], passage_s - half_s), (ends[1], passage_s + half_s)].map(|(end, guess_s)| {
                 let time_s = track.nearest_s(&end, guess_s);
                 let (direction, rate) = track.direction(time_s);
-                (time_s, end.vector().dot(&side(&direction, &rate)).clamp(-1.0, 1.0).asin())
+                (time_s, end.vector().dot(&cross_track_axis(&direction, &rate)).clamp(-1.0, 1.0).asin())
             });
             line.times_s = [at[0].0, passage_s, at[1].0];
             if streak.is_by_ends() {
-                line.beside_rad = 0.5 * (at[0].1 + at[1].1);
+                line.cross_track_rad = 0.5 * (at[0].1 + at[1].1);
                 line.turn_rad = sign * (at[1].1 - at[0].1) / length_rad;
             }
         }
@@ -258,7 +279,7 @@ impl Line {
             _ => (true, track.direction(0.0).0.separation_rad(&track.direction(streak.duration_s()).0)),
         };
         let clock_rad = self.rate_rad_s * streak.time_sigma_s();
-        let sigma = (2.0 * streak.place_sigma_rad().powi(2)
+        let sigma = (2.0 * streak.position_sigma_rad().powi(2)
             + 2.0 * clock_rad.powi(2)
             + (predicted_rad * sigmas.rate_share).powi(2))
         .sqrt();

@@ -17,33 +17,33 @@ pub enum IdentifyError {
         /// Allowed values.
         allowed: &'static str,
     },
-    /// Both ends are at one position.
+    /// Both ends at one position.
     #[error(
-        "both ends of the streak are at one place ({separation_arcsec:.3} arcsec apart); allowed: more than 0.01 arcsec"
+        "both ends of the streak are at the same position ({separation_arcsec:.3} arcsec apart); allowed: more than 0.01 arcsec"
     )]
     NoLine {
         /// Distance of the ends.
         separation_arcsec: f64,
     },
-    /// A file of regions cannot be read.
+    /// A line of a region file that cannot be read.
     #[error("{path}: line {line}: {problem}")]
     Region {
         /// The file.
         path: String,
         /// Line, from 1.
         line: usize,
-        /// Error, and allowed values.
+        /// Problem, and allowed values.
         problem: String,
     },
-    /// A file has no region.
-    #[error("{path}: no region in it; allowed: polygon, box, line and vector in fk5 or icrs")]
+    /// A file without a region.
+    #[error("{path}: no region found; allowed: polygon, box, line and vector in fk5 or icrs")]
     NoRegion {
         /// The file.
         path: String,
     },
-    /// The outlines belong to more than one streak.
+    /// Outlines of more than one streak.
     #[error(
-        "the regions do not lie on one line: the middle of one stands {off_arcsec:.1} arcsec beside it, where they are {width_arcsec:.1} arcsec wide; allowed: the regions of one streak"
+        "the regions are not on one line: the middle of one is {off_arcsec:.1} arcsec off, and they are {width_arcsec:.1} arcsec wide; allowed: the regions of one streak"
     )]
     NotOneLine {
         /// Largest distance of a middle from the line.

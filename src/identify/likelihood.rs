@@ -1,9 +1,10 @@
 //! Candidates, their χ² and their probabilities.
 //!
-//! The likelihood of a candidate is the product of the normal densities of its offsets (delay, across, turn, length). The density is
-//! higher for small sigmas, so that of two candidates at the same distance in sigmas the one with the younger elements is more
-//! probable. If the time is an exposure, the density of delay and distance is integrated over it. The alternative to all candidates
-//! is a satellite without element set: one for ten of the catalogue, anywhere along any low orbit.
+//! The likelihood of a candidate is the product of the normal densities of its offsets (delay, cross-track, angle,
+//! length). The density is higher for small sigmas, so that of two candidates at the same distance in sigmas the one
+//! with the younger elements is more probable. For an exposure, the density of delay and distance is integrated over
+//! it. The alternative to all candidates is a satellite without an element set: one for ten of the catalogue, anywhere
+//! along any low orbit.
 
 use std::f64::consts::{PI, TAU};
 
@@ -27,22 +28,24 @@ impl Offset {
     }
 }
 
-/// Satellite that may have made the streak.
+/// A satellite that may have caused the streak.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Index of its element set in the catalogue.
     pub element_index: usize,
-    /// Its passage of the middle of the streak, if it is late by `along_track_s`.
+    /// Passage of the middle of the streak, with the delay `along_track_s`.
     pub passage: TrackPoint,
     /// Delay of the satellite after its prediction, seconds (negative: early).
     pub along_track_s: Offset,
-    /// Distance of the streak from the predicted path, radians; positive on the side of the position angle of motion + 90°.
+    /// Distance of the streak from the predicted track, radians; positive towards the position angle of motion + 90°.
     pub cross_track_rad: Offset,
-    /// Position angle of the streak less that of the motion, (-π/2, π/2], radians; (-π, π] if the direction of the streak is known.
+    /// Position angle of the streak less that of the motion, (-π/2, π/2], radians; (-π, π] if the direction of the
+    /// streak is known.
     pub angle_rad: Offset,
-    /// Measured less predicted length, radians; at least 0 if the ends may be those of the frame. `None` for an unknown length.
+    /// Measured less predicted length, radians; at least 0 if the ends may be those of the frame. `None` for an unknown
+    /// length.
     pub length_rad: Option<Offset>,
     /// Predicted length of its track in the time, radians.
     pub predicted_length_rad: f64,
@@ -63,23 +66,23 @@ pub struct Candidate {
     pub(super) log_weight: f64,
 }
 
-/// Assumed number of satellites without element set (classified, new or missing in a file) for each one with.
+/// Assumed number of satellites without an element set (classified, new or missing in a file) per satellite with one.
 const UNKNOWN_SHARE: f64 = 0.1;
 /// Period of a low orbit, s, and foreshortening of a distance at 7,000 km seen from 1,000 km, for a satellite anywhere.
 const PERIOD_S: f64 = 5_700.0;
 const FORESHORTENING: f64 = 1_000.0 / 7_000.0;
 
 /// Integral over an exposure.
-pub(super) struct Within {
+pub(super) struct ExposureIntegral {
     /// Position of the least sum of squares, from -1 (opening) to 1 (closing), within the allowed range.
     pub at: f64,
     /// ln ∫₋₁¹ du exp(-½ (square of the pulls at u)).
     pub log_integral: f64,
 }
 
-/// Integrates over pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the least sum of squares
-/// is searched within ± `free`.
-pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
+/// Integrates over pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the
+/// least sum of squares is searched within ± `free`.
+pub(super) fn integrate_exposure(before: [f64; 2], after: [f64; 2], free: f64) -> ExposureIntegral {
     // f(u) = Σ (p + q u)² = A u² + 2 B u + C
     let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
     for (before, after) in before.into_iter().zip(after) {
@@ -88,7 +91,7 @@ pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
     }
     let square = |u: f64| a * u * u + 2.0 * b * u + c;
     if a <= 0.0 {
-        return Within { at: 0.0, log_integral: std::f64::consts::LN_2 - 0.5 * c };
+        return ExposureIntegral { at: 0.0, log_integral: std::f64::consts::LN_2 - 0.5 * c };
     }
     let at = (-b / a).clamp(-free, free);
     // ∫ exp(-f/2) = exp(-½ (C - B²/A)) √(2π/A) [Φ((1 + B/A) √A) - Φ((-1 + B/A) √A)]
@@ -101,7 +104,7 @@ pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
         let end = (-b / a).clamp(-1.0, 1.0);
         -0.5 * square(end) - (a * end + b).abs().ln()
     };
-    Within { at, log_integral }
+    ExposureIntegral { at, log_integral }
 }
 
 /// Φ(high) - Φ(low), without loss in the tails.
@@ -110,29 +113,33 @@ fn normal_between(low: f64, high: f64) -> f64 {
     if low > 0.0 { upper(low) - upper(high) } else { upper(-high) - upper(-low) }
 }
 
+/// Logarithm of the normal density of an offset.
+pub(super) fn log_normal(offset: Offset) -> f64 {
+    -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln()
+}
+
 /// Weight of one candidate.
-pub(super) struct Weighed {
+pub(super) struct CandidateWeight {
     chi_square: f64,
     terms: u32,
     log_weight: f64,
 }
 
-impl Weighed {
-    /// Computes the weight; `evidence` is ln ∫ dt N(δ) N(x) if the time is an exposure.
-    pub fn new(candidate: &Candidate, timing: Timing, evidence: Option<f64>) -> Self {
-        let log_normal = |offset: Offset| -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln();
+impl CandidateWeight {
+    /// Computes the weight. `delay_square` is the square of the delay in sigmas; `log_density` the logarithm of the
+    /// density of delay and cross-track offset, integrated over the exposure if the time is only known to be within it.
+    pub fn new(candidate: &Candidate, timing: Timing, delay_square: f64, log_density: f64) -> Self {
         let length = candidate.length_rad;
         let mut squares = vec![candidate.cross_track_rad.square(), candidate.angle_rad.square()];
-        let mut log_weight = log_normal(candidate.angle_rad);
+        let mut log_weight = log_normal(candidate.angle_rad) + log_density;
         if timing == Timing::Within {
-            // These can only be too large: otherwise they do not count.
-            squares.extend([candidate.along_track_s.square()].into_iter().filter(|square| *square > 1e-6));
+            // These offsets count only where the measured value is too large.
+            squares.extend([delay_square].into_iter().filter(|square| *square > 1e-6));
             squares.extend(length.map(Offset::square).filter(|square| *square > 0.0));
-            log_weight += evidence.unwrap_or(0.0) - 0.5 * length.map_or(0.0, Offset::square);
+            log_weight -= 0.5 * length.map_or(0.0, Offset::square);
         } else {
-            squares.push(candidate.along_track_s.square());
+            squares.push(delay_square);
             squares.extend(length.map(Offset::square));
-            log_weight += log_normal(candidate.cross_track_rad) + log_normal(candidate.along_track_s);
             log_weight += length.map_or(0.0, log_normal);
         }
         Self { chi_square: squares.iter().sum(), terms: squares.len() as u32, log_weight }
@@ -175,8 +182,8 @@ pub(super) fn set_probabilities(candidates: &mut [Candidate], log_unknown: f64) 
     unknown / total
 }
 
-/// Returns the probability of a χ² of `terms` squares of at least `chi_square` (Abramowitz & Stegun 26.4.4 and 26.4.5); 1 without
-/// terms.
+/// Returns the probability of a χ² of `terms` squares of at least `chi_square` (Abramowitz & Stegun 26.4.4 and 26.4.5);
+/// 1 without terms.
 fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
     if terms == 0 {
         return 1.0;
@@ -210,7 +217,7 @@ mod tests {
             (4, 9.48773, 18.467),
             (5, 11.0705, 20.515),
         ] {
-            // Five digits of χ² are good to 3e-6 of the probability.
+            // Five digits of χ² determine the probability to 3e-6.
             assert!((chi_square_survival(at_5_percent, terms) - 0.05).abs() < 3e-6, "{terms}");
             assert!((chi_square_survival(at_01_percent, terms) - 0.001).abs() < 1e-6, "{terms}");
             assert_eq!(chi_square_survival(0.0, terms), 1.0);
@@ -229,7 +236,7 @@ mod tests {
             let square = |u: f64| {
                 (0..2).map(|one| (0.5 * (before[one] * (1.0 - u) + after[one] * (1.0 + u))).powi(2)).sum::<f64>()
             };
-            let answer = within(before, after, 1.0);
+            let answer = integrate_exposure(before, after, 1.0);
             let steps = 200_000;
             let step = 2.0 / f64::from(steps);
             let least = square(answer.at);
@@ -239,9 +246,9 @@ mod tests {
             assert!((answer.log_integral - expected).abs() < 1e-6, "{before:?}: {} {expected}", answer.log_integral);
             assert!((-100..=100).all(|u| square(f64::from(u) / 100.0) >= least - 1e-9));
         }
-        // Far out the integral is that of a slope: good to its second order.
-        let far = within([60.0, 0.0], [100.0, 0.0], 1.0);
+        // Far outside the integral is that of a slope, accurate to second order.
+        let far = integrate_exposure([60.0, 0.0], [100.0, 0.0], 1.0);
         assert!((far.log_integral - (-1800.0 - (60.0_f64 * 20.0).ln())).abs() < 0.2, "{}", far.log_integral);
-        assert!(within([400.0, 0.0], [410.0, 3.0], 0.2).at == -0.2);
+        assert!(integrate_exposure([400.0, 0.0], [410.0, 3.0], 0.2).at == -0.2);
     }
 }

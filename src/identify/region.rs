@@ -1,8 +1,10 @@
-//! Regions of SAOImage DS9 (boxes, polygons, lines and vectors on the sky) as outlines, and the line fitted to the outlines of a streak.
+//! Regions of SAOImage DS9 (boxes, polygons, lines and vectors on the sky) as outlines, and the line fitted to the
+//! outlines of a streak.
 //!
-//! Format (DS9 reference manual, "Regions"): a coordinate system (`fk5`, `j2000`, `icrs`), then shapes with their numbers in brackets or
-//! after blanks, separated by commas or blanks. `;` separates statements, `#` starts a comment, `global` lines are ignored; an excluded
-//! shape (`-`) is an error. FK5 of equinox 2000 is read as ICRS: they differ by 0.02 arcsec.
+//! Format (DS9 reference manual, "Regions"): a coordinate system (`fk5`, `j2000`, `icrs`), then shapes with their
+//! numbers in brackets or after blanks, separated by commas or blanks. `;` separates statements, `#` starts a comment,
+//! `global` lines are ignored; an excluded shape (`-`) is an error. FK5 of equinox 2000 is read as ICRS: they differ by
+//! 0.02 arcsec.
 
 use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 
@@ -18,7 +20,8 @@ const ALLOWED: &str = "allowed: polygon, box, line and vector in fk5 or icrs";
 /// Reads the outlines in the text of a file; `path` is its name in errors.
 ///
 /// # Errors
-/// [`IdentifyError::Region`] with the line for another system or shape and for invalid numbers; [`IdentifyError::NoRegion`].
+/// [`IdentifyError::Region`] with the line for another system or shape and for invalid numbers;
+/// [`IdentifyError::NoRegion`].
 pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>, IdentifyError> {
     let mut outlines = Vec::new();
     let mut system: Option<String> = None;
@@ -38,10 +41,10 @@ pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>
                 Some(known) if SYSTEMS.contains(&known.as_str()) => {}
                 Some(other) => {
                     return Err(fail(format!(
-                        "coordinates are {other}; {ALLOWED} (save the regions as fk5 in degrees)"
+                        "unsupported coordinate system {other}; {ALLOWED} (save the regions as fk5 in degrees)"
                     )));
                 }
-                None => return Err(fail(format!("'{statement}' before any system of coordinates; {ALLOWED}"))),
+                None => return Err(fail(format!("'{statement}' without a preceding coordinate system; {ALLOWED}"))),
             }
             outlines.push(outline(statement).map_err(fail)?);
         }
@@ -56,32 +59,33 @@ fn outline(statement: &str) -> Result<Vec<Direction<Gcrs>>, String> {
     let inside = inside.split(')').next().unwrap_or_default();
     let numbers: Vec<&str> =
         inside.split(|mark: char| mark == ',' || mark.is_whitespace()).filter(|number| !number.is_empty()).collect();
-    let wants = |count: &str| format!("{shape} of {} numbers; allowed: {count}", numbers.len());
+    let wrong_count = |count: &str| format!("{shape} of {} numbers; allowed: {count}", numbers.len());
     match shape.trim_start_matches('+').to_ascii_lowercase().as_str() {
         "polygon" if numbers.len() >= 4 && numbers.len().is_multiple_of(2) => {
-            numbers.chunks(2).map(|pair| place(pair[0], pair[1])).collect()
+            numbers.chunks(2).map(|pair| position(pair[0], pair[1])).collect()
         }
-        "polygon" => Err(wants("pairs of right ascension and declination, two or more")),
-        "line" if numbers.len() >= 4 => numbers[..4].chunks(2).map(|pair| place(pair[0], pair[1])).collect(),
-        "line" => Err(wants("4, two ends")),
+        "polygon" => Err(wrong_count("pairs of right ascension and declination, two or more")),
+        "line" if numbers.len() >= 4 => numbers[..4].chunks(2).map(|pair| position(pair[0], pair[1])).collect(),
+        "line" => Err(wrong_count("4, two ends")),
         "vector" if numbers.len() == 4 => {
-            let (from, length, angle) = (place(numbers[0], numbers[1])?, size_rad(numbers[2])?, angle_rad(numbers[3])?);
+            let (from, length, angle) =
+                (position(numbers[0], numbers[1])?, size_rad(numbers[2])?, angle_rad(numbers[3])?);
             Ok(vec![from, moved(&from, length * angle.cos(), length * angle.sin())])
         }
-        "vector" => Err(wants("4: a place, a length and an angle")),
+        "vector" => Err(wrong_count("4: a position, a length and an angle")),
         "box" if numbers.len() == 4 || numbers.len() == 5 => {
-            let centre = place(numbers[0], numbers[1])?;
+            let centre = position(numbers[0], numbers[1])?;
             let (width, height) = (0.5 * size_rad(numbers[2])?, 0.5 * size_rad(numbers[3])?);
             let (sin, cos) = numbers.get(4).map_or(Ok(0.0), |angle| angle_rad(angle))?.sin_cos();
             let corners = [(-width, -height), (width, -height), (width, height), (-width, height)];
             Ok(corners.map(|(x, y)| moved(&centre, x * cos - y * sin, x * sin + y * cos)).to_vec())
         }
-        "box" => Err(wants("4 or 5: a place, width, height and an angle")),
-        other => Err(format!("'{other}' is not read; {ALLOWED}")),
+        "box" => Err(wrong_count("4 or 5: a position, width, height and an angle")),
+        other => Err(format!("unsupported shape '{other}'; {ALLOWED}")),
     }
 }
 
-fn place(right_ascension: &str, declination: &str) -> Result<Direction<Gcrs>, String> {
+fn position(right_ascension: &str, declination: &str) -> Result<Direction<Gcrs>, String> {
     let ra_deg = parse_right_ascension_deg(right_ascension).map_err(|error| error.to_string())?;
     let dec_deg = parse_declination_deg(declination).map_err(|error| error.to_string())?;
     Ok(Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()))
@@ -97,16 +101,16 @@ fn size_rad(text: &str) -> Result<f64, String> {
     };
     let size: Option<f64> = number.parse().ok().filter(|size: &f64| size.is_finite() && *size > 0.0);
     size.map(|size| (size * factor).to_radians())
-        .ok_or_else(|| format!("'{text}' is no size; allowed: a number above 0 with \", ' or d"))
+        .ok_or_else(|| format!("invalid size '{text}'; allowed: a number above 0 with \", ' or d"))
 }
 
 fn angle_rad(text: &str) -> Result<f64, String> {
     let angle: Option<f64> = text.trim_end_matches('d').parse().ok().filter(|angle: &f64| angle.is_finite());
-    angle.map(f64::to_radians).ok_or_else(|| format!("'{text}' is no angle; allowed: degrees"))
+    angle.map(f64::to_radians).ok_or_else(|| format!("invalid angle '{text}'; allowed: degrees"))
 }
 
-/// Returns a displaced position. DS9 measures angles of regions from the x axis of an image with north up and east left: from west
-/// through north.
+/// Returns a displaced position. DS9 measures angles of regions from the x axis of an image with north up and east
+/// left: from west through north.
 fn moved(from: &Direction<Gcrs>, west_rad: f64, north_rad: f64) -> Direction<Gcrs> {
     let (east, north) = from.east_north();
     let moved: Vector3<f64> = from.vector() - east * west_rad.tan() + north * north_rad.tan();
@@ -122,17 +126,17 @@ pub struct FittedLine {
     pub half_width_rad: f64,
 }
 
-/// Largest distance of the middle of an outline from the line: in widths of the outline,
-const WIDTHS_BESIDE: f64 = 2.0;
-/// and in lengths of the line, since lines drawn by hand along a streak have no width.
-const LENGTHS_BESIDE: f64 = 0.01;
+/// Largest distance of the middle of an outline from the line, in widths of the outline.
+const MOST_WIDTHS_OFF: f64 = 2.0;
+/// The same in lengths of the line: lines drawn by hand along a streak have no width.
+const MOST_LENGTHS_OFF: f64 = 0.01;
 
-/// Fits a line to the corners of outlines (boxes, polygons, lines) of one streak: through their mean, in the direction of their largest
-/// variance. The outlines may cover parts of the streak only.
+/// Fits a line to the corners of outlines (boxes, polygons, lines) of one streak: through their mean, in the direction
+/// of their largest variance. The outlines may cover parts of the streak only.
 ///
 /// # Errors
-/// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of an outline is farther
-/// from the line than twice its width and a hundredth of the length of the line.
+/// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of an
+/// outline is farther from the line than twice its width and a hundredth of the length of the line.
 pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, IdentifyError> {
     let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
     let no_line = IdentifyError::NoLine { separation_arcsec: 0.0 };
@@ -147,8 +151,8 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
     let half_width_rad =
         (points.iter().map(|point| (point - middle).dot(&across).powi(2)).sum::<f64>() / points.len() as f64).sqrt();
 
-    let ways = points.iter().map(|point| (point - middle).dot(&along));
-    let (low, high) = ends_of(ways);
+    let positions = points.iter().map(|point| (point - middle).dot(&along));
+    let (low, high) = extremes(positions);
     if high <= low {
         return Err(no_line);
     }
@@ -157,7 +161,7 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
         let own_middle = own.iter().sum::<Vector2<f64>>() / own.len() as f64;
         let off_rad = (own_middle - middle).dot(&across).abs();
         let narrow_rad = narrow_width(&own, &own_middle);
-        if off_rad > WIDTHS_BESIDE * narrow_rad + LENGTHS_BESIDE * (high - low) {
+        if off_rad > MOST_WIDTHS_OFF * narrow_rad + MOST_LENGTHS_OFF * (high - low) {
             let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
             return Err(IdentifyError::NotOneLine { off_arcsec: arcsec(off_rad), width_arcsec: arcsec(narrow_rad) });
         }
@@ -180,12 +184,12 @@ fn longest(points: &[Vector2<f64>], middle: &Vector2<f64>) -> Vector2<f64> {
 fn narrow_width(points: &[Vector2<f64>], middle: &Vector2<f64>) -> f64 {
     let along = longest(points, middle);
     let across = Vector2::new(-along.y, along.x);
-    let (low, high) = ends_of(points.iter().map(|point| (point - middle).dot(&across)));
+    let (low, high) = extremes(points.iter().map(|point| (point - middle).dot(&across)));
     (high - low).max(0.0)
 }
 
-fn ends_of(ways: impl Iterator<Item = f64>) -> (f64, f64) {
-    ways.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way| (low.min(way), high.max(way)))
+fn extremes(positions: impl Iterator<Item = f64>) -> (f64, f64) {
+    positions.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), position| (low.min(position), high.max(position)))
 }
 
 #[cfg(test)]
@@ -215,17 +219,17 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_read_is_told_with_its_line() {
-        let said = |body: &str| parse_regions("a.reg", &format!("{HEAD}{body}")).unwrap_err().to_string();
-        assert!(said("circle(1,2,3\")").starts_with("a.reg: line 4: 'circle' is not read"));
-        assert!(said("polygon(1,2,3)").contains("polygon of 3 numbers"));
-        assert!(said("line(400,2,3,4)").contains("\"400\" is not a right ascension"));
-        assert!(said("box(1,2,x,3)").contains("'x' is no size"));
-        assert!(said("image\nline(1,2,3,4)").starts_with("a.reg: line 5: coordinates are image"));
-        assert!(said("-line(1,2,3,4)").contains("'-line' is not read"));
-        assert_eq!(said(""), format!("a.reg: no region in it; {ALLOWED}"));
+    fn unsupported_statements_are_reported_with_their_line() {
+        let message = |body: &str| parse_regions("a.reg", &format!("{HEAD}{body}")).unwrap_err().to_string();
+        assert!(message("circle(1,2,3\")").starts_with("a.reg: line 4: unsupported shape 'circle'"));
+        assert!(message("polygon(1,2,3)").contains("polygon of 3 numbers"));
+        assert!(message("line(400,2,3,4)").contains("\"400\" is not a right ascension"));
+        assert!(message("box(1,2,x,3)").contains("invalid size 'x'"));
+        assert!(message("image\nline(1,2,3,4)").starts_with("a.reg: line 5: unsupported coordinate system image"));
+        assert!(message("-line(1,2,3,4)").contains("unsupported shape '-line'"));
+        assert_eq!(message(""), format!("a.reg: no region found; {ALLOWED}"));
         let bare = parse_regions("a.reg", "line(1,2,3,4)").unwrap_err().to_string();
-        assert!(bare.contains("before any system"), "{bare}");
+        assert!(bare.contains("without a preceding coordinate system"), "{bare}");
     }
 
     fn at(x_arcsec: f64, y_arcsec: f64) -> Direction<Gcrs> {
@@ -234,11 +238,11 @@ mod tests {
         Direction::from_lon_lat_rad(ra, dec)
     }
 
-    /// A box of 100 by 10 arcsec about a place, turned by 30°.
-    fn streak_box(middle_arcsec: f64, beside_arcsec: f64) -> Vec<Direction<Gcrs>> {
+    /// A box of 100 by 10 arcsec about a position, rotated by 30°.
+    fn streak_box(middle_arcsec: f64, offset_arcsec: f64) -> Vec<Direction<Gcrs>> {
         let (sin, cos) = 30_f64.to_radians().sin_cos();
         [(-50.0, -5.0), (50.0, -5.0), (50.0, 5.0), (-50.0, 5.0)]
-            .map(|(along, across)| (along + middle_arcsec, across + beside_arcsec))
+            .map(|(along, across)| (along + middle_arcsec, across + offset_arcsec))
             .map(|(along, across)| at(along * cos - across * sin, along * sin + across * cos))
             .to_vec()
     }
@@ -255,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_line_is_refused() {
+    fn invalid_lines_are_rejected() {
         let apart = fit_line(&[streak_box(0.0, 0.0), streak_box(10.0, 400.0), streak_box(300.0, 0.0)]);
         assert!(matches!(apart, Err(IdentifyError::NotOneLine { .. })), "{apart:?}");
         assert!(matches!(fit_line(&[vec![at(0.0, 0.0)]]), Err(IdentifyError::NoLine { .. })));

@@ -1,13 +1,13 @@
-//! Search of a catalogue for the satellites that may have made a streak.
+//! Search of a catalogue for the satellites that may have caused a streak.
 //!
-//! A satellite on the line of sight at its distance r from the Earth's centre is at P. Its orbital plane must pass P, and it must be
-//! there after a delay that its errors allow:
+//! A satellite on the line of sight at its distance r from the Earth's centre is at P. Its orbital plane must pass
+//! through P, and the satellite must be there after a delay within its errors:
 //!
 //! ```text
-//! beside = ĥ · P          Δu = atan2(P · (ĥ × r̂), P · r̂)          δ = -Δu r² / |r × v|
+//! across = ĥ · P          Δu = atan2(P · (ĥ × r̂), P · r̂)          δ = -Δu r² / |r × v|
 //! ```
 //!
-//! This takes one call of SGP4 for each satellite; the few in a thousand that remain are compared exactly.
+//! This takes one call of SGP4 for each satellite; the few in a thousand that remain are compared in full.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -21,13 +21,14 @@ use crate::orbit::{LeftOut, Propagator, State};
 use crate::passes::{Exposure, ExposureInterval, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Reach of the search, sigmas, and least reach.
+/// Largest delay and cross-track distance that are searched, in sigmas.
 const REACH_SIGMAS: f64 = 6.0;
+/// At least this delay, seconds, and this distance, radians, are searched.
 const LEAST_REACH_S: f64 = 30.0;
 const LEAST_REACH_RAD: f64 = 0.0175;
-/// Distance for the reach across the track before the range is known, km.
+/// Range assumed for the cross-track limit before the range is known, km.
 const NEAR_KM: f64 = 500.0;
-/// Least difference of the delays of two passages of one satellite, seconds.
+/// Least difference between the delays of two passages of one satellite, seconds.
 const SAME_PASSAGE_S: f64 = 1.0;
 
 /// Options of the search.
@@ -50,10 +51,10 @@ pub struct Identified {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Finds all satellites that may have made a streak, on all threads of the current pool.
+/// Finds all satellites that may have caused a streak, on all threads of the current pool.
 ///
-/// Candidates have a delay and a distance from the streak within six sigmas of the age of their elements and of the measurement (at
-/// least 30 s and 1°). 20,000 satellites take some tens of milliseconds.
+/// Candidates have a delay and a distance from the streak within six sigmas of the age of their elements and of the
+/// measurement (at least 30 s and 1°). 20,000 satellites take some tens of milliseconds.
 ///
 /// # Errors
 /// [`IdentifyError::Sky`] if positions cannot be computed at that time.
@@ -66,7 +67,7 @@ pub fn identify_streak(
         id: String::new(),
         start: streak.start(),
         duration_s: streak.duration_s(),
-        pointing: streak.place(),
+        pointing: streak.middle(),
         rotation_rad: 0.0,
     };
     let interval = sky.exposure_interval(&exposure)?;
@@ -103,7 +104,7 @@ fn one_satellite(
     }
     let errors = interval.uncertainty(element_index, interval.element_age_days(propagator, mid_s));
     let along_s = REACH_SIGMAS * errors.along_track_s.hypot(streak.time_sigma_s());
-    let across_rad = REACH_SIGMAS * (errors.cross_track_km / NEAR_KM).hypot(streak.place_sigma_rad());
+    let across_rad = REACH_SIGMAS * (errors.cross_track_km / NEAR_KM).hypot(streak.position_sigma_rad());
     let reach = Reach {
         // At most half a revolution.
         along_track_s: (along_s.max(LEAST_REACH_S) + mid_s).min(0.5 * propagator.period_s()),
@@ -121,23 +122,24 @@ fn one_satellite(
     (best.into_iter().collect(), None)
 }
 
-/// Largest eccentricity of an orbit treated as circular; on others the position is found in steps.
+/// Largest eccentricity of an orbit treated as circular; otherwise the position is found iteratively.
 const CIRCULAR: f64 = 0.03;
-/// Allowance for J₂ and for the varying radius of nearly circular orbits, km and share of the distance along the orbit.
+/// Allowance for J₂ and for the varying radius of nearly circular orbits, km and fraction of the distance along the
+/// orbit.
 const SLOP_KM: f64 = 60.0;
 const SLOP_SHARE: f64 = 0.05;
 /// Tolerance, seconds, and most steps to a position on an eccentric orbit.
 const CLOSE_S: f64 = 1.0;
 const MOST_STEPS: usize = 30;
 
-/// Returns first guesses of the delays with which a satellite passes the streak, seconds; empty if it does not. An observer in orbit
-/// may see two positions of one orbit in the same direction.
+/// Returns first guesses of the delays with which a satellite passes the streak, seconds; empty if it does not. An
+/// observer in orbit may see two positions of one orbit in the same direction.
 fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &MeasuredStreak, reach: &Reach) -> Vec<f64> {
     let mid_s = 0.5 * interval.duration_s();
     let Some(propagator) = interval.propagator(element_index) else { return Vec::new() };
     let Ok(state) = interval.state(propagator, mid_s, 0.0) else { return Vec::new() };
     let observer = interval.observer(mid_s);
-    let towards = streak.place();
+    let towards = streak.middle();
     let (r, v) = (state.position.vector(), state.velocity.vector());
     let Some(normal) = r.cross(v).try_normalize(0.0) else { return Vec::new() };
     if interval.sky().elements()[element_index].eccentricity > CIRCULAR {
@@ -146,53 +148,54 @@ fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &Meas
         if !(range_km > 0.0 && range_km.is_finite()) {
             return Vec::new();
         }
-        let place = observer.vector() + towards.vector() * range_km;
-        return delay_on_eccentric(interval, propagator, &place, mid_s)
-            .filter(|late_s| late_s.abs() <= reach.along_track_s + SLOP_KM)
+        let position = observer.vector() + towards.vector() * range_km;
+        return delay_on_eccentric(interval, propagator, &position, mid_s)
+            .filter(|delay_s| delay_s.abs() <= reach.along_track_s + SLOP_KM / v.norm())
             .into_iter()
             .collect();
     }
     let delay = |range_km: f64| {
-        let place = observer.vector() + towards.vector() * range_km;
-        let angle_rad = angle_to(&state, &place);
+        let position = observer.vector() + towards.vector() * range_km;
+        let angle_rad = angle_to(&state, &position);
         let slop_km = SLOP_KM + SLOP_SHARE * angle_rad.abs() * r.norm();
-        let late_s = -angle_rad * r.norm_squared() / r.cross(v).norm();
-        let is_near = normal.dot(&place).abs() <= reach.cross_track_rad * range_km + slop_km
-            && late_s.abs() <= reach.along_track_s + slop_km / v.norm();
-        is_near.then_some(late_s)
+        let delay_s = -angle_rad * r.norm_squared() / r.cross(v).norm();
+        let is_near = normal.dot(&position).abs() <= reach.cross_track_rad * range_km + slop_km
+            && delay_s.abs() <= reach.along_track_s + slop_km / v.norm();
+        is_near.then_some(delay_s)
     };
     ranges_km(&observer, &towards, r.norm()).into_iter().filter_map(delay).collect()
 }
 
 /// Returns the angle along the orbit from the satellite to a position, (-π, π], radians.
-fn angle_to(state: &State<Gcrs>, place: &Vector3<f64>) -> f64 {
+fn angle_to(state: &State<Gcrs>, position: &Vector3<f64>) -> f64 {
     let radial = state.position.vector().normalize();
     let ahead = state.position.vector().cross(state.velocity.vector()).normalize().cross(&radial);
-    place.dot(&ahead).atan2(place.dot(&radial))
+    position.dot(&ahead).atan2(position.dot(&radial))
 }
 
 /// Returns the delay for an eccentric orbit, in steps of SGP4 with the current angular rate.
 fn delay_on_eccentric(
     interval: &ExposureInterval<'_>,
     propagator: &Propagator,
-    place: &Vector3<f64>,
+    position: &Vector3<f64>,
     mid_s: f64,
 ) -> Option<f64> {
     let longest_s = 0.1 * propagator.period_s();
-    let mut late_s = 0.0;
+    let mut delay_s = 0.0;
     for _ in 0..MOST_STEPS {
-        let state = interval.state(propagator, mid_s, late_s).ok()?;
+        let state = interval.state(propagator, mid_s, delay_s).ok()?;
         let momentum = state.position.vector().cross(state.velocity.vector()).norm();
-        let step_s = angle_to(&state, place) * state.position.vector().norm_squared() / momentum;
-        late_s -= step_s.clamp(-longest_s, longest_s);
+        let step_s = angle_to(&state, position) * state.position.vector().norm_squared() / momentum;
+        delay_s -= step_s.clamp(-longest_s, longest_s);
         if step_s.abs() < CLOSE_S {
-            return Some(late_s);
+            return Some(delay_s);
         }
     }
     None
 }
 
-/// Returns the distances at which a line of sight meets a sphere about the Earth's centre, in front of the observer, km.
+/// Returns the distances at which a line of sight meets a sphere about the Earth's centre, in front of the observer,
+/// km.
 fn ranges_km(observer: &Position<Gcrs>, towards: &Direction<Gcrs>, radius_km: f64) -> Vec<f64> {
     // ρ = -O·d ± √((O·d)² + r² - O²)
     let along = observer.vector().dot(towards.vector());

@@ -9,9 +9,10 @@ use crate::frames::{Direction, Gcrs};
 /// Relation between the times of the exposure and the positions along the streak.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// The satellite was at the first end at the start and at the second at the end of the time: the direction of motion is known.
+    /// The satellite was at the first end at the start and at the second end at the end of the interval: the direction
+    /// of motion is known.
     FirstToSecond,
-    /// The ends belong to the opening and closing of the shutter, in unknown order.
+    /// The ends correspond to the opening and closing of the shutter, in unknown order.
     Whole,
     /// The satellite was somewhere along the streak during the exposure: the ends may be those of the frame.
     Within,
@@ -31,13 +32,13 @@ impl Timing {
 /// Measured streak with its errors. Positions are ICRS astrometric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStreak {
-    place: Direction<Gcrs>,
+    middle: Direction<Gcrs>,
     position_angle_rad: f64,
     length_rad: Option<f64>,
     start: Epoch,
     duration_s: f64,
     timing: Timing,
-    place_sigma_rad: f64,
+    position_sigma_rad: f64,
     time_sigma_s: f64,
     angle_sigma_rad: f64,
     by_ends: bool,
@@ -51,15 +52,17 @@ const LONGEST_RAD: f64 = 2.0;
 const LEAST_ANGLE_SIGMA_RAD: f64 = 1e-5;
 
 impl MeasuredStreak {
-    /// Creates a streak from two ends. The errors are one sigma of either end in any direction (radians) and of the clock (seconds).
+    /// Creates a streak from two ends. The errors are one sigma of either end in any direction (radians) and of the
+    /// clock (seconds).
     ///
     /// # Errors
-    /// The ends are at one position or more than 115° apart, an error is not positive, or the duration does not fit the timing.
+    /// The ends are at one position or more than 115° apart, an error is not positive, or the duration does not fit the
+    /// timing.
     pub fn from_ends(
         ends: [Direction<Gcrs>; 2],
         (start, duration_s): (Epoch, f64),
         timing: Timing,
-        place_sigma_rad: f64,
+        position_sigma_rad: f64,
         time_sigma_s: f64,
     ) -> Result<Self, IdentifyError> {
         let length_rad = ends[0].separation_rad(&ends[1]);
@@ -69,36 +72,36 @@ impl MeasuredStreak {
         if length_rad > LONGEST_RAD {
             return Err(value("length of the streak", length_rad.to_degrees(), "deg", "at most 114 deg"));
         }
-        let place = Direction::from_vector((ends[0].vector() + ends[1].vector()).normalize());
+        let middle = Direction::from_vector((ends[0].vector() + ends[1].vector()).normalize());
         let streak = Self {
-            place,
-            position_angle_rad: place.position_angle_rad(&ends[1]),
+            middle,
+            position_angle_rad: middle.position_angle_rad(&ends[1]),
             length_rad: Some(length_rad),
             start,
             duration_s,
             timing,
-            place_sigma_rad,
+            position_sigma_rad,
             time_sigma_s,
             // Two ends, each with an error σ at right angles to the line.
-            angle_sigma_rad: (std::f64::consts::SQRT_2 * place_sigma_rad / length_rad).max(LEAST_ANGLE_SIGMA_RAD),
+            angle_sigma_rad: (std::f64::consts::SQRT_2 * position_sigma_rad / length_rad).max(LEAST_ANGLE_SIGMA_RAD),
             by_ends: true,
         };
         streak.checked()
     }
 
-    /// Creates a streak from its middle, the position angle of the line there (north through east, either direction) with one sigma,
-    /// radians, and its length, if known.
+    /// Creates a streak from its middle, the position angle of the line there (north through east, either direction)
+    /// with one sigma, radians, and its length, if known.
     ///
     /// # Errors
-    /// As [`MeasuredStreak::from_ends`]; a whole streak without a length; or a direction of motion, which a position angle does not
-    /// contain.
-    pub fn from_place(
-        place: Direction<Gcrs>,
+    /// Same as [`MeasuredStreak::from_ends`]; a whole streak without a length; or a direction of motion, which a
+    /// position angle does not define.
+    pub fn from_middle(
+        middle: Direction<Gcrs>,
         (position_angle_rad, angle_sigma_rad): (f64, f64),
         length_rad: Option<f64>,
         (start, duration_s): (Epoch, f64),
         timing: Timing,
-        place_sigma_rad: f64,
+        position_sigma_rad: f64,
         time_sigma_s: f64,
     ) -> Result<Self, IdentifyError> {
         if !(position_angle_rad.is_finite() && position_angle_rad.abs() <= std::f64::consts::TAU) {
@@ -113,7 +116,7 @@ impl MeasuredStreak {
             return Err(IdentifyError::Value {
                 what: "timing",
                 given: timing.name().to_owned(),
-                allowed: "two ends; a position angle does not tell which of them was first",
+                allowed: "two ends; a position angle does not define which end was first",
             });
         }
         if timing == Timing::Whole && length_rad.is_none() {
@@ -125,13 +128,13 @@ impl MeasuredStreak {
         }
         let angle_sigma_rad = angle_sigma_rad.max(LEAST_ANGLE_SIGMA_RAD);
         let streak = Self {
-            place,
+            middle,
             position_angle_rad: position_angle_rad.rem_euclid(std::f64::consts::TAU),
             length_rad,
             start,
             duration_s,
             timing,
-            place_sigma_rad,
+            position_sigma_rad,
             time_sigma_s,
             angle_sigma_rad,
             by_ends: false,
@@ -143,11 +146,11 @@ impl MeasuredStreak {
         let may_be_instant = self.timing == Timing::Within;
         if !self.duration_s.is_finite() || self.duration_s < 0.0 || (self.duration_s == 0.0 && !may_be_instant) {
             let allowed =
-                if may_be_instant { "0 s or more" } else { "above 0 s; the ends were not reached at one moment" };
+                if may_be_instant { "0 s or more" } else { "above 0 s: both ends cannot be reached at the same time" };
             return Err(value("length of the exposure", self.duration_s, "s", allowed));
         }
         for (what, sigma, unit, allowed) in [
-            ("error of the place", self.place_sigma_rad.to_degrees() * 3600.0, "arcsec", "above 0 arcsec"),
+            ("error of the position", self.position_sigma_rad.to_degrees() * 3600.0, "arcsec", "above 0 arcsec"),
             ("error of the time", self.time_sigma_s, "s", "above 0 s"),
             ("error of the angle", self.angle_sigma_rad.to_degrees(), "deg", "above 0 deg"),
         ] {
@@ -159,11 +162,12 @@ impl MeasuredStreak {
     }
 
     /// Returns the middle of the streak.
-    pub fn place(&self) -> Direction<Gcrs> {
-        self.place
+    pub fn middle(&self) -> Direction<Gcrs> {
+        self.middle
     }
 
-    /// Returns the position angle of the line at the middle, towards the second end, from north through east, [0, 2π), radians.
+    /// Returns the position angle of the line at the middle, towards the second end, from north through east, [0, 2π),
+    /// radians.
     pub fn position_angle_rad(&self) -> f64 {
         self.position_angle_rad
     }
@@ -176,19 +180,20 @@ impl MeasuredStreak {
     /// Returns both ends, if the length is known.
     pub fn ends(&self) -> Option<[Direction<Gcrs>; 2]> {
         let half_rad = 0.5 * self.length_rad?;
-        let (east, north) = self.place.east_north();
+        let (east, north) = self.middle.east_north();
         let along: Vector3<f64> = east * self.position_angle_rad.sin() + north * self.position_angle_rad.cos();
-        Some([-half_rad, half_rad].map(|way_rad: f64| {
-            Direction::from_vector((self.place.vector() * way_rad.cos() + along * way_rad.sin()).normalize())
+        Some([-half_rad, half_rad].map(|offset_rad: f64| {
+            Direction::from_vector((self.middle.vector() * offset_rad.cos() + along * offset_rad.sin()).normalize())
         }))
     }
 
-    /// Returns true if the ends were measured, not the middle and the angle: a curved track then passes the ends.
+    /// Returns true if both ends were measured instead of the middle and the angle: a curved track then passes the
+    /// ends.
     pub fn is_by_ends(&self) -> bool {
         self.by_ends
     }
 
-    /// Returns the start of the time.
+    /// Returns the start of the interval.
     pub fn start(&self) -> Epoch {
         self.start
     }
@@ -204,8 +209,8 @@ impl MeasuredStreak {
     }
 
     /// Returns one sigma of either end in any direction, radians.
-    pub fn place_sigma_rad(&self) -> f64 {
-        self.place_sigma_rad
+    pub fn position_sigma_rad(&self) -> f64 {
+        self.position_sigma_rad
     }
 
     /// Returns one sigma of the clock, seconds.
@@ -241,8 +246,8 @@ mod tests {
         let streak = MeasuredStreak::from_ends(ends, time(), Timing::Within, 1e-5, 0.5).unwrap();
         let back = streak.ends().unwrap();
         assert!(back[0].separation_rad(&ends[0]) < 1e-12 && back[1].separation_rad(&ends[1]) < 1e-12);
-        let same = MeasuredStreak::from_place(
-            streak.place(),
+        let same = MeasuredStreak::from_middle(
+            streak.middle(),
             (streak.position_angle_rad(), 0.01),
             streak.length_rad(),
             time(),
@@ -254,19 +259,19 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_streak_is_refused_in_words() {
+    fn invalid_streaks_are_rejected_with_a_reason() {
         let ends = |a, b, time, timing| MeasuredStreak::from_ends([a, b], time, timing, 1e-5, 0.5);
-        let said = |answer: Result<MeasuredStreak, IdentifyError>| answer.unwrap_err().to_string();
-        assert!(said(ends(at(1.0, 2.0), at(1.0, 2.0), time(), Timing::Within)).contains("one place"));
-        assert!(said(ends(at(1.0, 2.0), at(150.0, 2.0), time(), Timing::Within)).contains("at most 114 deg"));
+        let message = |answer: Result<MeasuredStreak, IdentifyError>| answer.unwrap_err().to_string();
+        assert!(message(ends(at(1.0, 2.0), at(1.0, 2.0), time(), Timing::Within)).contains("same position"));
+        assert!(message(ends(at(1.0, 2.0), at(150.0, 2.0), time(), Timing::Within)).contains("at most 114 deg"));
         let instant = (time().0, 0.0);
-        assert!(said(ends(at(1.0, 2.0), at(2.0, 2.0), instant, Timing::FirstToSecond)).contains("above 0 s"));
+        assert!(message(ends(at(1.0, 2.0), at(2.0, 2.0), instant, Timing::FirstToSecond)).contains("above 0 s"));
         assert!(ends(at(1.0, 2.0), at(2.0, 2.0), instant, Timing::Within).is_ok());
-        let place =
-            |length, timing| MeasuredStreak::from_place(at(1.0, 2.0), (0.3, 0.01), length, time(), timing, 1e-5, 0.5);
-        assert!(said(place(None, Timing::Whole)).contains("known length"));
-        assert!(said(place(Some(0.1), Timing::FirstToSecond)).contains("two ends"));
+        let middle =
+            |length, timing| MeasuredStreak::from_middle(at(1.0, 2.0), (0.3, 0.01), length, time(), timing, 1e-5, 0.5);
+        assert!(message(middle(None, Timing::Whole)).contains("known length"));
+        assert!(message(middle(Some(0.1), Timing::FirstToSecond)).contains("two ends"));
         let sigma = MeasuredStreak::from_ends([at(1.0, 2.0), at(2.0, 2.0)], time(), Timing::Within, 1e-5, 0.0);
-        assert!(said(sigma).contains("error of the time 0 s"));
+        assert!(message(sigma).contains("error of the time 0 s"));
     }
 }

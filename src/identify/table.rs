@@ -12,7 +12,7 @@ use crate::photometry::{Brightness, PhotometryOptions};
 pub struct CandidateRow<'a> {
     /// The candidate.
     pub candidate: &'a Candidate,
-    /// Its element set.
+    /// Element set of the candidate.
     pub elements: &'a ElementSet,
     /// Band and system of the magnitudes.
     pub photometry: &'a PhotometryOptions,
@@ -42,7 +42,7 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
         field(Column::real("chi_square", "", 3, "Sum of the squares of the offsets in sigmas."), |row| {
             row.candidate.chi_square.into()
         }),
-        field(Column::new("chi_square_terms", Kind::Integer, "How many offsets count in it."), |row| {
+        field(Column::new("chi_square_terms", Kind::Integer, "Number of offsets in the sum."), |row| {
             i64::from(row.candidate.terms).into()
         }),
         field(
@@ -54,15 +54,15 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "along_track_offset_s",
                 "s",
                 3,
-                "The satellite passes so much later than predicted; negative: earlier. 0 where the prediction lies within the exposure.",
+                "Delay of the satellite after its prediction; negative: early. 0 where the prediction is within the exposure.",
             ),
             |row| row.candidate.along_track_s.value.into(),
         ),
-        field(Column::real("along_track_offset_deg", "deg", 5, "The same as a way on the sky."), |row| {
+        field(Column::real("along_track_offset_deg", "deg", 5, "The same as an angle on the sky."), |row| {
             (row.candidate.along_track_s.value * row.candidate.angular_rate_rad_s.to_degrees()).into()
         }),
         field(
-            Column::real("along_track_sigma_s", "s", 3, "One sigma of it: elements of that age, and the clock."),
+            Column::real("along_track_sigma_s", "s", 3, "One sigma of the delay: age of the elements, and clock."),
             |row| row.candidate.along_track_s.sigma.into(),
         ),
         field(
@@ -70,18 +70,18 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "cross_track_offset_arcsec",
                 "arcsec",
                 2,
-                "The streak lies so far beside the predicted path, on the side of its position angle + 90 deg.",
+                "Distance of the streak from the predicted track, positive towards the position angle of motion + 90 deg.",
             ),
             |row| (row.candidate.cross_track_rad.value * ARCSEC_PER_RAD).into(),
         ),
-        field(Column::real("cross_track_sigma_arcsec", "arcsec", 2, "One sigma of it."), |row| {
+        field(Column::real("cross_track_sigma_arcsec", "arcsec", 2, "One sigma of that distance."), |row| {
             (row.candidate.cross_track_rad.sigma * ARCSEC_PER_RAD).into()
         }),
         field(
             Column::real("angle_difference_deg", "deg", 4, "Position angle of the streak less that of the motion."),
             |row| row.candidate.angle_rad.value.to_degrees().into(),
         ),
-        field(Column::real("angle_sigma_deg", "deg", 4, "One sigma of it."), |row| {
+        field(Column::real("angle_sigma_deg", "deg", 4, "One sigma of that difference."), |row| {
             row.candidate.angle_rad.sigma.to_degrees().into()
         }),
         field(
@@ -89,44 +89,44 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "length_difference_deg",
                 "deg",
                 5,
-                "Length measured less predicted; where the ends may be those of the frame, by how much it is too long.",
+                "Length measured less predicted; at least 0 where the ends may be those of the frame.",
             ),
             |row| row.candidate.length_rad.map(|offset| offset.value.to_degrees()).into(),
         ),
-        field(Column::real("length_sigma_deg", "deg", 5, "One sigma of it."), |row| {
+        field(Column::real("length_sigma_deg", "deg", 5, "One sigma of that difference."), |row| {
             row.candidate.length_rad.map(|offset| offset.sigma.to_degrees()).into()
         }),
-        field(
-            Column::real("predicted_length_deg", "deg", 5, "Length of the track while the shutter was open."),
-            |row| row.candidate.predicted_length_rad.to_degrees().into(),
-        ),
-        field(Column::real("angular_rate_deg_s", "deg / s", 6, "Speed on the sky."), |row| {
+        field(Column::real("predicted_length_deg", "deg", 5, "Length of the track during the exposure."), |row| {
+            row.candidate.predicted_length_rad.to_degrees().into()
+        }),
+        field(Column::real("angular_rate_deg_s", "deg / s", 6, "Angular rate on the sky."), |row| {
             row.candidate.angular_rate_rad_s.to_degrees().into()
         }),
         field(Column::real("position_angle_deg", "deg", 4, "Direction of motion, from north through east."), |row| {
             row.candidate.position_angle_rad.to_degrees().into()
         }),
-        field(Column::time("passage_utc", "When it passed the middle of the streak, if it was that late."), |row| {
+        field(Column::time("passage_utc", "Passage of the middle of the streak with that delay."), |row| {
             row.candidate.passage.epoch.into()
         }),
-        field(Column::real("altitude_deg", "deg", 4, "Altitude then, without refraction."), |row| {
+        field(Column::real("altitude_deg", "deg", 4, "Altitude at the passage, without refraction."), |row| {
             row.candidate.passage.altitude_rad.map(f64::to_degrees).into()
         }),
-        field(Column::real("azimuth_deg", "deg", 4, "Azimuth then, from north through east."), |row| {
+        field(Column::real("azimuth_deg", "deg", 4, "Azimuth at the passage, from north through east."), |row| {
             row.candidate.passage.azimuth_rad.map(f64::to_degrees).into()
         }),
-        field(Column::real("range_km", "km", 3, "Distance from the observer then."), |row| {
+        field(Column::real("range_km", "km", 3, "Distance from the observer at the passage."), |row| {
             row.candidate.passage.range_km.into()
         }),
-        field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle then."), |row| {
+        field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle at the passage."), |row| {
             row.candidate.passage.geometry.phase_angle_rad().to_degrees().into()
         }),
-        field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra, then."), |row| {
+        field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra at the passage."), |row| {
             row.candidate.passage.illumination.name().into()
         }),
-        field(Column::real("magnitude", "mag", 3, "Predicted apparent magnitude then, steady."), |row| {
-            light(row).map(|light| light.magnitude.0).into()
-        }),
+        field(
+            Column::real("magnitude", "mag", 3, "Predicted apparent magnitude at the passage, without flares."),
+            |row| light(row).map(|light| light.magnitude.0).into(),
+        ),
         field(Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| {
             light(row).map(|light| light.sigma_mag).into()
         }),
@@ -134,7 +134,7 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
         field(Column::new("mag_system", Kind::Text, "Zero point of the magnitude."), |row| {
             row.photometry.system.to_string().into()
         }),
-        field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+        field(Column::new("mag_source", Kind::Text, "Source of the magnitude."), |row| {
             light(row).map(|light| light.source.to_string()).into()
         }),
         field(
@@ -142,7 +142,7 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "element_age_days",
                 "d",
                 4,
-                "Passage less epoch of the elements; negative where they are newer.",
+                "Passage less epoch of the elements; negative for elements from after the passage.",
             ),
             |row| row.candidate.element_age_days.into(),
         ),
@@ -155,13 +155,13 @@ pub fn candidate_table<'a>(rows: impl IntoIterator<Item = CandidateRow<'a>>) -> 
 }
 
 const STREAK: [Column; 14] = [
-    Column::time("start_utc", "Beginning of the time."),
-    Column::time("end_utc", "Its end."),
-    Column::new("timing", Kind::Text, "What is known of the times along the streak."),
+    Column::time("start_utc", "Start of the exposure."),
+    Column::time("end_utc", "End of the exposure."),
+    Column::new("timing", Kind::Text, "Relation between the exposure and the ends of the streak."),
     Column::real("ra_deg", "deg", 7, "Right ascension of the middle, ICRS."),
     Column::real("dec_deg", "deg", 7, "Declination of the middle."),
-    Column::real("position_angle_deg", "deg", 4, "Position angle of the line there, towards the second end."),
-    Column::real("length_deg", "deg", 6, "Its length; empty where that is not known."),
+    Column::real("position_angle_deg", "deg", 4, "Position angle of the line at the middle, towards the second end."),
+    Column::real("length_deg", "deg", 6, "Length of the line; empty if unknown."),
     Column::real("from_ra_deg", "deg", 7, "Right ascension of the first end."),
     Column::real("from_dec_deg", "deg", 7, "Declination of the first end."),
     Column::real("to_ra_deg", "deg", 7, "Right ascension of the second end."),
@@ -176,22 +176,22 @@ pub fn streak_table(streak: &MeasuredStreak) -> Table {
     let ends = streak.ends();
     let longitude = |end: usize| -> Value { ends.map(|ends| ends[end].longitude_rad().to_degrees()).into() };
     let latitude = |end: usize| -> Value { ends.map(|ends| ends[end].latitude_rad().to_degrees()).into() };
-    let place: Direction<Gcrs> = streak.place();
+    let middle: Direction<Gcrs> = streak.middle();
     Table {
         columns: STREAK.to_vec(),
         rows: vec![vec![
             streak.start().into(),
             seconds_after(streak.start(), streak.duration_s()).into(),
             streak.timing().name().into(),
-            place.longitude_rad().to_degrees().into(),
-            place.latitude_rad().to_degrees().into(),
+            middle.longitude_rad().to_degrees().into(),
+            middle.latitude_rad().to_degrees().into(),
             streak.position_angle_rad().to_degrees().into(),
             streak.length_rad().map(f64::to_degrees).into(),
             longitude(0),
             latitude(0),
             longitude(1),
             latitude(1),
-            (streak.place_sigma_rad() * ARCSEC_PER_RAD).into(),
+            (streak.position_sigma_rad() * ARCSEC_PER_RAD).into(),
             streak.time_sigma_s().into(),
             streak.angle_sigma_rad().to_degrees().into(),
         ]],

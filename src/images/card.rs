@@ -1,34 +1,34 @@
-//! One card of a FITS header: 80 characters, kept as they were.
+//! Card of a FITS header: 80 characters, kept unchanged.
 
 use std::fmt::Write;
 
 /// Characters in a card.
 pub const CARD_LENGTH: usize = 80;
 
-/// Longest text in quotation marks on one card; a quote within counts twice.
+/// Longest quoted text on one card; a quote within it counts twice.
 const LONGEST_TEXT: usize = 68;
 
-/// Characters of a keyword, those of the HIERARCH convention included; the rest is left out.
+/// Longest keyword, including keywords of the HIERARCH convention; longer ones are truncated.
 const LONGEST_KEYWORD: usize = 40;
 
-/// Text on one card of HISTORY or COMMENT.
+/// Length of text on one card of HISTORY or COMMENT.
 const LONGEST_REMARK: usize = 72;
 
-/// Where a number or a logical value ends, from the first character: column 30 of the standard's fixed format.
+/// Last column of a number or a logical value in the standard's fixed format.
 const FIXED_END: usize = 30;
 
-/// What stands behind the equals sign.
+/// Value of a card.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CardValue {
-    /// Text, blanks at its end left out.
+    /// Text without trailing blanks.
     Text(String),
     /// A whole number.
     Integer(i64),
-    /// Any other number; written with as many digits as bring the same number back (17 at most).
+    /// Floating-point number; written with as many digits as needed to read the same number back (at most 17).
     Real(f64),
-    /// T or F.
+    /// Logical value, T or F.
     Logical(bool),
-    /// Nothing: the value is not known.
+    /// Undefined value.
     Undefined,
 }
 
@@ -56,7 +56,7 @@ impl From<bool> for CardValue {
     }
 }
 
-/// One card. It is the same 80 bytes that were read, so what is not understood is not lost either.
+/// One card with the 80 bytes that were read, so that cards that cannot be parsed are not lost.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Card {
     image: [u8; CARD_LENGTH],
@@ -69,7 +69,7 @@ impl std::fmt::Debug for Card {
 }
 
 impl Card {
-    /// From bytes as they stand in a file; what is missing is filled with blanks, what is beyond 80 left out.
+    /// Creates a card from the bytes of a file, filled with blanks or truncated to 80.
     pub fn from_bytes(bytes: &[u8]) -> Self {
         let mut image = [b' '; CARD_LENGTH];
         let length = bytes.len().min(CARD_LENGTH);
@@ -77,43 +77,43 @@ impl Card {
         Self { image }
     }
 
-    /// The cards of a keyword with its value: several where a text is longer than a card (by CONTINUE).
+    /// Creates the cards of a keyword with its value: several if a text is longer than a card (by CONTINUE).
     ///
-    /// Keywords of more than eight characters, and those with a blank, are written by the HIERARCH convention. Characters that are not ASCII
-    /// become `?`. A comment that does not fit is cut.
+    /// Keywords of more than eight characters, and those with a blank, are written by the HIERARCH convention.
+    /// Characters that are not ASCII become `?`. A comment that does not fit is truncated.
     pub fn with_value(keyword: &str, value: &CardValue, comment: &str) -> Vec<Self> {
-        let mut keyword = plain(keyword).to_ascii_uppercase();
+        let mut keyword = to_ascii(keyword).to_ascii_uppercase();
         keyword.truncate(LONGEST_KEYWORD);
         let head = if keyword.len() <= 8 && !keyword.contains(' ') {
             format!("{keyword:<8}= ")
         } else {
             format!("HIERARCH {keyword} = ")
         };
-        let comment = plain(comment);
+        let comment = to_ascii(comment);
         let quoted = match value {
-            CardValue::Text(text) => plain(text).replace('\'', "''"),
+            CardValue::Text(text) => to_ascii(text).replace('\'', "''"),
             CardValue::Integer(number) => return vec![Self::of_number(&head, &number.to_string(), &comment)],
-            CardValue::Real(number) => return vec![Self::of_number(&head, &real_text(*number), &comment)],
+            CardValue::Real(number) => return vec![Self::of_number(&head, &format_real(*number), &comment)],
             CardValue::Logical(true) => return vec![Self::of_number(&head, "T", &comment)],
             CardValue::Logical(false) => return vec![Self::of_number(&head, "F", &comment)],
             CardValue::Undefined => return vec![Self::of_number(&head, "", &comment)],
         };
-        let room = CARD_LENGTH - head.len() - 2;
-        if quoted.len() <= room {
-            return vec![Self::closed(format!("{head}'{quoted:<8}'"), &comment)];
+        let space = CARD_LENGTH - head.len() - 2;
+        if quoted.len() <= space {
+            return vec![Self::with_comment(format!("{head}'{quoted:<8}'"), &comment)];
         }
-        // Long texts: each card but the last ends in an ampersand.
+        // Long texts: each card except the last ends in an ampersand.
         let mut cards = Vec::new();
         let mut rest = quoted.as_str();
         let mut start = head;
         loop {
-            let room = (CARD_LENGTH - start.len() - 2).min(LONGEST_TEXT);
-            if rest.len() <= room {
-                cards.push(Self::closed(format!("{start}'{rest}'"), &comment));
+            let space = (CARD_LENGTH - start.len() - 2).min(LONGEST_TEXT);
+            if rest.len() <= space {
+                cards.push(Self::with_comment(format!("{start}'{rest}'"), &comment));
                 return cards;
             }
-            let mut cut = room - 1;
-            // A quote and its double stay together.
+            let mut cut = space - 1;
+            // A doubled quote is not split.
             if (rest[..cut].len() - rest[..cut].trim_end_matches('\'').len()) % 2 == 1 {
                 cut -= 1;
             }
@@ -123,9 +123,9 @@ impl Card {
         }
     }
 
-    /// The cards of a remark: HISTORY or COMMENT, 72 characters each, broken between words where that is possible.
+    /// Creates the cards of a remark: HISTORY or COMMENT, 72 characters each, broken between words if possible.
     pub fn remark(keyword: &str, text: &str) -> Vec<Self> {
-        let text = plain(text);
+        let text = to_ascii(text);
         let mut cards = Vec::new();
         let mut rest = text.as_str();
         loop {
@@ -143,10 +143,10 @@ impl Card {
 
     fn of_number(head: &str, number: &str, comment: &str) -> Self {
         let width = FIXED_END.saturating_sub(head.len());
-        Self::closed(format!("{head}{number:>width$}"), comment)
+        Self::with_comment(format!("{head}{number:>width$}"), comment)
     }
 
-    fn closed(mut text: String, comment: &str) -> Self {
+    fn with_comment(mut text: String, comment: &str) -> Self {
         if !comment.is_empty() {
             let _ = write!(text, "{:1$} / {comment}", "", FIXED_END.saturating_sub(text.len()));
         }
@@ -158,12 +158,12 @@ impl Card {
         &self.image
     }
 
-    /// The 80 characters; bytes that are no ASCII are shown as `?`.
+    /// The 80 characters; bytes that are not ASCII are shown as `?`.
     pub fn text(&self) -> String {
         self.image.iter().map(|byte| if (b' '..=b'~').contains(byte) { char::from(*byte) } else { '?' }).collect()
     }
 
-    /// The keyword, in capitals; that behind HIERARCH for such cards; empty for a blank one.
+    /// Keyword in capitals, for HIERARCH cards the keyword after HIERARCH; empty for a blank card.
     pub fn keyword(&self) -> String {
         let text = self.text();
         if let Some(rest) = text.strip_prefix("HIERARCH ")
@@ -174,22 +174,22 @@ impl Card {
         text[..8].trim_end().to_ascii_uppercase()
     }
 
-    /// The value; `None` for cards that hold none (remarks, CONTINUE, blank ones) or nothing that can be read.
+    /// Value; `None` for cards without one (remarks, CONTINUE, blank ones) or with an invalid one.
     pub fn value(&self) -> Option<CardValue> {
         self.split().0
     }
 
-    /// The comment behind the value; empty where there is none.
+    /// Comment after the value; empty if there is none.
     pub fn comment(&self) -> String {
         self.split().1
     }
 
-    /// The text of a HISTORY, COMMENT or blank card; that in the quotation marks of a CONTINUE.
+    /// Text of a HISTORY, COMMENT, blank or CONTINUE card.
     pub fn remark_text(&self) -> String {
         self.text()[8..].trim_end().to_owned()
     }
 
-    /// The field behind the keyword: text behind the equals sign, or that of a CONTINUE.
+    /// Field after the equals sign, or the text of a CONTINUE card.
     fn field(&self) -> Option<String> {
         let text = self.text();
         if text.starts_with("HIERARCH ") {
@@ -218,7 +218,7 @@ impl Card {
                 text.push('\'');
                 rest = &rest[1..];
             }
-            // The closing quote is missing: what stands there is the text.
+            // The closing quote is missing: the rest of the card is the text.
             text.push_str(rest);
             return (Some(CardValue::Text(text.trim_end().to_owned())), String::new());
         }
@@ -226,14 +226,14 @@ impl Card {
         (parse_plain(value.trim()), comment(rest))
     }
 
-    /// Text in quotation marks with the blanks at its end, which count where a text goes on over several keywords (WAT).
+    /// Quoted text with its trailing blanks, which count in texts over several keywords (WAT).
     pub(super) fn padded_text(&self) -> Option<String> {
         let Some(CardValue::Text(text)) = self.value() else { return None };
         Some(format!("{text:<LONGEST_TEXT$}"))
     }
 }
 
-/// A value without quotation marks.
+/// Parses a value without quotation marks.
 fn parse_plain(text: &str) -> Option<CardValue> {
     match text {
         "" => return Some(CardValue::Undefined),
@@ -247,7 +247,7 @@ fn parse_plain(text: &str) -> Option<CardValue> {
     parse_real(text).map(CardValue::Real)
 }
 
-/// A number as FITS writes it: an exponent may be marked with D. `inf` and `nan` are none.
+/// Parses a FITS number: the exponent may be marked with D. `inf` and `nan` are not numbers.
 pub(super) fn parse_real(text: &str) -> Option<f64> {
     let text = text.trim();
     if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {
@@ -256,8 +256,8 @@ pub(super) fn parse_real(text: &str) -> Option<f64> {
     text.replace(['D', 'd'], "E").parse::<f64>().ok().filter(|number| number.is_finite())
 }
 
-/// The shortest text that gives the same number back, with a point.
-fn real_text(number: f64) -> String {
+/// Formats a number as the shortest text that reads back as the same number, with a decimal point.
+fn format_real(number: f64) -> String {
     let size = number.abs();
     if number == 0.0 || (1e-4..1e15).contains(&size) {
         let text = format!("{number}");
@@ -269,8 +269,8 @@ fn real_text(number: f64) -> String {
     format!("{mantissa}{point}E{exponent}")
 }
 
-/// Text with `?` in place of what is not ASCII.
-pub(super) fn plain(text: &str) -> String {
+/// Replaces characters that are not ASCII by `?`.
+pub(super) fn to_ascii(text: &str) -> String {
     text.chars().map(|c| if (' '..='~').contains(&c) { c } else { '?' }).collect()
 }
 
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_what_is_written_is_read() {
+    fn verif_written_values_read_back() {
         for number in
             [0.1 + 0.2, -1.0, 58_914.002_956_14, 6.626e-34, 1e300, -4.9e-324, 1e15, 123_456_789_012_345_680.0, 1e-4]
         {
@@ -303,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_values_as_others_write_them() {
+    fn verif_values_written_by_other_software() {
         for (text, value) in [
             ("RADESYS =  'FK5     '           / frame", CardValue::Text("FK5".to_owned())),
             ("GAIN    = 1.0     / now in electrons", CardValue::Real(1.0)),
@@ -315,7 +315,7 @@ mod tests {
             ("C       = 'a / b'  / c", CardValue::Text("a / b".to_owned())),
         ] {
             let card = Card::from_bytes(text.as_bytes());
-            // CRPIX1=1565 has no equals sign in column 9: it holds no value.
+            // CRPIX1=1565 has no equals sign in column 9, so it has no value.
             let expected = (!text.starts_with("CRPIX1=")).then_some(value);
             assert_eq!(card.value(), expected, "{text}");
         }

@@ -11,78 +11,78 @@ use super::wcs::WcsError;
 /// Errors of frames, headers, detectors and telescopes.
 #[derive(Debug, Error)]
 pub enum ImagesError {
-    /// Frame in a file.
+    /// Error of a frame in a file.
     #[cfg(feature = "fits")]
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// Time of an exposure.
+    /// Error of the time of an exposure.
     #[error(transparent)]
     Exposure(#[from] ExposureError),
-    /// World coordinates.
+    /// Error of world coordinates.
     #[error(transparent)]
     Wcs(#[from] WcsError),
-    /// Detector.
+    /// Error of a detector.
     #[error(transparent)]
     Detector(#[from] DetectorError),
-    /// No preset of this name.
-    #[error("unknown telescope {given:?}; known are {known}")]
+    /// Unknown telescope.
+    #[error("unknown telescope {given:?}; known telescopes: {known}")]
     UnknownTelescope {
-        /// As it was given.
+        /// Given name.
         given: String,
-        /// All presets.
+        /// Names of all presets.
         known: String,
     },
-    /// Not TOML, a key missing, unknown or of the wrong type; the message names key and line.
+    /// Invalid TOML, or a key that is missing, unknown or of the wrong type; the message names key and line.
     #[error("telescope file {origin}: {message}")]
     TelescopeToml {
         /// The file.
         origin: String,
-        /// What and where.
+        /// Description and position of the error.
         message: String,
     },
-    /// A number outside what is allowed, or not finite.
-    #[error("telescope file {origin}: {key} is {given}, allowed is {least} to {greatest}")]
+    /// A number is out of range or not finite.
+    #[error("telescope file {origin}: {key} is {given}; allowed: {least} to {greatest}")]
     TelescopeOutOfRange {
         /// The file.
         origin: String,
         /// The key.
         key: String,
-        /// As it stands there.
+        /// Given value.
         given: f64,
         /// Least allowed value.
         least: f64,
         /// Greatest allowed value.
         greatest: f64,
     },
-    /// A limit for a band that is not known.
-    #[error("telescope file {origin}: limits are given for band {given:?}; known are B V R I u g r i z y G")]
+    /// A limit is given for an unknown band.
+    #[error("telescope file {origin}: unknown band {given:?} of a limit; known bands: B V R I u g r i z y G")]
     TelescopeBand {
         /// The file.
         origin: String,
-        /// As it stands there.
+        /// Given band.
         given: String,
     },
-    /// The values do not fill it.
-    #[error("{given} values for an image of {rows} rows by {columns} columns ({} are needed)", rows * columns)]
+    /// The number of values does not match the shape of the image.
+    #[error("an image of {rows} rows by {columns} columns cannot have {given} values; expected {}", rows * columns)]
     PlaneShape {
-        /// Rows asked for.
+        /// Rows of the image.
         rows: usize,
-        /// Columns asked for.
+        /// Columns of the image.
         columns: usize,
-        /// Values given.
+        /// Number of values given.
         given: usize,
     },
     /// A frame without rows or columns.
     #[cfg(feature = "plot")]
-    #[error("a frame of {rows} rows by {columns} columns has no picture")]
+    #[error("cannot draw a frame of {rows} rows by {columns} columns: it has no pixels")]
     EmptyPreview {
         /// Rows.
         rows: usize,
         /// Columns.
         columns: usize,
     },
-    /// The encoder failed.
+    /// The preview cannot be encoded.
     #[cfg(feature = "plot")]
-    #[error("the picture cannot be encoded: {0}")]
+    #[error("cannot encode the preview: {0}")]
     EncodePreview(#[from] image::ImageError),
 }

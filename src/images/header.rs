@@ -1,22 +1,22 @@
-//! A FITS header: its cards in order.
+//! FITS header: cards in order.
 
 use std::ops::Range;
 
 use super::card::{CARD_LENGTH, Card, CardValue, parse_real};
 
-/// The cards of one header in their order, without END. Everything is kept, also what is not understood.
+/// Cards of one header in their order, without END. Cards that cannot be parsed are kept as well.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
     cards: Vec<Card>,
 }
 
 impl Header {
-    /// From cards.
+    /// Creates a header from cards.
     pub fn from_cards(cards: Vec<Card>) -> Self {
         Self { cards }
     }
 
-    /// From text: either cards of 80 characters one behind the other, as in a file, or one card a line. Reading ends at END.
+    /// Parses text: cards of 80 characters without separators, as in a file, or one card a line. Parsing ends at END.
     pub fn from_text(text: &str) -> Self {
         let cards: Vec<Card> = if text.contains('\n') {
             text.lines().map(|line| Card::from_bytes(line.trim_end_matches('\r').as_bytes())).collect()
@@ -37,32 +37,32 @@ impl Header {
         self.cards.len()
     }
 
-    /// Whether there is none.
+    /// Returns true if the header has no cards.
     pub fn is_empty(&self) -> bool {
         self.cards.is_empty()
     }
 
-    /// Place of the first card of a keyword that holds a value.
+    /// Index of the first card of a keyword with a value.
     pub fn position(&self, keyword: &str) -> Option<usize> {
-        self.cards.iter().position(|card| names(card, keyword))
+        self.cards.iter().position(|card| has_keyword(card, keyword))
     }
 
     /// The first card of a keyword.
     pub fn card(&self, keyword: &str) -> Option<&Card> {
-        self.position(keyword).map(|place| &self.cards[place])
+        self.position(keyword).map(|index| &self.cards[index])
     }
 
-    /// Whether a keyword is there.
+    /// Returns true if the header has a keyword.
     pub fn contains(&self, keyword: &str) -> bool {
         self.position(keyword).is_some()
     }
 
-    /// The value of a keyword; long texts are put together over their CONTINUE cards.
+    /// Value of a keyword; long texts are joined with their CONTINUE cards.
     pub fn value(&self, keyword: &str) -> Option<CardValue> {
-        let place = self.position(keyword)?;
-        let value = self.cards[place].value()?;
+        let index = self.position(keyword)?;
+        let value = self.cards[index].value()?;
         let CardValue::Text(mut text) = value else { return Some(value) };
-        let mut rest = self.cards[place + 1..].iter();
+        let mut rest = self.cards[index + 1..].iter();
         while text.ends_with('&') {
             let Some(CardValue::Text(more)) =
                 rest.next().filter(|card| card.keyword() == "CONTINUE").and_then(Card::value)
@@ -75,7 +75,7 @@ impl Header {
         Some(CardValue::Text(text))
     }
 
-    /// Text, blanks at both ends left out; `None` where the value is no text or there is nothing in it.
+    /// Trimmed text of a keyword; `None` if the value is not a text or is blank.
     pub fn text(&self, keyword: &str) -> Option<String> {
         match self.value(keyword)? {
             CardValue::Text(text) => Some(text.trim().to_owned()).filter(|text| !text.is_empty()),
@@ -83,7 +83,7 @@ impl Header {
         }
     }
 
-    /// A number; also one that stands in quotation marks, as some observatories write them.
+    /// Number of a keyword, also in quotation marks, as some observatories write it.
     pub fn number(&self, keyword: &str) -> Option<f64> {
         match self.value(keyword)? {
             CardValue::Real(number) => Some(number),
@@ -93,7 +93,7 @@ impl Header {
         }
     }
 
-    /// A whole number; one written with a point counts where nothing stands behind it.
+    /// Whole number of a keyword; a decimal fraction of zero is accepted.
     pub fn integer(&self, keyword: &str) -> Option<i64> {
         match self.value(keyword)? {
             CardValue::Integer(number) => Some(number),
@@ -102,7 +102,7 @@ impl Header {
         }
     }
 
-    /// True or false.
+    /// Logical value of a keyword.
     pub fn logical(&self, keyword: &str) -> Option<bool> {
         match self.value(keyword)? {
             CardValue::Logical(value) => Some(value),
@@ -110,13 +110,14 @@ impl Header {
         }
     }
 
-    /// The comment of a keyword; empty where there is none.
+    /// Comment of a keyword; empty if there is none.
     pub fn comment(&self, keyword: &str) -> String {
-        // That of a long text stands on its last card.
+        // The comment of a long text is on its last card.
         self.span(keyword).and_then(|span| self.cards[span].last().map(Card::comment)).unwrap_or_default()
     }
 
-    /// Sets a keyword: in its place where it is there (a comment of nothing keeps the old one), else behind all others.
+    /// Sets a keyword: replaces its card, or appends one if the header has none. An empty comment keeps the old
+    /// comment.
     pub fn set(&mut self, keyword: &str, value: &CardValue, comment: &str) {
         let Some(span) = self.span(keyword) else {
             self.cards.extend(Card::with_value(keyword, value, comment));
@@ -127,45 +128,45 @@ impl Header {
         self.cards.splice(span, Card::with_value(keyword, value, comment));
     }
 
-    /// Takes a keyword out, with its CONTINUE cards.
+    /// Removes a keyword with its CONTINUE cards.
     pub fn remove(&mut self, keyword: &str) {
         while let Some(span) = self.span(keyword) {
             self.cards.drain(span);
         }
     }
 
-    /// Puts cards behind all others.
+    /// Appends cards.
     pub fn extend(&mut self, cards: impl IntoIterator<Item = Card>) {
         self.cards.extend(cards);
     }
 
-    /// Puts a remark behind the last one of its kind, or behind all cards.
+    /// Inserts a remark after the last one of its keyword, or after all cards.
     pub fn add_remark(&mut self, keyword: &str, text: &str) {
         let last = self.cards.iter().rposition(|card| card.keyword() == keyword);
-        let place = last.map_or(self.cards.len(), |place| place + 1);
-        self.cards.splice(place..place, Card::remark(keyword, text));
+        let index = last.map_or(self.cards.len(), |index| index + 1);
+        self.cards.splice(index..index, Card::remark(keyword, text));
     }
 
-    /// The places of a keyword's first card and of its CONTINUE cards.
+    /// Range of a keyword's first card and its CONTINUE cards.
     fn span(&self, keyword: &str) -> Option<Range<usize>> {
-        let place = self.position(keyword)?;
-        let continued = self.cards[place + 1..].iter().take_while(|card| card.keyword() == "CONTINUE").count();
-        Some(place..place + 1 + continued)
+        let index = self.position(keyword)?;
+        let continued = self.cards[index + 1..].iter().take_while(|card| card.keyword() == "CONTINUE").count();
+        Some(index..index + 1 + continued)
     }
 
-    /// All text of a keyword that goes on under numbers, blanks within kept (`WAT1_001`, `WAT1_002`, ...).
+    /// Joined text of numbered keywords (`WAT1_001`, `WAT1_002`, ...), with the blanks within it.
     pub(super) fn numbered_text(&self, stem: &str) -> String {
         (1..).map_while(|number| self.card(&format!("{stem}{number:03}")).and_then(Card::padded_text)).collect()
     }
 }
 
-/// Whether a card is the last of a header.
+/// Returns true for the END card.
 pub(super) fn is_end(card: &Card) -> bool {
     card.bytes().starts_with(b"END     ")
 }
 
-/// Whether a card is of this keyword and holds a value.
-fn names(card: &Card, keyword: &str) -> bool {
+/// Returns true for a card of this keyword with a value.
+fn has_keyword(card: &Card, keyword: &str) -> bool {
     let bytes = card.bytes();
     if keyword.len() <= 8 {
         let (name, rest) = bytes.split_at(8);
@@ -183,7 +184,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_long_texts_go_on_over_cards() {
+    fn verif_long_texts_continue_on_further_cards() {
         let mut header = Header::default();
         let long = "it's ".repeat(60);
         header.set("LONG", &CardValue::Text(long.clone()), "long");
@@ -210,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_remarks_stand_together() {
+    fn verif_remarks_of_one_keyword_are_adjacent() {
         let mut header = Header::from_text("A       = 1\nHISTORY one\nB       = 2\n");
         header.add_remark("HISTORY", "two");
         header.add_remark("COMMENT", "three");

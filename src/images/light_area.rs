@@ -1,53 +1,57 @@
-//! The part of a frame that light falls on: without overscan and prescan.
+//! Illuminated part of a frame, without overscan and prescan.
 
 use std::ops::Range;
 
 use super::header::Header;
 use super::plane::PixelPosition;
 
-/// Pixels of a frame that light falls on, counted from 0.
+/// Range of illuminated pixels of a frame, counted from 0.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LightArea {
-    /// Its rows.
+    /// Illuminated rows.
     pub rows: Range<usize>,
-    /// Its columns.
+    /// Illuminated columns.
     pub columns: Range<usize>,
 }
 
-/// Where amplifiers have sections of their own, these end in their letters.
+/// Keywords of bias sections. Those of single amplifiers end in the letter or number of the amplifier.
 const BIAS: [&str; 5] = ["BIASSEC", "BIASSECA", "BIASSECB", "BIASSEC1", "TRIMSEC"];
 
 impl LightArea {
-    /// All of a frame.
+    /// Creates an area that covers the whole frame.
     pub fn whole(rows: usize, columns: usize) -> Self {
         Self { rows: 0..rows, columns: 0..columns }
     }
 
-    /// What the header of a raw frame of `rows` by `columns` says: DATASEC, or TRIMSEC where that is missing.
+    /// Reads the illuminated area of a raw frame of `rows` by `columns` from its header: DATASEC, or TRIMSEC if that is
+    /// missing.
     ///
-    /// Frames that were trimmed, cut or binned later often keep the sections of the raw one. They count only where both that of the data and that of the bias
-    /// (BIASSEC of the chip or of one amplifier; TRIMSEC does too) lie within the frame; all of it is lit otherwise.
-    /// Where the data's section is not within the frame, but LTV1 and LTV2 say where the frame was cut out, it is moved along and ends at the frame's borders.
-    /// Sections are written `[x1:x2,y1:y2]`, counted from 1, ends included, in either order (Valdes, NOAO mosaic data structures, 1998).
+    /// Frames that were trimmed, cut or binned later often keep the sections of the raw frame. The sections are
+    /// therefore used only if both the data section and a bias section (BIASSEC of the chip or of one amplifier, or
+    /// TRIMSEC) lie within the frame; otherwise the whole frame is taken as illuminated. If the data section is not
+    /// within the frame, but LTV1 and LTV2 give the position of the cutout, the section is shifted by them and clipped
+    /// to the frame. Sections are written `[x1:x2,y1:y2]`, counted from 1, ends included, in either order (Valdes, NOAO
+    /// mosaic data structures, 1998).
     pub fn from_header(header: &Header, rows: usize, columns: usize) -> Self {
         let section =
             |keyword: &str| header.text(keyword).and_then(|text| Section::parse(&text)?.within(rows, columns));
         let has_bias = BIAS.iter().any(|keyword| section(keyword).is_some());
-        let as_it_stands = section("DATASEC").or_else(|| section("TRIMSEC"));
-        match as_it_stands {
+        let data_section = section("DATASEC").or_else(|| section("TRIMSEC"));
+        match data_section {
             Some(area) if has_bias => area,
-            None => Self::of_cut_out(header, rows, columns).unwrap_or(Self::whole(rows, columns)),
+            None => Self::of_cutout(header, rows, columns).unwrap_or(Self::whole(rows, columns)),
             Some(_) => Self::whole(rows, columns),
         }
     }
 
-    /// The lit part of a frame that IRAF cut out of a raw one and that has the sections of that one; `None` where nothing of it is lit, or the header does not
-    /// say where it lay.
+    /// Returns the illuminated part of a frame that IRAF cut out of a raw one and that has the sections of the raw
+    /// frame; `None` if no part of it is illuminated, or the header does not give its position.
     ///
-    /// IRAF keeps x = LTM1_1 x₀ + LTV1 for a place x₀ of the raw frame. Cutting makes LTV1 smaller by the columns left of the cut, so a value below 0 tells of one.
-    /// Mosaic cameras use the same keywords for the way from the chip to the raw frame; where CCDSEC and DATASEC begin at different pixels one cannot know
-    /// which of the two x₀ is, and nothing is guessed.
-    fn of_cut_out(header: &Header, rows: usize, columns: usize) -> Option<Self> {
+    /// IRAF defines x = LTM1_1 x₀ + LTV1 for a position x₀ in the raw frame. Cutting reduces LTV1 by the columns left
+    /// of the cut, so a value below 0 indicates a cutout. Mosaic cameras use the same keywords for the transformation
+    /// from the chip to the raw frame. If CCDSEC and DATASEC begin at different pixels, x₀ is ambiguous and `None` is
+    /// returned.
+    fn of_cutout(header: &Header, rows: usize, columns: usize) -> Option<Self> {
         let raw = |keyword: &str| header.text(keyword).and_then(|text| Section::parse(&text));
         let data = raw("DATASEC").or_else(|| raw("TRIMSEC"))?;
         let moved = [header.integer("LTV1")?, header.integer("LTV2")?];
@@ -57,34 +61,35 @@ impl LightArea {
         if !is_whole_scale || !is_of_the_frame || moved.iter().all(|by| *by >= 0) {
             return None;
         }
-        data.moved(moved).cut(rows, columns)
+        data.shifted(moved).cut(rows, columns)
     }
 
-    /// As a section is written in headers.
+    /// Returns the area as a section of a header.
     pub fn section(&self) -> String {
         format!("[{}:{},{}:{}]", self.columns.start + 1, self.columns.end, self.rows.start + 1, self.rows.end)
     }
 
-    /// How many pixels it has.
+    /// Number of pixels.
     pub fn pixels(&self) -> usize {
         self.rows.len() * self.columns.len()
     }
 
-    /// True for a place on one of its pixels.
-    pub fn holds(&self, at: PixelPosition) -> bool {
+    /// Returns true for a position on one of the pixels.
+    pub fn contains(&self, at: PixelPosition) -> bool {
         let within =
             |value: f64, range: &Range<usize>| (range.start as f64..=range.end as f64).contains(&(value + 0.5));
         within(at.x, &self.columns) && within(at.y, &self.rows)
     }
 
-    /// A place on it from its shares of the way along a row and along a column: (0, 0) is the outer corner of its first pixel, (1, 1) that of its last.
-    pub fn place(&self, along_row: f64, along_column: f64) -> PixelPosition {
+    /// Returns the position at fractions of the width and height: (0, 0) is the outer corner of the first pixel, (1, 1)
+    /// that of the last.
+    pub fn position_at(&self, along_row: f64, along_column: f64) -> PixelPosition {
         let at = |range: &Range<usize>, share: f64| range.start as f64 - 0.5 + share * range.len() as f64;
         PixelPosition { x: at(&self.columns, along_row), y: at(&self.rows, along_column) }
     }
 }
 
-/// Pixels as a header names them: first and last along a row and along a column, counted from 1.
+/// Pixels of a section in a header: first and last along a row and along a column, counted from 1.
 #[derive(Copy, Clone, Debug)]
 struct Section {
     x: [i64; 2],
@@ -92,7 +97,7 @@ struct Section {
 }
 
 impl Section {
-    /// `[x1:x2,y1:y2]`, in either order.
+    /// Parses `[x1:x2,y1:y2]`, with the ends in either order.
     fn parse(text: &str) -> Option<Self> {
         let (x, y) = text.trim().strip_prefix('[')?.strip_suffix(']')?.split_once(',')?;
         let range = |text: &str| {
@@ -103,19 +108,19 @@ impl Section {
         Some(Self { x: range(x)?, y: range(y)? })
     }
 
-    /// The same pixels where their numbers have changed by so much along rows and columns.
-    fn moved(self, by: [i64; 2]) -> Self {
+    /// Shifts the section along rows and columns.
+    fn shifted(self, by: [i64; 2]) -> Self {
         let [x, y] = [(self.x, by[0]), (self.y, by[1])].map(|(ends, by)| ends.map(|end| end.saturating_add(by)));
         Self { x, y }
     }
 
-    /// Its pixels where all are within a frame; `None` otherwise.
+    /// Returns the pixels of the section if all are within a frame, else `None`.
     fn within(self, rows: usize, columns: usize) -> Option<LightArea> {
         let is_within = |[first, last]: [i64; 2], count: usize| first >= 1 && last <= count as i64;
         if is_within(self.x, columns) && is_within(self.y, rows) { self.cut(rows, columns) } else { None }
     }
 
-    /// Those of its pixels that are within a frame; `None` where none is.
+    /// Returns the pixels of the section that are within a frame; `None` if there are none.
     fn cut(self, rows: usize, columns: usize) -> Option<LightArea> {
         let range = |[first, last]: [i64; 2], count: usize| {
             let (start, end) = ((first.max(1) - 1) as usize, last.clamp(0, count as i64) as usize);
@@ -134,16 +139,16 @@ mod tests {
     }
 
     #[test]
-    fn verif_sections_count_where_the_overscan_is_still_there() {
+    fn verif_sections_are_used_if_the_frame_has_its_overscan() {
         // The chip of a raw DECam frame: sections of amplifiers.
         let decam = "BIASSECA= '[7:56,51:4146]'\nDATASEC = '[57:2104,51:4146]'\nTRIMSEC = '[57:2104,51:4146]'";
         assert_eq!(area(decam, 4146, 2160), "[57:2104,51:4146]");
-        // Trimmed later, or cut: the sections of the raw frame are none of this one's.
+        // Trimmed later, or cut: the sections of the raw frame do not apply.
         assert_eq!(area(decam, 4096, 2048), "[1:2048,1:4096]");
         assert_eq!(area(decam, 400, 400), "[1:400,1:400]");
-        // A section alone does not say that there is more than light.
+        // A data section alone does not prove that the frame has dark pixels.
         assert_eq!(area("DATASEC = '[5:90,1:100]'", 100, 100), "[1:100,1:100]");
-        // The bias is gone, so the data were moved.
+        // The bias section is missing, so the data were moved.
         assert_eq!(area("DATASEC = '[11:100,1:100]'\nBIASSEC = '[101:110,1:100]'", 100, 100), "[1:100,1:100]");
         assert_eq!(area("DATASEC = '[100:11, 1:100]'\nBIASSEC = '[1:10,1:100]'", 100, 100), "[11:100,1:100]");
         assert_eq!(area("TRIMSEC = '[11:100,2:99]'", 100, 100), "[11:100,2:99]");
@@ -154,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_sections_of_a_cut_out_move_with_it() {
+    fn verif_sections_of_a_cutout_are_shifted() {
         // 100 by 100 pixels from column 2029 and row 101 on: the overscan begins at column 2105.
         let raw = "DATASEC = '[57:2104,51:4146]'\nBIASSECA= '[2105:2154,51:4146]'\n";
         let cut = |ltv1: i32, ltv2: i32, more: &str| {
@@ -163,11 +168,11 @@ mod tests {
         assert_eq!(cut(-2028, -100, ""), "[1:76,1:100]");
         assert_eq!(cut(-2028, -100, "LTM1_1  =                  1.0\nCCDSEC  = '[57:2104,51:4146]'"), "[1:76,1:100]");
         assert_eq!(cut(-20, 0, ""), "[37:100,51:100]");
-        // As DECam's cut-outs have it: LTV of the chip, the same as in the raw frame; LBC's say nothing at all.
+        // DECam cutouts give LTV of the chip, the same as in the raw frame; LBC cutouts give no shift.
         for (ltv1, ltv2) in [(56, 50), (0, 0)] {
             assert_eq!(cut(ltv1, ltv2, "CCDSEC  = '[1:2048,1:4096]'"), "[1:100,1:100]");
         }
-        // Cut, but out of the chip or out of the raw frame? And binned, and dark altogether.
+        // A cut whose reference, chip or raw frame, is ambiguous; a binned frame; a frame that is not illuminated.
         assert_eq!(cut(-1972, -50, "CCDSEC  = '[1:2048,1:4096]'"), "[1:100,1:100]");
         assert_eq!(cut(-2028, -100, "LTM1_1  =                  0.5"), "[1:100,1:100]");
         assert_eq!(cut(-2104, -100, ""), "[1:100,1:100]");
@@ -175,11 +180,11 @@ mod tests {
     }
 
     #[test]
-    fn verif_places_are_its_pixels() {
+    fn verif_positions_lie_on_the_pixels() {
         let area = LightArea { rows: 10..20, columns: 5..9 };
         assert_eq!(area.pixels(), 40);
-        assert_eq!(area.place(0.5, 0.5), PixelPosition { x: 6.5, y: 14.5 });
-        assert!(area.holds(area.place(0.0, 1.0)) && area.holds(PixelPosition { x: 8.5, y: 9.5 }));
-        assert!(!area.holds(PixelPosition { x: 4.4, y: 12.0 }) && !area.holds(PixelPosition { x: 6.0, y: 19.6 }));
+        assert_eq!(area.position_at(0.5, 0.5), PixelPosition { x: 6.5, y: 14.5 });
+        assert!(area.contains(area.position_at(0.0, 1.0)) && area.contains(PixelPosition { x: 8.5, y: 9.5 }));
+        assert!(!area.contains(PixelPosition { x: 4.4, y: 12.0 }) && !area.contains(PixelPosition { x: 6.0, y: 19.6 }));
     }
 }

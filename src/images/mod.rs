@@ -1,4 +1,4 @@
-//! Frames: files, headers, their geometry on the sky, detectors and telescopes. No satellites.
+//! Frames: files, headers, world coordinates, detectors and telescopes. Satellites are treated in other modules.
 
 mod card;
 mod detector;
@@ -22,7 +22,7 @@ pub use detector::{
     Saturated, Saturation, Vignetting,
 };
 pub use error::ImagesError;
-pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, PixelUnit, Stated, ZeroPoint};
+pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, HeaderValue, PixelUnit, ZeroPoint};
 #[cfg(feature = "fits")]
 pub use fits::{
     Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat,

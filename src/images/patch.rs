@@ -1,4 +1,4 @@
-//! Light on a part of a frame: only the pixels that it touches.
+//! Light on a part of a frame: only the pixels on which it falls.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ pub struct PatchSpan<'a> {
     pub row: usize,
     /// Column of the first pixel, counted from 0.
     pub first_column: usize,
-    /// Values of this pixel and of those right of it.
+    /// Values of this pixel and of those to its right.
     pub values: &'a [f32],
 }
 
@@ -23,7 +23,7 @@ pub struct Patch {
     rows: usize,
     columns: usize,
     first_row: usize,
-    /// Columns of each row from the first, and the index of its first value.
+    /// Columns of each row from `first_row` on, and the index of the first value of the row.
     spans: Vec<(Range<usize>, usize)>,
     values: Vec<f32>,
 }
@@ -51,7 +51,7 @@ impl Patch {
 
     /// Sum of all light on the frame.
     pub fn sum(&self) -> f64 {
-        // Eight sums at a time: a single one would wait for each addition.
+        // Eight independent sums: the additions of a single sum would have to wait for one another.
         let (blocks, rest) = self.values.as_chunks::<8>();
         let mut sums = [0.0; 8];
         for block in blocks {
@@ -62,7 +62,7 @@ impl Patch {
         sums.iter().sum::<f64>() + rest.iter().map(|value| f64::from(*value)).sum::<f64>()
     }
 
-    /// Mean position weighted by the light, unless that is 0.
+    /// Mean position weighted by the light; `None` if the light is 0.
     pub fn centroid(&self) -> Option<PixelPosition> {
         let mut sums = [0.0; 3];
         for span in self.iter() {
@@ -85,7 +85,7 @@ impl Patch {
         })
     }
 
-    /// One row; empty where the patch has no pixels in it.
+    /// One row; empty if the patch has no pixels in it.
     pub fn row(&self, row: usize) -> PatchSpan<'_> {
         let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
         match span {
@@ -99,10 +99,10 @@ impl Patch {
     /// Value of one pixel, 0 outside of the patch.
     pub fn at(&self, row: usize, column: usize) -> f32 {
         let span = self.row(row);
-        column.checked_sub(span.first_column).and_then(|place| span.values.get(place)).copied().unwrap_or(0.0)
+        column.checked_sub(span.first_column).and_then(|index| span.values.get(index)).copied().unwrap_or(0.0)
     }
 
-    /// Sets values row after row: `(row, first_column, values)`.
+    /// Sets the values row by row with a function of `(row, first_column, values)`.
     pub fn fill(&mut self, mut set: impl FnMut(usize, usize, &mut [f32])) {
         for (number, (columns, at)) in self.spans.iter().enumerate() {
             set(self.first_row + number, columns.start, &mut self.values[*at..*at + columns.len()]);
@@ -110,13 +110,13 @@ impl Patch {
     }
 
     /// Pixels of one row within `columns`; empty unless all of them are in the patch.
-    pub fn stretch_mut(&mut self, row: usize, columns: Range<usize>) -> &mut [f32] {
+    pub fn span_mut(&mut self, row: usize, columns: Range<usize>) -> &mut [f32] {
         let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
-        let place = span.and_then(|(own, at)| {
+        let range = span.and_then(|(own, at)| {
             let is_inside = own.start <= columns.start && columns.start <= columns.end && columns.end <= own.end;
             is_inside.then(|| at + columns.start - own.start..at + columns.end - own.start)
         });
-        place.and_then(|place| self.values.get_mut(place)).unwrap_or(&mut [])
+        range.and_then(|range| self.values.get_mut(range)).unwrap_or(&mut [])
     }
 
     /// Multiplies all values.
@@ -127,7 +127,7 @@ impl Patch {
     /// Adds the light to a plane; pixels outside of the plane are omitted.
     pub fn add_to(&self, plane: &mut Plane) {
         for (row, (columns, at)) in (self.first_row..).zip(&self.spans) {
-            // Slices, not iterators that skip: many pixels at a time.
+            // Slices, because the compiler can vectorise them.
             let values = &self.values[*at..*at + columns.len()];
             let Some(pixels) = plane.row_mut(row).get_mut(columns.start..) else { continue };
             for (pixel, value) in pixels.iter_mut().zip(values) {
@@ -136,7 +136,7 @@ impl Patch {
         }
     }
 
-    /// Sums `x` columns by `y` rows into one pixel; the frame has a whole number of these.
+    /// Sums `x` columns by `y` rows into one pixel. The size of the frame must be a multiple of these.
     pub fn summed(&self, x: usize, y: usize) -> Self {
         let mut extents = PatchRows::new(self.rows / y, self.columns / x);
         for span in self.iter() {
@@ -147,9 +147,9 @@ impl Patch {
         for span in self.iter() {
             let first = span.first_column / x;
             let end = (span.first_column + span.values.len()).div_ceil(x);
-            let out = summed.stretch_mut(span.row / y, first..end);
-            for (place, value) in (span.first_column - first * x..).zip(span.values) {
-                out[place / x] += value;
+            let out = summed.span_mut(span.row / y, first..end);
+            for (offset, value) in (span.first_column - first * x..).zip(span.values) {
+                out[offset / x] += value;
             }
         }
         summed
@@ -178,13 +178,13 @@ impl Patch {
         patch
     }
 
-    /// Pixels that hold at least `threshold`, as `(row, columns)`: for masks.
+    /// Pixels with at least `threshold` as `(row, columns)`, for masks.
     pub fn footprint(&self, threshold: f32) -> Vec<(usize, Range<usize>)> {
         let mut found = Vec::new();
         for span in self.iter() {
             let mut start = None;
-            for (place, value) in span.values.iter().chain([&f32::NEG_INFINITY]).enumerate() {
-                let column = span.first_column + place;
+            for (offset, value) in span.values.iter().chain([&f32::NEG_INFINITY]).enumerate() {
+                let column = span.first_column + offset;
                 match (start, *value >= threshold) {
                     (None, true) => start = Some(column),
                     (Some(first), false) => {
@@ -209,7 +209,7 @@ pub struct PatchRows {
 }
 
 impl PatchRows {
-    /// Returns an empty one for a frame of `rows` by `columns`.
+    /// Creates an empty builder for a frame of `rows` by `columns`.
     pub fn new(rows: usize, columns: usize) -> Self {
         Self { rows, columns, first_row: 0, extents: Vec::new() }
     }
@@ -254,7 +254,8 @@ impl PatchRows {
             (columns, at)
         });
         let spans: Vec<_> = spans.collect();
-        // Written, not allocated as zeroed pages: these cost a fault at the first read and another at the first write.
+        // Writing zeros is faster than zeroed pages, which cause a page fault at the first read and another at the
+        // first write.
         let mut values = Vec::with_capacity(total);
         values.resize(total, 0.0);
         Patch { rows: self.rows, columns: self.columns, first_row: self.first_row, spans, values }
@@ -266,7 +267,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_light_within_an_area_is_the_same_there_and_none_elsewhere() {
+    fn verif_light_within_an_area_is_kept_and_removed_elsewhere() {
         // A path that leaves the area and returns.
         let mut extents = PatchRows::new(8, 20);
         [(2, 6..9), (3, 2..4), (4, 3..9), (6, 0..20)].into_iter().for_each(|(row, columns)| extents.add(row, columns));

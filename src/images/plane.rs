@@ -1,8 +1,8 @@
-//! Pixels: positions, and planes of values.
+//! Pixels: positions, and images as arrays of values.
 
 use super::error::ImagesError;
 
-/// An image, shape (rows, columns), row after row, the row that FITS holds first at index 0.
+/// Image of shape (rows, columns), row by row; row 0 is the first row of a FITS file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
     rows: usize,
@@ -11,15 +11,15 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// All zero.
+    /// Creates an image of zeros.
     pub fn zeros(rows: usize, columns: usize) -> Self {
         Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
-    /// From values row after row.
+    /// Creates an image from values row by row.
     ///
     /// # Errors
-    /// [`ImagesError::PlaneShape`] where their number is not rows times columns.
+    /// [`ImagesError::PlaneShape`] if their number is not rows times columns.
     pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, ImagesError> {
         if values.len() != rows * columns {
             return Err(ImagesError::PlaneShape { rows, columns, given: values.len() });
@@ -37,35 +37,36 @@ impl Plane {
         self.columns
     }
 
-    /// All values, row after row.
+    /// All values, row by row.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
 
-    /// All values, row after row, out of the plane.
+    /// Converts the image into its values, row by row.
     pub fn into_values(self) -> Vec<f32> {
         self.values
     }
 
-    /// All values, row after row, to be changed.
+    /// All values, row by row, mutable.
     pub fn values_mut(&mut self) -> &mut [f32] {
         &mut self.values
     }
 
-    /// One row; empty where there is none of this number.
+    /// One row; empty if the index is out of range.
     pub fn row(&self, row: usize) -> &[f32] {
         self.values.get(row * self.columns..(row + 1) * self.columns).unwrap_or(&[])
     }
 
-    /// One row, to be changed; empty where there is none of this number.
+    /// One row, mutable; empty if the index is out of range.
     pub fn row_mut(&mut self, row: usize) -> &mut [f32] {
         self.values.get_mut(row * self.columns..(row + 1) * self.columns).unwrap_or(&mut [])
     }
 }
 
-/// A place in a frame, pixels, counted from 0: the centre of the first pixel of the first row is (0, 0), its corners at ±0.5.
+/// Position in a frame, pixels, counted from 0: the centre of the first pixel of the first row is (0, 0), its corners
+/// are at ±0.5.
 ///
-/// FITS headers, DS9 and most people count from 1: add 1 to both for them ([`PixelPosition::fits`]).
+/// FITS headers and DS9 count from 1: [`PixelPosition::fits`] adds 1 to both.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct PixelPosition {
     /// Along a row (FITS axis 1).
@@ -75,17 +76,17 @@ pub struct PixelPosition {
 }
 
 impl PixelPosition {
-    /// From coordinates counted from 1.
+    /// Creates a position from coordinates counted from 1.
     pub fn from_fits(x: f64, y: f64) -> Self {
         Self { x: x - 1.0, y: y - 1.0 }
     }
 
-    /// Coordinates counted from 1, as FITS counts.
+    /// Coordinates counted from 1, as in FITS.
     pub fn fits(self) -> [f64; 2] {
         [self.x + 1.0, self.y + 1.0]
     }
 
-    /// Distance to another place, pixels.
+    /// Distance to another position, pixels.
     pub fn distance(self, other: Self) -> f64 {
         (self.x - other.x).hypot(self.y - other.y)
     }

@@ -1,35 +1,37 @@
-//! A frame as a picture, to look at.
+//! Preview of a frame as a PNG picture.
 
 use image::{ImageFormat, Rgb, RgbImage};
 
 use super::error::ImagesError;
 use super::plane::{PixelPosition, Plane};
 
-/// A line to be drawn over a preview.
+/// Line drawn over a preview.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlay {
-    /// Places in the frame, joined in order.
+    /// Positions in the frame, joined in order.
     pub line: Vec<PixelPosition>,
-    /// Drawn beside the line at this distance to both sides, pixels of the frame, so that what lies between is seen.
+    /// Distance of the two drawn lines from the given one, pixels of the frame, so that the pixels between them stay
+    /// visible.
     pub half_width_pix: f64,
 }
 
-/// Longer sides are made smaller by a whole number.
+/// Longest side of the picture: larger frames are reduced by a whole factor.
 const LONGEST_SIDE: usize = 1600;
-/// Smaller frames are made larger by a whole number, up to this side.
+/// Shortest side of the picture: smaller frames are enlarged by a whole factor up to it.
 const SHORTEST_SIDE: usize = 400;
-/// Values that black and white stand for, as shares of the sorted values.
+/// Fractions of the sorted values shown as black and as white.
 const BLACK_SHARE: f64 = 0.02;
 const WHITE_SHARE: f64 = 0.997;
-/// Strength of the stretch: above it the sky's noise is as visible as the stars.
+/// Strength of the asinh stretch: above it, the noise of the sky is as visible as the stars.
 const SOFTENING: f64 = 8.0;
-/// Pixels looked at to find black and white.
+/// Number of pixels sampled to find black and white.
 const SAMPLED: usize = 200_000;
 const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
 
-/// The frame as a PNG: grey, first row at the bottom, asinh stretch between the 2nd and the 99.7th percentile; `overlays` in orange.
+/// Returns the frame as a PNG: grey, first row at the bottom, asinh stretch between the 2nd and the 99.7th percentile;
+/// `overlays` in orange.
 ///
-/// Frames beyond 1600 pixels are averaged down, those below 400 enlarged. Pixels that are no number are dark blue.
+/// Frames beyond 1600 pixels are averaged down, those below 400 enlarged. NaN pixels are dark blue.
 ///
 /// # Errors
 /// [`ImagesError`] for a frame without pixels.
@@ -54,7 +56,7 @@ pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, Image
     Ok(bytes.into_inner())
 }
 
-/// How many pixels of the frame make one of the picture, or the other way round.
+/// Number of pixels of the frame in one of the picture, or the reverse.
 #[derive(Copy, Clone, Debug, PartialEq)]
 enum Scale {
     Down(usize),
@@ -79,7 +81,7 @@ impl Scale {
         (side(columns), side(rows))
     }
 
-    /// Mean of the frame's pixels under one of the picture; those that are no number do not count.
+    /// Returns the mean of the finite pixels of the frame in one pixel of the picture.
     fn mean(self, plane: &Plane, x: usize, y: usize) -> f32 {
         match self {
             Self::Up(factor) => plane.row(y / factor).get(x / factor).copied().unwrap_or(f32::NAN),
@@ -99,8 +101,8 @@ impl Scale {
         }
     }
 
-    /// A place of the frame in the picture, before it is turned over.
-    fn place(self, at: PixelPosition) -> (f64, f64) {
+    /// Returns the position in the picture of a position in the frame, before the picture is flipped.
+    fn position(self, at: PixelPosition) -> (f64, f64) {
         let along = |value: f64| match self {
             Self::Down(factor) => (value + 0.5) / factor as f64 - 0.5,
             Self::Up(factor) => (value + 0.5) * factor as f64 - 0.5,
@@ -116,7 +118,7 @@ impl Scale {
     }
 }
 
-/// The values that black and white stand for.
+/// Returns the values shown as black and as white.
 fn limits(plane: &Plane) -> [f64; 2] {
     let step = (plane.values().len() / SAMPLED).max(1);
     let mut values: Vec<f32> = plane.values().iter().step_by(step).copied().filter(|value| value.is_finite()).collect();
@@ -136,7 +138,7 @@ fn grey(value: f64, black: f64, white: f64) -> Rgb<u8> {
 
 fn draw(picture: &mut RgbImage, overlay: &Overlay, scale: &Scale, height: u32) {
     for pair in overlay.line.windows(2) {
-        let (from, to) = (scale.place(pair[0]), scale.place(pair[1]));
+        let (from, to) = (scale.position(pair[0]), scale.position(pair[1]));
         let (dx, dy) = (to.0 - from.0, to.1 - from.1);
         let length = dx.hypot(dy);
         if !(length > 0.0 && length.is_finite()) {
@@ -170,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_the_first_row_is_at_the_bottom_and_bright_is_bright() {
+    fn verif_the_first_row_is_at_the_bottom_and_bright_pixels_are_white() {
         let mut plane = Plane::zeros(500, 450);
         for (index, value) in plane.values_mut().iter_mut().enumerate() {
             *value = (index % 7) as f32;
@@ -184,7 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_sizes_are_whole_multiples_and_overlays_lie_beside_the_line() {
+    fn verif_sizes_are_whole_multiples_and_overlays_are_parallel_lines() {
         let large = decoded(&preview_png(&Plane::zeros(4000, 1000), &[]).unwrap());
         assert_eq!(large.dimensions(), (334, 1334));
         let overlay = Overlay {
@@ -194,7 +196,7 @@ mod tests {
         let small = decoded(&preview_png(&Plane::zeros(100, 90), &[overlay]).unwrap());
         assert_eq!(small.dimensions(), (360, 400));
         let rows: Vec<u32> = (0..400).filter(|&row| small.get_pixel(200, row) == &OVERLAY_COLOUR).collect();
-        // Row 20 of 100 is centred at 81.5 of 400 from below; the lines lie 20 picture pixels beside it.
+        // Row 20 of 100 is centred at 81.5 of 400 from below; the lines are 20 pixels of the picture away.
         assert_eq!(rows, [298, 338]);
         assert!(preview_png(&Plane::zeros(0, 5), &[]).is_err());
     }

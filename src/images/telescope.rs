@@ -1,8 +1,8 @@
 //! Telescopes by name and from TOML files: aperture, seeing, pixels, field, and the limits of their detectors.
 //!
-//! A satellite is near enough to be out of focus: seen from it the mirror is a disk with a hole, and the image of a
-//! point is that disk. Widths follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles
-//! are arcseconds and degrees, as in files.
+//! A satellite is near enough to be out of focus: the image of a point is a disk with a hole, the shape of the mirror.
+//! Widths follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles are in arcseconds and
+//! degrees, as in files.
 
 use std::collections::BTreeMap;
 
@@ -17,42 +17,41 @@ pub use super::telescope_streak::{
 /// Speed on the sky of a satellite 550 km overhead, arcsec/s: √(μ / (R + h)) / h.
 const RATE_AT_550_KM_ARCSEC_S: f64 = 2844.7;
 
-/// A telescope with its camera. Made by [`Telescope::by_name`] or from a TOML file with these same keys.
+/// Telescope with its camera, from [`Telescope::by_name`] or from a TOML file with the same keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Telescope {
-    /// Lower-case letters, digits, `.` and `-`.
+    /// Name: lower-case letters, digits, `.` and `-`.
     pub name: String,
-    /// One line for people.
+    /// Title of one line.
     pub title: String,
     /// Radius of the light-collecting aperture, m.
     pub outer_radius_m: f64,
-    /// Radius of the central obstruction, m; 0 where there is none or none is published.
+    /// Radius of the central obstruction, m; 0 if there is none or none is published.
     pub inner_radius_m: f64,
-    /// Typical width (FWHM) of a star's image from air and optics, arcsec.
+    /// Typical width (FWHM) of a star's image from atmosphere and optics, arcsec.
     pub seeing_arcsec: f64,
     /// Side of a pixel on the sky, arcsec.
     pub pixel_scale_arcsec: f64,
-    /// The field that is taken where none is given.
+    /// Default field of view.
     pub field: FieldOfView,
-    /// How many streak widths wide a mask must be. Two hold 98 % of the light of a Gaussian profile whose FWHM is
-    /// the width.
+    /// Width of a mask in streak widths. Two contain 98 % of the light of a Gaussian profile with the FWHM of the
+    /// streak width.
     #[serde(default = "default_mask_widths")]
     pub mask_widths: f64,
-    /// Brightest streaks that the detector bears, by band name. They make verdicts where a policy says `"telescope"`.
+    /// Magnitude limits of the detector, by band name. They affect verdicts if a policy has the limit `"telescope"`.
     #[serde(default)]
     pub limits: BTreeMap<String, BandLimits>,
-    /// Where these numbers come from.
+    /// Source of these numbers.
     pub source: String,
 }
 
-/// The usual masked width in streak widths.
+/// Default width of a mask in streak widths.
 fn default_mask_widths() -> f64 {
     2.0
 }
 
-/// Magnitudes that a satellite must be fainter than; those of a satellite standing still at 550 km overhead for
-/// streaks.
+/// Magnitude limits of satellites for streaks, given for a stationary satellite at 550 km overhead.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BandLimits {
@@ -64,7 +63,7 @@ pub struct BandLimits {
     pub crosstalk_mag: Option<f64>,
 }
 
-/// The part of the sky that an exposure sees; on the tangent plane, x to the east, y to the north, degrees.
+/// Part of the sky covered by an exposure, on the tangent plane: x to the east, y to the north, degrees.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldOfView {
@@ -91,7 +90,7 @@ impl FieldOfView {
 }
 
 impl Telescope {
-    /// Diameter of the out-of-focus disk of a point at `range_km`, arcsec, from rim to rim.
+    /// Diameter of the out-of-focus disk of a point at `range_km`, arcsec, measured at its outer rim.
     pub fn defocus_outer_arcsec(&self, range_km: f64) -> f64 {
         2.0 * self.outer_radius_m / (range_km * 1000.0) * ARCSEC_PER_RAD
     }
@@ -103,13 +102,14 @@ impl Telescope {
         self.seeing_arcsec.hypot(satellite).hypot(self.defocus_outer_arcsec(range_km))
     }
 
-    /// Magnitude of a satellite at 550 km overhead whose streak is as bright per area as this one: what the limits of a camera are
-    /// compared with.
+    /// Magnitude of a satellite at 550 km overhead whose streak has the surface brightness of this one, for comparison
+    /// with the limits of a camera.
     ///
-    /// `magnitude` is the apparent one, as if the satellite stood still. A pixel gets the light of m for the time that the streak needs
-    /// to pass it, spread over the streak's width: a satellite that is farther is slower and more in focus, and worse for the same
-    /// magnitude. With the seeing alone this is the rule of SATCON1, 2.5 log10(h / 550 km).
-    pub fn as_at_550_km_mag(
+    /// `magnitude` is the apparent magnitude of the satellite without motion. A pixel receives light of this magnitude
+    /// for the time in which the streak crosses it, spread over the width of the streak: a more distant satellite is
+    /// slower and more in focus and therefore brighter per pixel at the same magnitude. With the seeing alone this is the rule
+    /// of SATCON1, 2.5 log10(h / 550 km).
+    pub fn equivalent_mag_at_550_km(
         &self,
         magnitude: f64,
         range_km: f64,
@@ -121,7 +121,7 @@ impl Telescope {
         magnitude + 2.5 * (width * angular_rate_arcsec_s / RATE_AT_550_KM_ARCSEC_S).log10()
     }
 
-    /// Share of a field's pixels that masking one streak costs; see [`expected_lost_pixel_fraction`].
+    /// Fraction of a field's pixels lost by masking one streak; see [`expected_lost_pixel_fraction`].
     pub fn lost_pixel_fraction(&self, streak_length_deg: f64, width_arcsec: f64, field_area_deg2: f64) -> f64 {
         expected_lost_pixel_fraction(streak_length_deg, self.mask_widths * width_arcsec, field_area_deg2)
     }
@@ -129,29 +129,29 @@ impl Telescope {
 
 macro_rules! presets {
     ($($name:literal),* $(,)?) => {
-        /// Name and text of every preset, in the form that users write.
+        /// Name and TOML text of every preset.
         const PRESETS: &[(&str, &str)] = &[$(($name, include_str!(concat!("telescope/presets/", $name, ".toml")))),*];
     };
 }
 presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
 
-/// Names of the bands that limits may be given for. Kept here so that telescopes import nothing.
+/// Names of the bands for which limits can be given; defined here so that this module does not depend on photometry.
 const BANDS: [&str; 11] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G"];
 
 impl Telescope {
-    /// A preset by name, in any case; `lsst` is Rubin, `panstarrs` and `ps1` Pan-STARRS.
+    /// Returns a preset by name, in any case; `lsst` is Rubin, `panstarrs` and `ps1` are Pan-STARRS.
     ///
     /// # Errors
     /// [`ImagesError::UnknownTelescope`] with all known names.
     pub fn by_name(name: &str) -> Result<Self, ImagesError> {
-        let wanted = match name.trim().to_ascii_lowercase().as_str() {
+        let preset_name = match name.trim().to_ascii_lowercase().as_str() {
             "lsst" | "simonyi" => "rubin".to_owned(),
             "panstarrs" | "ps1" => "pan-starrs".to_owned(),
             "blanco" => "decam".to_owned(),
             other => other.to_owned(),
         };
         let (preset, text) =
-            PRESETS.iter().find(|(preset, _)| *preset == wanted).ok_or_else(|| ImagesError::UnknownTelescope {
+            PRESETS.iter().find(|(preset, _)| *preset == preset_name).ok_or_else(|| ImagesError::UnknownTelescope {
                 given: name.to_owned(),
                 known: Self::names().collect::<Vec<_>>().join(", "),
             })?;
@@ -163,7 +163,7 @@ impl Telescope {
         PRESETS.iter().map(|(name, _)| *name)
     }
 
-    /// From the text of a TOML file with the keys of [`Telescope`]; `origin` (its name) is what errors call it.
+    /// Reads a TOML file with the keys of [`Telescope`]; `origin` is the name of the file in errors.
     ///
     /// # Errors
     /// [`ImagesError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown
@@ -179,7 +179,7 @@ impl Telescope {
 
     fn validate(&self, origin: &str) -> Result<(), ImagesError> {
         let range = |key: &str, given: f64, least: f64, greatest: f64| {
-            // Not a number is in no range.
+            // NaN is in no range.
             if (least..=greatest).contains(&given) {
                 return Ok(());
             }
@@ -246,7 +246,7 @@ trail_saturation_mag = 4.0
             let telescope = Telescope::by_name(name).unwrap();
             assert_eq!(telescope.name, name);
             assert!(telescope.field.area_deg2() > 0.5 && telescope.mask_widths == 2.0);
-            // What is written reads back as the same telescope.
+            // The written text reads back as the same telescope.
             let text = toml::to_string(&telescope).unwrap();
             assert_eq!(Telescope::from_toml(&text, name).unwrap(), telescope);
         }
@@ -258,7 +258,7 @@ trail_saturation_mag = 4.0
     }
 
     #[test]
-    fn verif_a_file_of_ones_own_is_read_and_held_to_its_ranges() {
+    fn verif_a_telescope_file_is_read_and_its_ranges_are_checked() {
         let own = Telescope::from_toml(OWN, "mine.toml").unwrap();
         assert!((own.field.area_deg2() - 4.0).abs() < 1e-12);
         assert_eq!(own.limits["V"].trail_saturation_mag, Some(4.0));
@@ -278,7 +278,7 @@ trail_saturation_mag = 4.0
             let error = Telescope::from_toml(&text, "mine.toml").unwrap_err().to_string();
             assert!(error.starts_with("telescope file mine.toml: "), "{error}");
             for word in words {
-                assert!(error.contains(word), "{error:?} should speak of {word:?}");
+                assert!(error.contains(word), "{error:?} should contain {word:?}");
             }
         }
     }

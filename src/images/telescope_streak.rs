@@ -1,48 +1,47 @@
-//! Streaks in numbers: effective magnitude of a moving satellite, and number of lost pixels.
+//! Photometric quantities of a streak: effective magnitude, surface brightness and lost pixels.
 
 /// Arcseconds in a radian.
 pub const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
-/// Magnitude of the star whose image would be as bright per area as the streak, in the same exposure.
+/// Magnitude of a star with the surface brightness of the streak in the same exposure.
 ///
-/// `magnitude` is that of the satellite as if it stood still, `width_arcsec` its streak's width,
-/// `angular_rate_arcsec_s` its speed, `exposure_s` the time that the shutter is open. A satellite too slow to draw a
-/// streak longer than its width keeps its own magnitude.
+/// `magnitude` is that of the satellite without motion, `width_arcsec` the width of its streak, `angular_rate_arcsec_s`
+/// its angular speed, `exposure_s` the exposure time. A satellite too slow for a streak longer than its width keeps its
+/// magnitude.
 pub fn effective_magnitude(magnitude: f64, width_arcsec: f64, angular_rate_arcsec_s: f64, exposure_s: f64) -> f64 {
     // m_eff = m - 2.5 log10(θ / (ω t))
     let length_arcsec = (angular_rate_arcsec_s * exposure_s).max(width_arcsec);
     magnitude - 2.5 * (width_arcsec / length_arcsec).log10()
 }
 
-/// Surface brightness of the streak, mag per square arcsecond, averaged over the exposure: what a sky of that
-/// brightness would put into the same pixels in the same time.
+/// Surface brightness of the streak, mag per square arcsecond, averaged over the exposure: a sky of this surface
+/// brightness gives the same signal in the same pixels.
 pub fn surface_brightness_mag_arcsec2(
     magnitude: f64,
     width_arcsec: f64,
     angular_rate_arcsec_s: f64,
     exposure_s: f64,
 ) -> f64 {
-    // In t seconds the light of t seconds is spread over ω t long and θ wide: μ = m + 2.5 log10(ω t θ).
+    // The light of t seconds is spread over a length ω t and a width θ: μ = m + 2.5 log10(ω t θ).
     let length_arcsec = (angular_rate_arcsec_s * exposure_s).max(width_arcsec);
     magnitude + 2.5 * (length_arcsec * width_arcsec).log10()
 }
 
-/// How long a point of the streak takes to cross a pixel, seconds.
+/// Time in which a point of the streak crosses a pixel, seconds.
 pub fn time_on_pixel_s(pixel_scale_arcsec: f64, angular_rate_arcsec_s: f64) -> f64 {
     pixel_scale_arcsec / angular_rate_arcsec_s
 }
 
-/// Share of a field's area that a band along the streak covers, [0, 1].
+/// Fraction of a field's area covered by a band along the streak, [0, 1].
 ///
-/// The band is `streak_length_deg` long (all chords within the field), `masked_width_arcsec` wide. Its round
-/// ends, and what lies beyond the field's edge, are left out; for several streaks add up, which
-/// counts crossings twice, and cut at 1.
+/// The band is `streak_length_deg` long (all chords within the field) and `masked_width_arcsec` wide. Its round ends
+/// and the clipping at the edge of the field are neglected. For several streaks, add the fractions and limit the sum to
+/// 1; this counts intersections twice.
 pub fn expected_lost_pixel_fraction(streak_length_deg: f64, masked_width_arcsec: f64, field_area_deg2: f64) -> f64 {
     (streak_length_deg * masked_width_arcsec / 3600.0 / field_area_deg2).clamp(0.0, 1.0)
 }
 
-/// Magnitude that satellites should be fainter than (V, overhead, on station), by the advice of SATCON1 (2020,
-/// recommendation 5).
+/// Recommended brightest magnitude of satellites (V, overhead, on station) by SATCON1 (2020, recommendation 5).
 ///
 /// 7 mag up to 550 km; above, 7 + 2.5 log10(h / 550 km), since a higher satellite moves more slowly over the pixels.
 pub fn satcon1_limit_mag(height_km: f64) -> f64 {
@@ -75,13 +74,13 @@ mod tests {
     }
 
     #[test]
-    fn verif_surface_brightness_and_effective_magnitude_are_one_thing() {
-        // Light of the effective star over θ² is the surface brightness.
+    fn verif_surface_brightness_follows_from_the_effective_magnitude() {
+        // Surface brightness = magnitude of the effective star spread over θ².
         let (m, width, rate, exposure) = (6.5, 3.4, 2500.0, 30.0);
         let effective = effective_magnitude(m, width, rate, exposure);
         let surface = surface_brightness_mag_arcsec2(m, width, rate, exposure);
         assert!((surface - (effective + 2.5 * (width * width).log10())).abs() < 1e-12);
-        // A satellite that hardly moves keeps its own magnitude.
+        // A satellite that hardly moves keeps its magnitude.
         assert_eq!(effective_magnitude(11.0, 2.0, 0.0, 30.0), 11.0);
         assert_eq!(effective_magnitude(11.0, 2.0, 1e-3, 30.0), 11.0);
     }
@@ -95,18 +94,18 @@ mod tests {
     }
 
     #[test]
-    fn valid_limits_at_other_heights_are_those_of_satcon1_where_seeing_alone_is_wide() {
+    fn valid_limits_at_other_heights_are_those_of_satcon1_with_seeing_alone() {
         let rubin = Telescope::by_name("rubin").unwrap();
         let seeing = Telescope { outer_radius_m: 0.001, inner_radius_m: 0.0, ..rubin.clone() };
         let rate = |height_km: f64| (398_600.4_f64 / (6378.137 + height_km)).sqrt() / height_km * ARCSEC_PER_RAD;
-        assert!((rubin.as_at_550_km_mag(5.0, 550.0, rate(550.0), 3.0) - 5.0).abs() < 1e-4);
+        assert!((rubin.equivalent_mag_at_550_km(5.0, 550.0, rate(550.0), 3.0) - 5.0).abs() < 1e-4);
         for height_km in [340.0_f64, 600.0, 1200.0] {
-            let as_limit = 7.0 + (7.0 - seeing.as_at_550_km_mag(7.0, height_km, rate(height_km), 0.0));
-            // SATCON1 leaves out that higher satellites fly more slowly: 0.05 mag at 1200 km.
+            let as_limit = 7.0 + (7.0 - seeing.equivalent_mag_at_550_km(7.0, height_km, rate(height_km), 0.0));
+            // SATCON1 neglects that higher satellites fly more slowly: 0.05 mag at 1200 km.
             assert!((as_limit - (7.0 + 2.5 * (height_km / 550.0).log10())).abs() < 0.055, "{height_km}: {as_limit}");
         }
-        // In focus, a satellite at 1200 km is worse still: 3.1 against 1.6 arcsec.
-        let shift = |telescope: &Telescope| telescope.as_at_550_km_mag(7.0, 1200.0, rate(1200.0), 0.0);
+        // At 1200 km a satellite is more in focus and therefore brighter per pixel: 1.6 instead of 3.1 arcsec wide.
+        let shift = |telescope: &Telescope| telescope.equivalent_mag_at_550_km(7.0, 1200.0, rate(1200.0), 0.0);
         assert!(shift(&rubin) < shift(&seeing) - 0.6, "{} {}", shift(&rubin), shift(&seeing));
     }
 

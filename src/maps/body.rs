@@ -5,16 +5,16 @@ use crate::photometry::{BodyAngles, BrightnessModel, PhotometryOptions, Standard
 
 use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
-use super::light::{Fact, FactValue, Light, STANDARD_RANGE_KM, rounded};
+use super::light::{Fact, FactValue, MapPhotometry, STANDARD_RANGE_KM, rounded};
 
 /// Brightness of a satellite in full sunlight in any direction, as in figure 6 of Lu (2024).
 ///
 /// Directions are longitudes from the Sun's azimuth, right-handed about the satellite's zenith (0 to 2π), and latitudes
-/// above the plane of the chassis (-π/2 straight below). The Sun is at 1 au and there is no extinction. The height
-/// matters for earthshine only: directions that miss the ground are not left out.
+/// above the plane of the chassis (-π/2 straight below). The Sun is at 1 au and there is no extinction. The height is
+/// used for earthshine only: directions that miss the ground are included.
 #[derive(Clone, Debug)]
 pub struct BodyView<'a> {
-    light: Light<'a>,
+    light: MapPhotometry<'a>,
     sun_latitude_rad: f64,
     height_km: f64,
 }
@@ -22,11 +22,11 @@ pub struct BodyView<'a> {
 /// One direction of a [`BodyMap`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct BodyPoint {
-    /// From the Sun's azimuth, [0, 2π), radians.
+    /// Longitude from the Sun's azimuth, [0, 2π), radians.
     pub observer_longitude_rad: f64,
-    /// Above the plane of the chassis, [-π/2, 0], radians.
+    /// Latitude above the plane of the chassis, [-π/2, 0], radians.
     pub observer_latitude_rad: f64,
-    /// At 1000 km; `None` where nothing lit is seen.
+    /// Magnitude at 1000 km; `None` where no lit surface is visible.
     pub standard_magnitude: Option<StandardMagnitude>,
 }
 
@@ -35,16 +35,17 @@ pub struct BodyPoint {
 pub struct BodyMap {
     /// Directions.
     pub grid: Grid,
-    /// Model, options and geometry.
+    /// Returns model, options and geometry.
     pub facts: Vec<Fact>,
-    /// In the order of the grid; regular grids begin straight below.
+    /// Values in the order of the grid; regular grids begin straight below.
     pub points: Vec<BodyPoint>,
 }
 
 impl<'a> BodyView<'a> {
-    /// View with the Sun at `sun_latitude_rad` above the plane of the chassis and the satellite `height_km` above 6378.137 km.
+    /// Creates a view with the Sun at `sun_latitude_rad` above the plane of the chassis and the satellite `height_km`
+    /// above 6378.137 km.
     ///
-    /// Of `options`, the Sun's distance and extinction are not used: standard magnitudes have neither.
+    /// The Sun's distance and the extinction of `options` are ignored: standard magnitudes include neither.
     ///
     /// # Errors
     /// A latitude beyond ±90°, a height that is not above 0 km or is above 100,000 km.
@@ -55,26 +56,26 @@ impl<'a> BodyView<'a> {
         options: PhotometryOptions,
     ) -> Result<Self, MapError> {
         let sun_latitude_rad = latitude("Sun's latitude", sun_latitude_rad)?;
-        Ok(Self { light: Light::new(model, options), sun_latitude_rad, height_km: height(height_km)? })
+        Ok(Self { light: MapPhotometry::new(model, options), sun_latitude_rad, height_km: height(height_km)? })
     }
 
-    /// Latitude of the Earth's limb, radians: -acos(R / (R + h)). Observers on the ground stand below it.
+    /// Returns the latitude of the Earth's limb, radians: -acos(R / (R + h)). Observers on the ground are below it.
     pub fn limb_latitude_rad(&self) -> f64 {
         let radius_km = crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
         -(radius_km / (radius_km + self.height_km)).acos()
     }
 
-    /// The Sun above the plane of the chassis, radians.
+    /// Returns the Sun's latitude above the plane of the chassis, radians.
     pub fn sun_latitude_rad(&self) -> f64 {
         self.sun_latitude_rad
     }
 
-    /// Satellite above 6378.137 km, km.
+    /// Returns the satellite's height above 6378.137 km, km.
     pub fn height_km(&self) -> f64 {
         self.height_km
     }
 
-    /// Magnitude at 1000 km in one direction; `None` where nothing lit is seen.
+    /// Returns the magnitude at 1000 km in one direction; `None` where no lit surface is visible.
     pub fn at(&self, observer_longitude_rad: f64, observer_latitude_rad: f64) -> Option<StandardMagnitude> {
         let geometry = ViewingGeometry::from_angles(
             self.sun_latitude_rad,
@@ -109,7 +110,7 @@ impl<'a> BodyView<'a> {
         facts
     }
 
-    /// All directions of a grid at or below the plane of the chassis, on all threads of the caller's pool.
+    /// Computes all directions of a grid at or below the plane of the chassis, on all threads of the current pool.
     pub fn map(&self, grid: Grid) -> BodyMap {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
         let points = fill(grid.southern(), blank, |row, points| {
@@ -125,7 +126,7 @@ impl<'a> BodyView<'a> {
         BodyMap { grid, facts: self.facts(), points }
     }
 
-    /// Fills a row of one latitude at once; the same as point by point to 1e-9 mag.
+    /// Fills a row of one latitude at once; equal to point by point within 1e-9 mag.
     fn fill_by_columns(&self, row: &GridRow, points: &mut [BodyPoint]) {
         let longitudes: Vec<f64> = row.longitudes_rad().collect();
         let mut magnitudes = vec![0.0; longitudes.len()];

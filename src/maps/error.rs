@@ -20,7 +20,7 @@ pub enum MapError {
     },
     /// A satellite below the observer.
     #[error(
-        "satellite height {height_km} km: the site {site} stands {site_km:.1} km above the same sphere of 6378.137 km"
+        "satellite height {height_km} km is below site {site}: allowed heights above {site_km:.1} km (over the sphere of 6378.137 km)"
     )]
     BelowSite {
         /// Given height.
@@ -34,9 +34,9 @@ pub enum MapError {
     #[cfg(feature = "fits")]
     #[error("FITS: {0}")]
     Fits(String),
-    /// Failure of the scratch folder in which FITS files are made.
+    /// Failure of the temporary folder in which FITS files are written.
     #[cfg(feature = "fits")]
-    #[error("FITS files are made in a scratch folder first; {0}")]
+    #[error("cannot write a FITS file in the scratch folder: {0}")]
     Scratch(String),
 }
 
@@ -59,9 +59,9 @@ pub(super) fn height(height_km: f64) -> Result<f64, MapError> {
 
 /// Checks a latitude or altitude, radians; errors state it in degrees.
 pub(super) fn latitude(what: &'static str, angle_rad: f64) -> Result<f64, MapError> {
-    // Removes the rounding of a conversion to radians and back: 120, not 119.99999999999999.
+    // Removes the rounding of a conversion to radians and back: 120 instead of 119.99999999999999.
     let degrees = (angle_rad.to_degrees() * 1e9).round() / 1e9;
-    // Rounding may lift a right angle slightly above 90 degrees.
+    // Rounding may raise a right angle slightly above 90 degrees.
     in_range(what, degrees, " deg", "-90 to 90 deg", degrees.abs() <= 90.0 + 1e-9)?;
     Ok(angle_rad.clamp(-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2))
 }

@@ -21,9 +21,9 @@ pub struct Grid(Division);
 /// Divisions that the constructors of [`Grid`] accept.
 #[derive(Copy, Clone, Debug, PartialEq)]
 enum Division {
-    /// So many steps in 90°.
+    /// Number of steps in 90°.
     Steps(u32),
-    /// HEALPix, N.
+    /// HEALPix nside, N.
     Cells(u32),
 }
 
@@ -38,7 +38,8 @@ pub(super) struct GridRow {
 }
 
 impl GridRow {
-    /// Sine and cosine of each longitude by recurrence: a tenth of the time, with an error of 1e-16 for each step.
+    /// Returns sine and cosine of each longitude by recurrence: ten times faster than direct evaluation, with an error
+    /// of 1e-16 for each step.
     pub fn sines_and_cosines(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (step_sin, step_cos) = self.step_rad.sin_cos();
         // sin(a + s) = sin a cos s + cos a sin s
@@ -47,14 +48,14 @@ impl GridRow {
         std::iter::successors(Some(self.first_rad.sin_cos()), turned).take(self.count)
     }
 
-    /// Longitudes in [0, 2π), radians, in order.
+    /// Returns the longitudes in [0, 2π), radians, in order.
     pub fn longitudes_rad(&self) -> impl Iterator<Item = f64> + use<> {
         let Self { first_rad, step_rad, count, .. } = *self;
         (0..count).map(move |column| first_rad + column as f64 * step_rad)
     }
 }
 
-/// Computes one value for each direction of the rows, in order, on all threads of the caller's pool.
+/// Computes one value for each direction of the rows, in order, on all threads of the current pool.
 pub(super) fn fill<T: Copy + Send>(
     rows: Vec<GridRow>,
     blank: T,
@@ -73,8 +74,8 @@ pub(super) fn fill<T: Copy + Send>(
 }
 
 impl Grid {
-    /// Longitudes 0, s, 2s, ... below 360° at latitudes 0, s, ... 90° (or their negatives), s in degrees; the pole once
-    /// for each longitude.
+    /// Creates a grid of longitudes 0, s, 2s, ... below 360° and latitudes 0, s, ... 90° (or their negatives), s in
+    /// degrees; the pole appears once for each longitude.
     ///
     /// # Errors
     /// A step below 0.1 or above 5 degrees, or one that does not divide 90.
@@ -86,7 +87,7 @@ impl Grid {
         Ok(Self(Division::Steps(steps.round() as u32)))
     }
 
-    /// The centres of HEALPix's 12 N² cells in RING order, those on the equator included.
+    /// Creates a grid of the centres of HEALPix's 12 N² cells in RING order, including those on the equator.
     ///
     /// # Errors
     /// N below 1 or above 1024.
@@ -95,7 +96,7 @@ impl Grid {
         Ok(Self(Division::Cells(nside)))
     }
 
-    /// HEALPix's N; `None` for a grid of steps.
+    /// Returns HEALPix's N; `None` for a regular grid.
     pub fn nside(&self) -> Option<u32> {
         match self.0 {
             Division::Steps(_) => None,
@@ -103,7 +104,7 @@ impl Grid {
         }
     }
 
-    /// Number of directions of the half sphere from the equator to a pole.
+    /// Returns the number of directions of the half sphere from the equator to a pole.
     pub fn half_len(&self) -> usize {
         match self.0 {
             Division::Steps(steps) => 4 * steps as usize * (steps as usize + 1),
@@ -111,7 +112,7 @@ impl Grid {
         }
     }
 
-    /// The half from the equator to the north pole: regular grids from the equator up, cells in RING order.
+    /// Returns the half from the equator to the north pole: regular grids from the equator up, cells in RING order.
     pub(super) fn northern(&self) -> Vec<GridRow> {
         match self.0 {
             Division::Steps(steps) => {
@@ -135,19 +136,19 @@ impl Grid {
         }
     }
 
-    /// The half from the equator to the south pole: regular grids from the pole up, cells in RING order.
+    /// Returns the half from the equator to the south pole: regular grids from the pole up, cells in RING order.
     pub(super) fn southern(&self) -> Vec<GridRow> {
         // Cells are symmetric about the equator; rings in the north run towards it, in the south away from it.
         let mirrored = self.northern().into_iter().rev();
         mirrored.map(|row| GridRow { latitude_rad: -row.latitude_rad, ..row }).collect()
     }
 
-    /// The HEALPix cell of point `index` of a northern half; `None` where the grid has none.
+    /// Returns the HEALPix cell of point `index` of a northern half; `None` for a regular grid.
     pub fn northern_cell(&self, index: usize) -> Option<u64> {
         self.nside().map(|_| index as u64)
     }
 
-    /// The HEALPix cell of point `index` of a southern half; `None` where the grid has none.
+    /// Returns the HEALPix cell of point `index` of a southern half; `None` for a regular grid.
     pub fn southern_cell(&self, index: usize) -> Option<u64> {
         self.nside().map(|nside| cell_count(nside) - northern_cell_count(nside) + index as u64)
     }
@@ -201,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_grids_that_are_none() {
+    fn verif_invalid_grids_are_rejected() {
         for step in [0.0, -1.0, 0.05, 7.0, 5.1, f64::NAN] {
             assert!(Grid::regular(step).is_err(), "{step}");
         }

@@ -1,9 +1,9 @@
-//! Maps as HEALPix tables in FITS files, in the form that healpy and Aladin read.
+//! Maps as HEALPix tables in FITS files, readable by healpy and Aladin.
 //!
-//! One row for each cell of the whole sphere in RING order. Cells of the other half, and those without a magnitude, hold
-//! -1.6375e30, the HEALPix value for missing data. Longitude and latitude of the cells are azimuth and altitude, or those
-//! of the observer in the satellite's frame, as the keyword COORDSYS states; neither is celestial. Text in the header is
-//! ASCII: accents are left out, and longer text is cut and ends in three dots.
+//! One row for each cell of the whole sphere in RING order. Cells of the other half, and those without a magnitude,
+//! contain -1.6375e30, the HEALPix value for missing data. Longitude and latitude of the cells are azimuth and
+//! altitude, or those of the observer in the satellite's frame, as given by the keyword COORDSYS; neither is celestial.
+//! Text in the header is ASCII: accents are removed, and longer text is truncated and ends in three dots.
 
 use std::fs;
 use std::path::Path;
@@ -21,13 +21,13 @@ use super::sky::SkyMap;
 /// HEALPix value for missing data.
 const BAD_DATA: f64 = -1.6375e30;
 
-/// A column: name, unit, and for each cell its value.
+/// A column: name, unit, and value of each cell.
 type CellColumn<'a> = (&'static str, &'static str, Box<dyn Fn(usize) -> Option<f64> + 'a>);
 
 impl BodyMap {
-    /// The bytes of a FITS file with the column `standard_magnitude`.
+    /// Returns the bytes of a FITS file with the column `standard_magnitude`.
     ///
-    /// CFITSIO writes files only: one is made in the folder `scratch` and removed.
+    /// CFITSIO writes files only: one is created in the folder `scratch` and removed.
     ///
     /// # Errors
     /// [`MapError::Fits`] for a grid without HEALPix cells, and for errors of CFITSIO; [`MapError::Scratch`] where
@@ -46,10 +46,10 @@ impl BodyMap {
 }
 
 impl SkyMap {
-    /// The bytes of a FITS file with the columns `magnitude` and `range_km`.
+    /// Returns the bytes of a FITS file with the columns `magnitude` and `range_km`.
     ///
     /// # Errors
-    /// As [`BodyMap::to_fits`].
+    /// Same as [`BodyMap::to_fits`].
     pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
         let magnitude = |index: usize| self.points[index].magnitude.map(|magnitude| magnitude.0);
         let range = |index: usize| Some(self.points[index].range_km);
@@ -72,9 +72,9 @@ fn to_fits(
     cells: impl Iterator<Item = Option<u64>>,
     scratch: &Path,
 ) -> Result<Vec<u8>, MapError> {
-    let no_cells = || MapError::Fits("a map of steps has no HEALPix cells; make it with an nside".to_owned());
+    let no_cells = || MapError::Fits("a regular grid has no HEALPix cells; specify an nside".to_owned());
     let nside = grid.nside().ok_or_else(no_cells)?;
-    // Its errors name the folder.
+    // Errors of CFITSIO contain the folder.
     let folder = ScratchFolder::new(scratch).map_err(|error| MapError::Scratch(error.to_string()))?;
     let path = folder.path().join("map.fits");
     let cells: Vec<Option<u64>> = cells.collect();
@@ -82,9 +82,9 @@ fn to_fits(
     let column = |(name, unit, value): &CellColumn<'_>| {
         let mut rows = vec![BAD_DATA; count];
         for (index, cell) in cells.iter().enumerate() {
-            let place = cell.and_then(|cell| rows.get_mut(cell as usize));
-            if let (Some(place), Some(value)) = (place, value(index)) {
-                *place = value;
+            let slot = cell.and_then(|cell| rows.get_mut(cell as usize));
+            if let (Some(slot), Some(value)) = (slot, value(index)) {
+                *slot = value;
             }
         }
         TableColumn {
@@ -108,8 +108,8 @@ fn cards(nside: u32, facts: &[Fact]) -> Vec<Card> {
         ("FIRSTPIX", 0_i64.into(), "first cell"),
         ("LASTPIX", (cell_count(nside) as i64 - 1).into(), "last cell"),
         ("INDXSCHM", "IMPLICIT".into(), "row is the number of the cell"),
-        ("OBJECT", "FULLSKY".into(), "every cell has its row"),
-        ("BAD_DATA", BAD_DATA.into(), "nothing lit is seen, or not in this half"),
+        ("OBJECT", "FULLSKY".into(), "one row for each cell"),
+        ("BAD_DATA", BAD_DATA.into(), "no lit surface visible, or other half"),
         ("CREATOR", version.into(), "software"),
     ];
     values.extend(facts.iter().map(|fact| {
@@ -122,14 +122,14 @@ fn cards(nside: u32, facts: &[Fact]) -> Vec<Card> {
     values.iter().flat_map(|(keyword, value, comment)| Card::with_value(keyword, value, comment)).collect()
 }
 
-/// Longest text of one card, in which a quote counts twice; CFITSIO cuts longer ones silently.
+/// Longest text of one card, in which a quote counts twice; CFITSIO truncates longer ones silently.
 const LONGEST: usize = 68;
 
-/// End of a cut text.
-const CUT: &str = "...";
+/// End of a truncated text.
+const TRUNCATED: &str = "...";
 
-/// Letters and signs with a substitute in ASCII.
-const KIN: &[(&str, &str)] = &[
+/// Letters and symbols with a substitute in ASCII.
+const ASCII_SUBSTITUTES: &[(&str, &str)] = &[
     ("ÀÁÂÃÄÅĀĂĄ", "A"),
     ("àáâãäåāăą", "a"),
     ("Æ", "AE"),
@@ -179,7 +179,7 @@ const KIN: &[(&str, &str)] = &[
     ("\u{a0}\u{202f}", " "),
 ];
 
-/// Text for a card: accents left out, `?` for other characters, three dots at the end of a cut text.
+/// Returns text for a card: accents removed, `?` for other characters, three dots at the end of a truncated text.
 fn card_text(text: &str) -> String {
     let plain: String = text.chars().map(|c| in_ascii(c).unwrap_or_else(|| c.to_string())).collect();
     let width = |c: char| if c == '\'' { 2 } else { 1 };
@@ -189,20 +189,20 @@ fn card_text(text: &str) -> String {
     let mut end = 0;
     let fits = |c: &char| {
         end += width(*c);
-        end + CUT.len() <= LONGEST
+        end + TRUNCATED.len() <= LONGEST
     };
     let mut cut: String = plain.chars().take_while(fits).collect();
-    cut.push_str(CUT);
+    cut.push_str(TRUNCATED);
     cut
 }
 
-/// ASCII for a character; `None` where it is ASCII already.
+/// Returns the ASCII substitute for a character; `None` where it is ASCII already.
 fn in_ascii(c: char) -> Option<String> {
     let is_combining_mark = ('\u{300}'..='\u{36f}').contains(&c);
     match c {
         ' '..='~' => None,
         _ if is_combining_mark => Some(String::new()),
-        _ => Some(KIN.iter().find(|(kin, _)| kin.contains(c)).map_or("?", |(_, ascii)| ascii).to_owned()),
+        _ => Some(ASCII_SUBSTITUTES.iter().find(|(kin, _)| kin.contains(c)).map_or("?", |(_, ascii)| ascii).to_owned()),
     }
 }
 
@@ -225,11 +225,11 @@ mod tests {
     }
 
     #[test]
-    fn verif_what_is_cut_says_so() {
+    fn verif_truncated_text_ends_in_dots() {
         let (fits, long) = ("x".repeat(68), "x".repeat(69));
         assert_eq!(card_text(&fits), fits);
         assert_eq!(card_text(&long), format!("{}...", "x".repeat(65)));
-        // A quote takes two places in the card.
+        // A quote takes two characters in the card.
         assert_eq!(card_text(&"'".repeat(34)), "'".repeat(34));
         assert_eq!(card_text(&"'".repeat(35)), format!("{}...", "'".repeat(32)));
     }

@@ -1,4 +1,4 @@
-//! Magnitudes of a map in the band and system of its options, and the facts that a map states.
+//! Magnitudes of a map in the band and system of its options, and the metadata of a map.
 
 use crate::geometry::ViewingGeometry;
 use crate::output::Provenance;
@@ -7,27 +7,27 @@ use crate::photometry::{
     airmass,
 };
 
-/// The distance of standard magnitudes, km.
+/// Distance of standard magnitudes, km.
 pub(super) const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// A model with options.
+/// A brightness model with its options.
 ///
-/// Maps need no sigma and no source; without them a direction costs a third. A test compares both.
+/// Maps need no sigma and no source; without them the cost of a direction is a third. A test compares both.
 #[derive(Clone, Debug)]
-pub(super) struct Light<'a> {
+pub(super) struct MapPhotometry<'a> {
     model: &'a BrightnessModel,
     options: PhotometryOptions,
-    /// From the band of the model to that of the options, mag.
+    /// Offset from the band of the model to that of the options, mag.
     colour_mag: f64,
 }
 
-impl<'a> Light<'a> {
+impl<'a> MapPhotometry<'a> {
     pub fn new(model: &'a BrightnessModel, options: PhotometryOptions) -> Self {
         Self { model, options, colour_mag: model.colour_to_mag(options.band, options.system) }
     }
 
-    /// Magnitude at 1000 km by sunlight of which `lit_fraction` (above 0) is left and, where it is not off, earthshine;
-    /// the Sun at 1 au. `None` where nothing lit is seen.
+    /// Returns the magnitude at 1000 km in sunlight reduced to `lit_fraction` (above 0) and, unless it is off,
+    /// earthshine; the Sun is at 1 au. `None` where no lit surface is visible.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry, lit_fraction: f64) -> Option<StandardMagnitude> {
         if self.has_earthshine() {
             let geometry = ViewingGeometry { range_km: STANDARD_RANGE_KM, ..*geometry };
@@ -39,32 +39,33 @@ impl<'a> Light<'a> {
         self.shaded(StandardMagnitude(standard.0 + self.colour_mag), lit_fraction)
     }
 
-    /// True where each direction needs its own sum over the Earth; without earthshine rows are computed at once.
+    /// Returns true where each direction needs its own sum over the Earth; without earthshine rows are computed at
+    /// once.
     pub fn has_earthshine(&self) -> bool {
         self.options.earthshine != Earthshine::Off && self.model.is_of_panels()
     }
 
-    /// Magnitudes at 1000 km by full sunlight; not a number where nothing lit is seen.
+    /// Computes magnitudes at 1000 km in full sunlight; NaN where no lit surface is visible.
     pub fn sunlight_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
         self.model.standard_magnitudes_at(positions, out);
         out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
     }
 
-    /// As [`Self::sunlight_at`], from directions in the body frame.
+    /// Same as [`Self::sunlight_at`], from directions in the body frame.
     pub fn sunlight_towards(&self, angles: &BodyAngles, out: &mut [f64]) {
         self.model.standard_magnitudes(angles, out);
         out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
     }
 
-    /// Magnitude in the Earth's shadow from that by full sunlight; `None` where no light is left, or there was none.
+    /// Returns the magnitude in the Earth's shadow from that in full sunlight; `None` where no light remains.
     pub fn shaded(&self, standard: StandardMagnitude, lit_fraction: f64) -> Option<StandardMagnitude> {
         let shade = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
         let magnitude = standard.0 + shade;
         magnitude.is_finite().then_some(StandardMagnitude(magnitude))
     }
 
-    /// Magnitude of a standard magnitude of 0 at this range and altitude; `None` with extinction at and below the
-    /// horizon, where there is no airmass.
+    /// Returns the apparent magnitude of a standard magnitude of 0 at this range and altitude; `None` with extinction
+    /// at and below the horizon, where the airmass is undefined.
     pub fn dimming(&self, range_km: f64, altitude_rad: f64) -> Option<Magnitude> {
         let air = match self.options.extinction_mag_per_airmass {
             Some(k) => k * airmass(altitude_rad)?,
@@ -73,11 +74,11 @@ impl<'a> Light<'a> {
         Some(StandardMagnitude(0.0).at_range(range_km).dimmed_by(air))
     }
 
-    /// Model, band and zero point.
+    /// Returns model, band and zero point.
     pub fn facts(&self) -> Vec<Fact> {
         let text = |shown: &dyn std::fmt::Display| FactValue::Text(shown.to_string());
         let mut facts = vec![
-            Fact::new("model", "MODEL", text(&self.model.source()), "what magnitudes rest on"),
+            Fact::new("model", "MODEL", text(&self.model.source()), "source of the magnitudes"),
             Fact::new("band", "BAND", text(&self.options.band), "passband"),
             Fact::new("mag_system", "MAGSYS", text(&self.options.system), "zero point"),
         ];
@@ -90,18 +91,18 @@ impl<'a> Light<'a> {
             ));
         }
         if self.model.file().is_some_and(|file| file.provenance.provisional) {
-            facts.push(Fact::new("model_status", "MODSTAT", text(&"provisional"), "as the model file says"));
+            facts.push(Fact::new("model_status", "MODSTAT", text(&"provisional"), "status in the model file"));
         }
         facts
     }
 
-    /// Extinction, mag per airmass.
+    /// Returns the extinction, mag per airmass.
     pub fn extinction(&self) -> Option<f64> {
         self.options.extinction_mag_per_airmass
     }
 }
 
-/// One statement about a map.
+/// One metadata entry of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
     /// Name in the provenance of a table, snake_case with the unit last.
@@ -134,7 +135,7 @@ impl Fact {
         Self { name, keyword, value, comment }
     }
 
-    /// Adds the statement to the provenance of an output.
+    /// Adds the entry to the provenance of an output.
     pub fn state(&self, provenance: &mut Provenance) {
         match &self.value {
             FactValue::Text(text) => provenance.state(self.name, text.as_str()),

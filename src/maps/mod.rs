@@ -1,8 +1,8 @@
 //! Magnitude maps: all directions below a satellite, and the sky of a site.
 //!
-//! `grid` holds the directions of a map, `body` and `sky` compute one direction or all of a grid, `light` the magnitudes,
-//! `tables` and `healpix_file` write maps, `shadow_edge` finds the border of the Earth's shadow, and `paper` lists the
-//! panels of figures 6 to 9 of Lu (2024).
+//! `grid` holds the directions of a map, `body` and `sky` compute one direction or all of a grid, `light` the
+//! magnitudes, `tables` and `healpix_file` write maps, `shadow_edge` computes the edge of the Earth's shadow, and
+//! `paper` lists the panels of figures 6 to 9 of Lu (2024).
 
 mod body;
 mod error;

@@ -1,20 +1,20 @@
-//! The panels of figures 6 to 9 of Lu (2024), section 5: Suns and heights.
+//! Sun positions and heights of the panels of figures 6 to 9 of Lu (2024), section 5.
 
-/// One panel.
+/// One panel of a figure.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum FigurePanel {
     /// Standard magnitudes below the satellite.
     Body {
-        /// The Sun above the plane of the chassis, degrees.
+        /// The Sun's latitude above the plane of the chassis, degrees.
         sun_latitude_deg: f64,
-        /// Of the satellite, km.
+        /// Height of the satellite, km.
         height_km: f64,
     },
     /// Apparent magnitudes over the sky.
     Sky {
-        /// The Sun above the horizon, degrees.
+        /// The Sun's altitude above the horizon, degrees.
         sun_altitude_deg: f64,
-        /// Of the satellites, km.
+        /// Height of the satellites, km.
         height_km: f64,
     },
 }
@@ -22,11 +22,11 @@ pub enum FigurePanel {
 /// One figure of three panels, (a) to (c).
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PaperFigure {
-    /// Its number in the paper.
+    /// Number in the paper.
     pub number: u8,
-    /// From high Sun to low Sun.
+    /// Panels from high Sun to low Sun.
     pub panels: [FigurePanel; 3],
-    /// Magnitudes from and to, as the paper's captions state them; none are stated for figure 6.
+    /// Range of magnitudes in the paper's captions; none for figure 6.
     pub stated_range_mag: Option<[f64; 2]>,
 }
 

@@ -1,4 +1,4 @@
-//! Border of the Earth's shadow on the sky of a site, for satellites of one height.
+//! Edge of the Earth's shadow on the sky of a site, for satellites of one height.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,30 +6,30 @@ use nalgebra::Vector3;
 
 use super::sky::SkyView;
 
-/// Precision of the border, an angle at the Earth's centre, radians: a metre at 1000 km of height.
+/// Precision of the edge, an angle at the Earth's centre, radians: a metre at 1000 km of height.
 const CLOSE_RAD: f64 = 1e-7;
 
 /// One direction in which a satellite sees half of the Sun's light.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ShadowEdgePoint {
-    /// From north through east, [0, 2π), radians.
+    /// Azimuth from north through east, [0, 2π), radians.
     pub azimuth_rad: f64,
-    /// Above the horizon, radians; negative where the border runs below it.
+    /// Altitude above the horizon, radians; negative where the edge runs below it.
     pub altitude_rad: f64,
 }
 
 impl SkyView<'_> {
-    /// Border of the shadow on the sphere of the satellites, where half of the Sun's light is left: `count` points once
-    /// around the axis of the shadow, a closed line. Points below the horizon are included.
+    /// Returns the edge of the shadow on the sphere of the satellites, where half of the Sun's light remains: `count`
+    /// points around the axis of the shadow, a closed line. Points below the horizon are included.
     ///
-    /// About the axis the border is nearly a circle; on each of `count` great circles through the axis it is found by
+    /// The edge is nearly a circle about the axis; on each of `count` great circles through the axis it is found by
     /// bisection. Empty where the shadow does not reach the satellites.
     pub fn shadow_edge(&self, count: usize) -> Vec<ShadowEdgePoint> {
         let to_sun = self.sun.vector().normalize();
         let aside = if to_sun.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
         let across = to_sun.cross(&aside).normalize();
         let (a, b) = (across, to_sun.cross(&across));
-        let place = |around_rad: f64, from_sun_rad: f64| {
+        let position = |around_rad: f64, from_sun_rad: f64| {
             let outwards = a * around_rad.cos() + b * around_rad.sin();
             (to_sun * from_sun_rad.cos() + outwards * from_sun_rad.sin()) * self.radius_km
         };
@@ -37,15 +37,19 @@ impl SkyView<'_> {
         (0..count)
             .filter_map(|step| {
                 let around_rad = TAU * step as f64 / count as f64;
-                if !is_dark(&place(around_rad, PI)) {
+                if !is_dark(&position(around_rad, PI)) {
                     return None;
                 }
                 let (mut lit_rad, mut dark_rad) = (FRAC_PI_2, PI);
                 while dark_rad - lit_rad > CLOSE_RAD {
                     let middle_rad = 0.5 * (lit_rad + dark_rad);
-                    if is_dark(&place(around_rad, middle_rad)) { dark_rad = middle_rad } else { lit_rad = middle_rad }
+                    if is_dark(&position(around_rad, middle_rad)) {
+                        dark_rad = middle_rad
+                    } else {
+                        lit_rad = middle_rad
+                    }
                 }
-                let sight = place(around_rad, lit_rad) - self.observer.vector();
+                let sight = position(around_rad, lit_rad) - self.observer.vector();
                 // The axes are north, east, zenith: see `SkyView::row`.
                 let local = self.axes.transpose() * sight / sight.norm();
                 Some(ShadowEdgePoint {
@@ -64,7 +68,7 @@ mod tests {
     use crate::maps::Earth;
     use crate::photometry::{ModelLibrary, PhotometryOptions};
 
-    /// A degree on either side of the line; the penumbra is 0.5 deg wide as seen from the satellite, some 50 km there.
+    /// A degree on either side of the line; the penumbra is 0.5 deg wide seen from the satellite, some 50 km there.
     const ASIDE_RAD: f64 = 0.02;
 
     #[test]
@@ -82,7 +86,7 @@ mod tests {
                 for point in edge.iter().filter(|point| point.altitude_rad > 0.05) {
                     let lit = view.at(point.azimuth_rad, point.altitude_rad).lit_fraction;
                     assert!((0.3..0.7).contains(&lit), "{sun_altitude_deg} {height_km}: {lit}");
-                    // Around the point the light is both more and less.
+                    // On the two sides of the edge the light is more and less than half.
                     let around: Vec<f64> = (0..12)
                         .map(|step| {
                             let (sin, cos) = (TAU * f64::from(step) / 12.0).sin_cos();
@@ -105,7 +109,7 @@ mod tests {
         let library = ModelLibrary::embedded();
         let model = library.get("starlink-v1.5").unwrap();
         let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, 0.5, PhotometryOptions::default()).unwrap();
-        // By day the edge runs below the horizon alone.
+        // By day the edge is below the horizon only.
         assert!(view.shadow_edge(36).iter().all(|point| point.altitude_rad < 0.0));
     }
 }

@@ -1,4 +1,4 @@
-//! Apparent magnitude over the sky of a site: satellites of one height, the Sun in one place.
+//! Apparent magnitude over the sky of a site: satellites of one height, one position of the Sun.
 //!
 //! ```text
 //!            satellite ·---- ρ = -b + √(b² + r² - q²)          q  observer's distance from the Earth's centre
@@ -10,10 +10,11 @@
 //!            Earth's centre
 //! ```
 //!
-//! A direction above the horizon meets the sphere of the satellites in one point. Without a site the Earth is a sphere of
-//! 6378.137 km with the observer on it, and so is its shadow; with a site the observer stands on the WGS84 ellipsoid,
-//! altitudes are above the plane square to its normal, and the shadow is that of the ellipsoid. Altitudes are geometric,
-//! without refraction; [`SkyView::with_shadow`] chooses the model of light that grazes the Earth.
+//! A direction above the horizon meets the sphere of the satellites in one point. Without a site the Earth and its
+//! shadow are those of a sphere of 6378.137 km, with the observer on its surface; with a site the observer is on the
+//! WGS84 ellipsoid, altitudes are above the plane perpendicular to its normal, and the shadow is that of the ellipsoid.
+//! Altitudes are geometric, without refraction; [`SkyView::with_shadow`] selects the model of light that grazes the
+//! Earth.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -24,9 +25,9 @@ use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, Satellite
 
 use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
-use super::light::{Fact, FactValue, Light, rounded};
+use super::light::{Fact, FactValue, MapPhotometry, rounded};
 
-/// Figure of the Earth.
+/// Returns the figure of the Earth.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Earth {
     /// Sphere of 6378.137 km, the observer on its surface, as in the paper.
@@ -37,19 +38,19 @@ pub enum Earth {
 
 /// Brightness of satellites of one height in any direction of the sky of a site.
 ///
-/// Azimuths from north through east, altitudes above the horizon. The Sun is at 1 au.
+/// Azimuths are from north through east, altitudes above the horizon. The Sun is at 1 au.
 #[derive(Clone, Debug)]
 pub struct SkyView<'a> {
-    light: Light<'a>,
+    light: MapPhotometry<'a>,
     earth: Earth,
     shadow: ShadowModel,
-    /// From north, east, zenith to the Earth's own axes.
+    /// Rotation from north, east, zenith to the Earth's own axes.
     pub(super) axes: Matrix3<f64>,
     pub(super) observer: Position<Gcrs>,
     pub(super) sun: Position<Gcrs>,
     pub(super) radius_km: f64,
     per_radius_km: f64,
-    /// q² - r² of the drawing above, km²; negative.
+    /// q² - r² of the figure in the module docs, km²; negative.
     below_km2: f64,
     sun_azimuth_rad: f64,
     sun_altitude_rad: f64,
@@ -58,15 +59,15 @@ pub struct SkyView<'a> {
 /// One direction of a [`SkyMap`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SkyPoint {
-    /// From north through east, [0, 2π), radians.
+    /// Azimuth from north through east, [0, 2π), radians.
     pub azimuth_rad: f64,
-    /// Above the horizon, [0, π/2], radians.
+    /// Altitude above the horizon, [0, π/2], radians.
     pub altitude_rad: f64,
-    /// Observer to satellite, km.
+    /// Distance from observer to satellite, km.
     pub range_km: f64,
-    /// The part of the Sun's disk that the satellite there sees, [0, 1]; 0 in the umbra.
+    /// Fraction of the Sun's light that reaches the satellite, [0, 1]; 0 in the umbra.
     pub lit_fraction: f64,
-    /// `None` in the umbra, where nothing lit is seen, and with extinction on the horizon.
+    /// Apparent magnitude; `None` in the umbra, where no lit surface is visible, and with extinction on the horizon.
     pub magnitude: Option<Magnitude>,
 }
 
@@ -75,18 +76,18 @@ pub struct SkyPoint {
 pub struct SkyMap {
     /// Directions.
     pub grid: Grid,
-    /// Model, options and geometry.
+    /// Returns model, options and geometry.
     pub facts: Vec<Fact>,
-    /// In the order of the grid; regular grids begin on the horizon.
+    /// Values in the order of the grid; regular grids begin on the horizon.
     pub points: Vec<SkyPoint>,
 }
 
 impl<'a> SkyView<'a> {
-    /// View of satellites `height_km` above 6378.137 km with the Sun at a geometric azimuth and altitude, radians.
+    /// Creates a view of satellites `height_km` above 6378.137 km with the Sun at a geometric azimuth and altitude,
+    /// radians.
     ///
     /// # Errors
-    /// A Sun's altitude beyond ±90°, an azimuth beyond ±360°, a height that is not within 0 to 100,000 km or lies below
-    /// the site.
+    /// A Sun's altitude beyond ±90°, an azimuth beyond ±360°, a height outside 0 to 100,000 km or below the site.
     pub fn new(
         model: &'a BrightnessModel,
         earth: Earth,
@@ -100,7 +101,7 @@ impl<'a> SkyView<'a> {
         let is_angle = azimuth_deg.abs() <= 360.0 + 1e-9;
         super::error::in_range("Sun's azimuth", azimuth_deg, " deg", "-360 to 360 deg", is_angle)?;
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height(height_km)?;
-        // The rotation of the Earth changes nothing here: terrestrial axes serve as celestial ones.
+        // The rotation of the Earth is irrelevant here: terrestrial axes are used as celestial ones.
         let (horizon, observer) = match &earth {
             Earth::Sphere => (itrs_to_horizontal(0.0, 0.0), Vector3::new(EARTH_EQUATORIAL_RADIUS_KM, 0.0, 0.0)),
             Earth::Ellipsoid(site) => {
@@ -115,7 +116,7 @@ impl<'a> SkyView<'a> {
         let axes = horizon.inverse().matrix().to_owned();
         let sun = axes * Direction::<Horizontal>::from_lon_lat_rad(sun_azimuth_rad, sun_altitude_rad).vector() * AU_KM;
         Ok(Self {
-            light: Light::new(model, options),
+            light: MapPhotometry::new(model, options),
             earth,
             shadow: ShadowModel::default(),
             axes,
@@ -129,7 +130,7 @@ impl<'a> SkyView<'a> {
         })
     }
 
-    /// Replaces the shadow of the solid Earth.
+    /// Replaces the geometric shadow by another model.
     pub fn with_shadow(self, shadow: ShadowModel) -> Self {
         Self { shadow, ..self }
     }
@@ -139,27 +140,28 @@ impl<'a> SkyView<'a> {
         &self.earth
     }
 
-    /// Azimuth of the Sun, radians.
+    /// Returns the azimuth of the Sun, radians.
     pub fn sun_azimuth_rad(&self) -> f64 {
         self.sun_azimuth_rad
     }
 
-    /// Altitude of the Sun, radians.
+    /// Returns the altitude of the Sun, radians.
     pub fn sun_altitude_rad(&self) -> f64 {
         self.sun_altitude_rad
     }
 
-    /// Extinction, mag per airmass; `None` for magnitudes above the air.
+    /// Returns the extinction, mag per airmass; `None` for magnitudes above the atmosphere.
     pub fn extinction_mag_per_airmass(&self) -> Option<f64> {
         self.light.extinction()
     }
 
-    /// Satellites above 6378.137 km, km.
+    /// Returns the height of the satellites above 6378.137 km, km.
     pub fn height_km(&self) -> f64 {
         self.radius_km - EARTH_EQUATORIAL_RADIUS_KM
     }
 
-    /// Point in one direction. Below the horizon it lies where the line of sight leaves the Earth on the other side.
+    /// Computes one direction. Below the horizon the point is where the line of sight leaves the Earth on the other
+    /// side.
     pub fn at(&self, azimuth_rad: f64, altitude_rad: f64) -> SkyPoint {
         self.point(&self.row(altitude_rad), azimuth_rad)
     }
@@ -182,7 +184,7 @@ impl<'a> SkyView<'a> {
                 "[km] satellites above 6378.137 km",
             ),
             Fact::new("earth", "EARTH", FactValue::Text(earth), "figure of the Earth and its shadow"),
-            Fact::new("shadow", "SHADOW", FactValue::text(self.shadow.name()), "what casts the Earth's shadow"),
+            Fact::new("shadow", "SHADOW", FactValue::text(self.shadow.name()), "model of the Earth's shadow"),
         ];
         if let Earth::Ellipsoid(site) = &self.earth {
             let number = |value: f64| FactValue::Real(rounded(value));
@@ -200,7 +202,7 @@ impl<'a> SkyView<'a> {
         facts
     }
 
-    /// All directions of a grid at or above the horizon, on all threads of the caller's pool.
+    /// Computes all directions of a grid at or above the horizon, on all threads of the current pool.
     pub fn map(&self, grid: Grid) -> SkyMap {
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
         let points = fill(grid.northern(), blank, |grid_row, points| {
@@ -215,19 +217,19 @@ impl<'a> SkyView<'a> {
         SkyMap { grid, facts: self.facts(), points }
     }
 
-    /// Quantities that are the same at every azimuth.
+    /// Computes the quantities that are the same at every azimuth.
     fn row(&self, altitude_rad: f64) -> Row {
         let (sin, cos) = altitude_rad.sin_cos();
         // On a sphere the range depends on the altitude only.
-        let way = (self.earth == Earth::Sphere).then(|| {
+        let range_and_dimming = (self.earth == Earth::Sphere).then(|| {
             let range_km = self.range_km(EARTH_EQUATORIAL_RADIUS_KM * sin);
             (range_km, self.light.dimming(range_km, altitude_rad))
         });
         let axis = |index: usize| self.axes.column(index).into_owned();
-        Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, way }
+        Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, range_and_dimming }
     }
 
-    /// Fills a row of one altitude at once; the same as point by point to 1e-9 mag.
+    /// Fills a row of one altitude at once; equal to point by point within 1e-9 mag.
     fn fill_by_columns(&self, row: &Row, grid_row: &GridRow, points: &mut [SkyPoint]) {
         let mut columns = [const { Vec::new() }; 3];
         columns.iter_mut().for_each(|column: &mut Vec<f64>| column.reserve(points.len()));
@@ -258,10 +260,11 @@ impl<'a> SkyView<'a> {
         }
     }
 
-    /// Direction at an azimuth (its sine and cosine), range of the satellite there, and the effect of distance and air.
+    /// Returns the direction at an azimuth (its sine and cosine), the range of the satellite, and the effect of
+    /// distance and air.
     fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
-        let (range_km, dimming) = row.way.unwrap_or_else(|| {
+        let (range_km, dimming) = row.range_and_dimming.unwrap_or_else(|| {
             let range_km = self.range_km(self.observer.vector().dot(&direction));
             (range_km, self.light.dimming(range_km, row.altitude_rad))
         });
@@ -280,9 +283,10 @@ impl<'a> SkyView<'a> {
         SkyPoint { azimuth_rad, altitude_rad: row.altitude_rad, range_km, lit_fraction, magnitude }
     }
 
-    /// Range of the satellites along a direction on which the observer's position has the component `along_km` (b above).
+    /// Returns the range of the satellites along a direction on which the observer's position has the component
+    /// `along_km` (b in the module docs).
     fn range_km(&self, along_km: f64) -> f64 {
-        // ρ = -b + √(b² - c), c = q² - r² < 0; without the difference of near numbers where b > 0.
+        // ρ = -b + √(b² - c), c = q² - r² < 0; rewritten where b > 0 to avoid cancellation.
         let root = (along_km * along_km - self.below_km2).sqrt();
         if along_km > 0.0 { -self.below_km2 / (along_km + root) } else { root - along_km }
     }
@@ -301,13 +305,14 @@ impl<'a> SkyView<'a> {
                 let sin = (1.0 - cos * cos).sqrt();
                 // On a sphere only the angle to the Sun matters; in the plane of the equator the ellipsoid is a circle.
                 let turned = || {
-                    let place = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
-                    self.shadow.illumination(&place, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
+                    let position = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
+                    self.shadow.illumination(&position, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
                 };
                 if self.shadow != ShadowModel::Geometric {
                     return turned();
                 }
-                // Distance from the shadow's axis against the Earth's radius less or plus the Sun's disk (0.0047 rad).
+                // Distance from the shadow's axis, compared with the Earth's radius minus or plus the Sun's disk
+                // (0.0047 rad).
                 let (across_km, slope_km) = (self.radius_km * sin, -0.005 * self.radius_km * cos);
                 if across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
                     return 1.0;
@@ -329,6 +334,6 @@ struct Row {
     up: Vector3<f64>,
     north: Vector3<f64>,
     east: Vector3<f64>,
-    /// Range and dimming by distance and air, where they are the same for all.
-    way: Option<(f64, Option<Magnitude>)>,
+    /// Range and dimming by distance and air, where they are the same for all azimuths.
+    range_and_dimming: Option<(f64, Option<Magnitude>)>,
 }

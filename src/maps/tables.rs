@@ -13,14 +13,14 @@ const BODY: [Column; 3] = [
         "observer_longitude_deg",
         "deg",
         6,
-        "Observer in the satellite's frame, from the Sun's azimuth, right-handed about the satellite's zenith.",
+        "Longitude of the observer in the satellite's frame, from the Sun's azimuth, right-handed about the satellite's zenith.",
     ),
-    Column::real("observer_latitude_deg", "deg", 6, "Observer above the plane of the chassis; -90 is straight below."),
+    Column::real("observer_latitude_deg", "deg", 6, "Observer above the chassis plane; -90 is straight below."),
     Column::real(
         "standard_magnitude",
         "mag",
         4,
-        "Magnitude at 1000 km in full sunlight; empty where nothing lit is seen.",
+        "Magnitude at 1000 km in full sunlight; empty where no lit surface is visible.",
     ),
 ];
 
@@ -32,12 +32,13 @@ const SKY: [Column; 4] = [
         "magnitude",
         "mag",
         4,
-        "Apparent magnitude; empty in the Earth's shadow, where nothing lit is seen, and on the horizon where there is extinction.",
+        "Apparent magnitude; empty in the Earth's shadow, where no lit surface is visible, and on the horizon with extinction.",
     ),
 ];
 
 impl BodyMap {
-    /// One row a direction: `observer_longitude_deg, observer_latitude_deg, standard_magnitude`; a HEALPix map has `healpix_cell` before them.
+    /// Returns a table with one row for each direction: `observer_longitude_deg, observer_latitude_deg,
+    /// standard_magnitude`; a HEALPix map has `healpix_cell` before them.
     pub fn table(&self) -> Table {
         let row = |(index, point): (usize, &super::BodyPoint)| {
             let numbers = [
@@ -52,7 +53,8 @@ impl BodyMap {
 }
 
 impl SkyMap {
-    /// One row a direction: `azimuth_deg, altitude_deg, range_km, magnitude`; a HEALPix map has `healpix_cell` before them.
+    /// Returns a table with one row for each direction: `azimuth_deg, altitude_deg, range_km, magnitude`; a HEALPix map
+    /// has `healpix_cell` before them.
     pub fn table(&self) -> Table {
         let row = |(index, point): (usize, &super::SkyPoint)| {
             let numbers = [

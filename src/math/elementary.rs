@@ -1,32 +1,32 @@
-//! Sine, logarithm and exponential without branches, so that a loop over them becomes vector instructions.
+//! Sine, logarithm and exponential without branches, so that loops over them can be vectorised.
 //!
-//! Good to 1e-13 over the ranges stated: magnitudes need 1e-10, and each term of a series costs a thirtieth of the time.
-//! `F` is true where the machine has fused multiply-add; elsewhere it would be a slow library call.
+//! Accurate to 1e-13 in the stated ranges: magnitudes require 1e-10, and each term of a series costs a thirtieth of the
+//! time. `F` is true on machines with fused multiply-add; elsewhere it would be a slow library call.
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 
-/// 1.5 · 2⁵²: a number added to it is rounded to an integer, which stands in the lowest bits.
+/// 1.5 · 2⁵²: adding a number to it rounds the number to an integer in the lowest bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// a b + c.
+/// Returns a b + c.
 #[inline(always)]
 pub fn fused<const F: bool>(a: f64, b: f64, c: f64) -> f64 {
     if F { a.mul_add(b, c) } else { a * b + c }
 }
 
-/// The greater of two numbers; unlike `f64::max` without a check for NaN. NaN in `a` gives `b`.
+/// Returns the greater of two numbers, without the NaN check of `f64::max`. NaN in `a` gives `b`.
 #[inline(always)]
 pub fn greater(a: f64, b: f64) -> f64 {
     if a > b { a } else { b }
 }
 
-/// The lesser of two numbers. NaN in `a` gives `b`.
+/// Returns the lesser of two numbers. NaN in `a` gives `b`.
 #[inline(always)]
 pub fn lesser(a: f64, b: f64) -> f64 {
     if a < b { a } else { b }
 }
 
-/// Horner's rule, the highest power first.
+/// Evaluates a polynomial by Horner's rule, the highest power first.
 #[inline(always)]
 fn polynomial<const F: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = coefficients[0];
@@ -36,7 +36,8 @@ fn polynomial<const F: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> 
     sum
 }
 
-/// Sine and cosine of an angle of at most some hundred turns, radians; the error is 5e-14 and 1e-16 of the angle.
+/// Returns sine and cosine of an angle of at most some hundred turns, radians; the error is 5e-14 plus 1e-16 of the
+/// angle.
 #[inline(always)]
 pub fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     // Quarter turns, in three parts of π/2 (the first two short enough that their multiples are exact).
@@ -46,7 +47,7 @@ pub fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     let quadrant = shifted.to_bits();
     let r = fused::<F>(-quarters, PARTS[2], fused::<F>(-quarters, PARTS[1], fused::<F>(-quarters, PARTS[0], x)));
     let s = r * r;
-    // Taylor's series on |r| ≤ π/4: what is left out is below 2.1e-14.
+    // Taylor series on |r| ≤ π/4: the remainder is below 2.1e-14.
     let sin = polynomial::<F, 6>(
         s,
         [1.0 / 6_227_020_800.0, -1.0 / 39_916_800.0, 1.0 / 362_880.0, -1.0 / 5_040.0, 1.0 / 120.0, -1.0 / 6.0],
@@ -65,7 +66,7 @@ pub fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
         ],
     );
     let cos = fused::<F>(cos, s, 1.0);
-    // Odd quarters change places; the signs follow the second bit of the quarter and of the one after.
+    // In odd quarters sine and cosine are exchanged; the signs are the second bit of the quarter and of the next one.
     let odd = quadrant & 1 == 1;
     let (sine, cosine) = (if odd { cos } else { sin }, if odd { sin } else { cos });
     let sign_of = |quadrant: u64| (quadrant & 2) << 62;
@@ -75,28 +76,28 @@ pub fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     )
 }
 
-/// Natural logarithm of a positive normal number; the error is 1.2e-14, and 2e-16 of the result.
+/// Returns the natural logarithm of a positive normal number; the error is 1.2e-14 plus 2e-16 of the result.
 #[inline(always)]
 pub fn ln<const F: bool>(x: f64) -> f64 {
     let (exponent, m) = exponent_and_mantissa(x);
     ln_of_parts::<F>(exponent, (m - 1.0) / (m + 1.0))
 }
 
-/// x = 2ᵏ m with m from √½ to √2.
+/// Returns k and m of x = 2ᵏ m with m from √½ to √2.
 #[inline(always)]
 fn exponent_and_mantissa(x: f64) -> (f64, f64) {
     /// The bits of √½: mantissas run from there to √2.
     const ROOT_HALF: u64 = 0x3FE6_A09E_667F_3BCD;
     const MANTISSA: u64 = (1 << 52) - 1;
     let above = x.to_bits().wrapping_sub(ROOT_HALF);
-    // The exponent as a float: its bits put below those of 2⁵².
+    // The exponent as a float: its bits placed below those of 2⁵².
     let exponent = f64::from_bits((above >> 52) | 0x4330_0000_0000_0000) - 4_503_599_627_370_496.0;
-    // Exponents below 0 wrapped round at 2¹².
+    // Negative exponents wrap at 2¹².
     let exponent = if exponent > 2048.0 { exponent - 4096.0 } else { exponent };
     (exponent, f64::from_bits((above & MANTISSA).wrapping_add(ROOT_HALF)))
 }
 
-/// k ln 2 + ln m with ln m = 2 artanh f, f = (m - 1)/(m + 1), |f| ≤ 0.172; what is left out is below 1.2e-14.
+/// Returns k ln 2 + ln m with ln m = 2 artanh f, f = (m - 1)/(m + 1), |f| ≤ 0.172; the remainder is below 1.2e-14.
 #[inline(always)]
 fn ln_of_parts<const F: bool>(exponent: f64, f: f64) -> f64 {
     let s = f * f;
@@ -107,7 +108,7 @@ fn ln_of_parts<const F: bool>(exponent: f64, f: f64) -> f64 {
     fused::<F>(exponent, LN_2, fused::<F>(series * s, f, 2.0 * f))
 }
 
-/// eˣ for x ≤ 700, 0 below -700; the error is 1e-14 of the result and 1e-16 of x.
+/// Returns eˣ for x ≤ 700, 0 below -700; the error is 1e-14 of the result plus 1e-16 of x.
 #[inline(always)]
 pub fn exp<const F: bool>(x: f64) -> f64 {
     // ln 2 in two parts, the first short enough that its multiples are exact.
@@ -116,7 +117,7 @@ pub fn exp<const F: bool>(x: f64) -> f64 {
     let shifted = fused::<F>(bounded, LOG2_E, ROUND);
     let power = shifted - ROUND;
     let r = fused::<F>(-power, PARTS[1], fused::<F>(-power, PARTS[0], bounded));
-    // Taylor's series on |r| ≤ ½ ln 2: what is left out is below 6.5e-15.
+    // Taylor series on |r| ≤ ½ ln 2: the remainder is below 6.5e-15.
     let value = polynomial::<F, 12>(
         r,
         [
@@ -134,7 +135,7 @@ pub fn exp<const F: bool>(x: f64) -> f64 {
             1.0,
         ],
     );
-    // 2ᵏ: its exponent's bits; the low bits of `shifted` hold k.
+    // The bits of 2ᵏ as an exponent; the low bits of `shifted` contain k.
     let scale = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
     if x > -700.0 { value * scale } else { 0.0 }
 }

@@ -1,17 +1,17 @@
 //! Minimum of a function of one number.
 
-/// Steps at most: golden sections alone come from a bracket to a ten-billionth of it in so many.
+/// Largest number of steps: as many golden sections reduce a bracket to a ten-billionth.
 const MOST_STEPS: usize = 48;
 
 /// (3 - √5)/2: the smaller part of a golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
-/// Place and value of a minimum between two ends, from a start between them or at one of them, whose value is known.
+/// Returns position and value of a minimum between two ends, from a start between or at them with known value.
 ///
-/// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5): the vertex of the parabola through the three best places where the steps
-/// before show that it can be trusted, else a golden section. The place is good to two tolerances where the function falls to one minimum and rises
-/// again, and nothing lower than the value was met; values that are not finite count as high ones. A start at an end is the answer where the function rises
-/// from there.
+/// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5): the vertex of the parabola
+/// through the three best points if the previous steps are small enough, otherwise a golden section. The position is
+/// accurate to two tolerances if the function falls to one minimum and rises again, and its value is the lowest one
+/// evaluated; values that are not finite count as high. A start at an end is returned if the function rises from there.
 pub fn minimum(
     mut function: impl FnMut(f64) -> f64,
     [mut low, mut high]: [f64; 2],
@@ -36,23 +36,23 @@ pub fn minimum(
         if (best.0 - middle).abs() + 0.5 * (high - low) <= 2.0 * tolerance {
             break;
         }
-        // From the best to the vertex of the parabola: -p / q
+        // From the best point to the vertex of the parabola: -p / q
         let r = (best.0 - second.0) * (best.1 - third.1);
         let q = (best.0 - third.0) * (best.1 - second.1);
         let vertex = -((best.0 - third.0) * q - (best.0 - second.0) * r) / (2.0 * (q - r));
         let is_within = low < best.0 + vertex && best.0 + vertex < high;
         if vertex.abs() < 0.5 * earlier.abs() && is_within {
             (step, earlier) = (vertex, step);
-            let place = best.0 + step;
-            if place - low < 2.0 * tolerance || high - place < 2.0 * tolerance {
+            let x = best.0 + step;
+            if x - low < 2.0 * tolerance || high - x < 2.0 * tolerance {
                 step = tolerance.copysign(middle - best.0);
             }
         } else {
             earlier = if best.0 < middle { high - best.0 } else { low - best.0 };
             step = GOLDEN * earlier;
         }
-        let place = best.0 + if step.abs() < tolerance { tolerance.copysign(step) } else { step };
-        let tried = (place, function(place));
+        let x = best.0 + if step.abs() < tolerance { tolerance.copysign(step) } else { step };
+        let tried = (x, function(x));
         if tried.1 <= best.1 {
             if tried.0 < best.0 {
                 high = best.0
@@ -80,50 +80,50 @@ pub fn minimum(
 mod tests {
     use super::*;
 
-    /// Place, value, and how often the function was asked.
-    fn sought(function: impl Fn(f64) -> f64, ends: [f64; 2], start: f64, tolerance: f64) -> (f64, f64, usize) {
-        let mut asked = 0;
+    /// Position, value, and number of evaluations.
+    fn searched(function: impl Fn(f64) -> f64, ends: [f64; 2], start: f64, tolerance: f64) -> (f64, f64, usize) {
+        let mut evaluations = 0;
         let counted = |x: f64| {
-            asked += 1;
+            evaluations += 1;
             function(x)
         };
-        let (place, value) = minimum(counted, ends, (start, function(start)), tolerance);
-        assert_eq!(value, function(place));
-        (place, value, asked)
+        let (x, value) = minimum(counted, ends, (start, function(start)), tolerance);
+        assert_eq!(value, function(x));
+        (x, value, evaluations)
     }
 
     #[test]
     fn verif_smooth_minima_take_few_steps() {
         for (start, least) in [(0.3, 0.7), (1.0, 0.7), (0.69, 0.7), (1.9, 1.2)] {
-            let (place, _, asked) = sought(|x| (x - least).powi(2) * (1.0 + 0.1 * x), [0.0, 2.0], start, 1e-5);
-            // A little off the square's own: the cubic term moves nothing where the square is 0.
-            assert!((place - least).abs() <= 2e-5 && asked <= 12, "{start}: {place} in {asked}");
+            let (x, _, evaluations) = searched(|x| (x - least).powi(2) * (1.0 + 0.1 * x), [0.0, 2.0], start, 1e-5);
+            // Slightly off the vertex of the square: the cubic term has no effect where the square is 0.
+            assert!((x - least).abs() <= 2e-5 && evaluations <= 12, "{start}: {x} in {evaluations}");
         }
         // Golden sections alone would take 22 steps.
-        let (place, _, asked) = sought(|x| -(x - 0.9_f64).cos(), [0.0, 2.0], 1.0, 5e-5);
-        assert!((place - 0.9).abs() <= 1e-4 && asked <= 8, "{place} in {asked}");
+        let (x, _, evaluations) = searched(|x| -(x - 0.9_f64).cos(), [0.0, 2.0], 1.0, 5e-5);
+        assert!((x - 0.9).abs() <= 1e-4 && evaluations <= 8, "{x} in {evaluations}");
     }
 
     #[test]
-    fn verif_ends_are_found_at_once_and_minima_beside_them_too() {
-        assert_eq!(sought(|x| x, [1.0, 2.0], 1.0, 1e-4), (1.0, 1.0, 1));
-        assert_eq!(sought(|x| -x, [1.0, 2.0], 2.0, 1e-4), (2.0, -2.0, 1));
-        // No room between the ends.
-        assert_eq!(sought(|x| -x, [1.0, 1.0], 1.0, 1e-4).0, 1.0);
-        let (place, ..) = sought(|x| (x - 1.02).powi(2), [1.0, 2.0], 1.0, 1e-4);
-        assert!((place - 1.02).abs() <= 2e-4, "{place}");
+    fn verif_ends_and_minima_next_to_them_are_found_at_once() {
+        assert_eq!(searched(|x| x, [1.0, 2.0], 1.0, 1e-4), (1.0, 1.0, 1));
+        assert_eq!(searched(|x| -x, [1.0, 2.0], 2.0, 1e-4), (2.0, -2.0, 1));
+        // No space between the ends.
+        assert_eq!(searched(|x| -x, [1.0, 1.0], 1.0, 1e-4).0, 1.0);
+        let (x, ..) = searched(|x| (x - 1.02).powi(2), [1.0, 2.0], 1.0, 1e-4);
+        assert!((x - 1.02).abs() <= 2e-4, "{x}");
     }
 
     #[test]
-    fn verif_kinks_and_places_without_a_value_are_lived_with() {
-        let (place, ..) = sought(|x| (x - 0.31).abs(), [0.0, 1.0], 0.5, 1e-6);
-        assert!((place - 0.31).abs() <= 2e-6, "{place}");
-        // Into the shadow: what is behind the edge is infinitely faint, the brightest stands before it.
+    fn verif_kinks_and_points_without_a_value_are_handled() {
+        let (x, ..) = searched(|x| (x - 0.31).abs(), [0.0, 1.0], 0.5, 1e-6);
+        assert!((x - 0.31).abs() <= 2e-6, "{x}");
+        // An edge of a shadow: behind it the magnitude is infinite, the brightest point is in front of it.
         for dark in [f64::INFINITY, f64::NAN] {
-            let (place, ..) = sought(|x| if x < 0.62 { -x } else { dark }, [0.0, 1.0], 0.5, 1e-6);
-            assert!((0.0..=2e-6).contains(&(0.62 - place)), "{place}");
+            let (x, ..) = searched(|x| if x < 0.62 { -x } else { dark }, [0.0, 1.0], 0.5, 1e-6);
+            assert!((0.0..=2e-6).contains(&(0.62 - x)), "{x}");
         }
-        let (place, value, asked) = sought(|_| 3.0, [0.0, 1.0], 0.5, 1e-4);
-        assert!((0.0..=1.0).contains(&place) && value == 3.0 && asked <= MOST_STEPS);
+        let (x, value, evaluations) = searched(|_| 3.0, [0.0, 1.0], 0.5, 1e-4);
+        assert!((0.0..=1.0).contains(&x) && value == 3.0 && evaluations <= MOST_STEPS);
     }
 }

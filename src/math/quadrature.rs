@@ -2,12 +2,12 @@
 
 use std::f64::consts::PI;
 
-/// Nodes on (0, 1) and weights that sum to 1, `(n_node)`: exact for polynomials up to degree 2n - 1.
+/// Returns nodes on (0, 1) and weights that sum to 1, `(n_node)`: exact for polynomials up to degree 2n - 1.
 pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)
         .map(|node| {
-            // Roots of Pₙ by Newton's method from Tricomi's guess; Pₙ and Pₙ₋₁ by their recurrence.
+            // Roots of Pₙ by Newton's method from Tricomi's estimate; Pₙ and Pₙ₋₁ by their recurrence.
             let mut x = (PI * (node as f64 + 0.75) / (n + 0.5)).cos();
             let mut slope = 1.0;
             for _ in 0..8 {

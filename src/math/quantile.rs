@@ -1,8 +1,9 @@
 //! Quantiles of samples.
 
-/// Value below which this share of sorted samples lies, linear between neighbours (NumPy's default, Hyndman and Fan's type 7).
+/// Returns the value below which this fraction of sorted samples lies, linear between neighbours (NumPy's default,
+/// Hyndman and Fan's type 7).
 ///
-/// Not a number where there are no samples; `share` beyond 0 to 1 is taken as the nearer end.
+/// NaN without samples; `share` outside 0 to 1 is clamped.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let at = share.clamp(0.0, 1.0) * last as f64;

@@ -3,7 +3,7 @@
 use pulp::Arch;
 pub use pulp::NullaryFnOnce;
 
-/// Runs what is compiled once for each kind of machine; all that it calls must be `#[inline(always)]` to be among that.
+/// Runs code compiled for each kind of machine; all called functions must be `#[inline(always)]` to be included.
 pub fn widest<Work: NullaryFnOnce>(work: Work) -> Work::Output {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
@@ -14,16 +14,16 @@ pub fn widest<Work: NullaryFnOnce>(work: Work) -> Work::Output {
     }
 }
 
-/// A loop for [`widest_fused`]. `run` and all that it calls must be `#[inline(always)]`.
+/// A loop for [`widest_fused`]. `run` and all called functions must be `#[inline(always)]`.
 pub trait Kernel {
     /// Result of the loop.
     type Output;
 
-    /// `F` is true where the machine has fused multiply-add, as in [`super::elementary`].
+    /// Runs the loop; `F` is true on machines with fused multiply-add, as in [`super::elementary`].
     fn run<const F: bool>(self) -> Self::Output;
 }
 
-/// Runs a loop in the widest vectors of the machine, with fused multiply-add where there is one.
+/// Runs a loop in the widest vectors of the machine, with fused multiply-add if available.
 pub fn widest_fused<K: Kernel>(kernel: K) -> K::Output {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]

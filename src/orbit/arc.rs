@@ -1,4 +1,4 @@
-//! A part of one orbit, interpolated between a few positions of SGP4 to millimetres.
+//! Part of one orbit, interpolated between a few SGP4 positions with millimetre accuracy.
 
 use nalgebra::Vector3;
 
@@ -6,26 +6,26 @@ use super::propagator::{OrbitError, Propagator, State};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 use crate::math::interpolation::{cubic_slopes, cubic_weights};
 
-/// A step between two nodes that is short enough for any orbit, seconds.
+/// Step between two nodes that is short enough for any orbit, seconds.
 ///
-/// A cubic through four positions errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km
-/// height, less elsewhere. SGP4's velocities are not used: on eccentric orbits they differ from the rate of its
-/// positions by J₂ e v, metres in half a minute.
+/// The error of a cubic through four positions is h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and
+/// 300 km height, less elsewhere. SGP4's velocities are not used: on eccentric orbits they differ from the derivative
+/// of its positions by J₂ e v, metres in half a minute.
 const LONGEST_STEP_S: f64 = 10.0;
 /// Longest step as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous
 /// satellite.
 const LONGEST_STEP_RAD: f64 = 0.0115;
-/// A cubic needs four nodes.
+/// Steps between the four nodes that a cubic requires.
 const FEWEST_STEPS: f64 = 3.0;
 
 /// Positions and velocities of one satellite over a time interval, GCRS.
 ///
-/// Times are seconds after the caller's own reference.
+/// Times are seconds after a reference time that the caller chooses.
 #[derive(Clone, Debug)]
 pub struct OrbitArc {
     start_s: f64,
     step_s: f64,
-    /// At least four, evenly spaced, km.
+    /// Positions of at least four nodes, evenly spaced, km.
     positions: Vec<Vector3<f64>>,
 }
 
@@ -36,8 +36,8 @@ impl OrbitArc {
     /// constant: TEME turns by less than 1e-6 arcsec in 30 s.
     ///
     /// # Errors
-    /// [`OrbitError`] where SGP4 fails or the satellite has decayed at one of the nodes, or where velocities are not
-    /// the rate of positions.
+    /// [`OrbitError`] where SGP4 fails or the satellite has decayed at one of the nodes, or where velocities differ
+    /// from the derivative of positions.
     pub fn new(
         propagator: &Propagator,
         reference_minutes: f64,
@@ -49,8 +49,8 @@ impl OrbitArc {
         Self::over_pass(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, turning_rad_s)
     }
 
-    /// As [`OrbitArc::new`] for an interval in which the satellite turns about the Earth's centre by `turning_rad_s` at
-    /// most: nodes as far apart as that allows.
+    /// Same as [`OrbitArc::new`] for an interval in which the satellite turns about the Earth's centre at no more than
+    /// `turning_rad_s`, with nodes as far apart as that rate allows.
     ///
     /// # Errors
     /// As [`OrbitArc::new`].
@@ -64,7 +64,7 @@ impl OrbitArc {
     ) -> Result<Self, OrbitError> {
         let longest_s = (LONGEST_STEP_RAD / turning_rad_s).max(LONGEST_STEP_S);
         let steps = (duration_s / longest_s).ceil().max(FEWEST_STEPS);
-        // An exposure of no length still needs four nodes.
+        // An exposure of zero length still requires four nodes.
         let step_s = (duration_s / steps).max(1e-3);
         let nodes = (0..=steps as usize)
             .map(|node| {
@@ -79,10 +79,10 @@ impl OrbitArc {
         Ok(Self { start_s, step_s, positions })
     }
 
-    /// Position and velocity at a time inside the interval (outside, the nearest cubic is continued).
+    /// Returns position and velocity at a time inside the interval (outside it, the nearest cubic is extrapolated).
     pub fn state_at(&self, time_s: f64) -> State<Gcrs> {
         let steps = (time_s - self.start_s) / self.step_s;
-        // The four nodes around the moment, or the nearest four at the ends.
+        // The four nodes around the time, or the nearest four at the ends.
         let left = ((steps - 1.0).max(0.0) as usize).min(self.positions.len() - 4);
         let u = steps - left as f64;
         let nodes = &self.positions[left..left + 4];

@@ -9,34 +9,35 @@ use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_t
 use thiserror::Error;
 
 use super::resonance::Resonance;
+use super::station_keeping::DragModel;
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, NoradId};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
-/// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code
-/// (error 6).
+/// Distance from the Earth's centre below which a satellite counts as decayed: one Earth radius of WGS72, as in the
+/// AFSPC code (error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
 
-/// Largest disagreement of positions and velocities of two times, km: h³/12 · |r‴| is 2 m for the fastest orbit in 10
-/// s. SGP4's velocity leaves out the change of the mean motion by drag, which shows where the drag terms of elements
-/// years old diverge.
+/// Largest disagreement between positions and velocities at two times, km: h³/12 · |r‴| is 2 m for the fastest orbit in
+/// 10 s. SGP4's velocity omits the change of the mean motion by drag, which becomes visible where the drag terms of
+/// elements that are years old diverge.
 const LARGEST_GAP_KM: f64 = 1.0;
 /// The same over longer steps, km/s: 0.4 km in a minute by h³/12 · |r‴|, and some m/s where Moon and Sun pull most.
 const LARGEST_MISMATCH_KM_S: f64 = 0.1;
 
-/// Reasons for which a satellite has no position.
+/// Reasons for a missing position.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum OrbitError {
-    /// SGP4 cannot start from these elements.
-    #[error("satellite {norad_id}: SGP4 cannot start from its elements: {reason}")]
+    /// SGP4 cannot be initialised from these elements.
+    #[error("satellite {norad_id}: SGP4 cannot be initialised from its elements: {reason}")]
     Elements {
         /// NORAD catalogue number.
         norad_id: NoradId,
         /// SGP4's message.
         reason: String,
     },
-    /// SGP4's elements left their range during the propagation.
-    #[error("satellite {norad_id}: SGP4 breaks down {days_since_epoch:.2} days after its element epoch: {reason}")]
+    /// The elements left SGP4's valid range during the propagation.
+    #[error("satellite {norad_id}: SGP4 fails {days_since_epoch:.2} days after the element epoch: {reason}")]
     Diverged {
         /// NORAD catalogue number.
         norad_id: NoradId,
@@ -45,9 +46,9 @@ pub enum OrbitError {
         /// SGP4's message.
         reason: String,
     },
-    /// The predicted orbit has met the ground.
+    /// The predicted orbit intersects the ground.
     #[error(
-        "satellite {norad_id} has decayed: {radius_km:.0} km from the Earth's centre {days_since_epoch:.2} days after its element epoch (allowed: at least {DECAYED_RADIUS_KM} km)"
+        "satellite {norad_id} has decayed: {radius_km:.0} km from the Earth's centre {days_since_epoch:.2} days after the element epoch; expected at least {DECAYED_RADIUS_KM} km"
     )]
     Decayed {
         /// NORAD catalogue number.
@@ -68,7 +69,8 @@ pub struct State<F: crate::frames::Frame> {
     pub velocity: Velocity<F>,
 }
 
-/// One satellite's SGP4 (or SDP4) constants, in the AFSPC mode with WGS72: the model that element sets are fitted with.
+/// SGP4 (or SDP4) constants of one satellite, in the AFSPC mode with WGS72: the model with which element sets are
+/// fitted.
 #[derive(Clone)]
 pub struct Propagator {
     constants: Constants,
@@ -76,9 +78,9 @@ pub struct Propagator {
     norad_id: NoradId,
     period_s: f64,
     eccentricity: f64,
-    /// Beyond this distance from the Earth's centre the prediction is nonsense.
+    /// Largest plausible distance from the Earth's centre.
     farthest_km: f64,
-    /// Of half-day and one-day orbits alone.
+    /// Present for half-day and one-day orbits only.
     resonance: Option<Resonance>,
 }
 
@@ -89,7 +91,7 @@ impl fmt::Debug for Propagator {
 }
 
 impl Propagator {
-    /// Makes SGP4 ready.
+    /// Initialises SGP4.
     ///
     /// # Errors
     /// [`OrbitError::Elements`] where the eccentricity is outside [0, 1) or the mean motion is not positive.
@@ -105,15 +107,15 @@ impl Propagator {
             elements.mean_motion_rev_day * (PI / 720.0),
         )
         .map_err(|error| fail(error.to_string()))?;
-        // Julian years from J2000 (UTC); SGP4 needs them for the Moon, the Sun and the sidereal time at epoch. By way
-        // of the Julian date in one f64, which rounds to 40 µs, because the AFSPC code does so: 4 mm on deep-space
+        // Julian years from J2000 (UTC); SGP4 uses them for the Moon, the Sun and the sidereal time at epoch. They are
+        // computed from a Julian date in one f64, which rounds to 40 µs, as in the AFSPC code: 4 mm on deep-space
         // orbits of the verification set.
         let years = ((elements.epoch.to_mjd_utc_days() + 2_400_000.5) - 2_451_545.0) / 365.25;
         let constants =
             Constants::new(WGS72, afspc_epoch_to_sidereal_time, years, elements.bstar_per_earth_radius, orbit)
                 .map_err(|error| fail(error.to_string()))?;
         let period_s = DAY_S / elements.mean_motion_rev_day;
-        // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for what Moon and Sun may add.
+        // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for perturbations by Moon and Sun.
         let farthest_km = 2.2 * (WGS72_MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
         let resonance = Resonance::of(&constants);
         Ok(Self {
@@ -127,12 +129,23 @@ impl Propagator {
         })
     }
 
-    /// Position integrated from the element epoch; `None` for orbits without resonances.
+    /// As [`Propagator::new`], without the published drag where the satellite holds its orbit by thrust.
+    ///
+    /// # Errors
+    /// As [`Propagator::new`].
+    pub fn with_drag(elements: &ElementSet, drag: DragModel) -> Result<Self, OrbitError> {
+        match drag.class_of(elements) {
+            Some(class) => Self::new(&class.elements(elements)),
+            None => Self::new(elements),
+        }
+    }
+
+    /// Returns the position integrated from the element epoch; `None` for orbits without resonances.
     #[cfg(test)]
     pub(super) fn position_from_the_epoch(&self, minutes: f64) -> Option<[f64; 3]> {
         let mut initial = self.resonance.as_ref().and_then(|_| self.constants.initial_state())?;
-        let way = self.constants.propagate_from_state(MinutesSinceEpoch(minutes), Some(&mut initial), true);
-        way.ok().map(|prediction| prediction.position)
+        let integrated = self.constants.propagate_from_state(MinutesSinceEpoch(minutes), Some(&mut initial), true);
+        integrated.ok().map(|prediction| prediction.position)
     }
 
     /// NORAD catalogue number.
@@ -140,13 +153,13 @@ impl Propagator {
         self.norad_id
     }
 
-    /// Epoch of the elements.
+    /// Returns the epoch of the elements.
     pub fn epoch(&self) -> Epoch {
         self.epoch
     }
 
-    /// Whether velocities are the rate of positions between two states, `step_s` apart, the first at `minutes` after
-    /// the element epoch.
+    /// Checks that velocities agree with the positions of two states, `step_s` apart, the first at `minutes` after the
+    /// element epoch.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] where they are not: the drag terms have run away.
@@ -166,14 +179,14 @@ impl Propagator {
             norad_id: self.norad_id,
             days_since_epoch: minutes / 1440.0,
             reason: format!(
-                "it moves by {:.1} km/s where its velocity is {:.1} km/s: the drag terms have run away",
+                "positions change by {:.1} km/s but the velocity is {:.1} km/s: the drag terms have diverged",
                 moved_km.norm() / step_s,
                 by_velocity_km.norm() / step_s
             ),
         })
     }
 
-    /// Rate at which it turns about the Earth's centre at its perigee, rad/s, with a tenth more for changes since the
+    /// Returns the angular rate about the Earth's centre at perigee, rad/s, with a tenth added for changes since the
     /// element epoch.
     pub fn fastest_turn_rad_s(&self) -> f64 {
         // dν/dt = n (1 + e)² / (1 - e²)^{3/2} at ν = 0
@@ -181,14 +194,13 @@ impl Propagator {
         1.1 * TAU / self.period_s * (1.0 + e).powi(2) / (1.0 - e * e).powf(1.5)
     }
 
-    /// Minutes from the element epoch to `epoch` by the clock of UTC, in whatever scale `epoch` is given: leap seconds
-    /// in between are not counted, as in the AFSPC code and in python-sgp4. The last one was inserted at the end of
-    /// 2016.
+    /// Returns the minutes from the element epoch to `epoch` in UTC, for any scale of `epoch`: leap seconds in between
+    /// are not counted, as in the AFSPC code and in python-sgp4. The last one was inserted at the end of 2016.
     pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
         (epoch.to_utc_duration() - self.epoch.to_utc_duration()).to_unit(Unit::Minute)
     }
 
-    /// Geocentric state at `epoch`.
+    /// Returns the geocentric state at `epoch`.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
@@ -196,7 +208,7 @@ impl Propagator {
         self.state_at_minutes(self.minutes_since_epoch(epoch), teme_to_gcrs)
     }
 
-    /// Geocentric state `minutes` after the element epoch.
+    /// Returns the geocentric state `minutes` after the element epoch.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
@@ -209,20 +221,20 @@ impl Propagator {
         Ok(State { position: *teme_to_gcrs * state.position, velocity: *teme_to_gcrs * state.velocity })
     }
 
-    /// Orbital period at the element epoch, seconds.
+    /// Returns the orbital period at the element epoch, seconds.
     pub fn period_s(&self) -> f64 {
         self.period_s
     }
 
-    /// Distances from the Earth's centre of perigee and apogee at the element epoch, km.
+    /// Returns the distances of perigee and apogee from the Earth's centre at the element epoch, km.
     pub fn perigee_apogee_km(&self) -> (f64, f64) {
         // a = (μ P² / 4π²)^⅓
         let semi_major_axis_km = (WGS72_MU_KM3_S2 * (self.period_s / TAU).powi(2)).cbrt();
         (semi_major_axis_km * (1.0 - self.eccentricity), semi_major_axis_km * (1.0 + self.eccentricity))
     }
 
-    /// The raw result of SGP4, valid or not, TEME, km and km/s, `minutes` after the element epoch: for verification
-    /// against other implementations.
+    /// Returns the raw result of SGP4, valid or not, TEME, km and km/s, `minutes` after the element epoch, for
+    /// verification against other implementations.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
@@ -245,17 +257,17 @@ impl Propagator {
         Ok((prediction.position, prediction.velocity))
     }
 
-    /// State in TEME, `minutes` after the element epoch.
+    /// Returns the state in TEME, `minutes` after the element epoch.
     pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
         let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
         let radius_km = (x * x + y * y + z * z).sqrt();
-        // No orbit of this energy reaches farther than twice its semi-major axis: drag terms have diverged.
+        // The distance cannot exceed twice the semi-major axis; where it does, the drag terms have diverged.
         if radius_km > self.farthest_km {
             return Err(OrbitError::Diverged {
                 norad_id: self.norad_id,
                 days_since_epoch: minutes / 1440.0,
                 reason: format!(
-                    "it predicts {radius_km:.0} km from the Earth's centre, where the orbit reaches {:.0} km at most",
+                    "the predicted distance from the Earth's centre is {radius_km:.0} km, above the orbit's limit of {:.0} km",
                     self.farthest_km
                 ),
             });
@@ -264,29 +276,30 @@ impl Propagator {
     }
 }
 
-/// A satellite without a position, and the reason. One such satellite never stops a night.
+/// A satellite without a position, and the reason. Such satellites never stop a computation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Position of its element set in the catalogue.
     pub element_index: usize,
-    /// Why SGP4 has no position.
+    /// Reason for the missing position.
     pub reason: OrbitError,
 }
 
-/// Propagators of a catalogue. Building takes about 1 µs a satellite and core.
+/// Propagators of a catalogue. Construction takes about 1 µs per satellite and core.
 #[derive(Clone, Debug)]
 pub struct SatelliteIndex {
-    /// In the catalogue's order; `None` where SGP4 cannot start.
+    /// Propagators in catalogue order; `None` where SGP4 cannot be initialised.
     propagators: Vec<Option<Propagator>>,
     left_out: Vec<LeftOut>,
 }
 
 impl SatelliteIndex {
     /// Initialises SGP4 for every element set, on all threads.
-    pub fn new(elements: &[ElementSet]) -> Self {
-        let made: Vec<Result<Propagator, OrbitError>> = elements.par_iter().map(Propagator::new).collect();
+    pub fn new(elements: &[ElementSet], drag: DragModel) -> Self {
+        let made: Vec<Result<Propagator, OrbitError>> =
+            elements.par_iter().map(|set| Propagator::with_drag(set, drag)).collect();
         let mut left_out = Vec::new();
         let propagators = made
             .into_iter()
@@ -302,23 +315,23 @@ impl SatelliteIndex {
         Self { propagators, left_out }
     }
 
-    /// Number of element sets, those that cannot be propagated included.
+    /// Returns the number of element sets, including those that cannot be propagated.
     pub fn len(&self) -> usize {
         self.propagators.len()
     }
 
-    /// True for an empty catalogue.
+    /// Returns true for an empty catalogue.
     pub fn is_empty(&self) -> bool {
         self.propagators.is_empty()
     }
 
-    /// The propagator of the element set at this position; `None` where SGP4 cannot start or the position does not
-    /// exist.
+    /// Returns the propagator of the element set at this position; `None` where SGP4 cannot be initialised or the
+    /// position does not exist.
     pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
         self.propagators.get(element_index)?.as_ref()
     }
 
-    /// Satellites that SGP4 cannot start from, whatever the time.
+    /// Returns the satellites for which SGP4 cannot be initialised at any time.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }

@@ -1,17 +1,18 @@
 //! Integration state of half-day and one-day orbits, kept near the times that are evaluated.
 //!
-//! SDP4 integrates the resonances of such orbits in steps of 720 minutes from the element epoch on. For elements years
-//! old that is a thousand times the work of all else, again for each time. So the state reached is kept, a few days on
-//! the epoch's side of the last distant time, and later evaluations continue from there. The steps are the same ones
-//! from the same state, so results are identical bit for bit, whatever was evaluated before.
+//! SDP4 integrates the resonances of such orbits in steps of 720 minutes from the element epoch. For elements that are
+//! years old this costs a thousand times more than the rest of an evaluation. Therefore the integrator state is kept a
+//! few days on the epoch's side of the last distant time, and later evaluations continue from it. The steps are the
+//! same, so results are identical bit for bit for any order of evaluations.
 
 use std::sync::{Mutex, PoisonError};
 
 use sgp4::{Constants, MinutesSinceEpoch, ResonanceState};
 
-/// A time farther than this from the kept state moves it, minutes: below, the steps cost less than one evaluation.
+/// Time difference beyond which the kept state is moved, minutes: below it, the steps cost less than one evaluation.
 const FAR_MIN: f64 = 20.0 * 1440.0;
-/// The kept state stays this far on the epoch's side of the time, minutes: arcs and waits go back and forth by days.
+/// Distance of the kept state from the evaluated time, towards the epoch, minutes: evaluations go back and forth by
+/// days.
 const BACK_MIN: f64 = 5.0 * 1440.0;
 
 /// Start of the integration of one orbit, and the state kept.
@@ -27,15 +28,15 @@ impl Clone for Resonance {
 }
 
 impl Resonance {
-    /// Of an orbit that has any.
+    /// Returns the integration start of an orbit with resonances, `None` for others.
     pub fn of(constants: &Constants) -> Option<Self> {
         constants.initial_state().map(|initial| Self { initial, kept: Mutex::new(initial) })
     }
 
-    /// The state to go on from towards a moment, `minutes` after the element epoch.
+    /// Returns the state from which to integrate to a time, `minutes` after the element epoch.
     pub fn state_before(&self, constants: &Constants, minutes: f64) -> ResonanceState {
         let kept = self.kept();
-        // A kept state serves its own side of the epoch, and times beyond it.
+        // A kept state is usable for times on its side of the epoch and beyond it.
         let serves = kept.t() == 0.0 || (kept.t().signum() == minutes.signum() && minutes.abs() >= kept.t().abs());
         let state = if serves { kept } else { self.initial };
         if (minutes - state.t()).abs() < FAR_MIN {
@@ -43,7 +44,7 @@ impl Resonance {
         }
         let mut nearer = state;
         let back = MinutesSinceEpoch(minutes - BACK_MIN.copysign(minutes));
-        // An orbit that breaks down on the way has no state worth keeping.
+        // An orbit that fails on the way leaves no state to keep.
         if constants.propagate_from_state(back, Some(&mut nearer), true).is_err() {
             return state;
         }
@@ -63,10 +64,10 @@ mod tests {
     use super::super::propagator::Propagator;
     use crate::elements::{ElementSet, NoradId, Origin};
 
-    /// A half-day and a one-day orbit, asked near and far, back and forth, before and after the epoch: the same to the
-    /// last bit as integrated all the way from the epoch.
+    /// A half-day and a one-day orbit, evaluated near and far, back and forth, before and after the epoch: identical to
+    /// the last bit with an integration from the epoch.
     #[test]
-    fn verif_what_was_asked_before_changes_no_bit() {
+    fn verif_order_of_evaluations_changes_no_bit() {
         for (mean_motion_rev_day, eccentricity, inclination_deg) in [(2.0056, 0.7, 63.4), (1.0027, 0.0002, 0.05)] {
             let elements = ElementSet {
                 norad_id: NoradId(7),
@@ -85,11 +86,11 @@ mod tests {
                 revolution_at_epoch: 0,
                 origin: Origin::Published,
             };
-            let asked = Propagator::new(&elements).expect("starts");
+            let propagator = Propagator::new(&elements).expect("starts");
             for days in [650.0, 651.3, 646.0, 600.0, 30.0, 1400.0, -400.0, 0.2, -399.0, 650.0] {
                 let minutes = days * Unit::Day.in_seconds() / 60.0;
-                let (position, _) = asked.teme_state_at_minutes(minutes).expect("in orbit");
-                assert_eq!(Some(position), asked.position_from_the_epoch(minutes), "{days} days");
+                let (position, _) = propagator.teme_state_at_minutes(minutes).expect("in orbit");
+                assert_eq!(Some(position), propagator.position_from_the_epoch(minutes), "{days} days");
             }
         }
     }

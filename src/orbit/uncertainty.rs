@@ -1,89 +1,93 @@
 //! Error of an element set by its age: seconds along the track, kilometres across it.
 //!
-//! Public element sets err by about a kilometre at epoch, and then mostly *along* the track: the satellite comes early
-//! or late on nearly the right path. The amount depends on what moves it, which the published derivative of the mean
-//! motion mostly gives: strong drag, or thrust, means large errors.
+//! Public element sets have an error of about a kilometre at epoch, which then grows mostly *along* the track: the
+//! satellite is early or late on nearly the right path. The growth depends on the forces, mostly visible in the
+//! published derivative of the mean motion: strong drag or thrust means large errors.
 //!
 //! ```text
 //! along² = floor² + (k1 t)² + (k2 t²)² + (c D t²)² + (f D^q t^p)²       s, capped at 0.3413 P
 //! cross² = floor² + (kx t^px)² + (cx S t)²                              km, capped at 1000 km
 //! ```
 //!
-//! with the age t in days, D = |ṅ/2| P the drag in seconds a day² (a satellite gains D t² on an orbit of constant
-//! period), and S = 4/3 a |ṅ/2| / n the fall of the semi-major axis in km a day.
+//! with the age t in days, D = |ṅ/2| P the drag in seconds a day² (a satellite gains D t² relative to an orbit of
+//! constant period), and S = 4/3 a |ṅ/2| / n the decrease of the semi-major axis in km a day.
 //!
-//! # Where the numbers come from
+//! # Source of the coefficients
 //!
 //! `tests/reference/calibrate_orbit_uncertainty.py`: element sets propagated to the epoch of later ones of the same
 //! object, 151,000 pairs forward in time from 0.2 to 400 days; half of the objects are fitted, half held out. A sigma
-//! is the half width that holds 68.27 % of the residuals, so heavy tails are included. The pairs: 72 Starlinks daily
+//! is the half width that contains 68.27 % of the residuals, so heavy tails are included. The pairs: 72 Starlinks daily
 //! over 84 days of 2026, all Starlinks of two days 84 days apart, the histories of six Starlinks of 2019 (with raising
 //! and decay), of Sentinel-6A and of a geostationary satellite, Starlinks of winter 2020/21, and catalogues of 2022 and
-//! 2023 that lie 75 days and more apart. Few pairs: ordinary low satellites and debris between 1 and 60 days
-//! (Sentinel-6A, Swift and its visitor only), medium orbits below 75 days, eccentric ones at all (thirty objects).
+//! 2023 that are 75 days or more apart. Pairs are few for ordinary low satellites and debris between 1 and 60 days
+//! (Sentinel-6A, Swift and its visitor only), for medium orbits below 75 days, and for eccentric ones (thirty objects).
 //!
 //! Held-out residuals along the track within one sigma, by age from 0.2 to 40 days: on station 66-86 %, manoeuvring
 //! 61-83 %, geosynchronous 64-81 %, low Earth orbit 82-97 % (Sentinel-6A is better than the floor and than the
-//! catalogues months apart would have it; those alone give 33-69 % beyond 70 days). Going *back* from an epoch is
-//! better, by a factor of two or three in the first days, because an element set was fitted to the days before it;
-//! sigma is even in age all the same, and so too large there (84-92 % on station). Across the track 55-92 %.
+//! catalogues months apart suggest; those alone give 33-69 % beyond 70 days). Propagation *back* from an epoch is
+//! better by a factor of two or three in the first days, because an element set is fitted to the days before it; sigma
+//! is even in age nevertheless, and therefore too large there (84-92 % on station). Across the track 55-92 %.
 //!
 //! Beyond 400 days the same growth is extrapolated up to the caps. At 0.3413 P (68.27 % of half a turn) every position
-//! along the orbit is equally likely, and only the plane is known.
+//! along the orbit is equally likely, and only the plane is determined.
 
 use std::f64::consts::TAU;
 
+use super::lateness::Lateness;
+use super::station_keeping::{DragModel, StationKeeping};
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, Origin};
 
 /// WGS72 equatorial radius, km.
 const WGS72_RADIUS_KM: f64 = 6_378.135;
-/// Error along the track at epoch, km. Not fitted: sets that share their observations do not show it.
+/// Error along the track at epoch, km. Not fitted: element sets from common observations do not show it.
 const ALONG_FLOOR_KM: f64 = 1.0;
-/// Error across the track at epoch, km. Streaks of known Starlinks on the Plaskett frames of Boley et al. (2021) stand
+/// Error across the track at epoch, km. Streaks of known Starlinks on the Plaskett frames of Boley et al. (2021) are
 /// off by 50 arcsec in the median: a sigma of 74 arcsec, 0.3 km at 800 km.
 const CROSS_FLOOR_KM: f64 = 0.3;
 /// 68.27 % of half a turn, in turns.
 const CAP_TURNS: f64 = 0.3413;
 /// Cap across the track, km.
 const CROSS_CAP_KM: f64 = 1_000.0;
-/// A satellite of a constellation whose published ṅ/2 is larger than this is taken to be manoeuvring, rev/day².
-/// It stands for 190 m a day at 550 km.
+/// Published ṅ/2 above which a satellite of a constellation counts as manoeuvring, rev/day²; 190 m a day at 550 km.
 const MANOEUVRING_REV_DAY2: f64 = 3e-4;
 
 /// One-sigma error of a predicted position.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct OrbitUncertainty {
-    /// Early or late along the track, seconds.
+    /// Error along the track (early or late), seconds: the half width that holds 68.27 % of `lateness`.
     pub along_track_s: f64,
-    /// Off the track in one direction at right angles to it, km: one number for the direction out of the orbit's
-    /// plane and for the radius.
+    /// Error across the track, km, in each of two directions: out of the orbit's plane and along the radius.
     pub cross_track_km: f64,
+    /// Distribution of the delay along the track.
+    pub lateness: Lateness,
 }
 
-/// What moves a satellite, by one element set.
+/// Kind of orbit, which determines the growth of the error.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum OrbitKind {
-    /// Member of a constellation that holds its orbits by thrusters, and holding its orbit.
+    /// Member of a constellation with thrusters, at its operational orbit.
     OnStation,
-    /// Member of such a constellation, and being raised, lowered, or decaying.
+    /// Member of such a constellation, being raised, lowered, or decaying.
     Manoeuvring,
     /// Any other orbit with a period below 128 min (2,000 km).
     LowEarth,
-    /// Between low and geosynchronous: navigation satellites.
+    /// Period between low and geosynchronous orbits: navigation satellites.
     MediumEarth,
     /// Period above 1,200 min.
     Geosynchronous,
     /// Eccentricity above 0.1, any period.
     Eccentric,
-    /// Simulated satellite of a shell. It has the errors of an epoch at any age.
+    /// Simulated satellite of a shell. Its errors are those at epoch at any age.
     Synthetic,
+    /// Starlink that holds its orbit and is propagated without drag.
+    StationKeeping(StationKeeping),
 }
 
-/// A class of orbit together with the drag that one element set publishes.
+/// Kind of orbit together with the drag published in one element set.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct OrbitClass {
-    /// What moves it.
+    /// Kind of orbit.
     pub kind: OrbitKind,
     /// Orbital period P, seconds.
     pub period_s: f64,
@@ -92,7 +96,7 @@ pub struct OrbitClass {
 }
 
 impl OrbitClass {
-    /// A class from its kind and two numbers of the element set.
+    /// Creates a class from its kind and two numbers of the element set.
     ///
     /// `mean_motion_rev_day` must be positive; `mean_motion_dot_rev_day2` is half the derivative, as published.
     pub fn new(kind: OrbitKind, mean_motion_rev_day: f64, mean_motion_dot_rev_day2: f64) -> Self {
@@ -100,29 +104,49 @@ impl OrbitClass {
         Self { kind, period_s, drag_s_day2: mean_motion_dot_rev_day2.abs() * period_s }
     }
 
-    /// The class of an element set.
+    /// Returns the class of an element set.
     ///
     /// One set alone does not show every manoeuvre. Of 5,370 daily sets of 72 Starlinks, judged by the rule of three
     /// sets (|da/dt| < 100 m a day), 83 % are classified correctly: 96 % of those on station, 58 % of the manoeuvring
-    /// ones; the ones missed move by 190 m a day in the median, and their own ṅ widens their sigma. Without a name,
-    /// orbits like a constellation's (inclination, altitude, nearly circular) count as the constellation's.
-    pub fn of(elements: &ElementSet) -> Self {
-        let kind = match elements.origin {
-            Origin::Synthetic => OrbitKind::Synthetic,
-            Origin::Published => published_kind(elements),
+    /// ones; the missed ones move by 190 m a day in the median, and their own ṅ widens their sigma. Satellites without
+    /// a name in an orbit like a constellation's (inclination, altitude, nearly circular) count as its members.
+    pub fn of(elements: &ElementSet, drag: DragModel) -> Self {
+        let kind = match (elements.origin, drag.class_of(elements)) {
+            (Origin::Synthetic, _) => OrbitKind::Synthetic,
+            (Origin::Published, Some(class)) => OrbitKind::StationKeeping(class),
+            (Origin::Published, None) => published_kind(elements),
         };
         Self::new(kind, elements.mean_motion_rev_day, elements.mean_motion_dot_rev_day2)
     }
 
-    /// Semi-major axis, km.
+    /// Distribution of the delay along the track at an age in days.
+    pub fn lateness(&self, age_days: f64) -> Lateness {
+        let age = age_days.abs();
+        match self.kind {
+            OrbitKind::StationKeeping(keeping) => keeping.lateness(age, self.drag_s_day2, CAP_TURNS * self.period_s),
+            kind => Lateness::gaussian(Growth::of(kind).along_track_s(self, age)),
+        }
+    }
+
+    /// One-sigma error across the track at an age in days, km.
+    pub fn cross_track_km(&self, age_days: f64) -> f64 {
+        let age = age_days.abs();
+        let growth_km = match self.kind {
+            OrbitKind::StationKeeping(keeping) => keeping.cross_track_km(age),
+            kind => Growth::of(kind).cross_track_km(self, age),
+        };
+        growth_km.hypot(CROSS_FLOOR_KM).min(CROSS_CAP_KM)
+    }
+
+    /// Returns the semi-major axis, km.
     fn semi_major_axis_km(&self) -> f64 {
         // a³ = μ (P / 2π)²
         (WGS72_MU_KM3_S2 * (self.period_s / TAU).powi(2)).cbrt()
     }
 }
 
-/// One-sigma errors of an element set of this class at this age (days, of either sign): finite, even in age, never
-/// smaller at a larger age.
+/// Returns one-sigma errors of an element set of this class at this age (days, of either sign): finite, even in age,
+/// and never decreasing with age.
 ///
 /// ```
 /// use streakcast::orbit::{OrbitClass, OrbitKind, uncertainty};
@@ -132,26 +156,8 @@ impl OrbitClass {
 /// assert!(uncertainty(starlink, 14.0).along_track_s > 20.0);
 /// ```
 pub fn uncertainty(class: OrbitClass, age_days: f64) -> OrbitUncertainty {
-    let growth = Growth::of(class.kind);
-    let age = age_days.abs();
-    let axis_km = class.semi_major_axis_km();
-    // floor in seconds: 1 km at v = 2π a / P
-    let floor_s = ALONG_FLOOR_KM * class.period_s / (TAU * axis_km);
-    let along_s = [
-        floor_s,
-        growth.k1 * age,
-        growth.k2 * age.powi(2),
-        growth.c * class.drag_s_day2 * age.powi(2),
-        growth.f * class.drag_s_day2.powf(growth.q) * age.powf(growth.p),
-    ];
-    // S = 4/3 a |ṅ/2| / n = 4/3 a D / day
-    let shift_km_day = 4.0 / 3.0 * axis_km * class.drag_s_day2 / DAY_S;
-    let cross_km = [CROSS_FLOOR_KM, growth.kx * age.powf(growth.px), growth.cx * shift_km_day * age];
-    OrbitUncertainty {
-        // `min` also returns the cap for NaN of an extreme age or drag.
-        along_track_s: root_sum_square(&along_s).min(CAP_TURNS * class.period_s),
-        cross_track_km: root_sum_square(&cross_km).min(CROSS_CAP_KM),
-    }
+    let lateness = class.lateness(age_days);
+    OrbitUncertainty { along_track_s: lateness.one_sigma_s(), cross_track_km: class.cross_track_km(age_days), lateness }
 }
 
 fn root_sum_square(terms: &[f64]) -> f64 {
@@ -173,11 +179,33 @@ struct Growth {
     /// km/day^px.
     kx: f64,
     px: f64,
-    /// Relative error of the fall.
+    /// Relative error of the decrease of the semi-major axis.
     cx: f64,
 }
 
 impl Growth {
+    /// Sigma along the track at an age in days, seconds.
+    fn along_track_s(&self, class: &OrbitClass, age: f64) -> f64 {
+        // floor in seconds: 1 km at v = 2π a / P
+        let floor_s = ALONG_FLOOR_KM * class.period_s / (TAU * class.semi_major_axis_km());
+        let terms_s = [
+            floor_s,
+            self.k1 * age,
+            self.k2 * age.powi(2),
+            self.c * class.drag_s_day2 * age.powi(2),
+            self.f * class.drag_s_day2.powf(self.q) * age.powf(self.p),
+        ];
+        // `min` also returns the cap for NaN of an extreme age or drag.
+        root_sum_square(&terms_s).min(CAP_TURNS * class.period_s)
+    }
+
+    /// Growth across the track at an age in days, km.
+    fn cross_track_km(&self, class: &OrbitClass, age: f64) -> f64 {
+        // S = 4/3 a |ṅ/2| / n = 4/3 a D / day
+        let shift_km_day = 4.0 / 3.0 * class.semi_major_axis_km() * class.drag_s_day2 / DAY_S;
+        root_sum_square(&[self.kx * age.powf(self.px), self.cx * shift_km_day * age])
+    }
+
     /// The fits of `tests/reference/calibrate_orbit_uncertainty.py`, rounded to two or three digits.
     #[rustfmt::skip]
     const fn of(kind: OrbitKind) -> Self {
@@ -188,7 +216,8 @@ impl Growth {
             OrbitKind::MediumEarth    => Self { k1: 0.135, k2: 0.001,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.35,  px: 0.54, cx: 0.0 },
             OrbitKind::Geosynchronous => Self { k1: 1.6,   k2: 0.149,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 2.1,   px: 0.60, cx: 0.0 },
             OrbitKind::Eccentric      => Self { k1: 21.5,  k2: 0.49,   c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.18,  px: 1.45, cx: 0.0 },
-            OrbitKind::Synthetic      => Self { k1: 0.0,   k2: 0.0,    c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.0,   px: 1.0,  cx: 0.0 },
+            // Station keeping has a distribution of its own.
+            OrbitKind::Synthetic | OrbitKind::StationKeeping(_) => Self { k1: 0.0,   k2: 0.0,    c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.0,   px: 1.0,  cx: 0.0 },
         }
     }
 }
@@ -210,11 +239,10 @@ fn published_kind(elements: &ElementSet) -> OrbitKind {
     }
 }
 
-/// Catalogue names of the constellations that hold their orbits by thrusters.
+/// Catalogue names of the constellations that maintain their orbits by thrusters.
 const CONSTELLATION_NAMES: [&str; 5] = ["STARLINK", "ONEWEB", "KUIPER", "QIANFAN", "HULIANWANG"];
 
-/// Inclinations (deg) and mean altitudes (km) in which those constellations were found on 2026-04-25, in the same
-/// order.
+/// Inclinations (deg) and mean altitudes (km) of those constellations on 2026-04-25, in the same order.
 const CONSTELLATION_ORBITS: [(&[f64], f64, f64); 5] = [
     (&[43.0, 53.05, 53.16, 70.0, 97.3, 97.65], 200.0, 620.0),
     (&[87.9], 450.0, 1_250.0),
@@ -248,7 +276,11 @@ mod tests {
     use crate::elements::NoradId;
     use hifitime::Epoch;
 
-    const KINDS: [OrbitKind; 7] = [
+    const KINDS: [OrbitKind; 11] = [
+        OrbitKind::StationKeeping(StationKeeping::StarlinkV15),
+        OrbitKind::StationKeeping(StationKeeping::Starlink),
+        OrbitKind::StationKeeping(StationKeeping::StarlinkStrongDrag),
+        OrbitKind::StationKeeping(StationKeeping::DirectToCell),
         OrbitKind::OnStation,
         OrbitKind::Manoeuvring,
         OrbitKind::LowEarth,
@@ -297,7 +329,9 @@ mod tests {
                 if age > 0.1 {
                     // Growth is below t^2.3, so 0.02 d never multiplies it by more than (1 + 0.02/t)^2.3.
                     let most = (1.0 + 0.02 / (age - 0.02)).powf(2.3) + 1e-12;
-                    assert!(next.along_track_s <= last.along_track_s * most, "{class:?} at {age} d");
+                    // With more satellites that manoeuvred, the half width passes from the core to the wings.
+                    let is_mixture = matches!(class.kind, OrbitKind::StationKeeping(_));
+                    assert!(is_mixture || next.along_track_s <= last.along_track_s * most, "{class:?} at {age} d");
                     assert!(next.cross_track_km <= last.cross_track_km * most, "{class:?} at {age} d");
                 }
                 last = next;
@@ -327,7 +361,7 @@ mod tests {
 
     #[test]
     fn a_synthetic_shell_never_ages() {
-        let class = OrbitClass::of(&elements("", 15.06, 0.0, 53.0, 0.0, Origin::Synthetic));
+        let class = OrbitClass::of(&elements("", 15.06, 0.0, 53.0, 0.0, Origin::Synthetic), DragModel::default());
         assert_eq!(class.kind, OrbitKind::Synthetic);
         assert_eq!(uncertainty(class, 0.0), uncertainty(class, 500.0));
     }
@@ -349,7 +383,7 @@ mod tests {
         ];
         for (name, n, e, inclination, dot, kind) in cases {
             let set = elements(name, n, e, inclination, dot, Origin::Published);
-            assert_eq!(OrbitClass::of(&set).kind, kind, "{name} {n} {dot}");
+            assert_eq!(OrbitClass::of(&set, DragModel::Published).kind, kind, "{name} {n} {dot}");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Files written completely or not at all: a temporary file in the folder of the target, renamed when it is complete.
+//! Files written completely or not at all: a temporary file in the folder of the target, renamed at the end.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -14,8 +14,8 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Creates the temporary file, in the folder of `target`. Symbolic links at `target` stay: the file that they lead to,
-    /// existing or not, is replaced.
+    /// Creates the temporary file, in the folder of `target`. Symbolic links at `target` are kept: the file at their
+    /// end, existing or not, is replaced.
     ///
     /// # Errors
     /// The folder is missing or not writable; the target is a directory, a pipe or a device; its links form a circle.
@@ -25,14 +25,13 @@ impl AtomicFile {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory"));
         }
         if is_special(&target) {
-            let reason =
-                "is a pipe, a terminal or a device, which no file can take the place of; allowed: a file's name";
+            let reason = "is a pipe, a terminal or a device, which cannot be replaced; allowed: the name of a file";
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = Builder::new();
         builder.prefix(".streakcast-").suffix(".part");
-        // The permissions of any new file, less the umask; temporary files are readable by their owner only.
+        // Permissions of a new file, less the umask; temporary files are readable by their owner only.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let temporary = builder.tempfile_in(folder).map_err(|error| folder_error(folder, &error))?;
@@ -42,7 +41,7 @@ impl AtomicFile {
     /// Checks, before long work, that a file can be created at `target`. Leaves nothing behind.
     ///
     /// # Errors
-    /// As [`new`](AtomicFile::new).
+    /// Same as [`new`](AtomicFile::new).
     pub fn check(target: &Path) -> io::Result<()> {
         Self::new(target).map(drop)
     }
@@ -57,7 +56,7 @@ impl AtomicFile {
         self.temporary.path()
     }
 
-    /// Takes a file of the same folder in place of what was written so far.
+    /// Replaces the content written so far by a file of the same folder.
     ///
     /// # Errors
     /// The file cannot be renamed or opened.
@@ -67,12 +66,12 @@ impl AtomicFile {
         Ok(())
     }
 
-    /// Returns true if another file stands at the target.
+    /// Returns true if a file exists at the target.
     pub fn is_replacing(&self) -> bool {
         self.target.symlink_metadata().is_ok()
     }
 
-    /// Renames the file to its target, replacing any other file there, after all of it has reached the disk.
+    /// Renames the file to its target, replacing any file there, after all of it has been written to disk.
     ///
     /// # Errors
     /// Any error of the system; an old file at the target is then unchanged.
@@ -81,11 +80,11 @@ impl AtomicFile {
         self.rename()
     }
 
-    /// As [`finish`](AtomicFile::finish), but waits for the disk only if another file is replaced. For large files that can
-    /// be made again: after a power cut, a file that replaced nothing may be incomplete, as after any copy.
+    /// Same as [`finish`](AtomicFile::finish), but syncs to disk only if another file is replaced. For large files that
+    /// can be regenerated: after a power failure a new file may be incomplete, as after any copy.
     ///
     /// # Errors
-    /// As [`finish`](AtomicFile::finish).
+    /// Same as [`finish`](AtomicFile::finish).
     pub fn finish_lazily(self) -> io::Result<()> {
         if self.is_replacing() { self.finish() } else { self.rename() }
     }
@@ -108,13 +107,13 @@ impl ScratchFolder {
         Builder::new().prefix("streakcast-").tempdir_in(parent).map(Self).map_err(|error| folder_error(parent, &error))
     }
 
-    /// Returns its path.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         self.0.path()
     }
 }
 
-/// The error with the folder's name in the place of the temporary file's, which a user does not recognize.
+/// Returns the error with the name of the folder instead of that of the temporary file, which is unknown to the user.
 fn folder_error(folder: &Path, error: &io::Error) -> io::Error {
     let text = error.to_string();
     let cause = text.split_once(" at path ").map_or(text.as_str(), |(cause, _)| cause);
@@ -129,24 +128,24 @@ pub fn check_target(target: &Path) -> io::Result<()> {
     if is_special(target) { Ok(()) } else { AtomicFile::check(target) }
 }
 
-/// Most symbolic links on the way to a file, as on Linux (`man 7 path_resolution`).
+/// Largest number of symbolic links on the way to a file, as on Linux (`man 7 path_resolution`).
 const MOST_LINKS: usize = 40;
 
-/// Resolves the symbolic links at `target`, whether or not a file stands at their end.
+/// Resolves the symbolic links at `target`, whether or not a file exists at their end.
 fn behind_links(target: &Path) -> io::Result<PathBuf> {
     let mut target = target.to_owned();
     for _ in 0..=MOST_LINKS {
         if !target.is_symlink() {
             return Ok(target);
         }
-        // A relative link starts from its own folder; `join` takes an absolute one as it is.
+        // A relative link starts in its own folder; `join` keeps an absolute one.
         let link = std::fs::read_link(&target)?;
         target = target.parent().unwrap_or(Path::new("")).join(link);
     }
-    Err(io::Error::other(format!("is a symbolic link that leads to no file within {MOST_LINKS} steps")))
+    Err(io::Error::other(format!("is a symbolic link without a target within {MOST_LINKS} steps")))
 }
 
-/// True for a pipe, a terminal or another device, which a rename would replace.
+/// Returns true for a pipe, a terminal or another device, which a rename would replace.
 fn is_special(target: &Path) -> bool {
     target.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
@@ -154,7 +153,7 @@ fn is_special(target: &Path) -> bool {
 /// Writes a file completely or not at all. Pipes, terminals and other devices are written to directly.
 ///
 /// # Errors
-/// Any error of the writer or the system; no incomplete file stays behind.
+/// Any error of the writer or the system; no incomplete file remains.
 pub fn write_atomically(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     if is_special(target) {
         let mut out = BufWriter::new(File::options().write(true).open(target)?);
@@ -188,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_does_not_wait_for_the_disk_stands_as_well() {
+    fn a_file_without_a_disk_sync_is_complete_as_well() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.fits");
         for (text, is_replacing) in [("one", false), ("two", true)] {
@@ -227,7 +226,7 @@ mod tests {
             assert_eq!(std::fs::read(below.join(file)).unwrap(), b"written");
         }
         assert!(!below.join("new.csv").is_symlink() && below.join("link").is_symlink());
-        assert!(check_target(&round).unwrap_err().to_string().contains("leads to no file"));
+        assert!(check_target(&round).unwrap_err().to_string().contains("without a target"));
         assert_eq!(std::fs::read_dir(&below).unwrap().count(), 3);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
     }

@@ -7,7 +7,8 @@ use super::table::{Column, Kind, Table, Value};
 
 /// Writes the table as CSV (RFC 4180 quoting, `\n` line ends).
 ///
-/// Each entry of the provenance is a line `# name: value`, the value as JSON on one line. A missing value is an empty cell.
+/// Each entry of the provenance is a line `# name: value`, the value as JSON on one line. A missing value is an empty
+/// cell.
 ///
 /// # Errors
 /// Any error of the writer.
@@ -46,7 +47,7 @@ pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Val
     let datatype = match column.kind {
         Kind::Integer => "int64",
         Kind::Real { .. } => "float64",
-        // A column with gaps would make astropy's bool parser stop.
+        // Gaps in a boolean column are an error in astropy's parser.
         Kind::Boolean if values.all(|value| matches!(value, Value::Boolean(_))) => "bool",
         Kind::Boolean | Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "string",
     };
@@ -78,7 +79,7 @@ fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
     writer.flush()
 }
 
-/// Returns the error of the system with its kind, by which callers recognize a closed pipe.
+/// Returns the error of the system with its kind, from which callers recognise a closed pipe.
 fn io_error(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,

@@ -7,13 +7,14 @@ use super::table::{Table, json_members, quoted};
 
 /// One array of a JSON document.
 pub struct Section<'a> {
-    /// Its key.
+    /// Key of the array.
     pub name: &'a str,
-    /// Its rows, one object each.
+    /// Rows, one object each.
     pub table: &'a Table,
 }
 
-/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line, with the attachments of the provenance at the end.
+/// Writes `{"provenance": {...}, "name": [...], ...}`, one row per line, with the attachments of the provenance at the
+/// end.
 ///
 /// Numbers have the digits of CSV; a missing value is `null`.
 ///
@@ -42,7 +43,7 @@ pub fn write_json(out: &mut dyn Write, sections: &[Section], provenance: &Proven
     writeln!(out, "}}")
 }
 
-/// Writes a first line `{"provenance": {...}}`, with the attachments beside it, then one object a line.
+/// Writes a first line `{"provenance": {...}}`, together with the attachments, then one object per line.
 ///
 /// # Errors
 /// Any error of the writer.

@@ -1,7 +1,7 @@
 //! Output files: tables in every text format, files written completely or not at all, and provenance.
 //!
-//! A table is a list of [`Column`]s with unit and description, and rows of [`Value`]s. The same rows are written to CSV,
-//! ECSV, JSON, JSON lines, VOTable and (feature `parquet`) Parquet with the same digits.
+//! A table is a list of [`Column`]s with unit and description, and rows of [`Value`]s. The same rows are written to
+//! CSV, ECSV, JSON, JSON lines, VOTable and (feature `parquet`) Parquet with the same digits.
 
 mod atomic;
 mod delimited;

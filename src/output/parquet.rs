@@ -15,8 +15,8 @@ use parquet::file::properties::WriterProperties;
 use super::provenance::Provenance;
 use super::table::{Column, Kind, Table, Value};
 
-/// Writes a table: integers, real numbers and booleans with types, all else as text; numbers with the digits of the other
-/// formats; the provenance as JSON under the key `provenance` of the file's metadata.
+/// Writes a table: integers, real numbers and booleans with types, all others as text; numbers with the digits of the
+/// other formats; the provenance as JSON under the key `provenance` of the file's metadata.
 ///
 /// # Errors
 /// Any error of `out`.

@@ -20,7 +20,7 @@ impl Provenance {
         provenance
     }
 
-    /// Adds a statement, or replaces the one of the same name in its place.
+    /// Adds a statement, or replaces the value of an existing one.
     pub fn state(&mut self, name: &str, value: impl Into<Value>) {
         let value = value.into();
         match self.entries.iter_mut().find(|(known, _)| known == name) {
@@ -29,13 +29,13 @@ impl Provenance {
         }
     }
 
-    /// Adds several statements, as [`Provenance::state`].
+    /// Adds several statements, see [`Provenance::state`].
     pub fn state_all(&mut self, statements: impl IntoIterator<Item = (&'static str, Value)>) {
         statements.into_iter().for_each(|(name, value)| self.state(name, value));
     }
 
-    /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain it beside the provenance,
-    /// other formats do not.
+    /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain it next to the
+    /// provenance; other formats omit it.
     pub fn attach(&mut self, name: &str, value: impl Into<Value>) {
         self.attached.push((name.to_owned(), value.into()));
     }

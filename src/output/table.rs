@@ -239,8 +239,8 @@ impl Table {
     }
 
     /// Returns the table without the columns of these names.
-    pub fn without(&self, unwanted: &[&str]) -> Self {
-        let keep: Vec<usize> = (0..self.columns.len()).filter(|&i| !unwanted.contains(&self.columns[i].name)).collect();
+    pub fn without(&self, names: &[&str]) -> Self {
+        let keep: Vec<usize> = (0..self.columns.len()).filter(|&i| !names.contains(&self.columns[i].name)).collect();
         Self {
             columns: keep.iter().map(|&i| self.columns[i]).collect(),
             rows: self.rows.iter().map(|row| keep.iter().filter_map(|&i| row.get(i).cloned()).collect()).collect(),

@@ -4,7 +4,7 @@ use hifitime::{Duration, Epoch, TimeScale};
 
 const NANOSECONDS_PER_SECOND: i128 = 1_000_000_000;
 const SECONDS_PER_DAY: i128 = 86_400;
-/// Days from 1900-01-01 (where hifitime's TAI and UTC begin) to 1970-01-01.
+/// Days from 1900-01-01 (the zero of hifitime's TAI and UTC) to 1970-01-01.
 const DAYS_1900_TO_1970: i128 = 25_567;
 
 /// Formats a time as UTC, `2024-08-14T00:30:00.000Z`, rounded to `decimals` digits of the second (at most 9).
@@ -25,10 +25,11 @@ pub fn format_utc(epoch: Epoch, decimals: usize) -> String {
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{fraction}Z")
 }
 
-/// Nanoseconds of UTC since 1900 at nanoseconds of TAI; with true in a leap second (then those of the second before).
+/// Returns nanoseconds of UTC since 1900 for nanoseconds of TAI, and true in a leap second (with those of the second
+/// before).
 ///
-/// hifitime steps TAI-UTC 36 s early in this direction (it compares TAI with its table in UTC), but not in the
-/// other; the other direction therefore confirms or corrects its result.
+/// In this direction hifitime steps TAI-UTC 36 s early (it compares TAI with its table in UTC), but not in the other;
+/// the other direction therefore confirms or corrects the result.
 fn utc_from_tai(tai_ns: i128) -> (i128, bool) {
     let tai = Epoch::from_duration(Duration::from_total_nanoseconds(tai_ns), TimeScale::TAI);
     let guess_ns = tai.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds();
@@ -45,7 +46,8 @@ fn tai_from_utc(utc_ns: i128) -> i128 {
     utc.to_duration_in_time_scale(TimeScale::TAI).total_nanoseconds()
 }
 
-/// Gregorian date of a day counted from 1970-01-01 (Hinnant, "chrono-compatible low-level date algorithms").
+/// Returns the Gregorian date of a day counted from 1970-01-01 (Hinnant, "chrono-compatible low-level date
+/// algorithms").
 fn civil_from_days(days: i128) -> (i128, i128, i128) {
     let z = days + 719_468;
     let era = z.div_euclid(146_097);

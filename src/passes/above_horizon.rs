@@ -1,9 +1,9 @@
-//! Rise, culmination and set: the intervals of one satellite above a site's horizon.
+//! Rise, culmination and set: intervals of one satellite above a site's horizon.
 //!
-//! Altitudes are geometric (no refraction) against the WGS84 horizon of the site. The satellite is followed in steps
-//! short enough that its altitude has one extreme in three of them; every maximum that could reach the lowest altitude
-//! is closed in on, and rise and set are rooted on both sides of it. Steps in which a satellite cannot come near are
-//! skipped: its angle to the site changes no faster than at its perigee.
+//! Altitudes are geometric (no refraction) relative to the WGS84 horizon of the site. The satellite is computed in
+//! steps short enough that its altitude has at most one extremum in three of them. Every maximum that could reach the
+//! lowest altitude is refined, and rise and set are found as roots on both sides of it. Steps in which a satellite
+//! cannot come near are skipped: its angle to the site changes no faster than at its perigee.
 
 use super::crossing::root;
 use super::scene::Scene;
@@ -13,26 +13,26 @@ use crate::geometry::Observer;
 use crate::math::minimum::minimum;
 use crate::orbit::{OrbitError, Propagator, State};
 
-/// Steps of the search are this share of the orbital period, at most [`LONGEST_STEP_S`].
+/// Number of search steps per orbital period; steps are at most [`LONGEST_STEP_S`].
 const STEPS_PER_REVOLUTION: f64 = 72.0;
 /// Longest step of the search, seconds.
 const LONGEST_STEP_S: f64 = 300.0;
 /// Tolerance of a culmination's time, seconds.
 const TOP_S: f64 = 2.5e-4;
-/// Largest rate at which the Earth turns a site, rad/s, with what its precession adds.
+/// Largest angular speed of a site by the Earth's rotation and precession, rad/s.
 const SITE_TURNING_RAD_S: f64 = 7.3e-5;
-/// A geodetic vertical leans from the geocentric one by 0.193° at most; with what short-period terms move a satellite,
-/// radians.
+/// Largest angle between geodetic and geocentric vertical (0.193°), plus the effect of short-period terms on a
+/// satellite, radians.
 const VERTICAL_SLOP_RAD: f64 = 0.0125;
-/// Room for the short-period terms in radius, km, and in angular speed.
+/// Margins for the short-period terms in radius, km, and in angular speed, a factor.
 const RADIUS_SLOP_KM: f64 = 35.0;
 const SPEED_SLOP: f64 = 1.1;
 
-/// Search over the altitude of one satellite, from SGP4 itself.
+/// Search for intervals above an altitude for one satellite, with SGP4 at every step.
 pub(super) struct HorizonSearch<'a> {
     pub scene: &'a Scene,
     pub propagator: &'a Propagator,
-    /// From the element epoch to the scene's start.
+    /// Time from the element epoch to the scene's start, minutes.
     pub minutes: f64,
     pub observer: &'a Observer,
 }
@@ -46,33 +46,33 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Largest rate at which it turns about the Earth's centre, rad/s.
+    /// Angular speed about the Earth's centre, at most, rad/s.
     fn turning_rad_s(&self) -> f64 {
         self.state.velocity.norm_km_s() / self.state.position.norm_km()
     }
 }
 
-/// An interval above the lowest altitude, seconds of the scene.
+/// Interval above the lowest altitude, seconds of the scene.
 pub(super) struct AboveHorizon {
     pub rise_s: Option<f64>,
     pub top_s: f64,
     pub set_s: Option<f64>,
-    /// Largest rate at which the satellite turns about the Earth's centre, rad/s.
+    /// Largest angular speed about the Earth's centre, rad/s.
     pub turning_rad_s: f64,
 }
 
-/// What the search does with an interval above the lowest altitude, decided by its samples.
+/// Treatment of an interval above the lowest altitude, decided from its samples.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(super) enum Treatment {
-    /// Computes it.
+    /// The interval is computed.
     Compute,
-    /// Counts it.
+    /// The interval is only counted.
     Count,
-    /// Skips it.
+    /// The interval is skipped.
     Skip,
 }
 
-/// Time for which a satellite far from a site is sure to stay too low.
+/// Bound on the time for which a satellite far from a site stays too low.
 struct Near {
     /// Geocentric angle to the site within which it may be above the limit, radians.
     reach_rad: f64,
@@ -84,8 +84,8 @@ impl Near {
     fn of(propagator: &Propagator, min_altitude_rad: f64) -> Self {
         let (perigee_km, apogee_km) = propagator.perigee_apogee_km();
         let (perigee_km, apogee_km) = (perigee_km - RADIUS_SLOP_KM, apogee_km + RADIUS_SLOP_KM);
-        // The triangle Earth's centre, site, satellite: ψ = acos(R cos h / r) - h, largest at the apogee; the lowest
-        // site reaches farthest.
+        // In the triangle Earth's centre, site, satellite: ψ = acos(R cos h / r) - h, largest at the apogee and for the
+        // lowest site.
         let lowest_km = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING) - 11.0;
         let share = (lowest_km * min_altitude_rad.cos() / apogee_km).min(1.0);
         let reach_rad = share.acos() - min_altitude_rad + VERTICAL_SLOP_RAD;
@@ -95,16 +95,16 @@ impl Near {
         Self { reach_rad, fastest_rad_s: at_perigee_rad_s * SPEED_SLOP + SITE_TURNING_RAD_S }
     }
 
-    /// Seconds from a sample on in which the altitude stays below the limit, 0 where it may be above it.
+    /// Returns the seconds after a sample for which the altitude stays below the limit, 0 if it may be above it.
     fn free_s(&self, sample: &Sample) -> f64 {
-        let (place, here) = (sample.state.position.vector(), sample.here.vector());
-        let angle_rad = place.cross(here).norm().atan2(place.dot(here));
+        let (satellite, site) = (sample.state.position.vector(), sample.here.vector());
+        let angle_rad = satellite.cross(site).norm().atan2(satellite.dot(site));
         ((angle_rad - self.reach_rad) / self.fastest_rad_s).max(0.0)
     }
 }
 
 impl HorizonSearch<'_> {
-    /// The satellite at a time, seconds of the scene: its position and its altitude.
+    /// Returns the satellite at a time, seconds of the scene: its position and altitude.
     fn sample(&self, time_s: f64) -> Result<Sample, OrbitError> {
         let orientation = self.scene.orientation.at_s(time_s);
         let state = self.propagator.state_at_minutes(self.minutes + time_s / 60.0, &orientation.teme_to_gcrs)?;
@@ -118,8 +118,8 @@ impl HorizonSearch<'_> {
         Ok(self.sample(time_s)?.sine)
     }
 
-    /// The satellite from step to step wherever it may be above the limit, and seldom elsewhere: far from the site, no
-    /// more steps are skipped than it needs to come near.
+    /// Returns samples at every step at which the satellite may be above the limit, and few elsewhere: far from the
+    /// site, as many steps are skipped as the satellite needs at least to come near.
     fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), OrbitError> {
         let span_s = until_s - from_s;
         let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
@@ -137,9 +137,9 @@ impl HorizonSearch<'_> {
         Ok((samples, step_s))
     }
 
-    /// Every interval above an altitude between two times, in order of time, and the number of those that are only
-    /// counted. `treatment` decides by the samples from the last one below the limit to the first one below it again;
-    /// an interval with no sample above the limit is always computed.
+    /// Returns the intervals above an altitude between two times, in order of time, and the number of those only
+    /// counted. `treatment` decides from the samples between the last one below the limit and the next one below it; an
+    /// interval without a sample above the limit is always computed.
     pub fn intervals(
         &self,
         (from_s, until_s): (f64, f64),
@@ -150,13 +150,12 @@ impl HorizonSearch<'_> {
         let (samples, step_s) = self.samples(from_s, until_s, min_altitude_rad)?;
         let last = samples.len() - 1;
         let (mut found, mut counted) = (Vec::new(), 0);
-        // Where the last stretch above the limit was seen to end.
+        // End of the previous interval above the limit.
         let mut done_s = f64::NEG_INFINITY;
         for step in 0..=last {
             let Sample { time_s, sine, .. } = samples[step];
             let is_beside = |other: usize| (samples[other].time_s - time_s).abs() < 1.5 * step_s;
-            // Where steps were left out the satellite was too low: before a gap already at its sample, after it no
-            // longer.
+            // The satellite is too low during skipped steps, and at the sample before them.
             if step < last && !is_beside(step + 1) {
                 continue;
             }
@@ -165,7 +164,7 @@ impl HorizonSearch<'_> {
             if time_s < done_s || sine < before || sine < after || sine + reach(before, sine, after) < limit {
                 continue;
             }
-            // Outwards from the top, step by step, to the first time below the limit.
+            // From the maximum outwards to the first sample below the limit.
             let below = |sample: &Sample| sample.sine < limit;
             let rise_step = (0..step).rev().find(|&at| below(&samples[at]));
             let set_step = (step + 1..=last).find(|&at| below(&samples[at]));
@@ -174,7 +173,7 @@ impl HorizonSearch<'_> {
             if treatment == Treatment::Skip {
                 continue;
             }
-            // What only comes near the limit between two steps has to be followed to be counted.
+            // A maximum between two steps near the limit must be computed to be counted.
             if treatment == Treatment::Count && sine >= limit {
                 counted += 1;
                 done_s = set_step.map_or(f64::INFINITY, |at| samples[at].time_s);
@@ -188,7 +187,7 @@ impl HorizonSearch<'_> {
                 continue;
             }
             let first_top_s = top_s;
-            // The top itself may lie on the other side of a sample that is below the limit.
+            // The maximum may lie on the other side of a sample below the limit.
             let rise_from = (0..=step).rev().find(|&at| samples[at].time_s < first_top_s && below(&samples[at]));
             let set_until = (step..=last).find(|&at| samples[at].time_s > first_top_s && below(&samples[at]));
             let rise_s = rise_from.map(|at| self.border(samples[at].time_s, first_top_s, limit)).transpose()?;
@@ -207,7 +206,7 @@ impl HorizonSearch<'_> {
         Ok((found, counted))
     }
 
-    /// The highest point between two times, from a sample between them: its time and sine of altitude.
+    /// Returns the time of the highest point between two times and its sine of altitude, from a sample between them.
     fn highest(&self, ends_s: [f64; 2], start: &Sample) -> Result<(f64, f64), OrbitError> {
         let mut failed = None;
         let depth = |time_s: f64| match self.sine_of_altitude(time_s) {
@@ -217,14 +216,14 @@ impl HorizonSearch<'_> {
                 f64::INFINITY
             }
         };
-        // The top is flat: its time is no better than the root of the rounding, its height is exact.
+        // At a maximum the time is only accurate to the square root of the rounding error, but the height is exact.
         let (top_s, depth) = minimum(depth, ends_s, (start.time_s, -start.sine), TOP_S);
         failed.map_or(Ok((top_s, -depth)), Err)
     }
 
-    /// The time at which the limit is passed between a time below it and one above it.
+    /// Returns the time at which the limit is passed between a time below it and one above it.
     fn border(&self, below_s: f64, above_s: f64, limit: f64) -> Result<f64, OrbitError> {
-        // Where SGP4 fails between two times at which it did not, the sample at the root reports it.
+        // If SGP4 fails between two times at which it did not, the sample at the root returns the error.
         let height = |time_s: f64| self.sine_of_altitude(time_s).map_or(f64::NAN, |sine| sine - limit);
         let ends = [below_s, above_s].map(|time_s| (time_s, height(time_s)));
         let border_s = root(height, ends[0], ends[1]);
@@ -232,10 +231,11 @@ impl HorizonSearch<'_> {
     }
 }
 
-/// Largest rise of a parabola through three samples above the middle one, with a margin for what a parabola leaves out.
+/// Returns the largest rise of a parabola through three samples above the middle one, with a margin for the deviation
+/// from a parabola.
 fn reach(before: f64, sine: f64, after: f64) -> f64 {
     if !(before.is_finite() && after.is_finite()) {
-        // At the edge of the interval: anything is possible within a step.
+        // At the edge of the interval no bound is known.
         return 2.0;
     }
     let bend = 2.0 * sine - before - after;

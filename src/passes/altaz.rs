@@ -9,14 +9,14 @@ use crate::frames::{Direction, Gcrs, seconds_after};
 /// Altitude and azimuth at a site.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AltAz {
-    /// Above the horizon, geometric, radians.
+    /// Altitude above the horizon, geometric, radians.
     pub altitude_rad: f64,
-    /// From north through east, [0, 2π), radians.
+    /// Azimuth from north through east, [0, 2π), radians.
     pub azimuth_rad: f64,
 }
 
 impl Sky {
-    /// Altitude and azimuth of the Sun's centre, without refraction and aberration (20").
+    /// Computes altitude and azimuth of the Sun's centre, without refraction and aberration (20").
     ///
     /// # Errors
     /// [`SkyError::NoHorizon`] for an observer in orbit, [`SkyError::NoEphemeris`] outside the years of the Sun's
@@ -30,14 +30,14 @@ impl Sky {
         Ok(AltAz { altitude_rad, azimuth_rad })
     }
 
-    /// The first time from `from` on, within a day, at which the Sun's centre is at an altitude; `None` where it is not
-    /// reached that day.
+    /// Returns the first time from `from` on, within a day, at which the Sun's centre is at an altitude; `None` if that
+    /// altitude is not reached.
     ///
     /// # Errors
-    /// As [`Sky::sun_altaz`].
+    /// The errors of [`Sky::sun_altaz`].
     pub fn sun_reaches(&self, altitude_rad: f64, from: Epoch) -> Result<Option<Epoch>, SkyError> {
-        /// The Sun moves by 2.5° at most in it: it crosses an altitude twice only near noon and midnight, where it
-        /// hardly moves.
+        /// Search step, in which the Sun moves by at most 2.5°: it crosses an altitude twice only near noon and
+        /// midnight, where its altitude hardly changes.
         const STEP_S: f64 = 600.0;
         /// Tolerance, a thousandth of a degree of the Sun's motion.
         const CLOSE_S: f64 = 0.1;
@@ -64,10 +64,10 @@ impl Sky {
         Ok(None)
     }
 
-    /// Altitude and azimuth of a pointing, without aberration (25" at most).
+    /// Computes altitude and azimuth of a pointing, without aberration (25" at most).
     ///
     /// # Errors
-    /// As [`Sky::sun_altaz`].
+    /// The errors of [`Sky::sun_altaz`].
     pub fn pointing_altaz(&self, pointing: &Direction<Gcrs>, epoch: Epoch) -> Result<AltAz, SkyError> {
         check_epoch(epoch)?;
         let orientation = self.orientation_over(epoch, epoch).at_s(0.0);

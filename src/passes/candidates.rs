@@ -13,39 +13,39 @@ use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::frames::{Direction, Gcrs, Orientation, Rotation, Teme, seconds_between};
 use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
 
-/// Length of a slice at most, seconds: an observer on the ground moves by 14 km to each side in it.
+/// Longest slice for an observer on the ground, seconds: it moves by 14 km to each side.
 const SLICE_S: f64 = 60.0;
-/// The same for an observer in orbit, which moves by 40 km.
+/// Longest slice for an observer in orbit, seconds: it moves by 40 km to each side.
 const FLIGHT_SLICE_S: f64 = 10.0;
-/// Slices that are first tested together: the cheapest number for the two tests.
+/// Number of slices that are first tested together: the number for which the two tests take least time.
 const GROUP: u32 = 5;
-/// A satellite that is a candidate again within this time is still on the same pass, seconds: no orbit returns so soon.
+/// Longest interruption within one pass, seconds: no orbit returns so soon.
 const SAME_PASS_S: f64 = 1200.0;
-/// The Sun's motion among the stars, rad/s: 1.02 degrees a day at most.
+/// Largest rate of the Sun relative to the stars, rad/s: 1.02 degrees a day.
 const SUN_RATE_RAD_S: f64 = 2.1e-7;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with a margin, radians.
 pub(super) const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 
-/// The slices of one exposure in which one satellite is a candidate, from the first to the last of one pass; seconds of
-/// the scene.
+/// Slices of one exposure in which one satellite is a candidate, from the first to the last of one pass; seconds of the
+/// scene.
 pub(super) struct CandidateInterval {
     pub element_index: usize,
     pub start_s: f64,
     pub end_s: f64,
-    /// Interval of its predicted position in the field. It reaches beyond the slices by the delay that is searched.
+    /// Interval of its predicted position in the field, which extends beyond the slices by the delays searched.
     pub near_s: [f64; 2],
-    /// True where it is in the Earth's shadow all the time.
+    /// True if it is in the Earth's shadow all the time.
     is_dark: bool,
 }
 
 impl CandidateInterval {
-    /// Over a time interval, without a search.
+    /// Creates the interval of a satellite that is evaluated without a search.
     pub fn over(element_index: usize, start_s: f64, end_s: f64) -> Self {
         Self { element_index, start_s, end_s, near_s: [start_s, end_s], is_dark: false }
     }
 }
 
-/// A search cone with its window and the Earth's orientation.
+/// Search cone with its window and the Earth's orientation.
 pub(super) struct PlacedCone<'a> {
     pub window: &'a Window,
     pub cone: Cone,
@@ -53,7 +53,7 @@ pub(super) struct PlacedCone<'a> {
 }
 
 impl Sky {
-    /// The search cone of a field for `half_s` before and after a time.
+    /// Returns the search cone of a field for `half_s` before and after a time.
     pub(super) fn cone<'a>(
         &self,
         scene: &'a Scene,
@@ -74,17 +74,17 @@ impl Sky {
         Some(PlacedCone { window, cone, teme_to_gcrs: orientation.teme_to_gcrs })
     }
 
-    /// The part of the Earth's shadow in which no satellite is lit at any time of an exposure.
+    /// Returns the part of the Earth's shadow in which no satellite is lit at any time of an exposure.
     pub(super) fn dark_cone(&self, scene: &Scene, exposure: &Exposure) -> ShadowCone {
         let (radius_km, narrowing) = self.shadow().dark_core();
         let sun = scene.sun.at_s(seconds_between(scene.start, exposure.start) + 0.5 * exposure.duration_s).sun;
-        // The Sun moves by this during the exposure: a share of the depth.
+        // Motion of the Sun during the exposure, as a fraction of the depth.
         let narrowing = narrowing + SUN_RATE_RAD_S * exposure.duration_s;
         ShadowCone { away_from_sun: Direction::from_vector(-sun.vector()), radius_km, narrowing }
     }
 
-    /// Satellites that may be in the field during an exposure, and when; dark ones only with `include_dark`. `seen` is
-    /// a buffer.
+    /// Returns the satellites that may be in the field during an exposure, with their intervals; dark ones only with
+    /// `include_dark`. `seen` is a buffer.
     pub(super) fn candidate_intervals(
         &self,
         scene: &Scene,
@@ -106,7 +106,7 @@ impl Sky {
         let shadow = (!include_dark).then(|| self.dark_cone(scene, exposure));
         let shadow = shadow.as_ref();
         seen.clear();
-        // A telescope in orbit moves too far for groups.
+        // A telescope in orbit moves too far for groups of slices.
         let most = if flight.is_some() { 1 } else { GROUP };
         let mut first = 0;
         while first < slices as u32 {
@@ -120,7 +120,7 @@ impl Sky {
             let parts: Vec<_> = (first..first + group)
                 .map(|part| cone(start_s + slice_s * (f64::from(part) + 0.5), 0.5 * slice_s))
                 .collect();
-            // All of them in one window.
+            // A group is tested together only if all its slices are in one window.
             let of_window = |window: &Window| -> Option<Vec<Cone>> {
                 let is_there = |part: &&PlacedCone<'_>| std::ptr::eq(part.window, window);
                 parts.iter().map(|part| part.as_ref().filter(is_there).map(|part| part.cone)).collect()
@@ -171,7 +171,7 @@ impl Sky {
         intervals
     }
 
-    /// True where a part of the field may lie below the lowest altitude during the exposure; in orbit always.
+    /// Returns true if a part of the field may lie below the lowest altitude during the exposure; always in orbit.
     pub(super) fn reaches_the_ground(
         &self,
         exposure: &Exposure,
@@ -179,19 +179,19 @@ impl Sky {
         orientation: &Orientation,
     ) -> bool {
         let Some(altitude_rad) = self.pointing_altitude_rad(exposure, orientation) else { return true };
-        // The sky turns by no more than this, whatever the exposure's length.
+        // Largest rotation of the sky, whatever the length of the exposure.
         let turn_rad = (EARTH_ROTATION_RAD_S * exposure.duration_s).min(std::f64::consts::PI);
         altitude_rad - field.bounding_radius_rad() - turn_rad < LOWEST_ALTITUDE_RAD
     }
 
-    /// True where all of the field lies below the lowest altitude for `half_s` before and after a time.
+    /// Returns true if the whole field lies below the lowest altitude for `half_s` before and after a time.
     fn is_below_ground(&self, scene: &Scene, exposure: &Exposure, field: &FieldOnSky, mid_s: f64, half_s: f64) -> bool {
         let reach_rad = field.bounding_radius_rad() + ABERRATION_MARGIN_RAD + EARTH_ROTATION_RAD_S * half_s;
         self.pointing_altitude_rad(exposure, &scene.orientation.at_s(mid_s))
             .is_some_and(|altitude_rad| altitude_rad + reach_rad < LOWEST_ALTITUDE_RAD)
     }
 
-    /// Altitude of the pointing; `None` in orbit.
+    /// Returns the altitude of the pointing; `None` in orbit.
     fn pointing_altitude_rad(&self, exposure: &Exposure, orientation: &Orientation) -> Option<f64> {
         let observer = self.viewpoint().site()?;
         Some((observer.state(orientation).horizon * exposure.pointing).latitude_rad())

@@ -1,13 +1,13 @@
-//! Entry and exit: the times at which a track crosses the borders of a field, to well under a millisecond.
+//! Entry and exit: times at which a track crosses the borders of a field, to well under a millisecond.
 //!
-//! The track is any smooth function of time. It is cut into steps over which it turns by no more than a degree or two;
-//! in each the angle to a centre has at most one extreme, found from the sign of its derivative, so that between
-//! neighbouring times every angle is monotone and every root alone. Polygons are met on the tangent plane, where the
-//! track is nearly straight.
+//! The track is any smooth function of time. It is divided into steps over which it turns by a degree or two at most.
+//! In each, the angle to a centre has at most one extremum, found from the sign of its derivative, so that between
+//! adjacent times every angle is monotonic and every root unique. Crossings of polygons are computed on the tangent
+//! plane, where the track is nearly straight.
 
 use nalgebra::Vector3;
 
-use super::field::{Border, FieldOnSky, holds, sides};
+use super::field::{Border, FieldOnSky, polygon_contains, sides};
 use super::track::{Chord, Sight};
 
 impl Sight {
@@ -16,7 +16,7 @@ impl Sight {
         axis.cross(&self.vector).norm().atan2(axis.dot(&self.vector))
     }
 
-    /// Positive while the cosine of the angle to an axis grows: the satellite comes nearer.
+    /// Derivative of the cosine of the angle to an axis: positive while the satellite approaches it.
     fn approach(&self, axis: &Vector3<f64>) -> f64 {
         let square = self.vector.norm_squared();
         (axis.dot(&self.rate_s) * square - axis.dot(&self.vector) * self.vector.dot(&self.rate_s)) / square.powf(1.5)
@@ -31,34 +31,33 @@ impl Sight {
 /// Chords of a track through a field, and its closest approach.
 #[derive(Clone, Debug)]
 pub(super) struct Crossing {
-    /// Parts of the track inside, in time order, none overlapping.
+    /// Parts of the track inside the field, in time order, without overlaps.
     pub chords: Vec<Chord>,
     /// Least angle to the centre of the field, radians.
     pub min_separation_rad: f64,
-    /// When that is, seconds.
+    /// Time of the least angle, seconds.
     pub closest_s: f64,
 }
 
-/// Steps are at most this long, seconds, whatever the speed: a distant satellite's parallax turns its track within
-/// hours.
+/// Longest step, seconds, whatever the speed: the parallax of a distant satellite turns its track within hours.
 const LONGEST_STEP_S: f64 = 60.0;
-/// Steps turn the line of sight by at most about this angle, radians.
+/// Largest turn of the line of sight in a step, approximately, radians.
 const LARGEST_TURN_RAD: f64 = 0.03;
-/// Nor do they take the satellite farther than this share of its distance: one that comes straight on turns only as it
-/// passes.
+/// Largest motion of the satellite in a step as a fraction of its distance: a satellite that approaches the observer
+/// directly turns only as it passes.
 const LARGEST_APPROACH: f64 = 0.25;
-/// Roots are closed to this, seconds.
+/// Tolerance of roots, seconds.
 const ROOT_S: f64 = 1e-7;
-/// Inside the bounding circle of a polygon steps turn by at most this, radians: the arc leaves its chord by 0.01 arcsec
-/// at most.
+/// Largest turn in a step inside the bounding circle of a polygon, radians: the arc deviates from its chord by at most
+/// 0.01 arcsec.
 const POLYGON_TURN_RAD: f64 = 5e-4;
 
-/// Chords of a track through a field over [`start_s`, `end_s`].
+/// Returns the chords of a track through a field over [`start_s`, `end_s`].
 pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, field: &FieldOnSky) -> Crossing {
     cross_samples(track, &sample(track, start_s, end_s), field)
 }
 
-/// As [`cross`], from the track's own [`sample`].
+/// Returns the crossing of [`cross`] from the track's own [`sample`].
 pub(super) fn cross_samples(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Crossing {
     let with_extremes = extremes(track, samples, field.centre());
     let (closest_s, min_separation_rad) = nearest(&with_extremes, field);
@@ -85,7 +84,7 @@ pub(super) fn cross_samples(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sigh
     Crossing { chords: merge(chords), min_separation_rad, closest_s }
 }
 
-/// The nearest of some sights to the centre of a field: when, and its angle.
+/// Returns the time and the angle of the sample nearest to the centre of a field.
 fn nearest(samples: &[(f64, Sight)], field: &FieldOnSky) -> (f64, f64) {
     let first_s = samples.first().map_or(0.0, |(time_s, _)| *time_s);
     samples
@@ -94,7 +93,7 @@ fn nearest(samples: &[(f64, Sight)], field: &FieldOnSky) -> (f64, f64) {
         .fold((first_s, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
 }
 
-/// Times and sights from start to end, at steps short enough for one extreme each.
+/// Returns times and sights from start to end, in steps short enough for one extremum each.
 pub(super) fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) -> Vec<(f64, Sight)> {
     let mut samples = Vec::with_capacity(16);
     let (mut time_s, mut sight) = (start_s, track(start_s));
@@ -103,7 +102,7 @@ pub(super) fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) ->
         let passing_s = LARGEST_APPROACH * sight.vector.norm() / sight.rate_s.norm().max(1e-9);
         let mut step_s = (LARGEST_TURN_RAD / sight.angular_rate_rad_s().max(1e-9)).min(passing_s).min(LONGEST_STEP_S);
         let mut next = track((time_s + step_s).min(end_s));
-        // The satellite may come faster than it was at the beginning of the step.
+        // The satellite may be faster at the end of the step than at its beginning.
         while next.angular_rate_rad_s() * step_s > 2.0 * LARGEST_TURN_RAD && step_s > 1e-3 {
             step_s *= 0.5;
             next = track((time_s + step_s).min(end_s));
@@ -115,7 +114,7 @@ pub(super) fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) ->
     samples
 }
 
-/// The samples with the closest and farthest points to an axis put in between, so that every gap is monotone.
+/// Returns the samples with the closest and farthest points to an axis inserted, so that every interval is monotonic.
 fn extremes(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], axis: &Vector3<f64>) -> Vec<(f64, Sight)> {
     let mut all = Vec::with_capacity(samples.len() + 2);
     for pair in samples.windows(2) {
@@ -156,7 +155,7 @@ fn inside_circle(
     chords.extend(enter_s.map(|enter_s| Chord { enter_s, exit_s: before.0 }));
 }
 
-/// A part of the track inside the bounding circle, finely sampled on the tangent plane.
+/// Part of the track inside the bounding circle, finely sampled on the tangent plane.
 type Part = Vec<(f64, [f64; 2])>;
 
 fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Vec<Part> {
@@ -210,7 +209,7 @@ fn inside_polygon(
     times_s.sort_by(f64::total_cmp);
     for pair in times_s.windows(2) {
         let middle = field.project(&track(0.5 * (pair[0] + pair[1])).vector);
-        if middle.is_some_and(|point| holds(corners, point)) {
+        if middle.is_some_and(|point| polygon_contains(corners, point)) {
             chords.push(Chord { enter_s: pair[0], exit_s: pair[1] });
         }
     }
@@ -229,12 +228,12 @@ pub(super) fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
     merged
 }
 
-/// A root between two times at which the function has opposite signs, to [`ROOT_S`]: inverse quadratic steps where they
-/// are safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
+/// Returns a root between two times at which the function has opposite signs, to [`ROOT_S`], by inverse quadratic
+/// interpolation if it is safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
 pub(super) fn root(function: impl Fn(f64) -> f64, one: (f64, f64), other: (f64, f64)) -> f64 {
     let ((mut a, mut fa), (mut b, mut fb)) = (one, other);
     let mut share = 0.5;
-    // Bisection alone halves the bracket: 100 steps are more than any bracket needs.
+    // Bisection halves the bracket: 100 steps are more than any bracket needs.
     for _ in 0..100 {
         let x = a + share * (b - a);
         let fx = function(x);
@@ -267,7 +266,7 @@ mod tests {
     use crate::frames::{Direction, Gcrs};
     use crate::passes::Field;
 
-    /// A satellite on a great circle: at longitude `rate · t` on the equator, tilted about the x axis.
+    /// Satellite on a great circle: at longitude `rate · t` on the equator, tilted about the x axis.
     fn great_circle(rate_rad_s: f64, offset_rad: f64) -> impl Fn(f64) -> Sight {
         move |time_s: f64| {
             let (sin, cos) = (rate_rad_s * time_s).sin_cos();
@@ -283,7 +282,7 @@ mod tests {
         Direction::from_lon_lat_rad(0.0, 0.0)
     }
 
-    /// Entry and exit against the closed form cos r = cos b cos(ω t) of a small circle at latitude b.
+    /// Compares entry and exit with the closed form cos r = cos b cos(ω t) of a small circle at latitude b.
     #[test]
     fn verif_circle_against_closed_form() {
         let rate = 0.013;
@@ -296,7 +295,7 @@ mod tests {
             let half_s = ((0.5 * diameter_deg).to_radians().cos() / offset_deg.to_radians().cos()).acos() / rate;
             assert_eq!(crossing.chords.len(), 1, "{diameter_deg} {offset_deg}");
             let chord = crossing.chords[0];
-            // The grazing case is steep in rounding: 1e-4 s there, 1e-6 s elsewhere.
+            // The grazing case is sensitive to rounding: 1e-4 s, elsewhere 1e-6 s.
             let tolerance_s = if offset_deg > 1.7 && offset_deg < 2.0 { 1e-4 } else { 1e-6 };
             assert!(
                 (chord.enter_s + half_s).abs() < tolerance_s && (chord.exit_s - half_s).abs() < tolerance_s,
@@ -311,7 +310,7 @@ mod tests {
     }
 
     /// The equator is a straight line on the tangent plane: tan(ω t) = x at the border of a rectangle, and the gap of a
-    /// mosaic shows.
+    /// mosaic has no chord.
     #[test]
     fn verif_rectangle_and_mosaic_against_closed_form() {
         let rate = 0.01;
@@ -328,12 +327,12 @@ mod tests {
         for (found, expected) in found.iter().zip(expected) {
             assert!((found - expected).abs() < 1e-6, "{found} {expected}");
         }
-        // Turned by 90 degrees the two chips lie north and south of the track: it runs through the gap.
+        // Rotated by 90 degrees the two chips lie north and south of the track, which passes through the gap.
         let turned = cross(&great_circle(rate, 0.0), -10.0, 10.0, &field.on_sky(&pointing(), 90f64.to_radians()));
         assert!(turned.chords.is_empty(), "{turned:?}");
     }
 
-    /// Shutter times cut a chord; a satellite that stands still is inside all along or never.
+    /// Shutter times limit a chord; a stationary satellite is inside all the time or never.
     #[test]
     fn verif_shutter_and_standstill() {
         let field = Field::circle(2f64.to_radians()).expect("a field");

@@ -1,7 +1,7 @@
-//! Tracks of delayed satellites over one exposure, to compare predictions with a measurement.
+//! Tracks of delayed satellites over one exposure, for comparison with a measurement.
 //!
-//! A satellite that is late by δ is at time t where its element set has it at t - δ. The observer is at its own
-//! position at t, so that a late satellite takes a slightly different path among the stars, not the same one later
+//! A satellite delayed by δ is at time t at the position of its element set for t - δ. The observer is at its own
+//! position at t, so a delayed satellite takes a slightly different path relative to the stars, not the same one later
 //! (0.5° apart for 10 s at 550 km).
 
 use nalgebra::Vector3;
@@ -18,10 +18,10 @@ use crate::geometry::aspect;
 use crate::orbit::{OrbitArc, OrbitError, OrbitUncertainty, Propagator, State};
 use crate::photometry::PhotometryOptions;
 
-/// Tracks reach so far beyond the exposure on both sides, seconds.
+/// Extension of tracks before and after the exposure, seconds.
 const MARGIN_S: f64 = 60.0;
 
-/// A sky over one exposure and a minute on both sides. Times are seconds after shutter opening.
+/// Sky over one exposure and a minute before and after it. Times are seconds after shutter opening.
 pub struct ExposureInterval<'s> {
     sky: &'s Sky,
     scene: Scene,
@@ -30,19 +30,18 @@ pub struct ExposureInterval<'s> {
     duration_s: f64,
 }
 
-/// A satellite as the observer sees it at one time.
+/// Satellite at one time as seen by the observer.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Sighting {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,
-    /// Rate of the direction by the satellite's own motion alone, with the observer at rest: at right angles to it,
-    /// rad/s.
+    /// Rate of the direction due to the satellite's motion only, with the observer at rest: perpendicular to it, rad/s.
     pub own_rate: Vector3<f64>,
     /// Distance from the observer, km.
     pub range_km: f64,
 }
 
-/// The track of a satellite with a certain delay.
+/// Track of a satellite with a given delay.
 pub struct DelayedTrack<'s> {
     interval: &'s ExposureInterval<'s>,
     element_index: usize,
@@ -50,11 +49,11 @@ pub struct DelayedTrack<'s> {
 }
 
 impl Sky {
-    /// Shared data of the tracks of delayed satellites over one exposure.
+    /// Computes the shared data of the tracks of delayed satellites over one exposure.
     ///
     /// # Errors
-    /// [`SkyError`] where the exposure has no finite length or direction, or lies outside the years of the Sun's
-    /// ephemeris; where the telescope is in orbit and its own elements give no position.
+    /// [`SkyError`] if the exposure has no finite length or direction, or lies outside the years of the Sun's
+    /// ephemeris, or if the elements of a telescope in orbit give no position.
     pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, SkyError> {
         exposure.check()?;
         let start = seconds_after(exposure.start, -MARGIN_S);
@@ -69,7 +68,7 @@ impl Sky {
 }
 
 impl ExposureInterval<'_> {
-    /// The sky.
+    /// Sky of the exposure.
     pub fn sky(&self) -> &Sky {
         self.sky
     }
@@ -79,12 +78,12 @@ impl ExposureInterval<'_> {
         self.duration_s
     }
 
-    /// SGP4 of an element set; `None` where it cannot start, and for the telescope itself.
+    /// Propagator of an element set; `None` if SGP4 cannot be initialised, and for the telescope itself.
     pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
         if self.sky.is_observer(element_index) { None } else { self.sky.index().propagator(element_index) }
     }
 
-    /// The epoch of a time.
+    /// Epoch of a time.
     pub fn epoch(&self, time_s: f64) -> hifitime::Epoch {
         seconds_after(self.scene.start, MARGIN_S + time_s)
     }
@@ -94,7 +93,7 @@ impl ExposureInterval<'_> {
         self.motion.position(MARGIN_S + time_s)
     }
 
-    /// Geocentric state of a delayed satellite, by SGP4 itself.
+    /// Geocentric state of a delayed satellite, computed directly by SGP4.
     ///
     /// # Errors
     /// [`OrbitError`].
@@ -103,7 +102,7 @@ impl ExposureInterval<'_> {
         propagator.state_at_minutes(minutes, &self.orientation.teme_to_gcrs)
     }
 
-    /// A delayed satellite as it is seen, by SGP4 itself.
+    /// Direction and distance of a delayed satellite, computed directly by SGP4.
     ///
     /// # Errors
     /// [`OrbitError`].
@@ -127,14 +126,14 @@ impl ExposureInterval<'_> {
         self.sky.uncertainty(element_index, age_days)
     }
 
-    /// The whole track of a delayed satellite, from a minute before the exposure to a minute after it.
+    /// Computes the whole track of a delayed satellite, from a minute before the exposure to a minute after it.
     ///
     /// # Errors
-    /// [`OrbitError`]; an observer has no track of itself and is reported as one without elements.
+    /// [`OrbitError`]; the observer itself has no track, which is reported as invalid elements.
     pub fn track(&self, element_index: usize, late_s: f64) -> Result<DelayedTrack<'_>, OrbitError> {
         let propagator = self.propagator(element_index).ok_or_else(|| OrbitError::Elements {
             norad_id: self.sky.elements()[element_index].norad_id,
-            reason: "no track".to_owned(),
+            reason: "no propagator for this object, or it is the observer".to_owned(),
         })?;
         let minutes = propagator.minutes_since_epoch(self.scene.start) - late_s / 60.0;
         let span_s = self.duration_s + 2.0 * MARGIN_S;
@@ -144,7 +143,7 @@ impl ExposureInterval<'_> {
 }
 
 impl DelayedTrack<'_> {
-    /// Tracks reach so far beyond the exposure on both sides, seconds.
+    /// Extension of tracks before and after the exposure, seconds.
     pub const MARGIN_S: f64 = MARGIN_S;
 
     fn line(&self) -> SightLine<'_> {
@@ -156,18 +155,18 @@ impl DelayedTrack<'_> {
         [-MARGIN_S, self.interval.duration_s + MARGIN_S]
     }
 
-    /// The direction, and its rate by the motions of satellite and observer, at right angles to it, rad/s.
+    /// Direction, and its rate due to the motions of satellite and observer, perpendicular to it, rad/s.
     pub fn direction(&self, time_s: f64) -> (Direction<Gcrs>, Vector3<f64>) {
         let sight = self.line().sight(MARGIN_S + time_s);
         let along = sight.vector * sight.vector.dot(&sight.rate_s);
         (Direction::from_vector(sight.vector), sight.rate_s - along)
     }
 
-    /// The time at which the track passes nearest to a direction, from a first guess; within [`DelayedTrack::times_s`].
+    /// Time at which the track is nearest to a direction, from an initial value; within [`DelayedTrack::times_s`].
     pub fn nearest_s(&self, direction: &Direction<Gcrs>, guess_s: f64) -> f64 {
         let [first_s, last_s] = self.times_s();
         let mut time_s = guess_s.clamp(first_s, last_s);
-        // Newton's method for the distance along the track: what is left over the rate.
+        // Newton's method for the distance along the track: the remaining distance over the rate.
         for _ in 0..8 {
             let (_, rate) = self.direction(time_s);
             let step_s = direction.vector().dot(&rate) / rate.norm_squared().max(1e-18);
@@ -180,13 +179,13 @@ impl DelayedTrack<'_> {
         time_s
     }
 
-    /// Position and light at a time; `None` only where observer and satellite coincide.
+    /// Position and brightness at a time; `None` only if observer and satellite coincide.
     pub fn point(&self, time_s: f64, photometry: &PhotometryOptions) -> Option<TrackPoint> {
         let line = self.line();
         self.evaluator(&line, Some(photometry), time_s).point(MARGIN_S + time_s)
     }
 
-    /// True where it is above the ground (or clear of the Earth, for an observer in orbit) at a time.
+    /// Returns true if the satellite is above the ground (for an observer in orbit, not hidden by the Earth) at a time.
     pub fn is_up(&self, time_s: f64) -> bool {
         let line = self.line();
         let at_s = MARGIN_S + time_s;

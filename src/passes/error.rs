@@ -1,4 +1,4 @@
-//! Errors of a sky.
+//! Errors of requests to a sky.
 
 use hifitime::Epoch;
 use thiserror::Error;
@@ -11,11 +11,11 @@ use crate::orbit::OrbitError;
 /// First and last year of the ephemeris of Sun and Earth.
 const YEARS: (i32, i32) = (1957, 2099);
 
-/// Error of a whole request to a sky.
+/// Error that makes a whole request fail.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SkyError {
-    /// No ephemeris of Sun and Earth, and no elements either.
-    #[error("{epoch} is outside the years for which Sun and Earth are known (allowed: {} to {})", YEARS.0, YEARS.1)]
+    /// The time is outside the ephemeris of Sun and Earth.
+    #[error("{epoch} is outside the years of the ephemeris of Sun and Earth; allowed: {} to {}", YEARS.0, YEARS.1)]
     NoEphemeris {
         /// The requested time.
         epoch: Epoch,
@@ -23,40 +23,40 @@ pub enum SkyError {
     /// The elements of a telescope in orbit give no position.
     #[error("cannot compute the position of observer {observer}: {reason}")]
     Observer {
-        /// Its name.
+        /// Name of the observer.
         observer: String,
-        /// Why.
+        /// Cause.
         reason: OrbitError,
     },
-    /// A request that needs a horizon, for an observer in orbit.
-    #[error("observer {observer} is in orbit and has no horizon (allowed: a site)")]
+    /// The request needs a horizon, but the observer is in orbit.
+    #[error("observer {observer} is in orbit and has no horizon; allowed: a site")]
     NoHorizon {
-        /// Its name.
+        /// Name of the observer.
         observer: String,
     },
-    /// An invalid number in a request.
+    /// A number in a request is invalid.
     #[error("exposure {id}: {problem}")]
     Exposure {
-        /// The exposure's name, or that of the request.
+        /// Name of the exposure or of the request.
         id: String,
-        /// What is wrong, and what is allowed.
+        /// Cause, with the allowed values.
         problem: String,
     },
-    /// Invalid start of an exposure from text.
+    /// The text of the start of an exposure is invalid.
     #[error("start: {0}")]
     Start(FramesError),
-    /// Invalid right ascension or declination of an exposure from text.
+    /// The text of a right ascension or declination is invalid.
     #[error(transparent)]
     Direction(FramesError),
-    /// Invalid field of view.
+    /// The field of view is invalid.
     #[error(transparent)]
     Field(#[from] FieldError),
-    /// A brightness model that the library does not have.
-    #[error("unknown brightness model {name:?} (allowed: {})", known.join(", "))]
+    /// The library does not have the brightness model.
+    #[error("unknown brightness model {name:?}; allowed: {}", known.join(", "))]
     UnknownModel {
-        /// The requested name.
+        /// Requested name.
         name: String,
-        /// The names in the library.
+        /// Names in the library.
         known: Vec<String>,
     },
 }

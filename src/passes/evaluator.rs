@@ -1,4 +1,4 @@
-//! Evaluation of one satellite along its line of sight: positions, light, motion.
+//! Evaluation of one satellite along its line of sight: positions, brightness, motion.
 
 use nalgebra::Vector3;
 
@@ -15,25 +15,25 @@ use crate::photometry::{Brightness, PhotometryOptions};
 
 /// Steps along a pass in the first search for shadow and peak.
 const LIGHT_STEPS: usize = 24;
-/// Tolerance of the peak's time, as a share of the step between two points.
+/// Tolerance of the peak's time, as a fraction of the step between two points.
 const PEAK_TOLERANCE: f64 = 1e-4;
 
-/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a
-/// mountain's horizon. It matters only for fields that reach below the horizon.
+/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction, and the dip of a
+/// mountain's horizon. Only used for fields that extend below the horizon.
 pub(super) const LOWEST_ALTITUDE_RAD: f64 = -0.035;
-/// Step of the search for rising and setting within a chord, seconds: no satellite sets and rises again in it.
+/// Step of the search for rise and set within a chord, seconds: no satellite sets and rises again in it.
 const HORIZON_STEP_S: f64 = 30.0;
-/// The same for the limb of the Earth as seen from an orbit, seconds.
+/// Step of the search for the Earth's limb from an orbit, seconds.
 const LIMB_STEP_S: f64 = 5.0;
 
-/// Errors along the track are followed along the tangent this far at most, seconds: beyond it the path bends away (½ g
-/// t², 0.4 km here) and the slope is extrapolated.
+/// Longest time for which errors along the track are computed along the tangent, seconds: beyond it the path curves
+/// away (½ g t², 0.4 km here) and the slope is extrapolated.
 const LONGEST_GEOMETRY_STEP_S: f64 = 10.0;
-/// Largest sigma of a magnitude from the error of the position, mag: a satellite that may be dark is not infinitely
-/// uncertain.
+/// Largest sigma of a magnitude due to the error of the position, mag: the uncertainty of a satellite that may be dark
+/// is limited.
 const MOST_GEOMETRY_SIGMA_MAG: f64 = 3.0;
 
-/// A line of sight with all that light needs. Times are seconds of the scene.
+/// Line of sight with all data needed for the brightness. Times are seconds of the scene.
 pub(super) struct PassEvaluator<'a> {
     pub sky: &'a Sky,
     pub scene: &'a Scene,
@@ -46,13 +46,14 @@ pub(super) struct PassEvaluator<'a> {
 }
 
 impl PassEvaluator<'_> {
-    /// The satellite at one time; `None` only where observer and satellite coincide.
+    /// Returns the satellite at one time; `None` only if observer and satellite coincide.
     pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
         let here = self.sky.viewpoint().site().map(|observer| observer.state(&self.scene.orientation.at_s(time_s)));
         self.point_over(time_s, here.as_ref())
     }
 
-    /// As [`PassEvaluator::point`], over the state of the site at that time; `None` for an observer in orbit.
+    /// Returns the point of [`PassEvaluator::point`] for the state of the site at that time; `None` for an observer in
+    /// orbit.
     pub fn point_over(&self, time_s: f64, here: Option<&ObserverState>) -> Option<TrackPoint> {
         let (_, _, aspect) = self.line.aspect_at(time_s);
         let (geometry, illumination, brightness) = self.light(time_s)?;
@@ -74,19 +75,19 @@ impl PassEvaluator<'_> {
     }
 
     fn light(&self, time_s: f64) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
-        let (state, place, _) = self.line.aspect_at(time_s);
-        self.light_at(time_s, &state.position, &place)
+        let (state, observer, _) = self.line.aspect_at(time_s);
+        self.light_at(time_s, &state.position, &observer)
     }
 
-    /// Light of a satellite at this position.
+    /// Returns geometry, illumination and brightness of a satellite at a position.
     fn light_at(
         &self,
         time_s: f64,
         satellite: &Position<Gcrs>,
-        place: &Position<Gcrs>,
+        observer: &Position<Gcrs>,
     ) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
         let sun = self.scene.sun.at_s(time_s).sun;
-        let geometry = ViewingGeometry::new(satellite, place, &sun)?;
+        let geometry = ViewingGeometry::new(satellite, observer, &sun)?;
         let illumination = self.sky.shadow().illumination(satellite, &sun);
         let Some(photometry) = self.photometry else { return Some((geometry, illumination, None)) };
         let photometry = match self.sky.viewpoint() {
@@ -99,16 +100,16 @@ impl PassEvaluator<'_> {
         Some((geometry, illumination, brightness))
     }
 
-    /// The same light with a sigma that includes the error of the prediction: in range, in aspect, and in the Earth's
-    /// shadow.
+    /// Returns the brightness with a sigma that includes the error of the prediction: in range, in viewing geometry,
+    /// and in the Earth's shadow.
     fn widened(&self, time_s: f64, light: Brightness) -> Brightness {
-        let (state, place, _) = self.line.aspect_at(time_s);
+        let (state, observer, _) = self.line.aspect_at(time_s);
         let (position, velocity) = (state.position.vector(), state.velocity.vector());
         let Some(across) = position.cross(velocity).try_normalize(0.0) else { return light };
-        // Change from one side to the other, mag; where it is dark, the faintest that counts.
+        // Magnitude at a displaced position; in the dark, the faintest magnitude considered.
         let faintest = light.magnitude.0 + MOST_GEOMETRY_SIGMA_MAG;
         let magnitude = |moved_km: Vector3<f64>| {
-            let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), &place);
+            let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), &observer);
             lit.and_then(|(_, _, light)| light).map_or(faintest, |light| light.magnitude.0.min(faintest))
         };
         let half_difference = |moved_km: Vector3<f64>| 0.5 * (magnitude(moved_km) - magnitude(-moved_km)).abs();
@@ -119,12 +120,13 @@ impl PassEvaluator<'_> {
         Brightness { sigma_mag: light.sigma_mag.hypot(geometry), ..light }
     }
 
-    /// True where any part of the Sun reaches the satellite at any of the steps.
+    /// Returns true if any part of the Sun illuminates the satellite at any of the steps.
     pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
         times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| self.illumination(time_s).lit_fraction() > 0.0)
     }
 
-    /// The parts of a chord in which the satellite is above the ground, or for an observer in orbit clear of the Earth.
+    /// Returns the parts of a chord in which the satellite is above the ground, or for an observer in orbit not hidden
+    /// by the Earth.
     pub fn above_ground(&self, chord: &Chord) -> Vec<Chord> {
         let height = |time_s: f64| match self.sky.viewpoint() {
             Viewpoint::Site(observer) => {
@@ -132,8 +134,8 @@ impl PassEvaluator<'_> {
                 here.sine_of_altitude(&self.line.aspect_at(time_s).2.geometric) - LOWEST_ALTITUDE_RAD.sin()
             }
             Viewpoint::Orbit(observer) => {
-                let (state, place, _) = self.line.aspect_at(time_s);
-                observer.limb().clearance_km(&place, &state.position)
+                let (state, position, _) = self.line.aspect_at(time_s);
+                observer.limb().clearance_km(&position, &state.position)
             }
         };
         let longest_s = if self.sky.viewpoint().site().is_some() { HORIZON_STEP_S } else { LIMB_STEP_S };
@@ -155,7 +157,7 @@ impl PassEvaluator<'_> {
     }
 
     /// Removes the parts of a crossing below the ground, and returns the interval of the rest; for a near miss, the
-    /// time of its closest approach. `None` where nothing is left. Only fields near the ground need this.
+    /// time of its closest approach. `None` if nothing is left. Needed only for fields near the ground.
     pub fn keep_above_ground(&self, crossing: &mut Crossing, near_the_ground: bool) -> Option<(f64, f64)> {
         if near_the_ground {
             let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
@@ -170,17 +172,17 @@ impl PassEvaluator<'_> {
         Some((enter_s, exit_s))
     }
 
-    /// Illumination of the satellite.
+    /// Returns the illumination of the satellite.
     pub fn illumination(&self, time_s: f64) -> Illumination {
         self.sky.shadow().illumination(&self.line.arc.state_at(time_s).position, &self.scene.sun.at_s(time_s).sun)
     }
 
-    /// The brightest point; `None` where the satellite is not visible at any, and without photometry.
+    /// Returns the brightest point; `None` if the satellite is not visible at any, and without photometry.
     pub fn peak(&self, enter_s: f64, exit_s: f64) -> Option<TrackPoint> {
         self.peak_in_steps(enter_s, exit_s, LIGHT_STEPS)
     }
 
-    /// As [`PassEvaluator::peak`], with this number of steps in the first search.
+    /// Returns the peak with this number of steps in the first search.
     pub fn peak_in_steps(&self, enter_s: f64, exit_s: f64, steps: usize) -> Option<TrackPoint> {
         self.photometry?;
         let magnitude = |time_s: f64| {
@@ -198,7 +200,7 @@ impl PassEvaluator<'_> {
         self.point(peak_s)
     }
 
-    /// Evenly spaced points from entry to exit, both included; one point is in the middle.
+    /// Returns evenly spaced points from entry to exit, both included; a single point is in the middle.
     pub fn samples(&self, enter_s: f64, exit_s: f64, count: usize) -> Vec<TrackPoint> {
         match count {
             0 => Vec::new(),
@@ -207,9 +209,9 @@ impl PassEvaluator<'_> {
         }
     }
 
-    /// Position angle of the motion and its speed on the sky, radians and rad/s.
+    /// Returns the position angle of the motion and the angular speed, radians and rad/s.
     pub fn motion(&self, time_s: f64) -> (f64, f64) {
-        // Long enough against rounding (1e-16 / 1e-3), short enough against curvature.
+        // Long compared with rounding (1e-16 / 1e-3), short compared with curvature.
         const HALF_S: f64 = 0.05;
         let (_, _, before) = self.line.aspect_at(time_s - HALF_S);
         let (_, _, now) = self.line.aspect_at(time_s);
@@ -218,7 +220,7 @@ impl PassEvaluator<'_> {
         (now.direction.position_angle_rad(&after.direction), rate_rad_s)
     }
 
-    /// Length of one chord on the sky, radians.
+    /// Returns the length of one chord on the sky, radians.
     pub fn length_rad(&self, chord: &Chord) -> f64 {
         let directions: Vec<_> = times(chord.enter_s, chord.exit_s, LIGHT_STEPS)
             .map(|time_s| self.line.aspect_at(time_s).2.direction)
@@ -227,7 +229,7 @@ impl PassEvaluator<'_> {
     }
 }
 
-/// `steps + 1` times from one to the other.
+/// Returns `steps + 1` evenly spaced times.
 fn times(from_s: f64, to_s: f64, steps: usize) -> impl Iterator<Item = f64> {
     (0..=steps).map(move |step| from_s + (to_s - from_s) * step as f64 / steps as f64)
 }

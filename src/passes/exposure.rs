@@ -1,4 +1,4 @@
-//! One exposure: start, length and pointing.
+//! Exposure: start, length and pointing.
 
 use hifitime::Epoch;
 
@@ -6,8 +6,8 @@ use super::error::{SkyError, check_epoch};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
 
-/// An exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction
-/// among the stars.
+/// Exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction
+/// relative to the stars.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exposure {
     /// Name in the schedule.
@@ -23,11 +23,13 @@ pub struct Exposure {
 }
 
 impl Exposure {
-    /// An exposure from text: the start as ISO 8601 with `Z` or an offset, right ascension (`14h53m36s`, `14:53:36` or degrees) and
-    /// declination (`-08d54m`, `-08:54:00` or degrees) as ICRS astrometric. The rotation is 0, the identifier empty.
+    /// Parses an exposure: the start as ISO 8601 with `Z` or an offset, right ascension (`14h53m36s`, `14:53:36` or
+    /// degrees) and declination (`-08d54m`, `-08:54:00` or degrees) as ICRS astrometric. The rotation is 0, the
+    /// identifier empty.
     ///
     /// # Errors
-    /// [`SkyError`] for a text of another form or out of range. A negative length is found when the exposure is used.
+    /// [`SkyError`] for a text of another form or out of range. A negative length is rejected when the exposure is
+    /// used.
     pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, SkyError> {
         let pointing = parse_direction(ra, dec).map_err(SkyError::Direction)?;
         Ok(Self {
@@ -43,10 +45,10 @@ impl Exposure {
     pub(super) fn check(&self) -> Result<(), SkyError> {
         let fail = |problem: String| Err(SkyError::Exposure { id: self.id.clone(), problem });
         if !(self.duration_s >= 0.0 && self.duration_s.is_finite()) {
-            return fail(format!("a duration of {} s (allowed: 0 or more)", self.duration_s));
+            return fail(format!("duration is {} s; allowed: 0 or more", self.duration_s));
         }
         if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) || !self.rotation_rad.is_finite() {
-            return fail("a pointing or rotation that is not a number".to_owned());
+            return fail("pointing or rotation is not a finite number".to_owned());
         }
         check_epoch(self.start)
     }
@@ -57,8 +59,8 @@ impl Exposure {
     }
 }
 
-/// Exposures in order of time, in groups that one window covers; one that is longer than a window is a group of its
-/// own.
+/// Returns exposures in order of time, in groups covered by one window; an exposure longer than a window is a group
+/// alone.
 pub(super) fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&one| exposures[one].start);

@@ -1,4 +1,4 @@
-//! The field of view: a circle, rectangles, polygons, or a mosaic of chips with gaps.
+//! Field of view: a circle, rectangles, polygons, or a mosaic of chips with gaps.
 
 use nalgebra::Vector3;
 use serde::Deserialize;
@@ -9,42 +9,42 @@ use crate::frames::{Direction, Gcrs};
 /// Errors of a field.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FieldError {
-    /// Invalid syntax of a field file.
+    /// The syntax of a field file is invalid.
     #[error(
-        "invalid field: {0} (allowed: {{\"shapes\": [{{\"circle_deg\": d}} | {{\"rectangle_deg\": [w, h]}} | {{\"polygon_deg\": [[x, y], ...]}}], \"unit\": \"deg\"}})"
+        "invalid field: {0}; allowed: {{\"shapes\": [{{\"circle_deg\": d}} | {{\"rectangle_deg\": [w, h]}} | {{\"polygon_deg\": [[x, y], ...]}}], \"unit\": \"deg\"}}"
     )]
     Syntax(String),
-    /// A unit other than degrees.
-    #[error("unknown field unit {0:?} (allowed: \"deg\")")]
+    /// The unit is not degrees.
+    #[error("unknown field unit {0:?}; allowed: \"deg\"")]
     Unit(String),
-    /// No shapes.
-    #[error("a field needs at least one shape")]
+    /// The field has no shapes.
+    #[error("the field has no shapes; at least one is required")]
     Empty,
-    /// Invalid diameter of a circle.
-    #[error("field shape {shape}: a diameter of {diameter_deg} deg (allowed: above 0, at most {allowed_deg} deg)")]
+    /// The diameter of a circle is out of range.
+    #[error("field shape {shape}: diameter is {diameter_deg} deg; allowed: above 0, at most {allowed_deg} deg")]
     Diameter {
         /// Name or number of the shape.
         shape: String,
-        /// The given value.
+        /// Given value.
         diameter_deg: f64,
-        /// The largest allowed value.
+        /// Largest allowed value.
         allowed_deg: f64,
     },
-    /// A shape without an area on the tangent plane.
+    /// A shape has no area on the tangent plane.
     #[error("field shape {shape}: {problem}")]
     Shape {
         /// Name or number of the shape.
         shape: String,
-        /// What is wrong, and what is allowed.
+        /// Cause, with the allowed values.
         problem: String,
     },
 }
 
-/// Farthest that a point of a rectangle or polygon may lie from the field's centre on the tangent plane, degrees (45°
-/// on the sky).
+/// Largest distance of a point of a rectangle or polygon from the field's centre on the tangent plane, degrees (45° on
+/// the sky).
 const LARGEST_TANGENT_DEG: f64 = 57.3;
 
-/// A field of view relative to a pointing.
+/// Field of view relative to a pointing.
 ///
 /// Rectangles and polygons are given on the tangent plane at the pointing (gnomonic projection), in degrees: x to the
 /// east and y to the north at rotation 0. A circle is exact on the sphere.
@@ -91,10 +91,10 @@ struct ShapeFile {
 }
 
 impl Field {
-    /// A circle of this full diameter, radians, about the pointing.
+    /// Creates a circle of this full diameter, radians, centred on the pointing.
     ///
     /// # Errors
-    /// [`FieldError::Diameter`] where it is not above 0 and at most 180°.
+    /// [`FieldError::Diameter`] unless it is above 0 and at most 180°.
     pub fn circle(diameter_rad: f64) -> Result<Self, FieldError> {
         let diameter_deg = diameter_rad.to_degrees();
         if !(diameter_deg > 0.0 && diameter_deg <= 180.0) {
@@ -104,32 +104,32 @@ impl Field {
         Ok(Self { shapes: vec![NamedShape { name: "field".to_owned(), shape }] })
     }
 
-    /// A circle of this full diameter, degrees, about the pointing.
+    /// Creates a circle of this full diameter, degrees, centred on the pointing.
     ///
     /// # Errors
-    /// As [`Field::circle`].
+    /// The errors of [`Field::circle`].
     pub fn circle_deg(diameter_deg: f64) -> Result<Self, FieldError> {
         Self::circle(diameter_deg.to_radians())
     }
 
-    /// A rectangle of this full width (x) and height (y) on the tangent plane, degrees.
+    /// Creates a rectangle of this full width (x) and height (y) on the tangent plane, degrees.
     ///
     /// # Errors
-    /// [`FieldError::Shape`] where a side is not above 0 or a corner lies more than 45° away.
+    /// [`FieldError::Shape`] if a side is not above 0 or a corner is more than 45° away.
     pub fn rectangle_deg(width_deg: f64, height_deg: f64) -> Result<Self, FieldError> {
         Ok(Self { shapes: vec![rectangle("field".to_owned(), [width_deg, height_deg], [0.0, 0.0])?] })
     }
 
-    /// A polygon with these corners on the tangent plane, degrees, in either sense of rotation, convex or not.
+    /// Creates a polygon with these corners on the tangent plane, degrees, in either orientation, convex or not.
     ///
     /// # Errors
-    /// [`FieldError::Shape`] where it has fewer than three corners, no area, or a corner more than 45° away.
+    /// [`FieldError::Shape`] if it has fewer than three corners, no area, or a corner more than 45° away.
     pub fn polygon_deg(corners_deg: &[[f64; 2]]) -> Result<Self, FieldError> {
         Ok(Self { shapes: vec![polygon("field".to_owned(), corners_deg, [0.0, 0.0])?] })
     }
 
-    /// From the JSON form: `{"shapes": [{"name", "circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x,
-    /// y], …]}], "unit": "deg"}`. Each shape may carry `"center_deg": [x, y]` on the tangent plane. Several shapes are
+    /// Reads the JSON form: `{"shapes": [{"name", "circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x,
+    /// y], …]}], "unit": "deg"}`. Each shape may have `"center_deg": [x, y]` on the tangent plane. Several shapes form
     /// a mosaic.
     ///
     /// # Errors
@@ -152,7 +152,7 @@ impl Field {
                     (None, None, Some(corners_deg)) => polygon(name, &corners_deg, centre_deg),
                     _ => Err(FieldError::Shape {
                         shape: name,
-                        problem: "needs exactly one of circle_deg, rectangle_deg, polygon_deg".to_owned(),
+                        problem: "exactly one of circle_deg, rectangle_deg, polygon_deg is required".to_owned(),
                     }),
                 }
             })
@@ -165,7 +165,7 @@ impl Field {
         self.shapes.iter().map(|shape| shape.name.as_str())
     }
 
-    /// Area on the sky, square degrees: exact for circles, on the tangent plane for the rest. Overlaps count twice.
+    /// Area on the sky, square degrees: exact for circles, on the tangent plane for other shapes. Overlaps count twice.
     pub fn area_deg2(&self) -> f64 {
         let area_rad2: f64 = self
             .shapes
@@ -179,7 +179,7 @@ impl Field {
         area_rad2 * 1f64.to_degrees().powi(2)
     }
 
-    /// Radius of the smallest circle about the pointing that holds every shape, radians.
+    /// Radius of the smallest circle about the pointing that contains every shape, radians.
     pub fn bounding_radius_rad(&self) -> f64 {
         self.shapes
             .iter()
@@ -192,11 +192,11 @@ impl Field {
             .fold(0.0, f64::max)
     }
 
-    /// The shapes in order as closed lines on the tangent plane, degrees of the plane: x to the east and y to the north
-    /// at rotation 0.
+    /// Returns the shapes in order as closed lines on the tangent plane, degrees of the plane: x to the east and y to
+    /// the north at rotation 0.
     ///
-    /// Circles have `points` points, 3 at least; those 90° from the pointing or farther have no position on the plane
-    /// and are left out.
+    /// Circles have `points` points, at least 3; points 90° or more from the pointing have no position on the plane and
+    /// are omitted.
     pub fn outlines_deg(&self, points: usize) -> Vec<Vec<[f64; 2]>> {
         let degrees = |point: [f64; 2]| point.map(f64::to_degrees);
         let outline = |named: &NamedShape| match &named.shape {
@@ -210,8 +210,8 @@ impl Field {
         self.shapes.iter().map(outline).collect()
     }
 
-    /// The field on the sky: centred on `pointing`, its y axis at position angle `rotation_rad` (from north through
-    /// east).
+    /// Places the field on the sky, centred on `pointing`, with its y axis at position angle `rotation_rad` (from north
+    /// through east).
     pub fn on_sky(&self, pointing: &Direction<Gcrs>, rotation_rad: f64) -> FieldOnSky<'_> {
         let (east, north) = pointing.east_north();
         let (sin, cos) = rotation_rad.sin_cos();
@@ -225,7 +225,7 @@ impl Field {
     }
 }
 
-/// Unit vectors evenly around a circle about an axis, 3 at least.
+/// Returns unit vectors evenly around a circle about an axis, at least 3.
 fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item = Vector3<f64>> {
     let points = points.max(3);
     let (east, north) = Direction::<Gcrs>::from_vector(axis).east_north();
@@ -238,7 +238,7 @@ fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item
 
 fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
     let offset_deg = centre_deg[0].hypot(centre_deg[1]);
-    // Off the centre, the gnomonic plane limits it as it limits polygons.
+    // Off-centre circles are limited by the gnomonic plane, like polygons.
     let allowed_deg = if offset_deg == 0.0 { 180.0 } else { 90.0 };
     if !(diameter_deg > 0.0 && diameter_deg <= allowed_deg) {
         return Err(FieldError::Diameter { shape: name, diameter_deg, allowed_deg });
@@ -254,7 +254,7 @@ fn rectangle(name: String, [width, height]: [f64; 2], centre_deg: [f64; 2]) -> R
     if !(width > 0.0 && height > 0.0) {
         return Err(FieldError::Shape {
             shape: name,
-            problem: format!("sides of {width} by {height} deg (allowed: above 0)"),
+            problem: format!("sides are {width} by {height} deg; allowed: above 0"),
         });
     }
     let (x, y) = (0.5 * width, 0.5 * height);
@@ -267,7 +267,7 @@ fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Resu
     if corners.len() < 3 {
         return Err(FieldError::Shape {
             shape: name,
-            problem: format!("{} corners (allowed: at least 3)", corners.len()),
+            problem: format!("{} corners; allowed: at least 3", corners.len()),
         });
     }
     let limit = LARGEST_TANGENT_DEG.to_radians();
@@ -275,7 +275,7 @@ fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Resu
         return Err(too_far(name));
     }
     if signed_area(&corners) == 0.0 {
-        return Err(FieldError::Shape { shape: name, problem: "encloses no area".to_owned() });
+        return Err(FieldError::Shape { shape: name, problem: "the polygon has no area".to_owned() });
     }
     Ok(NamedShape { name, shape: Shape::Polygon(corners) })
 }
@@ -284,22 +284,22 @@ fn too_far(shape: String) -> FieldError {
     FieldError::Shape {
         shape,
         problem: format!(
-            "a point is not a number or lies more than {LARGEST_TANGENT_DEG} deg from the centre on the tangent plane"
+            "a point is not a finite number, or is more than {LARGEST_TANGENT_DEG} deg from the centre on the tangent plane"
         ),
     }
 }
 
-/// Shoelace formula; positive for anticlockwise corners.
+/// Returns the area by the shoelace formula; positive for anticlockwise corners.
 fn signed_area(corners: &[[f64; 2]]) -> f64 {
     0.5 * edges(corners).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>()
 }
 
-/// The sides of a closed polygon.
+/// Returns the sides of a closed polygon.
 fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| (*a, *b))
 }
 
-/// A field on the sky.
+/// Field placed on the sky.
 #[derive(Clone, Debug)]
 pub struct FieldOnSky<'a> {
     field: &'a Field,
@@ -309,27 +309,27 @@ pub struct FieldOnSky<'a> {
     bounding_radius_rad: f64,
 }
 
-/// A border that a track can cross: positive inside, negative outside.
+/// Border of a shape that a track can cross.
 #[derive(Clone, Debug)]
 pub(super) enum Border<'a> {
-    /// The rim of a circle: its centre and radius.
+    /// Rim of a circle: its centre and radius.
     Rim(Vector3<f64>, f64),
-    /// A polygon on the tangent plane.
+    /// Polygon on the tangent plane.
     Outline(&'a [[f64; 2]]),
 }
 
 impl FieldOnSky<'_> {
-    /// The centre as a unit vector.
+    /// Centre as a unit vector.
     pub(super) fn centre(&self) -> &Vector3<f64> {
         &self.centre
     }
 
-    /// Radius about the centre that holds every shape, radians.
+    /// Radius around the centre that contains every shape, radians.
     pub(super) fn bounding_radius_rad(&self) -> f64 {
         self.bounding_radius_rad
     }
 
-    /// The borders of the shapes in order.
+    /// Returns the borders of the shapes in order.
     pub(super) fn borders(&self) -> impl Iterator<Item = Border<'_>> {
         self.field.shapes.iter().map(|named| match &named.shape {
             Shape::Circle { centre: [x, y], radius_rad } => {
@@ -340,14 +340,14 @@ impl FieldOnSky<'_> {
         })
     }
 
-    /// Position on the tangent plane of a vector in front of it, radians of the plane; `None` at 90° and beyond.
+    /// Returns the position of a vector on the tangent plane, radians of the plane; `None` at 90° and beyond.
     pub(super) fn project(&self, sight: &Vector3<f64>) -> Option<[f64; 2]> {
         let depth = sight.dot(&self.centre);
         (depth > 0.0).then(|| [sight.dot(&self.x_axis) / depth, sight.dot(&self.y_axis) / depth])
     }
 
-    /// The border of every shape as directions: corners of a polygon, `round` points (at least 3) of a circle, without
-    /// repeating the first.
+    /// Returns the border of every shape as directions: the corners of a polygon, `round` points (at least 3) of a
+    /// circle, without repeating the first.
     pub fn outlines(&self, round: usize) -> Vec<Vec<Direction<Gcrs>>> {
         let corner =
             |[x, y]: &[f64; 2]| Direction::from_vector((self.centre + self.x_axis * *x + self.y_axis * *y).normalize());
@@ -358,18 +358,18 @@ impl FieldOnSky<'_> {
         self.borders().map(outline).collect()
     }
 
-    /// True where a direction lies inside one of the shapes.
+    /// Returns true if a direction lies inside one of the shapes.
     pub fn contains(&self, direction: &Direction<Gcrs>) -> bool {
         let sight = direction.vector();
         self.borders().any(|border| match border {
             Border::Rim(axis, radius_rad) => axis.cross(sight).norm().atan2(axis.dot(sight)) <= radius_rad,
-            Border::Outline(corners) => self.project(sight).is_some_and(|point| holds(corners, point)),
+            Border::Outline(corners) => self.project(sight).is_some_and(|point| polygon_contains(corners, point)),
         })
     }
 }
 
-/// True where the point lies inside the polygon (even-odd rule).
-pub(super) fn holds(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+/// Returns true if the point lies inside the polygon (even-odd rule).
+pub(super) fn polygon_contains(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     edges(corners)
         .filter(|([ax, ay], [bx, by])| (*ay > y) != (*by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax)
         .count()
@@ -377,7 +377,7 @@ pub(super) fn holds(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
         == 1
 }
 
-/// The sides of an outline, for the crossings.
+/// Returns the sides of an outline.
 pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     edges(corners)
 }

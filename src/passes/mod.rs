@@ -1,10 +1,10 @@
 //! Satellites that cross a field while the shutter is open, that pass over a site, or that are above it at a time.
 //!
-//! [`Sky`] is the entry type: a catalogue seen from one viewpoint. `field_passes` computes crossings, their probability
-//! and their light, `visible_passes` the visible passes of a night (`above_horizon` their intervals), `snapshots` all satellites at given times, `delayed_track`
-//! tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the search), `track`
-//! (lines of sight), `crossing` (chords through a field), `probability`, and `evaluator` (positions and light along a
-//! line of sight).
+//! [`Sky`] is the entry type: a catalogue with a viewpoint. `field_passes` computes crossings, their probability and
+//! brightness, `visible_passes` the visible passes of a night (`above_horizon` their intervals), `snapshots` all
+//! satellites at given times, `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search
+//! windows), `candidates` (the search), `track` (lines of sight), `crossing` (chords through a field), `probability`,
+//! and `evaluator` (positions and brightness along a line of sight).
 
 mod above_horizon;
 mod altaz;

@@ -7,8 +7,8 @@ use super::error::SkyError;
 use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
 
-/// Brightness model of an element set: by generation, else by the object's own standard magnitude, else a prior for a
-/// rocket body or for any object.
+/// Choice of the brightness model of an element set: by generation, else by the object's standard magnitude, else a
+/// prior for rocket bodies or for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
@@ -17,7 +17,7 @@ pub struct ModelChoice {
     unknown: Arc<BrightnessModel>,
 }
 
-/// The default model of each generation.
+/// Returns the default model of a generation.
 fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),
@@ -35,17 +35,17 @@ fn default_model(generation: Generation) -> Option<&'static str> {
 }
 
 impl Default for ModelChoice {
-    /// The embedded models.
+    /// Returns the embedded models.
     fn default() -> Self {
         Self::new(&ModelLibrary::embedded()).expect("the embedded library has every default model, by a test below")
     }
 }
 
 impl ModelChoice {
-    /// The default models of a library.
+    /// Creates the choice of the default models of a library.
     ///
     /// # Errors
-    /// [`SkyError`] where the library lacks one of them; the embedded one has all.
+    /// [`SkyError`] if the library lacks one of them; the embedded library has all.
     pub fn new(library: &ModelLibrary) -> Result<Self, SkyError> {
         let mut by_generation = BTreeMap::new();
         for generation in Generation::ALL {
@@ -61,27 +61,28 @@ impl ModelChoice {
         })
     }
 
-    /// With another model for one generation.
+    /// Sets another model for one generation.
     ///
     /// # Errors
-    /// [`SkyError`] where the library does not have it.
+    /// [`SkyError`] if the library does not have it.
     pub fn with_model(mut self, generation: Generation, name: &str, library: &ModelLibrary) -> Result<Self, SkyError> {
         self.by_generation.insert(generation, find(library, name)?);
         Ok(self)
     }
 
-    /// With standard magnitudes for objects of no generation.
+    /// Sets standard magnitudes for objects without a generation.
     pub fn with_standard_magnitudes(mut self, standard_magnitudes: StandardMagnitudes) -> Self {
         self.standard_magnitudes = standard_magnitudes;
         self
     }
 
-    /// True where a satellite's brightness is unknown: no generation, no standard magnitude, and not a rocket body.
+    /// Returns true if a satellite's brightness is unknown: no generation, no standard magnitude, and not a rocket
+    /// body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {
         Arc::ptr_eq(&self.model_of(elements), &self.unknown)
     }
 
-    /// The model of one satellite.
+    /// Returns the model of one satellite.
     pub fn model_of(&self, elements: &ElementSet) -> Arc<BrightnessModel> {
         let generation = GenerationTable::embedded().of(elements);
         if let Some(model) = self.by_generation.get(&generation) {
@@ -101,7 +102,7 @@ fn find(library: &ModelLibrary, name: &str) -> Result<Arc<BrightnessModel>, SkyE
     })
 }
 
-/// Catalogues mark rocket bodies as `R/B`, with or without a number or bracket around it.
+/// Returns true for a rocket body, which catalogues mark as `R/B`, with or without a number or bracket around it.
 fn is_rocket_body(name: &str) -> bool {
     name.split(|mark: char| mark.is_whitespace() || mark == '(' || mark == ')').any(|word| word == "R/B")
 }
@@ -117,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_the_embedded_library_serves_every_generation() {
+    fn verif_the_embedded_library_has_a_model_for_every_generation() {
         let library = ModelLibrary::embedded();
         let choice = ModelChoice::new(&library).expect("all usual models are shipped");
         assert_eq!(choice.by_generation.len(), Generation::ALL.len() - 1);

@@ -1,11 +1,9 @@
-//! State that all satellites of a request share: observer, Sun and orientation at sampled times, and search windows.
+//! State shared by all satellites of a request: observer, Sun and orientation at sampled times, and search windows.
 //!
-//! A scheduler computes visit by visit; without the cache most of its time would go into precession and nutation at the
-//! same few times. Results do not depend on the cache, to rounding.
-//!
-//! Windows lie on a fixed grid of six hours, so that all searches of a night use the same two or three, whether a
-//! thousand exposures come at once or one by one. Results do not depend on the cache: a window only selects the
-//! satellites for which SGP4 is evaluated.
+//! A scheduler computes visit by visit; without the cache most of the time would be spent on precession and nutation at
+//! the same few times. Windows lie on a fixed grid of six hours, so that all searches of a night use the same two or
+//! three, whether a thousand exposures are computed at once or one by one. Results do not depend on the caches, to
+//! rounding: a window only selects the satellites for which SGP4 is evaluated.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -16,17 +14,17 @@ use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_
 use crate::geometry::SunTable;
 use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
 
-/// Sun, Earth and orbits over the time of one group of exposures. Times within it are seconds after its start.
+/// Sun, Earth and orbits over the time of one group of exposures. Times are seconds after its start.
 pub(in crate::passes) struct Scene {
     pub start: Epoch,
     pub orientation: OrientationTable,
     pub sun: SunTable,
-    /// In order of time, without gaps; empty where no satellites are searched.
+    /// Windows in order of time, without gaps; empty if no satellites are searched.
     pub windows: Vec<Arc<Window>>,
 }
 
 impl Scene {
-    /// The window that holds a time, and its start, both in seconds of the scene.
+    /// Returns the window that contains a time, and its start, both in seconds of the scene.
     pub fn window_at(&self, time_s: f64) -> Option<(&Window, f64)> {
         let start_s = |window: &Window| seconds_between(self.start, window.start());
         let window = self.windows.iter().rfind(|window| start_s(window) <= time_s).or(self.windows.first())?;
@@ -34,28 +32,28 @@ impl Scene {
     }
 }
 
-/// Days that are kept, 2 kB each: a schedule goes through its days several times.
-const KEPT: usize = 64;
-/// The tables of a day reach as far beyond its beginning, seconds.
+/// Number of cached days, 2 kB each: a schedule uses its days several times.
+const CACHED_DAYS: usize = 64;
+/// Length of the tables of a day, seconds.
 const REACH_S: f64 = 3.0 * DAY_S;
-/// Interpolation needs this much beyond the end, seconds.
+/// Time after the end needed for interpolation, seconds.
 const BEYOND_S: f64 = DAY_S;
 
-/// Tables from the beginning of a UTC day on.
+/// Tables from the beginning of a UTC day.
 #[derive(Debug)]
 struct Day {
     orientation: OrientationTable,
     sun: SunTable,
 }
 
-/// The days used last, newest last.
+/// Cache of the most recently used days, newest last.
 #[derive(Debug, Default)]
 pub(in crate::passes) struct Almanac {
     kept: Mutex<Vec<(i64, Arc<Day>)>>,
 }
 
 impl Almanac {
-    /// Earth and Sun from `start` to `end`; `eop` is always the same.
+    /// Returns Earth orientation and Sun from `start` to `end`; `eop` must always be the same.
     pub fn over(&self, start: Epoch, end: Epoch, eop: &EopTable) -> (OrientationTable, SunTable) {
         let day = self.day(start, eop);
         if seconds_between(day.sun.reference(), end) + BEYOND_S > REACH_S {
@@ -76,41 +74,42 @@ impl Almanac {
         let day =
             Arc::new(Day { orientation: OrientationTable::new(first, last, eop), sun: SunTable::new(first, last) });
         kept.push((key, day.clone()));
-        let surplus = kept.len().saturating_sub(KEPT);
+        let surplus = kept.len().saturating_sub(CACHED_DAYS);
         kept.drain(..surplus);
         day
     }
 }
 
-/// Windows that are kept at least: a night of three, for both scopes, and two more.
-const LEAST_KEPT: usize = 8;
-/// Satellites in all windows that are kept, 140 bytes each: a schedule goes through its nights several times, and
-/// making the three windows of a night takes as long as the crossings of 700 exposures.
-const KEPT_SATELLITES: usize = 500_000;
+/// Least number of cached windows: three of a night, for both scopes, and two more.
+const LEAST_CACHED_WINDOWS: usize = 8;
+/// Number of satellites in all cached windows, 140 bytes each: a schedule uses its nights several times, and computing
+/// the three windows of a night takes as long as the crossings of 700 exposures.
+const CACHED_SATELLITES: usize = 500_000;
 
-/// Which satellites a window searches.
+/// Scope of the search of a window.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(in crate::passes) enum SearchScope {
-    /// Those that cross where they are predicted.
+    /// Satellites that cross at their predicted positions.
     Nominal,
-    /// Those that cross with a delay and an offset across the track that their errors allow.
+    /// Satellites that cross with a delay and a cross-track offset within their errors.
     Delayed,
 }
 
-/// A window's number on the grid, and its scope.
+/// Number of a window on the grid, and its scope.
 type Key = (i64, SearchScope);
 
-/// The windows used last, newest last.
+/// Cache of the most recently used windows, newest last.
 #[derive(Debug, Default)]
 pub(in crate::passes) struct WindowCache {
     kept: Mutex<Vec<(Key, Arc<Window>)>>,
 }
 
 impl WindowCache {
-    /// The windows that hold the time from `start` to `end`, in order; those that are missing are made on all threads.
+    /// Returns the windows that contain the time from `start` to `end`, in order; missing ones are computed on all
+    /// threads.
     ///
-    /// `reach` gives, for an element index and the two ends of a window, how far from its prediction a satellite is
-    /// searched; it must be the same function for the same `scope`.
+    /// `reach` returns, for an element index and the two ends of a window, the distance from the prediction in which a
+    /// satellite is searched; it must be the same function for the same `scope`.
     pub fn over(
         &self,
         index: &SatelliteIndex,
@@ -119,7 +118,7 @@ impl WindowCache {
         scope: SearchScope,
         reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
     ) -> Vec<Arc<Window>> {
-        let most = (KEPT_SATELLITES / index.len().max(1)).max(LEAST_KEPT);
+        let most = (CACHED_SATELLITES / index.len().max(1)).max(LEAST_CACHED_WINDOWS);
         let grid = Epoch::from_tai_duration(Duration::ZERO);
         let number = |epoch: Epoch| (seconds_between(grid, epoch) / MAX_WINDOW_S).floor() as i64;
         (number(start)..=number(end))
@@ -128,7 +127,7 @@ impl WindowCache {
                 if let Some(window) = self.kept(key) {
                     return window;
                 }
-                // Made outside of the lock: the threads that help may use the cache themselves.
+                // Computed without the lock, because the threads that compute it may use the cache.
                 let from = seconds_after(grid, MAX_WINDOW_S * number as f64);
                 let ends = [from, seconds_after(from, MAX_WINDOW_S)];
                 let window =

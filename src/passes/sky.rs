@@ -7,7 +7,7 @@ use hifitime::Epoch;
 use super::error::SkyError;
 use super::exposure::Exposure;
 use super::models::ModelChoice;
-use super::probability::{Lateness, REACH_SIGMAS};
+use super::probability::REACH_SIGMAS;
 use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
@@ -15,7 +15,9 @@ use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Satellites};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
-use crate::orbit::{LeftOut, OrbitArc, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, uncertainty};
+use crate::orbit::{
+    DragModel, Lateness, LeftOut, OrbitArc, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, uncertainty,
+};
 use crate::photometry::BrightnessModel;
 
 /// Satellites, an observer, and brightness models, ready for any number of queries from any thread. Cheap to clone.
@@ -26,6 +28,7 @@ pub struct Sky {
     classes: Arc<Vec<OrbitClass>>,
     models: Arc<Vec<Arc<BrightnessModel>>>,
     viewpoint: Viewpoint,
+    drag: DragModel,
     shadow: ShadowModel,
     eop: EopTable,
     windows: Arc<WindowCache>,
@@ -47,8 +50,9 @@ impl Sky {
         eop: EopTable,
         choice: &ModelChoice,
     ) -> Self {
-        let index = SatelliteIndex::new(&elements);
-        let classes: Vec<OrbitClass> = elements.iter().map(OrbitClass::of).collect();
+        let drag = DragModel::default();
+        let index = SatelliteIndex::new(&elements, drag);
+        let classes: Vec<OrbitClass> = elements.iter().map(|set| OrbitClass::of(set, drag)).collect();
         let models: Vec<_> = elements.iter().map(|elements| choice.model_of(elements)).collect();
         Self {
             elements: Arc::new(elements),
@@ -56,6 +60,7 @@ impl Sky {
             classes: Arc::new(classes),
             models: Arc::new(models),
             viewpoint: viewpoint.into(),
+            drag,
             shadow: ShadowModel::default(),
             eop,
             windows: Arc::default(),
@@ -71,6 +76,25 @@ impl Sky {
     /// The same sky with another shadow of the Earth.
     pub fn with_shadow(self, shadow: ShadowModel) -> Self {
         Self { shadow, ..self }
+    }
+
+    /// The same sky with another drag; prepares the satellites again where it differs.
+    pub fn with_drag(self, drag: DragModel) -> Self {
+        if drag == self.drag {
+            return self;
+        }
+        Self {
+            index: Arc::new(SatelliteIndex::new(&self.elements, drag)),
+            classes: Arc::new(self.elements.iter().map(|set| OrbitClass::of(set, drag)).collect()),
+            windows: Arc::default(),
+            drag,
+            ..self
+        }
+    }
+
+    /// The drag that SGP4 applies.
+    pub fn drag(&self) -> DragModel {
+        self.drag
     }
 
     /// The element sets, in the order of [`Pass::element_index`](super::Pass::element_index).
@@ -189,11 +213,12 @@ impl Sky {
             SearchScope::Nominal => Reach::default(),
             SearchScope::Delayed => {
                 // Errors grow away from the epoch: the end of the window that is farther from it has the larger ones.
-                let [first, last] = ends.map(|epoch| self.uncertainty_at(element_index, epoch));
-                let lateness = Lateness::gaussian(first.along_track_s.max(last.along_track_s));
+                let class = &self.classes[element_index];
+                let [first, last] = ends.map(|epoch| self.element_age_days(element_index, epoch).abs());
+                let age_days = first.max(last);
                 Reach {
-                    along_track_s: lateness.reach_s(),
-                    cross_track_km: REACH_SIGMAS * first.cross_track_km.max(last.cross_track_km),
+                    along_track_s: class.lateness(age_days).reach_s(),
+                    cross_track_km: REACH_SIGMAS * class.cross_track_km(age_days),
                 }
             }
         };

@@ -18,11 +18,11 @@ use crate::geometry::{Illumination, ObserverState};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError};
 use crate::photometry::{Brightness, PhotometryOptions};
 
-/// Longest time after the start, seconds: limits how far the site turns under the cone that is searched.
+/// Latest time after the start, seconds: it limits the motion of the site under the search cone.
 const LONGEST_S: f64 = 3600.0;
-/// Most times of one query.
+/// Largest number of times in one query.
 const MOST_TIMES: usize = 10_000;
-/// Least number of satellites for one thread.
+/// Least number of satellites per thread.
 const TOGETHER: usize = 16;
 
 /// Options of a snapshot.
@@ -39,20 +39,20 @@ pub struct SnapshotOptions {
 }
 
 impl SnapshotOptions {
-    /// All satellites above an altitude, lit or not, without brightness.
+    /// Options for all satellites above an altitude, lit or not, without brightness.
     pub fn all_above(min_altitude_rad: f64) -> Self {
         Self { min_altitude_rad, include_dark: true, whole_tracks: false, photometry: None }
     }
 }
 
-/// One satellite above a site.
+/// Track of one satellite above a site.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SatelliteTrack {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Position of its element set in the sky's catalogue.
+    /// Index of its element set in the sky's catalogue.
     pub element_index: usize,
-    /// Its points in order of time, at least one.
+    /// Snapshots in order of time, at least one.
     pub snapshots: Vec<SatelliteSnapshot>,
 }
 
@@ -61,40 +61,40 @@ pub struct SatelliteTrack {
 pub struct SatelliteSnapshot {
     /// Index of the time in the query.
     pub time_index: usize,
-    /// Position and light.
+    /// Position and brightness.
     pub point: TrackPoint,
-    /// Speed among the stars, rad/s.
+    /// Angular speed relative to the stars, rad/s.
     pub angular_rate_rad_s: f64,
 }
 
 impl SatelliteTrack {
-    /// The snapshot in the middle.
+    /// Returns the snapshot in the middle.
     pub fn middle(&self) -> Option<&SatelliteSnapshot> {
         self.snapshots.get(self.snapshots.len() / 2)
     }
 }
 
 impl SatelliteSnapshot {
-    /// True where any part of the Sun reaches the satellite.
+    /// Returns true if any part of the Sun illuminates the satellite.
     pub fn is_lit(&self) -> bool {
         self.point.illumination != Illumination::Umbra
     }
 }
 
-/// Site at one of the times.
+/// State of the site at one of the times.
 struct SiteAt {
     time_s: f64,
     here: ObserverState,
 }
 
 impl Sky {
-    /// Every satellite above an altitude at any of `times_s` (seconds after `start`, 0 to an hour, in order of time),
-    /// in catalogue order, on all threads; and the satellites without a position then.
+    /// Finds all satellites above an altitude at any of `times_s` (seconds after `start`, 0 to an hour, in order of
+    /// time), in catalogue order, on all threads; and the satellites without a position.
     ///
     /// # Errors
     /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
-    /// orbit; [`SkyError::Exposure`] for an altitude below 0 or above π/2, times out of order or later than an hour,
-    /// none or more than ten thousand.
+    /// orbit; [`SkyError::Exposure`] for an altitude below 0 or above π/2, for times out of order or later than an
+    /// hour, and for no times or more than ten thousand.
     pub fn snapshots(
         &self,
         start: Epoch,
@@ -110,8 +110,8 @@ impl Sky {
         let scene = self.scene(start, last_s, SearchScope::Nominal);
         let site_at = |&time_s: &f64| SiteAt { time_s, here: observer.state(&scene.orientation.at_s(time_s)) };
         let times: Vec<SiteAt> = times_s.iter().map(site_at).collect();
-        // The sky above the altitude as one round field about the zenith of the middle, wide enough for the zenith's
-        // motion to both sides.
+        // The sky above the altitude is searched as one circular field about the zenith at the middle time, wide enough
+        // for the motion of the zenith.
         let half_s = 0.5 * (last_s - first_s);
         let to_gcrs = observer.state(&scene.orientation.at_s(first_s + half_s)).horizon.inverse();
         let zenith = to_gcrs * Direction::from_lon_lat_rad(0.0, std::f64::consts::FRAC_PI_2);
@@ -150,8 +150,8 @@ impl Sky {
         Ok((tracks, left_out))
     }
 
-    /// Brightness of a satellite at a point; its sigma is that of the model alone, without the error of the elements.
-    /// `None` in the umbra and where a model gives no light.
+    /// Returns the brightness of a satellite at a point; its sigma is that of the model, without the error of the
+    /// elements. `None` in the umbra and if the model gives no light.
     pub fn brightness(
         &self,
         element_index: usize,
@@ -184,13 +184,13 @@ impl Sky {
         let near =
             times.partition_point(|time| time.time_s < from_s)..times.partition_point(|time| time.time_s <= to_s);
         let lowest = options.min_altitude_rad.sin();
-        let is_seen = |time: &SiteAt| {
+        let is_selected = |time: &SiteAt| {
             let (state, _, aspect) = near_line.aspect_at(time.time_s);
             let sun = || scene.sun.at_s(time.time_s).sun;
             let is_lit = || self.shadow().illumination(&state.position, &sun()) != Illumination::Umbra;
             time.here.sine_of_altitude(&aspect.geometric) >= lowest && (options.include_dark || is_lit())
         };
-        let mut seen = near.filter(|&index| is_seen(&times[index])).peekable();
+        let mut seen = near.filter(|&index| is_selected(&times[index])).peekable();
         if seen.peek().is_none() {
             return Ok(None);
         }
@@ -229,15 +229,15 @@ fn invalid(problem: String) -> SkyError {
 fn check(times_s: &[f64], options: &SnapshotOptions) -> Result<(), SkyError> {
     if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&options.min_altitude_rad) {
         let given_deg = options.min_altitude_rad.to_degrees();
-        return Err(invalid(format!("a lowest altitude of {given_deg} deg (allowed: 0 to 90 deg)")));
+        return Err(invalid(format!("lowest altitude is {given_deg} deg; allowed: 0 to 90 deg")));
     }
     let count = times_s.len();
     if !(1..=MOST_TIMES).contains(&count) {
-        return Err(invalid(format!("{count} moments (allowed: 1 to {MOST_TIMES})")));
+        return Err(invalid(format!("{count} times; allowed: 1 to {MOST_TIMES}")));
     }
     let in_order = times_s.windows(2).all(|pair| pair[0] < pair[1]);
     if let Some(bad_s) = times_s.iter().find(|time_s| !(0.0..=LONGEST_S).contains(*time_s)) {
-        return Err(invalid(format!("a moment {bad_s} s after the start (allowed: 0 to {LONGEST_S} s)")));
+        return Err(invalid(format!("a time is {bad_s} s after the start; allowed: 0 to {LONGEST_S} s")));
     }
-    if in_order { Ok(()) } else { Err(invalid("moments that are not in the order of time".to_owned())) }
+    if in_order { Ok(()) } else { Err(invalid("the times are not in increasing order".to_owned())) }
 }

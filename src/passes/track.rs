@@ -1,4 +1,4 @@
-//! Track of a satellite over an observer: the line of sight at a time, and the points that are reported.
+//! Track of a satellite as seen by an observer: the line of sight at a time, and the reported points.
 
 use std::sync::Arc;
 
@@ -12,38 +12,38 @@ use crate::geometry::{Aspect, Illumination, Observer, ViewingGeometry, aspect};
 use crate::orbit::{OrbitArc, State};
 use crate::photometry::Brightness;
 
-/// No orbit falls faster, km/s²: gravity at the ground.
+/// Largest acceleration of an orbit, km/s²: gravity at the ground.
 const GRAVITY_KM_S2: f64 = 0.009_83;
 
-/// A line of sight and its rate of change; only its direction matters, not its length.
+/// Line of sight and its rate of change; only its direction is used, not its length.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::passes) struct Sight {
     pub vector: Vector3<f64>,
     pub rate_s: Vector3<f64>,
 }
 
-/// Motion of an observer: a site near one time, a telescope in orbit over its arc.
+/// Motion of an observer: a site near one time, or a telescope in orbit over its arc.
 #[derive(Clone, Debug)]
 pub(in crate::passes) struct ObserverMotion {
     path: Path,
-    /// Earth's barycentric velocity, for the aspect.
+    /// Earth's barycentric velocity, for the aberration.
     earth_velocity: Velocity<Gcrs>,
-    /// The observer stands still before the first and after the second of these times, seconds.
+    /// Interval outside which the observer is at rest, seconds.
     moving_s: (f64, f64),
 }
 
 #[derive(Clone, Debug)]
 enum Path {
-    /// A site turns about the pole of date at the Earth's rate.
+    /// A site that rotates about the pole of date at the Earth's rate.
     ///
-    /// Exact to a millimetre over ten minutes: only the rates of precession, polar motion and UT1 are left out.
+    /// Exact to a millimetre over ten minutes: only the rates of precession, polar motion and UT1 are neglected.
     Turning { at_s: f64, fixed: Vector3<f64>, turning: Vector3<f64>, ahead: Vector3<f64> },
     /// A telescope in orbit.
     Flying(Arc<OrbitArc>),
 }
 
 impl ObserverMotion {
-    /// A site near `at_s`.
+    /// Creates the motion of a site near `at_s`.
     pub fn of_site(observer: &Observer, orientation: &Orientation, earth_velocity: Velocity<Gcrs>, at_s: f64) -> Self {
         let position = *observer.position(orientation).vector();
         let pole: Vector3<f64> = orientation.teme_to_gcrs.matrix().column(2).into_owned();
@@ -52,12 +52,12 @@ impl ObserverMotion {
         Self { path, earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
-    /// A telescope on its arc.
+    /// Creates the motion of a telescope on its arc.
     pub fn of_flight(arc: Arc<OrbitArc>, earth_velocity: Velocity<Gcrs>) -> Self {
         Self { path: Path::Flying(arc), earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
-    /// The same observer, standing still before the first and after the second of two times.
+    /// Returns the same motion, at rest before the first and after the second of two times.
     pub fn still_outside(&self, from_s: f64, to_s: f64) -> Self {
         Self { moving_s: (from_s, to_s), ..self.clone() }
     }
@@ -66,7 +66,7 @@ impl ObserverMotion {
         time_s.max(self.moving_s.0).min(self.moving_s.1)
     }
 
-    /// Geocentric position.
+    /// Geocentric position of the observer.
     pub fn position(&self, time_s: f64) -> Position<Gcrs> {
         let time_s = self.own_time_s(time_s);
         match &self.path {
@@ -78,7 +78,7 @@ impl ObserverMotion {
         }
     }
 
-    /// Velocity, km/s; while the observer stands still, that of the nearest time at which it moves.
+    /// Velocity, km/s; while the observer is at rest, that of the nearest time at which it moves.
     pub fn velocity(&self, time_s: f64) -> Vector3<f64> {
         let time_s = self.own_time_s(time_s);
         match &self.path {
@@ -90,7 +90,7 @@ impl ObserverMotion {
         }
     }
 
-    /// Upper bound of the mean speed away from its position at `mid_s` within `half_s`, km/s.
+    /// Upper bound of the mean speed relative to the position at `mid_s` within `half_s`, km/s.
     pub fn fastest_km_s(&self, mid_s: f64, half_s: f64) -> f64 {
         match &self.path {
             Path::Turning { ahead, .. } => ahead.norm() * EARTH_ROTATION_RAD_S,
@@ -100,19 +100,19 @@ impl ObserverMotion {
     }
 }
 
-/// A satellite's arc and the observer that sees it.
+/// Arc of a satellite with its observer.
 pub(in crate::passes) struct SightLine<'a> {
     pub arc: &'a OrbitArc,
     pub observer: ObserverMotion,
 }
 
 impl SightLine<'_> {
-    /// Satellite state, observer and aspect at one time.
+    /// Returns satellite state, observer and aspect at one time.
     pub fn aspect_at(&self, time_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
         self.delayed_aspect(time_s, 0.0)
     }
 
-    /// As [`SightLine::aspect_at`], with the satellite where it was predicted `late_s` earlier.
+    /// Returns the values of [`SightLine::aspect_at`] for a satellite at the position predicted for `late_s` earlier.
     fn delayed_aspect(&self, time_s: f64, late_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
         let state = self.arc.state_at(time_s - late_s);
         let observer = self.observer.position(time_s);
@@ -120,13 +120,13 @@ impl SightLine<'_> {
         (state, observer, aspect)
     }
 
-    /// The astrometric line of sight and its rate. The rate leaves out the change of light time (10⁻⁴ of the rate),
-    /// which moves no border and no extreme by more than the rounding of a root.
+    /// Returns the astrometric line of sight and its rate. The rate neglects the change of light time (10⁻⁴ of the
+    /// rate), which shifts no border or extremum by more than the tolerance of a root.
     pub fn sight(&self, time_s: f64) -> Sight {
         self.delayed_sight(time_s, 0.0)
     }
 
-    /// As [`SightLine::sight`], with the satellite `late_s` late.
+    /// Returns the line of sight of [`SightLine::sight`] for a satellite delayed by `late_s`.
     pub fn delayed_sight(&self, time_s: f64, late_s: f64) -> Sight {
         let (state, _, aspect) = self.delayed_aspect(time_s, late_s);
         let relative = state.velocity.vector() - self.observer.velocity(time_s);
@@ -134,7 +134,7 @@ impl SightLine<'_> {
     }
 }
 
-/// A satellite at one time as the telescope sees it.
+/// Satellite at one time as seen by the telescope.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackPoint {
     /// Time of reception.
@@ -151,36 +151,37 @@ pub struct TrackPoint {
     pub geometry: ViewingGeometry,
     /// Sunlit, in penumbra or in umbra, with the lit fraction of the solar disk.
     pub illumination: Illumination,
-    /// Apparent magnitude with its sigma and source, the shadow's dimming included. `None` in the umbra and where a
-    /// model sees nothing.
+    /// Apparent magnitude with its sigma and source, including dimming by the Earth's shadow. `None` in the umbra, and
+    /// if the model gives no light.
     pub brightness: Option<Brightness>,
 }
 
-/// One part of the track inside the field, from entry (or shutter opening) to exit (or shutter closing).
+/// Part of the track inside the field, from entry (or shutter opening) to exit (or shutter closing).
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Chord {
-    /// Seconds after the shutter opened.
+    /// Entry, seconds after the shutter opened.
     pub enter_s: f64,
-    /// Seconds after the shutter opened, not before `enter_s`.
+    /// Exit, seconds after the shutter opened, not before `enter_s`.
     pub exit_s: f64,
 }
 
-/// One satellite crossing one exposure's field, or passing near it.
+/// Satellite that crosses the field of one exposure, or passes near it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Position of its element set in the sky's catalogue.
+    /// Index of its element set in the sky's catalogue.
     pub element_index: usize,
     /// Parts of the track inside the field in time order, one per chip or arm of the shape; empty for a near miss.
     pub chords: Vec<Chord>,
-    /// Begin of the first chord; for a near miss, the closest point.
+    /// Start of the first chord; for a near miss, the closest point.
     pub enter: TrackPoint,
     /// Midway in time between `enter` and `exit`; for a near miss, the same point.
     pub mid: TrackPoint,
     /// End of the last chord; for a near miss, the same point.
     pub exit: TrackPoint,
-    /// The brightest point between `enter` and `exit`; `None` where none of it is visible, and without light.
+    /// Brightest point between `enter` and `exit`; `None` if the satellite is not visible in between, or without
+    /// brightness in the options.
     pub peak: Option<TrackPoint>,
     /// Least angle between track and field centre while the shutter is open, radians.
     pub min_separation_rad: f64,
@@ -188,29 +189,29 @@ pub struct Pass {
     pub streak_length_rad: f64,
     /// Direction of motion at mid, from north through east, [0, 2π), radians.
     pub position_angle_rad: f64,
-    /// Speed on the sky at mid, rad/s.
+    /// Angular speed at mid, rad/s.
     pub angular_rate_rad_s: f64,
-    /// Exposure mid minus element epoch, days; negative where the elements are newer.
+    /// Exposure mid less element epoch, days; negative if the elements are newer.
     pub element_age_days: f64,
-    /// One-sigma error along the track as time, seconds.
+    /// One-sigma error along the track as a time, seconds.
     pub along_track_sigma_s: f64,
     /// One-sigma error across the track as an angle seen from the observer, radians.
     pub cross_track_sigma_rad: f64,
-    /// Probability that the satellite crosses the field while the shutter is open, given those errors.
+    /// Probability that the satellite crosses the field while the shutter is open, given these errors.
     pub probability: f64,
-    /// Lit at any time between `enter` and `exit`.
+    /// True if the satellite is lit at any time between `enter` and `exit`.
     pub lit: bool,
     /// Points along the track; empty without samples in the options.
     pub samples: Vec<TrackPoint>,
 }
 
 impl Pass {
-    /// True where the nominal track enters the field.
+    /// Returns true if the nominal track enters the field.
     pub fn is_crossing(&self) -> bool {
         !self.chords.is_empty()
     }
 
-    /// Brightest apparent magnitude between entry and exit; NaN where no light of the satellite is seen.
+    /// Brightest apparent magnitude between entry and exit; NaN if the satellite is not visible.
     pub fn peak_magnitude(&self) -> f64 {
         let brightness = self.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
         brightness.map_or(f64::NAN, |brightness| brightness.magnitude.0)

@@ -7,10 +7,10 @@ use crate::frames::{Direction, Gcrs, Orientation};
 use crate::geometry::{EarthLimb, Observer, Site};
 use crate::orbit::{OrbitError, Propagator};
 
-/// A telescope in orbit, given by an element set. It has no horizon; the Earth's limb hides what is behind it.
+/// Telescope in orbit, given by an element set. It has no horizon; the Earth's limb limits its view.
 ///
-/// The prediction of its own position is taken as exact: an error of its elements (about a kilometre) shifts every
-/// satellite at 1000 km by some 0.06°.
+/// Its predicted position is taken as exact: an error of its elements (about a kilometre) shifts every satellite at
+/// 1000 km by about 0.06°.
 #[derive(Clone, Debug)]
 pub struct OrbitingObserver {
     name: String,
@@ -19,30 +19,30 @@ pub struct OrbitingObserver {
 }
 
 impl OrbitingObserver {
-    /// The object of this element set as an observer; `limb` is the border of the Earth.
+    /// Creates an observer from the element set of an object; `limb` is the limb of the Earth.
     ///
     /// # Errors
-    /// [`OrbitError::Elements`] where SGP4 cannot start.
+    /// [`OrbitError::Elements`] if SGP4 cannot be initialised.
     pub fn new(elements: &ElementSet, limb: EarthLimb) -> Result<Self, OrbitError> {
         Ok(Self { name: elements.name.to_string(), propagator: Propagator::new(elements)?, limb })
     }
 
-    /// The name in its element set, or its number.
+    /// Name in the element set, or the catalogue number.
     pub fn name(&self) -> String {
         if self.name.is_empty() { self.norad_id().to_string() } else { self.name.clone() }
     }
 
-    /// NORAD catalogue number: an object of this number is not seen by itself.
+    /// NORAD catalogue number; an object of this number is not searched.
     pub fn norad_id(&self) -> NoradId {
         self.propagator.norad_id()
     }
 
-    /// Epoch of its elements.
+    /// Epoch of the elements.
     pub fn elements_epoch(&self) -> Epoch {
         self.propagator.epoch()
     }
 
-    /// The border of the Earth.
+    /// Limb of the Earth.
     pub fn limb(&self) -> EarthLimb {
         self.limb
     }
@@ -57,7 +57,7 @@ impl OrbitingObserver {
 pub enum Viewpoint {
     /// A site on the Earth.
     Site(Observer),
-    /// An orbit.
+    /// A telescope in orbit.
     Orbit(Box<OrbitingObserver>),
 }
 
@@ -80,7 +80,7 @@ impl From<OrbitingObserver> for Viewpoint {
 }
 
 impl Viewpoint {
-    /// The site; `None` in orbit.
+    /// Returns the site; `None` in orbit.
     pub fn site(&self) -> Option<&Observer> {
         match self {
             Self::Site(observer) => Some(observer),
@@ -88,7 +88,7 @@ impl Viewpoint {
         }
     }
 
-    /// The telescope in orbit; `None` for a site.
+    /// Returns the telescope in orbit; `None` for a site.
     pub fn orbit(&self) -> Option<&OrbitingObserver> {
         match self {
             Self::Site(_) => None,
@@ -96,7 +96,7 @@ impl Viewpoint {
         }
     }
 
-    /// Its name.
+    /// Name of the site or telescope.
     pub fn name(&self) -> String {
         match self {
             Self::Site(observer) => observer.site().name.clone(),
@@ -104,7 +104,7 @@ impl Viewpoint {
         }
     }
 
-    /// `the horizon` or `the Earth's limb`: the border that a pointing can be below.
+    /// Name of the border below which no pointing is visible: `the horizon` or `the Earth's limb`.
     pub fn border_name(&self) -> &'static str {
         match self {
             Self::Site(_) => "the horizon",
@@ -112,11 +112,11 @@ impl Viewpoint {
         }
     }
 
-    /// Altitude of a pointing above the horizon, or in orbit above the Earth's limb, radians, without refraction and
-    /// aberration (25" at most).
+    /// Returns the altitude of a pointing above the horizon, or in orbit above the Earth's limb, radians, without
+    /// refraction and aberration (25" at most).
     ///
     /// # Errors
-    /// [`OrbitError`] where the observer's own elements give no position.
+    /// [`OrbitError`] if the observer's own elements give no position.
     pub fn pointing_altitude_rad(
         &self,
         pointing: &Direction<Gcrs>,

@@ -1,8 +1,8 @@
 //! Visible passes: above a site's horizon at night and in sunlight, with the Earth's shadow and the brightest point.
 //!
-//! Of the intervals above the horizon, those in daylight and those in the shadow all along are decided by their
-//! samples; the others are interpolated, the borders of light closed to a millisecond, and the brightest point is
-//! searched in steps of at most ten seconds and closed in on.
+//! Intervals above the horizon in daylight, or in the shadow all the time, are excluded by their samples. The others
+//! are interpolated: the borders of the illuminated intervals are computed to a millisecond, and the brightest point is
+//! searched in steps of at most ten seconds and refined.
 
 use hifitime::Epoch;
 use rayon::prelude::*;
@@ -19,97 +19,97 @@ use crate::geometry::{Illumination, Observer};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError};
 use crate::photometry::{MagnitudeSource, PhotometryOptions};
 
-/// A pass that began before the night is followed back this far, and one that ends after it as far ahead, seconds: low
-/// satellites rise and set within it.
+/// Extension of the search before and after the night, seconds, for passes that began before it or end after it: low
+/// satellites rise and set within this time.
 const TWILIGHT_REACH_S: f64 = 1800.0;
-/// Step of the first search for shadow and light, seconds, and its largest number of steps.
+/// Step of the first search for shadow and brightness, seconds, and the largest number of steps.
 const LIGHT_STEP_S: f64 = 10.0;
 const MOST_LIGHT_STEPS: f64 = 360.0;
-/// Least number of satellites for one thread.
+/// Least number of satellites per thread.
 const TOGETHER: usize = 8;
-/// Borders of light are closed to this, seconds.
+/// Tolerance of the borders of illuminated intervals, seconds.
 const BORDER_S: f64 = 1e-3;
 
-/// Which passes to compute.
+/// Request for visible passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibleRequest {
-    /// Start.
+    /// Start of the search.
     pub start: Epoch,
-    /// End.
+    /// End of the search.
     pub end: Epoch,
-    /// Intervals in which the site is dark, in order of time, within the two.
+    /// Intervals in which the site is dark, in order of time, between start and end.
     pub dark: Vec<(Epoch, Epoch)>,
-    /// Altitude that counts as rise and set, radians.
+    /// Altitude of rise and set, radians.
     pub min_altitude_rad: f64,
     /// Lowest culmination, radians.
     pub min_culmination_rad: f64,
-    /// Faintest peak; passes without a magnitude are then left out too.
+    /// Faintest peak magnitude; if it is set, passes without a magnitude are excluded.
     pub max_magnitude: Option<f64>,
     /// Include passes in the Earth's shadow and in daylight.
     pub include_dark: bool,
-    /// Points from rise to set, evenly spaced in time; 0 for none.
+    /// Number of points from rise to set, evenly spaced in time; 0 for none.
     pub samples: usize,
     /// Band, system, extinction.
     pub photometry: PhotometryOptions,
 }
 
-/// The visible part of a pass.
+/// Visible part of a pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visibility {
-    /// Its begin: at the rise, out of the shadow (full sunlight) or at nightfall.
+    /// Start: at the rise, at the end of the shadow (full sunlight) or at nightfall.
     pub begin: TrackPoint,
-    /// Its highest point.
+    /// Highest point.
     pub highest: TrackPoint,
-    /// Its end: at the set, where the light begins to fade into the shadow, or at dawn.
+    /// End: at the set, at the start of the penumbra, or at dawn.
     pub end: TrackPoint,
-    /// Its brightest point, penumbra included; `None` where the model gives no light.
+    /// Brightest point, including the penumbra; `None` if the model gives no light.
     pub peak: Option<TrackPoint>,
 }
 
-/// One pass of one satellite above a site's horizon.
+/// Pass of one satellite above a site's horizon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisiblePass {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Position of its element set in the sky's catalogue.
+    /// Index of its element set in the sky's catalogue.
     pub element_index: usize,
-    /// The point at which it reaches the lowest altitude; `None` where it was up when the search began, half an hour
+    /// Point at which it reaches the lowest altitude; `None` if it was above it when the search began, half an hour
     /// before the night.
     pub rise: Option<TrackPoint>,
-    /// The highest point of the pass.
+    /// Highest point of the pass.
     pub culmination: TrackPoint,
-    /// The point at which it falls below the lowest altitude; `None` where it is still up when the search ends.
+    /// Point at which it falls below the lowest altitude; `None` if it is above it when the search ends.
     pub set: Option<TrackPoint>,
-    /// The point at which the light first begins to fade into the Earth's shadow.
+    /// First point of the penumbra as the satellite enters the Earth's shadow.
     pub shadow_entry: Option<TrackPoint>,
-    /// The point at which full light first returns.
+    /// Point at which full sunlight first returns.
     pub shadow_exit: Option<TrackPoint>,
-    /// Its visible part; `None` where nothing is visible.
+    /// Visible part; `None` if no part is visible.
     pub visible: Option<Visibility>,
-    /// Culmination minus element epoch, days.
+    /// Culmination less element epoch, days.
     pub element_age_days: f64,
     /// Points from rise to set; empty without samples in the request.
     pub samples: Vec<TrackPoint>,
 }
 
-/// Numbers of passes that were found and excluded.
+/// Numbers of excluded passes by reason.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct NotShown {
-    /// Above the lowest altitude while the site is dark, and in the Earth's shadow at all such times. Passes that end
-    /// before it gets dark or begin after are not counted.
+    /// Passes above the lowest altitude while the site is dark, but in the Earth's shadow during that time. Passes that
+    /// end before the site is dark or begin after are not counted.
     pub in_shadow: usize,
-    /// Fainter than the limit, or without any magnitude.
+    /// Passes fainter than the limit, or without a magnitude.
     pub too_faint: usize,
-    /// Those of them whose magnitude is a prior alone: the satellite's brightness is unknown.
+    /// Passes in `too_faint` with a magnitude from a prior only: the satellite's brightness is unknown.
     pub too_faint_by_prior: usize,
-    /// Above the lowest altitude while the site is dark, and culminating too low.
+    /// Passes above the lowest altitude while the site is dark, with too low a culmination.
     pub too_low: usize,
 }
 
-/// Passes and what was excluded.
+/// Visible passes and numbers of excluded ones.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VisiblePasses {
-    /// In order of the time at which they are first visible (of culmination where they are not).
+    /// Passes in order of the time at which they are first visible (of culmination if they are not visible).
     pub passes: Vec<VisiblePass>,
     /// Numbers of excluded passes.
     pub not_shown: NotShown,
@@ -135,7 +135,8 @@ struct Span {
 }
 
 impl Sky {
-    /// Every visible pass over the site, on all threads, of the satellites that `is_wanted` selects by element index.
+    /// Finds all visible passes over the site, on all threads, of the satellites selected by `is_selected` by element
+    /// index.
     ///
     /// Altitudes are geometric, without refraction. The result does not depend on the number of threads.
     ///
@@ -145,7 +146,7 @@ impl Sky {
     pub fn visible_passes(
         &self,
         request: &VisibleRequest,
-        is_wanted: &(dyn Fn(usize) -> bool + Sync),
+        is_selected: &(dyn Fn(usize) -> bool + Sync),
     ) -> Result<VisiblePasses, SkyError> {
         check_epoch(request.start)?;
         check_epoch(request.end)?;
@@ -155,16 +156,17 @@ impl Sky {
         let scene = self.scene_without_windows(scene_start, span_s);
         let spans = spans(request, scene_start);
         let search = Search { sky: self, scene: &scene, observer, request };
-        let wanted: Vec<usize> = (0..self.index().len()).filter(|&one| is_wanted(one)).collect();
+        let selected: Vec<usize> = (0..self.index().len()).filter(|&one| is_selected(one)).collect();
         let of_one = |&element_index: &usize| {
             // Passes found before SGP4 fails are kept.
             let mut kept = Vec::new();
             let failed = spans.iter().try_for_each(|span| search.passes(element_index, span, &mut kept)).err();
             (kept, failed.map(|reason| self.failed(element_index, reason)))
         };
-        let all: Vec<(Vec<Outcome>, Option<LeftOut>)> = wanted.par_iter().with_min_len(TOGETHER).map(of_one).collect();
-        let mut answer = VisiblePasses { satellites: wanted.len(), ..VisiblePasses::default() };
-        answer.left_out.extend(self.left_out().iter().filter(|one| is_wanted(one.element_index)).cloned());
+        let all: Vec<(Vec<Outcome>, Option<LeftOut>)> =
+            selected.par_iter().with_min_len(TOGETHER).map(of_one).collect();
+        let mut answer = VisiblePasses { satellites: selected.len(), ..VisiblePasses::default() };
+        answer.left_out.extend(self.left_out().iter().filter(|one| is_selected(one.element_index)).cloned());
         for one in all.into_iter().flat_map(|(kept, failed)| {
             answer.left_out.extend(failed);
             kept
@@ -186,7 +188,7 @@ impl Sky {
     }
 }
 
-/// One search for each dark interval, or one for all of the time; those that would meet are joined.
+/// Returns one search interval for each dark interval, or one for the whole time; overlapping ones are joined.
 fn spans(request: &VisibleRequest, scene_start: Epoch) -> Vec<Span> {
     let at = |epoch: Epoch| seconds_between(scene_start, epoch);
     let dark_s: Vec<(f64, f64)> = request.dark.iter().map(|(from, until)| (at(*from), at(*until))).collect();
@@ -222,9 +224,9 @@ impl Search<'_> {
         let Some(propagator) = self.sky.index().propagator(element_index) else { return Ok(()) };
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let horizon = HorizonSearch { scene: self.scene, propagator, minutes, observer: self.observer };
-        // The shadow is convex: a satellite that is dark at its rise and at its set is dark in between, and one that
-        // stays up for hours is lit at some sample. For one that rises or sets about dusk or dawn the samples do not
-        // decide whether it is up in the dark.
+        // The shadow is convex: a satellite that is dark at its rise and its set is dark in between, and one that stays
+        // up for hours is lit at some sample. For a satellite that rises or sets near dusk or dawn the samples are not
+        // sufficient to decide whether it is up in the dark.
         let treatment = |samples: &[Sample]| {
             let (first_s, last_s) = (samples[0].time_s, samples[samples.len() - 1].time_s);
             let is_in_umbra = |sample: &Sample| {
@@ -252,15 +254,15 @@ impl Search<'_> {
         Ok(())
     }
 
-    /// The site near a time.
+    /// Returns the motion of the site near a time.
     fn motion(&self, time_s: f64) -> ObserverMotion {
         let orientation = self.scene.orientation.at_s(time_s);
         let earth_velocity = self.scene.sun.at_s(time_s).earth_velocity;
         ObserverMotion::of_site(self.observer, &orientation, earth_velocity, time_s)
     }
 
-    /// One interval above the horizon; `None` where it ends before the dark or begins after, and where observer and
-    /// satellite coincide.
+    /// Evaluates one interval above the horizon; `None` if it ends before the dark or begins after it, or if observer
+    /// and satellite coincide.
     fn pass(
         &self,
         element_index: usize,
@@ -317,7 +319,7 @@ impl Search<'_> {
             return Ok(Some(Outcome::TooFaint { by_prior }));
         }
         let point = |time_s: Option<f64>| time_s.and_then(|time_s| evaluator.point(time_s));
-        // Times at which full light ends within the pass, and at which it begins.
+        // First end of full sunlight within the pass, and first begin of it.
         let entry_s = full.iter().map(|interval| interval.1).find(|&time_s| time_s < end_s);
         let exit_s = full.iter().map(|interval| interval.0).find(|&time_s| time_s > begin_s);
         Ok(Some(Outcome::Pass(Box::new(VisiblePass {
@@ -335,7 +337,7 @@ impl Search<'_> {
     }
 }
 
-/// The visible part in intervals of full light, and the brightest point in any light.
+/// Returns the visible part in intervals of full sunlight, and the brightest point in any light.
 fn visibility(
     evaluator: &PassEvaluator<'_>,
     seen: &[(f64, f64)],
@@ -359,8 +361,8 @@ fn visibility(
     Some(Visibility { begin: evaluator.point(seen.first()?.0)?, highest, end: evaluator.point(seen.last()?.1)?, peak })
 }
 
-/// Intervals between two times, seconds, in which a condition holds: tested in even steps, the borders bisected to a
-/// millisecond and inside.
+/// Returns the intervals between two times, seconds, in which a condition holds: it is tested in even steps, and the
+/// borders are found by bisection to a millisecond, inside the intervals.
 pub fn intervals_where(begin_s: f64, end_s: f64, steps: usize, holds: impl Fn(f64) -> bool) -> Vec<(f64, f64)> {
     let time_s = |step: usize| begin_s + (end_s - begin_s) * step as f64 / steps as f64;
     let border = |mut in_s: f64, mut out_s: f64| {
@@ -387,7 +389,7 @@ pub fn intervals_where(begin_s: f64, end_s: f64, steps: usize, holds: impl Fn(f6
     found
 }
 
-/// Intersection of two lists of intervals.
+/// Returns the intersection of two lists of intervals.
 fn both(one: &[(f64, f64)], other: &[(f64, f64)]) -> Vec<(f64, f64)> {
     one.iter()
         .flat_map(|a| other.iter().map(move |b| (a.0.max(b.0), a.1.min(b.1))))

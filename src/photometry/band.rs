@@ -1,7 +1,7 @@
 //! Passbands, zero points, and the Sun's magnitude in each.
 //!
-//! The reflectance of a satellite is measured in one band at best. Other bands follow from the Sun's colour as if the
-//! satellite were grey; such magnitudes are marked.
+//! The reflectance of a satellite is usually measured in one band only. Other bands follow from the Sun's colour as if
+//! the satellite were grey; such magnitudes are marked.
 
 use std::fmt;
 use std::str::FromStr;
@@ -38,7 +38,7 @@ pub enum Band {
 /// Zero point of magnitudes.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagSystem {
-    /// Vega (about 0.03 mag) sets the zero.
+    /// Vega has a magnitude of about 0.03.
     Vega,
     /// A source of 3631 Jy at every frequency has magnitude 0.
     Ab,
@@ -60,7 +60,7 @@ impl Band {
         Band::GaiaG,
     ];
 
-    /// The name in tables: `V`, `g`, `G` (Gaia).
+    /// Returns the name in tables: `V`, `g`, `G` (Gaia).
     pub fn name(self) -> &'static str {
         match self {
             Band::B => "B",
@@ -77,7 +77,7 @@ impl Band {
         }
     }
 
-    /// Usual system of magnitudes in this band.
+    /// Returns the usual system of magnitudes in this band.
     pub fn usual_system(self) -> MagSystem {
         match self {
             Band::B | Band::V | Band::R | Band::I | Band::GaiaG => MagSystem::Vega,
@@ -85,7 +85,7 @@ impl Band {
         }
     }
 
-    /// Apparent magnitude of the Sun at 1 au.
+    /// Returns the apparent magnitude of the Sun at 1 au.
     pub fn sun_magnitude(self, system: MagSystem) -> f64 {
         // AB, and Vega of BVRI: Willmer (2018, ApJS 236, 47), table 3.
         // Vega of ugrizy: those AB values less the AB magnitude of Vega (CALSPEC spectrum in pyphot 2.1.1) in the
@@ -129,7 +129,7 @@ impl fmt::Display for MagSystem {
 impl FromStr for Band {
     type Err = PhotometryError;
 
-    /// By name; upper and lower case differ (`R` is Cousins, `r` LSST; `G` is Gaia, `g` LSST).
+    /// Parses a name; case matters (`R` is Cousins, `r` LSST; `G` is Gaia, `g` LSST).
     fn from_str(text: &str) -> Result<Self, PhotometryError> {
         Band::ALL
             .into_iter()
@@ -141,7 +141,7 @@ impl FromStr for Band {
 impl FromStr for MagSystem {
     type Err = PhotometryError;
 
-    /// By name, in any case.
+    /// Parses a name, in any case.
     fn from_str(text: &str) -> Result<Self, PhotometryError> {
         match text.trim().to_ascii_lowercase().as_str() {
             "vega" => Ok(MagSystem::Vega),
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_names_go_there_and_back() {
+    fn verif_names_round_trip() {
         for band in Band::ALL {
             assert_eq!(band.to_string().parse::<Band>().unwrap(), band);
         }
@@ -182,7 +182,7 @@ mod tests {
         {
             assert!((sun(blue) - sun(red) - colour).abs() < 0.05, "{blue} - {red}");
         }
-        // Vega is bluer than a flat spectrum: the further to the red, the more AB exceeds Vega.
+        // Vega is bluer than a flat spectrum: the redder the band, the more AB exceeds Vega.
         for pair in [Band::LsstG, Band::LsstR, Band::LsstI, Band::LsstZ, Band::LsstY].windows(2) {
             let excess = |band: Band| band.sun_magnitude(MagSystem::Ab) - band.sun_magnitude(MagSystem::Vega);
             assert!(excess(pair[0]) < excess(pair[1]));

@@ -8,19 +8,19 @@ use super::magnitude::Magnitude;
 
 /// Source of a magnitude. Cheap to clone.
 ///
-/// Shown as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or class) or
-/// `prior` (unknown satellite).
+/// Displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or class)
+/// or `prior` (unknown satellite).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagnitudeSource {
     /// A reflection model, by name.
     Brdf(Arc<str>),
     /// A phase function, by name.
     Phase(Arc<str>),
-    /// A diffuse sphere scaled to this object's standard magnitude.
+    /// A diffuse sphere scaled to the standard magnitude of this object.
     StandardMagnitude,
     /// The mean of a constellation or class of objects, by name.
     Mean(Arc<str>),
-    /// A guess wide enough to hold most satellites.
+    /// A guess with a sigma that covers most satellites.
     Prior,
 }
 
@@ -39,26 +39,26 @@ impl fmt::Display for MagnitudeSource {
 /// A predicted apparent magnitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brightness {
-    /// Magnitude at the observer, dimming in the Earth's shadow included.
+    /// Magnitude at the observer, including dimming in the Earth's shadow.
     pub magnitude: Magnitude,
-    /// One sigma, mag: how far a single measurement may lie from the prediction.
+    /// One sigma of a single measurement about the prediction, mag.
     pub sigma_mag: f64,
     /// Source of the magnitude.
     pub source: MagnitudeSource,
-    /// False outside the geometry that the model was fitted to; the sigma is then wider.
+    /// False outside the geometry of the fit; the sigma is then larger.
     pub in_fitted_range: bool,
-    /// True where the model is of another band and the Sun's colour was taken for the satellite's.
+    /// True for a model of another band, converted with the Sun's colour.
     pub grey_reflectance: bool,
 }
 
-/// Light from the Earth on the chassis of two-panel models, and on panels that receive it.
+/// Earthshine on the chassis of two-panel models, and on panels that receive it.
 ///
-/// The paper is inconsistent on whether its final model includes it (section 4.3 against 4.4). Phase functions and means
-/// come from measured magnitudes, which include it, and ignore this option. Models of panels that were fitted by
-/// sunlight alone have some of it in their coefficients: their files note it.
+/// The paper is inconsistent on whether its final model includes it (section 4.3 against 4.4). Phase functions and
+/// means are based on measured magnitudes, which include it, and ignore this option. The coefficients of panel models
+/// that were fitted with sunlight only absorb some of it, as noted in their files.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Earthshine {
-    /// Sunlight alone.
+    /// Sunlight only.
     Off,
     /// A spherical Lambertian Earth of albedo 0.3, summed for each geometry to 0.001 mag.
     #[default]
@@ -66,7 +66,7 @@ pub enum Earthshine {
 }
 
 impl Earthshine {
-    /// Name in provenance.
+    /// Returns the name in provenance.
     pub fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
@@ -84,12 +84,12 @@ pub struct PhotometryOptions {
     pub band: Band,
     /// Zero point.
     pub system: MagSystem,
-    /// Add 5 log10 R for the Sun's distance R in au (at most ±0.037 mag). The paper leaves it out.
+    /// Adds 5 log10 R for the Sun's distance R in au (at most ±0.037 mag), which the paper omits.
     pub sun_distance: bool,
-    /// Extinction coefficient k of the site, mag per airmass; `None` gives magnitudes above the atmosphere.
-    /// With it a satellite at or below the observer's horizon has no magnitude.
+    /// Extinction coefficient k of the site, mag per airmass; `None` for magnitudes above the atmosphere. With
+    /// extinction a satellite at or below the observer's horizon has no magnitude.
     pub extinction_mag_per_airmass: Option<f64>,
-    /// Earthshine on models made of panels.
+    /// Earthshine on panel models.
     pub earthshine: Earthshine,
 }
 
@@ -106,12 +106,12 @@ impl Default for PhotometryOptions {
 }
 
 impl PhotometryOptions {
-    /// Default options in another band and system.
+    /// Returns default options in another band and system.
     pub fn in_band(band: Band, system: MagSystem) -> Self {
         Self { band, system, ..Self::default() }
     }
 
-    /// Returns names and values of the options, for the provenance of answers.
+    /// Returns names and values of the options for the provenance of results.
     pub fn statements(&self) -> Vec<(&'static str, serde_json::Value)> {
         let mut statements = vec![
             ("band", self.band.name().into()),
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_sources_are_spelled_as_tables_spell_them() {
+    fn verif_sources_are_displayed_as_in_tables() {
         assert_eq!(MagnitudeSource::Brdf("starlink-v1.5".into()).to_string(), "brdf:starlink-v1.5");
         assert_eq!(MagnitudeSource::Phase("v2mini".into()).to_string(), "phase:v2mini");
         assert_eq!(MagnitudeSource::StandardMagnitude.to_string(), "stdmag");

@@ -1,13 +1,14 @@
 //! Earthshine: the sunlit part of the Earth that a satellite sees, and the product rule that sums its light.
 //!
-//! Every part of the Earth that the Sun lights and the satellite sees is a Lambertian source of albedo 0.3. The paper
-//! sums over HEALPix pixels (tests do too); here a product rule lays fewer and better nodes on the lit ground in view.
-//! The paper lights the chassis only, and so do models of two panels; lists of panels light any panel by any law.
-//! Light between satellite parts, refraction, the air's own glow in twilight, and the Sun's disk are left out.
+//! Every part of the Earth that is lit by the Sun and visible from the satellite is a Lambertian source of albedo 0.3.
+//! The paper sums over HEALPix pixels (as tests do); here a product rule places fewer and better nodes on the lit
+//! ground in view. The paper lights the chassis only, and so do two-panel models; in lists of panels any panel may be
+//! lit, with any law. Light between satellite parts, refraction, twilight airglow and the size of the Sun's disk are
+//! neglected.
 //!
-//! Convergence, as the worst error of diffuse light and of the magnitude of a chassis that only the Earth lights
-//! (c4 0.19, c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). HEALPix with its pole at the
-//! nadir, n = 22, 550 km, Sun -12° to 40°, against the rule:
+//! Convergence, as the largest error of diffuse light and of the magnitude of a chassis lit by the Earth only (c4 0.19,
+//! c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). HEALPix with its pole at the nadir, n =
+//! 22, 550 km, Sun -12° to 40°, against the rule:
 //!
 //! | nside | lit cells | diffuse | total, mag |
 //! |---|---|---|---|
@@ -17,7 +18,7 @@
 //! | 256 | 31,000 | 2.7e-4 | 0.0019 |
 //! | 512 | 124,500 | 6.8e-5 | 0.0005 |
 //!
-//! The rule against a much finer one, 200 km to 36,000 km, all Suns:
+//! The rule against a much finer one, 200 km to 36,000 km, all positions of the Sun:
 //!
 //! | exponent | nodes at 550 km, at most | total, mag |
 //! |---|---|---|
@@ -28,30 +29,31 @@
 //! | 60 | 724 | 0.0006 |
 //! | 200 | 2,056 | 0.0007 |
 //!
-//! Below exponent 1 the lobe ends in a step 90° off and the rule is good to some hundredths; above 200 it is not tested.
+//! Below exponent 1 the lobe ends with a step at 90° and the error is some hundredths; exponents above 200 are not
+//! tested.
 //!
 //! Seen from the height h, a spherical Earth fills a cap about the nadir. A point of it at the nadir angle η (at the
-//! satellite), the angle γ (at the Earth's centre) and the longitude φ about the nadir from the Sun's sends an
-//! irradiance, relative to the Sun's own on a plate square to it, of
+//! satellite), the angle γ (at the Earth's centre) and the longitude φ about the nadir from the Sun's contributes an
+//! irradiance, relative to that of the Sun on a plate perpendicular to the direction, of
 //!
 //! ```text
 //! dE = (albedo/π) cos(Sun) cos(view) dA / d² = (albedo/π) cos(Sun) sin η dη dφ
 //! cos(Sun) = cos γ sin δ + sin γ cos δ cos φ                     δ the Sun's latitude above the chassis plane
 //! ```
 //!
-//! Neither γ nor η is a good variable: η has a square root at the limb, and γ is crowded below a low satellite. The
+//! Neither γ nor η is a suitable variable: η has a square root at the limb, and γ is crowded below a low satellite. The
 //! zenith angle e of the satellite at the ground, 0 to π/2, is regular at both ends:
 //!
 //! ```text
 //! sin η = R/(R+h) sin e        γ = e - η
 //! ```
 //!
-//! Where the Sun stands below the height at which the whole cap is lit, φ is cut at the terminator,
-//! cos φ = -tan δ / tan γ. The cut opens with a square root at γ = |δ|, which the substitution
-//! e = e₀ + (π/2 - e₀) s² (2 - s) removes. A Sun above the chassis plane, lower than that, lights full circles up to
-//! γ = δ and cut ones beyond, as two pieces. Gauss-Legendre rules in e (or s) and φ; equal steps on full circles.
+//! If the Sun is below the height at which the whole cap is lit, φ is limited by the terminator, cos φ = -tan δ / tan
+//! γ. The limit begins with a square root at γ = |δ|, which the substitution e = e₀ + (π/2 - e₀) s² (2 - s) removes. A
+//! Sun above the chassis plane, but lower than that, lights full circles up to γ = δ and partial ones beyond, as two
+//! pieces. Gauss-Legendre rules in e (or s) and φ; equal steps on full circles.
 //!
-//! Nothing is lit below δ = -acos(R/(R+h)): -23.0° at 550 km.
+//! No light below δ = -acos(R/(R+h)): -23.0° at 550 km.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use std::sync::LazyLock;
@@ -66,19 +68,19 @@ use crate::math::vectors::{Kernel, widest_fused};
 /// Albedo of the Earth, the same everywhere (Lu 2024, section 2.4).
 pub const EARTH_ALBEDO: f64 = 0.3;
 
-/// Nodes that are evaluated together.
+/// Number of nodes evaluated together.
 const LANES: usize = 8;
 
-/// Light of the Earth on a panel, relative to the Sun's irradiance on a plate square to it.
+/// Earthshine on a panel, relative to the Sun's irradiance on a plate perpendicular to it.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct Shine {
+pub struct PanelEarthshine {
     /// Irradiance on the panel: Σ dE cos φ_i, dimensionless.
     pub irradiance: f64,
     /// Σ dE cos φ_i cosⁿθ, θ between the mirror direction of each source and the observer.
     pub lobe: f64,
 }
 
-/// The lit ground in view of a satellite for one Sun and one height.
+/// The lit ground visible from a satellite, for one Sun and one height.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LitEarth {
     sin_sun: f64,
@@ -91,18 +93,18 @@ pub struct LitEarth {
 /// Number of nodes, by the width of the lobe that they resolve.
 #[derive(Copy, Clone)]
 struct Resolution {
-    /// Rings at least, and by radian of nadir angle.
+    /// Least number of rings, and number per radian of nadir angle.
     rings: [f64; 2],
-    /// Nodes on half a ring at least, and by radian of arc on the sky.
+    /// Least number of nodes on half a ring, and number per radian of arc on the sky.
     arc: [f64; 2],
 }
 
 impl Resolution {
-    /// For a lobe cosⁿθ; errors in the docs of [`super`].
+    /// Returns the resolution for a lobe cosⁿθ; the errors are in the docs of [`super`].
     fn for_exponent(exponent: f64) -> Self {
-        // The lobe is exp(-n θ²/2) near its middle: 1/√n is its scale in radians.
+        // The lobe is exp(-n θ²/2) near its axis: 1/√n is its scale in radians.
         let narrowness = exponent.max(0.0).sqrt();
-        // A broad lobe ends with a kink 90° off; rules of this kind resolve it only by their number of nodes.
+        // A broad lobe ends with a kink at 90°, which such rules resolve only by the number of nodes.
         let kink = 1.0 / exponent.max(1.0).powi(2);
         Self {
             rings: [4.3 + 0.4 * narrowness + 16.0 * kink, 0.65 * narrowness + 0.014 * narrowness * narrowness],
@@ -116,8 +118,7 @@ impl Resolution {
 }
 
 impl LitEarth {
-    /// Returns `None` where no ground in view is lit, the satellite does not stand above the ground, or a number is not
-    /// finite.
+    /// Returns `None` if no visible ground is lit, the satellite is not above the ground, or a number is not finite.
     pub fn new(sun_latitude_rad: f64, height_km: f64) -> Option<Self> {
         let is_sound = height_km > 0.0 && height_km.is_finite() && sun_latitude_rad.abs() <= FRAC_PI_2;
         let ratio = EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + height_km);
@@ -128,13 +129,13 @@ impl LitEarth {
         Some(Self { sin_sun, cos_sun, sun_latitude_rad, ratio })
     }
 
-    /// Light on a panel with this unit normal (body frame) for one observer and one exponent (0 to 10,000).
+    /// Returns the light on a panel with this unit normal (body frame) for one observer and one exponent (0 to 10,000).
     ///
-    /// Nothing is allocated; 1 to 5 µs at an exponent of 22.
-    pub fn shine(&self, normal: &Vector3<f64>, to_observer: &Vector3<f64>, exponent: f64) -> Shine {
-        // cos θ of a source is its cosine with the direction that the panel mirrors onto the observer, 2 (n · o) n - o.
+    /// No allocation; 1 to 5 µs at an exponent of 22.
+    pub fn shine(&self, normal: &Vector3<f64>, to_observer: &Vector3<f64>, exponent: f64) -> PanelEarthshine {
+        // cos θ of a source is its cosine with the direction mirrored onto the observer, 2 (n · o) n - o.
         let mirror = normal * (2.0 * normal.dot(to_observer)) - to_observer;
-        let shine = PanelShine {
+        let shine = PanelEarthshineSums {
             normal: (*normal).into(),
             mirror: mirror.into(),
             exponent,
@@ -142,18 +143,18 @@ impl LitEarth {
             lobe: [0.0; LANES],
         };
         let shine = widest_fused(Sum { earth: *self, resolution: Resolution::for_exponent(exponent), sink: shine });
-        Shine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
+        PanelEarthshine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
     }
 
-    /// Small sources that stand for the lit ground: unit vectors from the satellite in the body frame, and irradiances
-    /// on a plate square to them, relative to the Sun's own.
+    /// Returns point sources equivalent to the lit ground: unit vectors from the satellite in the body frame, and
+    /// irradiances on a plate perpendicular to them, relative to that of the Sun.
     ///
-    /// As many as lobes up to `exponent` need (see [`crate::photometry::brdf::Law::equivalent_exponent`]).
+    /// Their number suffices for lobes up to `exponent` (see [`crate::photometry::brdf::Law::equivalent_exponent`]).
     pub fn sources(&self, exponent: f64) -> Vec<(Vector3<f64>, f64)> {
         widest_fused(Sum { earth: *self, resolution: Resolution::for_exponent(exponent), sink: Sources(Vec::new()) }).0
     }
 
-    /// e of a point at γ, within the cap.
+    /// Returns e of a point at γ, within the cap.
     fn ground_zenith_rad(&self, gamma_rad: f64) -> f64 {
         let (sin, cos) = gamma_rad.sin_cos();
         // tan e = r sin γ / (r cos γ - R)
@@ -201,7 +202,7 @@ trait Sink {
     fn take<const F: bool>(&mut self, group: &Group);
 }
 
-/// The product rule, all its groups handed to a sink.
+/// The product rule, which passes all its groups to a sink.
 struct Sum<S> {
     earth: LitEarth,
     resolution: Resolution,
@@ -214,7 +215,7 @@ impl<S: Sink> Kernel for Sum<S> {
     #[inline(always)]
     fn run<const F: bool>(mut self) -> S {
         let earth = &self.earth;
-        // The whole cap is lit where the Sun stands above the ground at the limb.
+        // The whole cap is lit if the Sun is above the horizon at the limb.
         let sun_rad = earth.sun_latitude_rad;
         let cut_from_rad =
             if sun_rad.abs() < earth.ratio.acos() { earth.ground_zenith_rad(sun_rad.abs()) } else { FRAC_PI_2 };
@@ -254,7 +255,7 @@ fn each_group<const F: bool, S: Sink>(ring: &Ring, reach: f64, de: f64, rule: Ru
             let (sin, cos) = sin_cos::<F>(reach * at[lane]);
             group.x[lane] = ring.sin_nadir * cos;
             group.y[lane] = ring.sin_nadir * sin;
-            // Lanes beyond the last point have no weight.
+            // Lanes beyond the last point have zero weight.
             let cos_sun = greater(fused::<F>(ring.swing, cos, ring.level), 0.0);
             group.irradiance[lane] = ring.weight * reach * de * weight[lane] * cos_sun;
         }
@@ -262,8 +263,8 @@ fn each_group<const F: bool, S: Sink>(ring: &Ring, reach: f64, de: f64, rule: Ru
     }
 }
 
-/// Sums of [`Shine`], lane by lane.
-struct PanelShine {
+/// Sums of [`PanelEarthshine`], lane by lane.
+struct PanelEarthshineSums {
     normal: [f64; 3],
     mirror: [f64; 3],
     exponent: f64,
@@ -271,7 +272,7 @@ struct PanelShine {
     lobe: [f64; LANES],
 }
 
-impl Sink for PanelShine {
+impl Sink for PanelEarthshineSums {
     #[inline(always)]
     fn take<const F: bool>(&mut self, group: &Group) {
         let ([nx, ny, nz], [mx, my, mz], exponent) = (self.normal, self.mirror, self.exponent);
@@ -307,13 +308,13 @@ impl Sink for Sources {
     }
 }
 
-/// Longest single rule; longer ones are made of panels.
+/// Number of points of the longest single rule; longer ones are composed of panels.
 const LONGEST: usize = 32;
 
 /// Gauss-Legendre rules of 0 to [`LONGEST`] points on (0, 1).
 static GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (0..=LONGEST).map(gauss_legendre).collect());
 
-/// The half with positive abscissae of Gauss-Legendre rules of 0, 2, 4 ... points on (-1, 1).
+/// Positive half of Gauss-Legendre rules of 0, 2, 4 ... points on (-1, 1).
 static HALF_GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| {
     let half = |n: usize| gauss_legendre(2 * n)[n..].iter().map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect();
     (0..=LONGEST).map(half).collect()
@@ -327,24 +328,24 @@ pub(super) struct Rule {
 }
 
 impl Rule {
-    /// Gauss-Legendre with about `n` points.
+    /// Returns a Gauss-Legendre rule with about `n` points.
     pub fn gauss(n: usize) -> Self {
         let n = n.max(1);
         let panels = n.div_ceil(LONGEST);
         Self { panels, points: &GAUSS[n.div_ceil(panels)] }
     }
 
-    /// About `n` points for the half (0, 1) of an integral over (-1, 1), each standing for its mirror image too.
+    /// Returns about `n` points for the half (0, 1) of an integral over (-1, 1); each represents its mirror image too.
     pub fn half_gauss(n: usize) -> Self {
         if n <= LONGEST { Self { panels: 1, points: &HALF_GAUSS[n.max(1)] } } else { Self::gauss(n) }
     }
 
-    /// Middles of `n` equal steps, for periodic functions.
+    /// Returns the midpoints of `n` equal steps, for periodic functions.
     pub fn midpoints(n: usize) -> Self {
         Self { panels: n.max(1), points: &GAUSS[1] }
     }
 
-    /// Abscissae and weights; the weights add up to 1.
+    /// Returns abscissae and weights; the weights sum to 1.
     #[inline(always)]
     pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
         let length = 1.0 / self.panels as f64;

@@ -2,13 +2,13 @@
 
 use thiserror::Error;
 
-/// The schema version that this code reads and writes.
+/// Supported version of the schema.
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// Errors of model files, bands and tables of standard magnitudes. `origin` is the name of a model file.
 #[derive(Debug, Error)]
 pub enum PhotometryError {
-    /// Not JSON, a key missing, unknown or of the wrong type; the message names the key, the line and the column.
+    /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains key, line and column.
     #[error("model file {origin}: {source}")]
     ModelJson {
         /// The file.
@@ -16,8 +16,8 @@ pub enum PhotometryError {
         /// Cause and position.
         source: serde_json::Error,
     },
-    /// Written for another version of the schema.
-    #[error("model file {origin}: schema is {given}, this version reads {SCHEMA_VERSION}")]
+    /// Unsupported version of the schema.
+    #[error("model file {origin}: unsupported schema {given}, expected {SCHEMA_VERSION}")]
     ModelSchema {
         /// The file.
         origin: String,
@@ -25,7 +25,7 @@ pub enum PhotometryError {
         given: u32,
     },
     /// A number out of range, or not finite.
-    #[error("model file {origin}: {key} is {given}, allowed is {least} to {greatest}")]
+    #[error("model file {origin}: {key} is {given}, allowed: {least} to {greatest}")]
     ModelOutOfRange {
         /// The file.
         origin: String,
@@ -38,8 +38,8 @@ pub enum PhotometryError {
         /// Greatest allowed value.
         greatest: f64,
     },
-    /// A text that is not one of the allowed ones.
-    #[error("model file {origin}: {key} is {given:?}, allowed is {allowed}")]
+    /// A text outside the allowed ones.
+    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
     ModelText {
         /// The file.
         origin: String,
@@ -50,19 +50,19 @@ pub enum PhotometryError {
         /// Accepted values.
         allowed: &'static str,
     },
-    /// A key that the kind needs is missing, or a key is given that the kind does not use.
+    /// A missing key that the kind requires, or a key that the kind does not use.
     #[error("model file {origin}: kind {kind} {problem} the key {key:?}")]
     ModelKey {
         /// The file.
         origin: String,
         /// Kind of the model, as in files.
         kind: &'static str,
-        /// `needs` or `has no use for`.
+        /// `requires` or `does not use`.
         problem: &'static str,
         /// The key.
         key: &'static str,
     },
-    /// A name that is not defined in this file.
+    /// A reference to a name that is not defined in this file.
     #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
     ModelReference {
         /// The file.
@@ -74,7 +74,7 @@ pub enum PhotometryError {
         /// Accepted values.
         allowed: String,
     },
-    /// The covariance is not a symmetric matrix of the parameters with a non-negative diagonal.
+    /// A covariance that is not a symmetric matrix of the parameters with a non-negative diagonal.
     #[error(
         "model file {origin}: covariance must be {size} x {size} (the coefficients in their order), finite and \
          symmetric, with a diagonal of at least 0: {problem}"
@@ -87,22 +87,20 @@ pub enum PhotometryError {
         /// Description of the defect.
         problem: String,
     },
-    /// Not a band.
-    #[error("unknown band {given:?}; known are B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
+    /// An unknown band.
+    #[error("unknown band {given:?}: expected B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
     UnknownBand {
         /// Given name.
         given: String,
     },
-    /// Not a magnitude system.
-    #[error("unknown magnitude system {given:?}; known are Vega and AB")]
+    /// An unknown magnitude system.
+    #[error("unknown magnitude system {given:?}: expected Vega or AB")]
     UnknownSystem {
         /// Given name.
         given: String,
     },
-    /// No line has an id and a magnitude in their columns.
-    #[error(
-        "none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37: is this a qs.mag table?"
-    )]
+    /// No line with an id and a magnitude in their columns.
+    #[error("not a qs.mag table: none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37")]
     NoStandardMagnitudes {
         /// Number of lines.
         lines: usize,
@@ -117,7 +115,7 @@ pub(super) struct Check<'a> {
 
 impl Check<'_> {
     pub fn range(&self, key: &str, given: f64, least: f64, greatest: f64) -> Result<(), PhotometryError> {
-        // NaN is in no range.
+        // NaN is outside every range.
         if (least..=greatest).contains(&given) {
             return Ok(());
         }
@@ -130,12 +128,12 @@ impl Check<'_> {
         })
     }
 
-    /// Holds a number of items to its range.
+    /// Checks the range of a number of items.
     pub fn count(&self, key: &str, given: usize, least: usize, greatest: usize) -> Result<(), PhotometryError> {
         self.range(&format!("{key}: number"), given as f64, least as f64, greatest as f64)
     }
 
-    /// Error for an undefined name.
+    /// Returns the error for an undefined name.
     pub fn reference(&self, key: &str, given: &str, allowed: String) -> PhotometryError {
         PhotometryError::ModelReference {
             origin: self.origin.to_owned(),

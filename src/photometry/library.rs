@@ -1,4 +1,4 @@
-//! Models by name: the shipped ones and those of the user.
+//! Brightness models by name: the shipped ones and those of the user.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ shipped!(
     "visorsat.json",
 );
 
-/// A set of models, each under its name and aliases.
+/// A set of models with their names and aliases.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelLibrary {
     models: BTreeMap<String, Arc<BrightnessModel>>,
@@ -41,7 +41,7 @@ pub struct ModelLibrary {
 }
 
 impl ModelLibrary {
-    /// The shipped models.
+    /// Returns the shipped models.
     pub fn embedded() -> Self {
         let mut library = Self::default();
         for (origin, text) in SHIPPED {
@@ -56,30 +56,30 @@ impl ModelLibrary {
     /// Adds a model from the text of a file, replacing one of the same name; returns its name.
     ///
     /// # Errors
-    /// As [`BrightnessModel::from_json`]; the library is then unchanged.
+    /// Same as [`BrightnessModel::from_json`]; the library is then unchanged.
     pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, PhotometryError> {
         let model = BrightnessModel::from_json(text, origin)?;
         Ok(self.add(model))
     }
 
-    /// The model of this name or alias, in any case.
+    /// Returns the model with this name or alias, in any case.
     pub fn get(&self, name: &str) -> Option<Arc<BrightnessModel>> {
         let name = name.trim().to_ascii_lowercase();
         let name = self.aliases.get(&name).filter(|_| !self.models.contains_key(&name)).unwrap_or(&name);
         self.models.get(name).cloned()
     }
 
-    /// Model of unknown satellites; always present in the embedded library.
+    /// Returns the model of unknown satellites; always present in the embedded library.
     pub fn unknown(&self) -> Option<Arc<BrightnessModel>> {
         self.get("unknown")
     }
 
-    /// Names in alphabetical order, aliases left out.
+    /// Returns the names in alphabetical order, without aliases.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.models.keys().map(String::as_str)
     }
 
-    /// Name and text of every shipped file.
+    /// Returns name and text of every shipped file.
     pub fn shipped_files() -> &'static [(&'static str, &'static str)] {
         SHIPPED
     }

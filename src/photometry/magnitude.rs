@@ -1,18 +1,18 @@
-//! Magnitudes at the observer and at 1000 km, kept apart as types.
+//! Apparent magnitudes and magnitudes at 1000 km, as separate types.
 
 use std::fmt;
 
-/// The distance that standard magnitudes are stated for, km (the paper's d).
+/// Distance of standard magnitudes, km (the paper's d).
 pub const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// Reflection of a square metre along its own plane when a cosine of 0 is rounded to 1e-16, with a margin, m² sr⁻¹.
+/// Reflection of a square metre along its own plane for a cosine of 0 rounded to 1e-16, with a margin, m² sr⁻¹.
 const LEAST_REFLECTION_M2_SR: f64 = 1e-12;
 
 /// Apparent magnitude at the observer; smaller is brighter.
 #[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]
 pub struct Magnitude(pub f64);
 
-/// Magnitude that the same satellite would have 1000 km away, all else unchanged; smaller is brighter.
+/// Magnitude of the same satellite at a distance of 1000 km; smaller is brighter.
 #[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]
 pub struct StandardMagnitude(pub f64);
 
@@ -22,22 +22,22 @@ impl Magnitude {
         StandardMagnitude(self.0 - range_modulus_mag(range_km))
     }
 
-    /// Fainter by `mag` (brighter where negative).
+    /// Returns the magnitude dimmed by `mag` (brightened if negative).
     pub fn dimmed_by(self, mag: f64) -> Self {
         Self(self.0 + mag)
     }
 }
 
 impl StandardMagnitude {
-    /// Magnitude at `range_km` (positive).
+    /// Returns the magnitude at `range_km` (positive).
     pub fn at_range(self, range_km: f64) -> Magnitude {
         Magnitude(self.0 + range_modulus_mag(range_km))
     }
 
     /// Converts an integrated reflection function B (m² sr⁻¹, cosines and areas included) and the Sun's magnitude.
     ///
-    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): nothing lit is seen, and the rest is rounding of a
-    /// cosine that should be 0.
+    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): no lit surface is visible, and the rest is
+    /// rounding of a cosine that should be 0.
     pub fn from_reflection(b_total_m2_sr: f64, sun_magnitude: f64) -> Option<Self> {
         // m(1000 km) = -2.5 log10(B_total / d²) + m_sun, d = 10⁶ m       Lu (2024), eqs. 19-21
         let range_m = STANDARD_RANGE_KM * 1000.0;
@@ -58,13 +58,13 @@ impl fmt::Display for StandardMagnitude {
     }
 }
 
-/// Difference to the magnitude at 1000 km at another range.
+/// Returns the difference between the magnitudes at another range and at 1000 km.
 fn range_modulus_mag(range_km: f64) -> f64 {
     // m = m(1000 km) + 5 log10(r / 1000 km)                              Lu (2024), eq. 14
     5.0 * (range_km / STANDARD_RANGE_KM).log10()
 }
 
-/// Relative airmass at a true (unrefracted) altitude, 1 in the zenith; `None` at and below the horizon.
+/// Returns the relative airmass at a true (unrefracted) altitude, 1 in the zenith; `None` at and below the horizon.
 ///
 /// Young (1994, Applied Optics 33, 1108); within 0.0037 airmasses of the standard atmosphere down to the horizon.
 pub fn airmass(altitude_rad: f64) -> Option<f64> {
@@ -78,11 +78,11 @@ pub fn airmass(altitude_rad: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Rounding of a handful of operations on numbers near 10, mag.
+    /// Rounding of a few operations on numbers near 10, mag.
     const ROUNDING_MAG: f64 = 1e-12;
 
     #[test]
-    fn verif_standard_magnitude_goes_out_and_back() {
+    fn verif_standard_magnitude_round_trip() {
         for range_km in [300.0, 550.0, 1000.0, 1999.0, 36_000.0] {
             let there = StandardMagnitude(6.34).at_range(range_km);
             assert!((there.to_standard(range_km).0 - 6.34).abs() < ROUNDING_MAG);
@@ -105,7 +105,7 @@ mod tests {
     fn valid_airmass_against_the_plane_parallel_law_and_the_horizon_value() {
         assert!((airmass(std::f64::consts::FRAC_PI_2).unwrap() - 1.0).abs() < 1e-4);
         assert!((airmass(30_f64.to_radians()).unwrap() - 2.0).abs() < 0.01);
-        // Young (1994) finds 31.7 at the true horizon.
+        // Young (1994) gives 31.7 at the true horizon.
         assert!((airmass(1e-9).unwrap() - 31.7).abs() < 0.05);
         assert_eq!(airmass(0.0), None);
         assert_eq!(airmass(-0.1), None);

@@ -1,4 +1,4 @@
-//! From geometry to magnitude: laws of reflection, panels, phase functions, and models of satellites by name.
+//! From geometry to magnitude: reflection laws, panels, phase functions, and models of satellites by name.
 
 mod band;
 pub mod brdf;

@@ -1,4 +1,4 @@
-//! A brightness model of any kind.
+//! Brightness models of all kinds.
 
 use std::sync::Arc;
 
@@ -16,12 +16,12 @@ use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, 
 use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::ViewingGeometry;
 
-/// Added in quadrature where a magnitude crosses from the model's band to another with the Sun's colour, mag.
-/// Assumed: satellites are measured up to a few tenths redder or bluer than the Sun, and no survey by type is public.
+/// Added in quadrature for a conversion from the model's band to another with the Sun's colour, mag. Assumed:
+/// satellites are up to a few tenths redder or bluer than the Sun, and no survey by type is public.
 const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
-/// One sigma of a diffuse sphere scaled to a standard magnitude, mag. Assumed: shapes other than spheres, aspects, and
-/// magnitudes estimated by eye; makers of such lists state an accuracy of a magnitude.
+/// One sigma of a diffuse sphere scaled to a standard magnitude, mag. Assumed, for other shapes, aspects, and
+/// magnitudes estimated by eye; authors of such lists state an accuracy of a magnitude.
 const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
 
 /// Assumed extent of an unknown object, m.
@@ -34,11 +34,11 @@ struct FittedRange {
     sun_latitude_rad: [f64; 2],
     /// Latitude of the observer above the chassis plane.
     observer_latitude_rad: [f64; 2],
-    /// Cosines of the greatest and least phase angle, with slack: saves the arc cosine of each point of a track.
+    /// Cosines of the greatest and least phase angle, with slack; avoids an arc cosine for each point of a track.
     cos_phase: [f64; 2],
 }
 
-/// Slack at the ends of a fitted range, radians (and in cosines), for rounding on the way from degrees.
+/// Slack at the ends of a fitted range, radians (and in cosines), for the rounding of a conversion from degrees.
 const RANGE_SLACK: f64 = 1e-9;
 
 impl FittedRange {
@@ -78,7 +78,8 @@ const OFFSET_STEP_DEG: f64 = 1e-3;
 enum ParameterUncertainty {
     /// Unknown.
     None,
-    /// Derivatives by the coefficients of two panels; and where the panel offset was fitted too, models at offsets on both sides.
+    /// Derivatives by the coefficients of two panels; if the panel offset was fitted too, models at offsets on both
+    /// sides.
     Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
     /// Assemblies with parameters on both sides along each axis of the covariance.
     Pairs(Vec<[PanelAssembly; 2]>),
@@ -86,7 +87,7 @@ enum ParameterUncertainty {
 
 /// A brightness model: two panels, a list of panels, a phase function, a diffuse sphere or a mean.
 ///
-/// Magnitudes allocate nothing, except for earthshine on lists of panels.
+/// Magnitudes are computed without allocation, except for earthshine on lists of panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightnessModel {
     law: Law,
@@ -102,24 +103,24 @@ pub struct BrightnessModel {
 }
 
 impl BrightnessModel {
-    /// Reads the text of a model file; errors name it by `origin` (a file name).
+    /// Reads the text of a model file; errors contain `origin` (a file name).
     ///
     /// # Errors
-    /// As [`ModelFile::from_json`].
+    /// Same as [`ModelFile::from_json`].
     pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
         Self::from_file(ModelFile::from_json(text, origin)?, origin)
     }
 
-    /// Makes a model of the content of a model file, which is validated again.
+    /// Creates a model from the content of a model file, which is validated again.
     ///
     /// # Errors
-    /// As [`ModelFile::validate`].
+    /// Same as [`ModelFile::validate`].
     pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, PhotometryError> {
         file.validate(origin)?;
         let needs = |key| PhotometryError::ModelKey {
             origin: origin.to_owned(),
             kind: file.kind.name(),
-            problem: "needs",
+            problem: "requires",
             key,
         };
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
@@ -179,7 +180,8 @@ impl BrightnessModel {
         })
     }
 
-    /// Diffuse sphere for one object of known standard magnitude (visual, taken as V Vega; 1000 km, phase angle 90°).
+    /// Returns a diffuse sphere for one object with known standard magnitude (visual, taken as V Vega; 1000 km, phase
+    /// angle 90°).
     pub fn from_standard_magnitude(half_lit: StandardMagnitude) -> Self {
         Self {
             law: Law::Sphere(DiffuseSphere { half_lit }),
@@ -195,13 +197,13 @@ impl BrightnessModel {
         }
     }
 
-    /// Magnitude at 1000 km by full sunlight alone, in the model's own band and system; `None` where nothing lit is
-    /// seen.
+    /// Returns the magnitude at 1000 km in full sunlight only, in the model's own band and system; `None` where no lit
+    /// surface is visible.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), 0.0)
     }
 
-    /// Magnitude at 1000 km by full sunlight and, where it is not off, earthshine.
+    /// Returns the magnitude at 1000 km in full sunlight and, unless it is off, earthshine.
     pub fn standard_magnitude_with(
         &self,
         geometry: &ViewingGeometry,
@@ -211,7 +213,7 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), earth_m2_sr)
     }
 
-    /// Earthshine; 0 for models without panels.
+    /// Returns the earthshine; 0 for models without panels.
     fn earthshine_m2_sr(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> f64 {
         match (&self.law, earthshine) {
             (Law::TwoPanel(model), Earthshine::Computed) => {
@@ -223,11 +225,11 @@ impl BrightnessModel {
         }
     }
 
-    /// Writes magnitudes at 1000 km by full sunlight alone for many directions into `out`; not a number where nothing lit
-    /// is seen. As many are written as the shortest column holds; the rest of `out` stays.
+    /// Writes magnitudes at 1000 km in full sunlight only for many directions into `out`; NaN where no lit surface is
+    /// visible. The shortest column determines the number of values; the rest of `out` is unchanged.
     ///
-    /// The same as [`Self::standard_magnitude`] to 1e-9 mag. Two panels are evaluated in vectors, at some 10 ns each on
-    /// one core, other models one by one.
+    /// Agrees with [`Self::standard_magnitude`] to 1e-9 mag. Two-panel models are vectorised, at some 10 ns per value
+    /// on one core; other models are evaluated one by one.
     pub fn standard_magnitudes(&self, angles: &BodyAngles, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
             return standard_magnitudes(model, self.zero_mag(), Columns::Angles(angles), out);
@@ -240,9 +242,9 @@ impl BrightnessModel {
         }
     }
 
-    /// As [`Self::standard_magnitudes`] for satellites at many positions above one observer.
+    /// Same as [`Self::standard_magnitudes`] for satellites at many positions above one observer.
     ///
-    /// A satellite at the observer's position or at the Earth's centre gives no number.
+    /// NaN for a satellite at the observer's position or at the Earth's centre.
     pub fn standard_magnitudes_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
             return standard_magnitudes(model, self.zero_mag(), Columns::Positions(positions), out);
@@ -257,7 +259,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Magnitude at 1000 km of 1 m² sr⁻¹.
+    /// Returns the magnitude at 1000 km of 1 m² sr⁻¹.
     fn zero_mag(&self) -> f64 {
         let unit = StandardMagnitude::from_reflection(1.0, self.band.sun_magnitude(self.system));
         unit.map_or(f64::NAN, |unit| unit.0)
@@ -284,10 +286,11 @@ impl BrightnessModel {
         }
     }
 
-    /// Apparent magnitude with its sigma, source and range flag.
+    /// Returns the apparent magnitude with its sigma, source and range flag.
     ///
-    /// `lit_fraction` is the share of the Sun's disk that the satellite sees. `None` where that is 0 or not a number,
-    /// where nothing lit is seen, and, with extinction, where the satellite stands at or below the observer's horizon.
+    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` where that is 0 or NaN,
+    /// where no lit surface is visible, and, with extinction, where the satellite is at or below the observer's
+    /// horizon.
     pub fn brightness(
         &self,
         geometry: &ViewingGeometry,
@@ -298,7 +301,7 @@ impl BrightnessModel {
             return None;
         }
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
-        // The Earth's shadow dims the Sun and not the Earth: the dimming below is undone for earthshine.
+        // The Earth's shadow dims sunlight but not earthshine, so the dimming below is undone for the latter.
         let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
         let standard = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr)?;
         let grey_reflectance = options.band != self.band;
@@ -323,10 +326,10 @@ impl BrightnessModel {
         })
     }
 
-    /// One sigma of the magnitude from the uncertainty of the fitted parameters alone, mag: √(J Σ Jᵀ).
+    /// Returns one sigma of the magnitude from the uncertainty of the fitted parameters only, mag: √(J Σ Jᵀ).
     ///
-    /// Of sunlight: earthshine (`earth_m2_sr`, 0 without) dilutes it and is taken as certain, though it comes by the same
-    /// coefficients. `None` where the model has no covariance, and where nothing lit is seen.
+    /// For sunlight: earthshine (`earth_m2_sr`, 0 without) dilutes it and is taken as exact, although it has the same
+    /// coefficients. `None` if the model has no covariance, and where no lit surface is visible.
     pub fn parameter_sigma_mag(
         &self,
         to_sun: &Direction<Body>,
@@ -357,7 +360,7 @@ impl BrightnessModel {
         (b_total > 0.0).then(|| 2.5 / std::f64::consts::LN_10 * variance.sqrt() / b_total)
     }
 
-    /// True where the geometry lies within that of the fitted points, or where the model was not fitted to points.
+    /// Returns true for a geometry within that of the fitted points, or for a model that was not fitted to points.
     pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
         self.covers_phase(geometry, geometry.to_sun().cosine(&geometry.to_observer()))
     }
@@ -366,7 +369,7 @@ impl BrightnessModel {
         self.fitted_range.is_none_or(|range| range.holds(geometry, cos_phase))
     }
 
-    /// Chassis and sail of a two-panel model.
+    /// Returns chassis and sail of a two-panel model.
     pub fn satellite(&self) -> Option<&SatelliteModel> {
         match &self.law {
             Law::TwoPanel(model) => Some(model),
@@ -374,7 +377,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Panels of a model of kind `panels`.
+    /// Returns the panels of a model of kind `panels`.
     pub fn assembly(&self) -> Option<&PanelAssembly> {
         match &self.law {
             Law::Panels(assembly) => Some(assembly),
@@ -382,33 +385,33 @@ impl BrightnessModel {
         }
     }
 
-    /// True for models of panels: only these receive earthshine.
+    /// Returns true for panel models, the only ones with earthshine.
     pub fn is_of_panels(&self) -> bool {
         matches!(self.law, Law::TwoPanel(_) | Law::Panels(_))
     }
 
-    /// Source of the magnitudes.
+    /// Returns the source of the magnitudes.
     pub fn source(&self) -> &MagnitudeSource {
         &self.source
     }
 
-    /// Band and system of the model.
+    /// Returns band and system of the model.
     pub fn band(&self) -> (Band, MagSystem) {
         (self.band, self.system)
     }
 
-    /// Difference of the model's magnitudes in another band and system, mag, for a grey satellite.
+    /// Returns the offset of the model's magnitudes in another band and system, mag, for a grey satellite.
     pub fn colour_to_mag(&self, band: Band, system: MagSystem) -> f64 {
         // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
         band.sun_magnitude(system) - self.band.sun_magnitude(self.system)
     }
 
-    /// Typical extent across the sky of the bright part, m.
+    /// Returns the typical extent across the sky of the bright part, m.
     pub fn size_m(&self) -> f64 {
         self.size_m
     }
 
-    /// Model file, if the model was made from one.
+    /// Returns the model file, if the model was made from one.
     pub fn file(&self) -> Option<&ModelFile> {
         self.file.as_deref()
     }

@@ -1,8 +1,7 @@
-//! Model files: their content, and the accepted ranges of it.
+//! Content of model files, and the accepted ranges of values.
 //!
-//! A model is data. Files are JSON, one model each; the schema for editors and other programs stands beside the
-//! shipped ones (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is never silently
-//! ignored.
+//! Files are JSON, one model each; the schema for editors and other programs is in the same folder as the shipped
+//! models (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is not ignored.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +9,7 @@ use super::band::{Band, MagSystem};
 use super::error::{Check, PhotometryError, SCHEMA_VERSION};
 use super::panels::PanelsSpec;
 
-/// The panel offset of chassis and sail, which may be fitted beside the coefficients.
+/// The panel offset of chassis and sail, which may be fitted together with the coefficients.
 pub const PANEL_OFFSET: &str = "panel_offset_deg";
 
 /// Kind of a model.
@@ -23,13 +22,13 @@ pub enum ModelKind {
     Panels,
     /// A polynomial in the phase angle: `phase_function`.
     PhaseFunction,
-    /// The mean at 1000 km of a constellation or class of objects, taken for every geometry: `mean_mag`.
+    /// The mean at 1000 km of a constellation or class of objects, used for every geometry: `mean_mag`.
     Mean,
-    /// As `mean`, but a guess for unknown satellites.
+    /// Same as `mean`, but a guess for unknown satellites.
     Prior,
 }
 
-/// One model as it stands in a file.
+/// Content of a model file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
@@ -42,13 +41,13 @@ pub struct ModelFile {
     pub aliases: Vec<String>,
     /// One line of description.
     pub title: String,
-    /// Kind; decides which of the optional keys are required.
+    /// Kind, which determines the required optional keys.
     pub kind: ModelKind,
     /// Band of the magnitudes: `V`, `g`, …
     pub band: String,
     /// `Vega` or `AB`.
     pub mag_system: String,
-    /// Typical extent across the sky of the bright part, m; it widens a streak. Assumed for all shipped models.
+    /// Typical size of the satellite's bright part, m; the streak is wider by its angular size. Assumed for all shipped models.
     pub size_m: f64,
     /// Sizes of the panels (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -59,8 +58,8 @@ pub struct ModelFile {
     /// Panels, their laws and attitudes (`panels`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panels: Option<PanelsSpec>,
-    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, and panel_offset_deg as the eighth where it
-    /// was fitted; or of the parameters of `panels` in their order; null while unknown.
+    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, and panel_offset_deg as the eighth if it was
+    /// fitted; or of the parameters of `panels` in their order; null if unknown.
     #[serde(default)]
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Polynomial in the phase angle (`phase_function`).
@@ -69,14 +68,14 @@ pub struct ModelFile {
     /// Mean magnitude at 1000 km (`mean`, `prior`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mean_mag: Option<f64>,
-    /// Root mean square of the residuals on the fitted points, mag; null where none was published.
+    /// Root mean square of the residuals of the fitted points, mag; null if not published.
     pub rms_mag: Option<f64>,
-    /// One sigma of a single measurement about the model inside the fitted range, mag; what the covariance of the
-    /// parameters does to the prediction comes on top.
+    /// One sigma of a single measurement about the model inside the fitted range, mag, without the contribution of the
+    /// covariance of the parameters.
     pub sigma_mag: f64,
-    /// One sigma outside of it, mag; not less than `sigma_mag`.
+    /// One sigma outside the fitted range, mag; at least `sigma_mag`.
     pub sigma_outside_mag: f64,
-    /// Where the two sigmas come from.
+    /// Origin of the two sigmas.
     pub sigma_origin: String,
     /// Geometry of the fitted points; null for an average.
     pub geometry_range: Option<GeometryRange>,
@@ -124,49 +123,49 @@ pub struct Coefficients {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhasePolynomial {
-    /// Of φ⁰, φ¹, …
+    /// Coefficients of φ⁰, φ¹, …
     pub coefficients: Vec<f64>,
-    /// The phase is clamped to this from below, degrees.
+    /// Lower limit of the phase, degrees; smaller phases are clamped to it.
     pub min_phase_deg: f64,
-    /// The phase is clamped to this from above, degrees.
+    /// Upper limit of the phase, degrees; larger phases are clamped to it.
     pub max_phase_deg: f64,
 }
 
-/// Geometry of the fitted points, each as [least, greatest], degrees; null where it does not matter.
+/// Geometry of the fitted points, each as [least, greatest], degrees; null if irrelevant.
 #[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeometryRange {
-    /// Of the Sun above the chassis plane.
+    /// Latitude of the Sun above the chassis plane.
     #[serde(default)]
     pub sun_latitude_deg: Option<[f64; 2]>,
-    /// Of the observer above the chassis plane.
+    /// Latitude of the observer above the chassis plane.
     #[serde(default)]
     pub observer_latitude_deg: Option<[f64; 2]>,
-    /// Angle Sun-satellite-observer.
+    /// Sun-satellite-observer angle.
     #[serde(default)]
     pub phase_angle_deg: Option<[f64; 2]>,
 }
 
-/// Where a model comes from.
+/// Origin of a model.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Provenance {
-    /// Publication or maker of the fit.
+    /// Publication or author of the fit.
     pub source: String,
     /// The measurements.
     pub data: String,
-    /// How many points were fitted; null where not published.
+    /// Number of fitted points; null if not published.
     pub n_points: Option<u64>,
-    /// When the fit was made or published: `2026-11`, `2022-10`.
+    /// Date of the fit or its publication: `2026-11`, `2022-10`.
     pub date: String,
-    /// True while a better fit is due.
+    /// True if a better fit is expected.
     pub provisional: bool,
     /// Caveats.
     pub notes: Vec<String>,
 }
 
 impl ModelKind {
-    /// As it stands in files.
+    /// Returns the name in files.
     pub fn name(self) -> &'static str {
         match self {
             ModelKind::TwoPanel => "two_panel",
@@ -179,7 +178,7 @@ impl ModelKind {
 }
 
 impl ModelFile {
-    /// Reads and validates one model; errors name it by `origin` (a file name).
+    /// Reads and validates one model; errors contain `origin` (a file name).
     ///
     /// # Errors
     /// [`PhotometryError`]: text that is not JSON, unknown or missing keys, another schema version, values out of
@@ -197,7 +196,7 @@ impl ModelFile {
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// Names and values of the fitted parameters, in the order of the covariance.
+    /// Returns names and values of the fitted parameters, in the order of the covariance.
     pub fn parameters(&self) -> Vec<(&str, f64)> {
         if let Some(c) = &self.coefficients {
             let mut parameters = vec![
@@ -217,7 +216,7 @@ impl ModelFile {
         panels.map(|parameter| (parameter.name.as_str(), parameter.value)).collect()
     }
 
-    /// Band and system of the magnitudes, if they are known.
+    /// Returns band and system of the magnitudes, if they are known.
     pub fn band_and_system(&self) -> Option<(Band, MagSystem)> {
         Some((self.band.parse().ok()?, self.mag_system.parse().ok()?))
     }
@@ -274,7 +273,7 @@ impl ModelFile {
         self.geometry_range.map_or(Ok(()), |range| range.validate(&check))
     }
 
-    /// Checks that the keys which the kind requires are given, and no others.
+    /// Checks that the keys required by the kind are given, and no others.
     fn validate_keys(&self, check: &Check) -> Result<(), PhotometryError> {
         let two_panel = self.kind == ModelKind::TwoPanel;
         let panels = self.kind == ModelKind::Panels;
@@ -295,13 +294,13 @@ impl ModelFile {
         };
         for (key, present, needed) in keys {
             match (present, needed) {
-                (false, true) => return Err(key_error("needs", key)),
-                (true, false) => return Err(key_error("has no use for", key)),
+                (false, true) => return Err(key_error("requires", key)),
+                (true, false) => return Err(key_error("does not use", key)),
                 _ => {}
             }
         }
         if self.covariance.is_some() && !(two_panel || panels) {
-            return Err(key_error("has no use for", "covariance"));
+            return Err(key_error("does not use", "covariance"));
         }
         Ok(())
     }
@@ -332,7 +331,7 @@ impl Coefficients {
 
 impl PhasePolynomial {
     fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
-        check.range("phase_function.coefficients (their number)", self.coefficients.len() as f64, 1.0, 8.0)?;
+        check.range("phase_function.coefficients (number)", self.coefficients.len() as f64, 1.0, 8.0)?;
         for (i, &value) in self.coefficients.iter().enumerate() {
             check.range(&format!("phase_function.coefficients[{i}]"), value, -100.0, 100.0)?;
         }

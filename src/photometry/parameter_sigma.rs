@@ -2,23 +2,23 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Step along each axis of the covariance, in sigmas: far enough from rounding (1e-16), near enough to be straight.
+/// Step along each axis of the covariance, in sigmas: well above rounding (1e-16), and small enough to be linear.
 const STEP_SIGMAS: f64 = 1e-3;
 
-/// Covariance of parameters, as independent directions one sigma long.
+/// Covariance of parameters, as independent directions of one sigma.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ParameterSigmas {
-    /// `(n_directions)` of `(n_parameters)`; directions of no variance left out.
+    /// `(n_directions)` of `(n_parameters)`; directions without variance are omitted.
     directions: Vec<Vec<f64>>,
 }
 
 impl ParameterSigmas {
-    /// Takes a symmetric matrix, row by row.
+    /// Decomposes a symmetric matrix, given row by row.
     pub fn new(covariance: &[Vec<f64>]) -> Self {
         let n = covariance.len();
         let matrix = DMatrix::from_fn(n, n, |row, column| covariance[row].get(column).copied().unwrap_or(0.0));
         let eigen = SymmetricEigen::new(matrix);
-        // Rounding may leave a direction slightly below 0: it has no variance.
+        // Rounding may make the variance of a direction slightly negative: it is treated as 0.
         let directions = eigen
             .eigenvalues
             .iter()
@@ -29,14 +29,14 @@ impl ParameterSigmas {
         Self { directions }
     }
 
-    /// Variance of a quantity from its derivatives by the parameters: J Σ Jᵀ.
+    /// Returns the variance of a quantity from its derivatives by the parameters: J Σ Jᵀ.
     pub fn variance_of_gradient(&self, gradient: &[f64]) -> f64 {
         // Σ = Σ_k d_k d_kᵀ, so J Σ Jᵀ = Σ_k (J · d_k)²
         let along = |direction: &Vec<f64>| direction.iter().zip(gradient).map(|(d, g)| d * g).sum::<f64>();
         self.directions.iter().map(|direction| along(direction).powi(2)).sum()
     }
 
-    /// Parameters on both sides along each direction, for [`Self::variance_of_pairs`].
+    /// Returns parameters on both sides along each direction, for [`Self::variance_of_pairs`].
     pub fn pairs(&self, parameters: &[f64]) -> Vec<[Vec<f64>; 2]> {
         let moved = |direction: &[f64], by: f64| {
             parameters.iter().zip(direction).map(|(parameter, d)| parameter + by * d).collect::<Vec<f64>>()
@@ -44,7 +44,7 @@ impl ParameterSigmas {
         self.directions.iter().map(|direction| [STEP_SIGMAS, -STEP_SIGMAS].map(|by| moved(direction, by))).collect()
     }
 
-    /// Variance of a quantity from its values at each of [`Self::pairs`].
+    /// Returns the variance of a quantity from its values at each of [`Self::pairs`].
     pub fn variance_of_pairs(values: impl Iterator<Item = [f64; 2]>) -> f64 {
         values.map(|[plus, minus]| ((plus - minus) / (2.0 * STEP_SIGMAS)).powi(2)).sum()
     }

@@ -1,7 +1,7 @@
-//! Brightness by the angle Sun-satellite-observer alone: published polynomials, and diffuse spheres.
+//! Brightness as a function of the phase angle only: published polynomials, and diffuse spheres.
 //!
-//! m(1000 km) = a0 + a1 φ + a2 φ² + …, φ in degrees. Such fits are wrong outside the phases that they were made on
-//! (that of V1.5 gives 3.9 mag at 0° and 3.1 at 180°), so φ is clamped to the fitted range.
+//! m(1000 km) = a0 + a1 φ + a2 φ² + …, φ in degrees. Such fits are invalid outside their phases (that of V1.5 gives 3.9
+//! mag at 0° and 3.1 at 180°), so φ is clamped to the fitted range.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -17,9 +17,9 @@ pub struct PhaseFunction {
 }
 
 impl PhaseFunction {
-    /// Takes coefficients of φ⁰, φ¹, … (φ in degrees) and the fitted range of φ, degrees.
+    /// Creates a function from coefficients of φ⁰, φ¹, … (φ in degrees) and the fitted range of φ, degrees.
     ///
-    /// `None` without a coefficient, with a value that is not finite, or unless 0 ≤ min < max ≤ 180.
+    /// `None` without a coefficient, for a value that is not finite, or unless 0 ≤ min < max ≤ 180.
     pub fn new(coefficients: &[f64], min_phase_deg: f64, max_phase_deg: f64) -> Option<Self> {
         let sound = !coefficients.is_empty()
             && coefficients.iter().all(|c| c.is_finite())
@@ -29,14 +29,14 @@ impl PhaseFunction {
         sound.then(|| Self { coefficients: coefficients.into(), min_phase_deg, max_phase_deg })
     }
 
-    /// Magnitude at 1000 km, the phase clamped to the fitted range.
+    /// Returns the magnitude at 1000 km, with the phase clamped to the fitted range.
     pub fn standard_magnitude(&self, phase_angle_rad: f64) -> StandardMagnitude {
         let phase_deg = phase_angle_rad.to_degrees().clamp(self.min_phase_deg, self.max_phase_deg);
         StandardMagnitude(self.coefficients.iter().rev().fold(0.0, |sum, c| sum * phase_deg + c))
     }
 }
 
-/// A diffuse sphere scaled to a standard magnitude: assumed for objects of which only the brightness is known.
+/// A diffuse sphere scaled to a standard magnitude: assumed for objects with no other data than their brightness.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct DiffuseSphere {
     /// Magnitude at 1000 km and phase angle 90°.
@@ -44,14 +44,14 @@ pub struct DiffuseSphere {
 }
 
 impl DiffuseSphere {
-    /// Magnitude at 1000 km for a phase angle in [0, π]; `None` at π, where nothing lit is seen.
+    /// Returns the magnitude at 1000 km for a phase angle in [0, π]; `None` at π, where no lit surface is visible.
     pub fn standard_magnitude(&self, phase_angle_rad: f64) -> Option<StandardMagnitude> {
         let f = lambert_sphere(phase_angle_rad);
         (f > 0.0).then(|| StandardMagnitude(self.half_lit.0 - 2.5 * f.log10()))
     }
 }
 
-/// Light of a Lambertian sphere against the phase angle in [0, π], 1 at 90°.
+/// Returns the light of a Lambertian sphere at a phase angle in [0, π], relative to that at 90°.
 pub(super) fn lambert_sphere(phase_angle_rad: f64) -> f64 {
     // F(φ) ∝ sin φ + (π - φ) cos φ
     phase_angle_rad.sin() + (PI - phase_angle_rad) * phase_angle_rad.cos()
@@ -71,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_unsound_functions_are_refused() {
+    fn verif_invalid_functions_are_rejected() {
         for (c, lo, hi) in [
             (&[][..], 30.0, 150.0),
             (&[f64::NAN][..], 30.0, 150.0),

@@ -1,9 +1,9 @@
-//! Standard magnitudes by object, from the amateurs' table for QuickSat (`qs.mag`).
+//! Standard magnitudes by object, from the table for QuickSat (`qs.mag`).
 //!
-//! Mike McCants' intrinsic magnitude is stated for 1000 km, *full* phase, and the brightest aspect that is likely. Here
-//! magnitudes are means at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase
-//! and about 0.7 mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half
-//! phase; merged lists in circulation add a round 1.0.) Rows without a magnitude are skipped.
+//! Mike McCants' intrinsic magnitude is for 1000 km, *full* phase, and the brightest likely aspect. Here magnitudes are
+//! means at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase and about 0.7
+//! mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half phase; merged
+//! lists in circulation add a round 1.0.) Rows without a magnitude are skipped.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use super::error::PhotometryError;
 use super::magnitude::StandardMagnitude;
 
-/// Full phase, brightest likely, to half phase, average: 2.5 log10 2 + 0.7 mag (McCants, "Intrinsic magnitude
-/// definitions").
+/// Offset from full phase and brightest likely aspect to half phase and average aspect: 2.5 log10 2 + 0.7 mag (McCants,
+/// "Intrinsic magnitude definitions").
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
 
 /// Magnitudes at 1000 km and phase angle 90°, by NORAD id.
@@ -45,17 +45,17 @@ impl StandardMagnitudes {
         Ok(Self { half_lit })
     }
 
-    /// Magnitude at 1000 km and phase angle 90°, if the object is listed.
+    /// Returns the magnitude at 1000 km and phase angle 90°, if the object is listed.
     pub fn get(&self, norad_id: u32) -> Option<StandardMagnitude> {
         self.half_lit.get(&norad_id).copied()
     }
 
-    /// Number of objects.
+    /// Returns the number of objects.
     pub fn len(&self) -> usize {
         self.half_lit.len()
     }
 
-    /// True for an empty table.
+    /// Returns true for an empty table.
     pub fn is_empty(&self) -> bool {
         self.half_lit.is_empty()
     }
@@ -74,7 +74,7 @@ mod tests {
 ";
 
     #[test]
-    fn verif_rows_are_read_and_brought_to_half_phase() {
+    fn verif_rows_are_read_and_converted_to_half_phase() {
         let table = StandardMagnitudes::from_qs_mag(ROWS).unwrap();
         assert_eq!(table.len(), 2);
         assert!((table.get(11).unwrap().0 - 8.9526).abs() < 1e-4);
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_another_kind_of_text_is_refused() {
+    fn verif_other_text_is_rejected() {
         let error = StandardMagnitudes::from_qs_mag("a,b,c\n1,2,3\n").unwrap_err();
         assert!(matches!(error, PhotometryError::NoStandardMagnitudes { lines: 2 }));
         assert!(error.to_string().contains("qs.mag"));

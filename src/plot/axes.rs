@@ -7,44 +7,44 @@ use super::numbers::labels;
 use super::picture::{INK, Picture, Pixels, width_of};
 use super::scale::ColourScale;
 
-/// Letters of tick labels and of the names of axes.
+/// Font sizes of tick labels and of axis names, pixels.
 pub(super) const TICK_SIZE: f64 = 16.0;
 pub(super) const NAME_SIZE: f64 = 18.0;
 
-/// Between two tick labels.
-const ROOM: f64 = 12.0;
+/// Least gap between two tick labels, pixels.
+const LABEL_GAP: f64 = 12.0;
 
 /// Range of values along one side.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Axis {
-    /// At the left or lower end.
+    /// Value at the left or lower end.
     pub from: f64,
-    /// At the right or upper end; less than `from` where values grow the other way.
+    /// Value at the right or upper end; less than `from` for a reversed axis.
     pub to: f64,
-    /// By the logarithm; both ends are positive then.
+    /// True for a logarithmic axis; both ends are positive.
     pub is_log: bool,
 }
 
-/// Box of the picture with two axes.
+/// Box of a picture with two axes.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Frame {
-    /// Left, top, right, bottom.
+    /// Left, top, right and bottom.
     pub sides: [f64; 4],
-    /// Along the bottom.
+    /// Axis along the bottom.
     pub x: Axis,
-    /// Along the left side.
+    /// Axis along the left side.
     pub y: Axis,
 }
 
 impl Axis {
     /// Creates a linear axis, widened if both ends are equal.
     pub fn linear(from: f64, to: f64) -> Self {
-        // Nearer than a few bits: no two ticks would differ.
+        // Closer than a few bits, all ticks would coincide.
         if (to - from).abs() > 1e-12 * from.abs().max(to.abs()) {
             return Self { from, to, is_log: false };
         }
-        let room = if from == 0.0 { 1.0 } else { 0.1 * from.abs() };
-        Self { from: from - room, to: from + room, is_log: false }
+        let margin = if from == 0.0 { 1.0 } else { 0.1 * from.abs() };
+        Self { from: from - margin, to: from + margin, is_log: false }
     }
 
     /// Creates a logarithmic axis between two positive values.
@@ -76,13 +76,13 @@ impl Axis {
         (0.0..=1.0).contains(&self.share(value))
     }
 
-    /// Round values with their labels, as many as stand apart on an axis of `length` pixels, empty where there is no room for one; `across` where
-    /// labels stand side by side.
+    /// Returns round values with their labels, as many as fit on an axis of `length` pixels without overlap; labels
+    /// that do not fit are empty. `across` is true for labels side by side.
     pub fn ticks(&self, length: f64, across: bool) -> Vec<(f64, String)> {
         if self.is_log {
             return self.decades();
         }
-        let needed = |label: &str| if across { width_of(label, TICK_SIZE) + ROOM } else { TICK_SIZE + ROOM };
+        let needed = |label: &str| if across { width_of(label, TICK_SIZE) + LABEL_GAP } else { TICK_SIZE + LABEL_GAP };
         let apart = |a: f64, b: f64| (self.share(b) - self.share(a)).abs() * length;
         let fits = |ticks: &[(f64, String)]| {
             let widest = ticks.iter().map(|(_, label)| needed(label)).fold(0.0, f64::max);
@@ -91,7 +91,7 @@ impl Axis {
         if let Some(ticks) = (2..=8).rev().map(|most| self.multiples(most)).find(|ticks| fits(ticks)) {
             return ticks;
         }
-        // Short axes: some ticks, and labels at those where they have room.
+        // Short axes: some ticks, and the labels that fit.
         let mut ticks = self.multiples(4);
         let mut last: Option<(f64, f64)> = None;
         for (value, label) in &mut ticks {
@@ -103,13 +103,14 @@ impl Axis {
         ticks
     }
 
-    /// The same, without the labels that reach more than `beyond` pixels past an end of the axis; all of them where none would be left.
+    /// Same as [`Self::ticks`], without the labels that extend more than `beyond` pixels past an end of the axis; all
+    /// labels if none would remain.
     pub fn ticks_within(&self, length: f64, across: bool, beyond: f64) -> Vec<(f64, String)> {
         let ticks = self.ticks(length, across);
         let is_within = |(value, label): &(f64, String)| {
             let half = if across { width_of(label, TICK_SIZE) } else { TICK_SIZE } / 2.0;
-            let place = self.share(*value) * length;
-            place - half >= -beyond && place + half <= length + beyond
+            let position = self.share(*value) * length;
+            position - half >= -beyond && position + half <= length + beyond
         };
         if !ticks.iter().any(|tick| !tick.1.is_empty() && is_within(tick)) {
             return ticks;
@@ -127,8 +128,8 @@ impl Axis {
         let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
         let values: Vec<f64> =
             (0..=(last - first).clamp(-1.0, 20.0) as i64).map(|n| (first + n as f64) * step).collect();
-        let words = labels(&values, step);
-        values.into_iter().zip(words).collect()
+        let text = labels(&values, step);
+        values.into_iter().zip(text).collect()
     }
 
     fn decades(&self) -> Vec<(f64, String)> {
@@ -164,7 +165,7 @@ impl Frame {
         self.draw_within(picture, labels, f64::INFINITY);
     }
 
-    /// The same among other frames: no label reaches more than `beyond` pixels past the border.
+    /// Same as [`Self::draw`] next to other frames: no label extends more than `beyond` pixels past the border.
     pub fn draw_within(&self, picture: &mut Picture, [has_x_labels, has_y_labels]: [bool; 2], beyond: f64) {
         let [left, top, _, bottom] = self.sides;
         for (value, label) in self.y.ticks_within(bottom - top, false, beyond) {
@@ -190,7 +191,7 @@ impl Frame {
         picture.border(self.sides, 1.4);
     }
 
-    /// The same without anything at the left.
+    /// Same as [`Self::draw_within`], without anything at the left.
     pub fn draw_without_y(&self, picture: &mut Picture, has_x_labels: bool, beyond: f64) {
         let [left, _, right, bottom] = self.sides;
         for (value, label) in self.x.ticks_within(right - left, true, beyond) {
@@ -221,12 +222,12 @@ impl Frame {
     }
 }
 
-/// Steps of colour a pixel.
+/// Colour steps per pixel.
 const STEPS_PER_PIXEL: f64 = 2.0;
 const BAR_TEXT_SIZE: f64 = 19.0;
 
-/// A bar with this left, top, right and bottom, ticks at its right, and words above.
-pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64; 4], words: &str) {
+/// Draws a bar with this left, top, right and bottom, ticks at its right, and a label above.
+pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64; 4], text: &str) {
     let [left, top, right, bottom] = sides;
     let steps = ((bottom - top) * STEPS_PER_PIXEL).max(1.0) as usize;
     let colour = |step: usize| Some(scale.colour_at(1.0 - (step as f64 + 0.5) / steps as f64));
@@ -239,7 +240,7 @@ pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64
         picture.line(&[(right, y), (right + 6.0, y)], INK.to_rgba(), 1.4);
         picture.text(&label, (right + 11.0, y), BAR_TEXT_SIZE, HPos::Left);
     }
-    picture.text(words, (left, top - 20.0), BAR_TEXT_SIZE, HPos::Left);
+    picture.text(text, (left, top - 20.0), BAR_TEXT_SIZE, HPos::Left);
 }
 
 #[cfg(test)]
@@ -247,7 +248,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_ticks_are_round_and_stand_apart() {
+    fn verif_ticks_are_round_and_do_not_overlap() {
         for (from, to) in [(0.0, 1.0), (-3.3, 12.9), (0.012_31, 0.012_39), (5e6, 5.1e6), (9.0, 4.0), (-1e-8, 3e-8)] {
             for length in [90.0, 150.0, 600.0] {
                 let axis = Axis::linear(from, to);
@@ -265,14 +266,14 @@ mod tests {
                 }
             }
         }
-        let words: Vec<String> = Axis::linear(0.0, 1.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();
-        assert_eq!(words, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        let words: Vec<String> = Axis::log(1.0, 3000.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();
-        assert_eq!(words, ["1", "10", "100", "1000"]);
+        let text: Vec<String> = Axis::linear(0.0, 1.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();
+        assert_eq!(text, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        let text: Vec<String> = Axis::log(1.0, 3000.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();
+        assert_eq!(text, ["1", "10", "100", "1000"]);
     }
 
     #[test]
-    fn verif_labels_of_neighbours_do_not_meet() {
+    fn verif_labels_of_neighbours_do_not_overlap() {
         for (from, to) in [(0.0, 1.0), (0.0213, 0.0287), (-1.3, 1.0), (5e-7, 9e-7), (100.0, 1000.0)] {
             for (length, beyond) in [(60.0, 4.0), (150.0, 4.0), (230.0, 4.0)] {
                 let axis = Axis::linear(from, to);
@@ -281,9 +282,9 @@ mod tests {
                 let labels: Vec<_> = ticks.iter().filter(|tick| !tick.1.is_empty()).collect();
                 assert!(!labels.is_empty(), "{ticks:?}");
                 for (value, label) in labels {
-                    let (place, half) = (axis.share(*value) * length, width_of(label, TICK_SIZE) / 2.0);
+                    let (position, half) = (axis.share(*value) * length, width_of(label, TICK_SIZE) / 2.0);
                     assert!(
-                        length < 100.0 || (place - half >= -beyond && place + half <= length + beyond),
+                        length < 100.0 || (position - half >= -beyond && position + half <= length + beyond),
                         "{label} on {length}"
                     );
                 }
@@ -295,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_values_stand_where_their_shares_say() {
+    fn verif_values_and_shares_are_inverse() {
         let frame = Frame { sides: [100.0, 50.0, 300.0, 150.0], x: Axis::log(1.0, 100.0), y: Axis::linear(9.0, 4.0) };
         let (x, y) = frame.at(10.0, 4.0);
         assert!((x - 200.0).abs() < 1e-9 && (y - 50.0).abs() < 1e-9);

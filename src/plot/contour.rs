@@ -5,26 +5,27 @@ use std::collections::HashMap;
 /// A side of a square: column and row of its upper left corner, and whether it runs down.
 type Side = (usize, usize, bool);
 
-/// Lines on which `value`, asked by column and row of a grid of `columns` by `rows` points, is `level`; in columns and rows from the first point.
+/// Returns the lines on which `value`, a function of column and row of a grid of `columns` by `rows` points, equals
+/// `level`; in columns and rows from the first point.
 ///
-/// Squares are `step` points wide. Each line is closed, or ends at the grid's border or where there is no value.
+/// Squares are `step` points wide. Each line is closed, or ends at the grid's border or at missing values.
 pub(super) fn contours(
     (columns, rows): (usize, usize),
     step: usize,
     level: f64,
     value: impl Fn(usize, usize) -> Option<f64>,
 ) -> Vec<Vec<(f64, f64)>> {
-    let mut places: HashMap<Side, (f64, f64)> = HashMap::new();
+    let mut points: HashMap<Side, (f64, f64)> = HashMap::new();
     let mut neighbours: HashMap<Side, Vec<Side>> = HashMap::new();
     for row in (0..rows.saturating_sub(step)).step_by(step) {
         for column in (0..columns.saturating_sub(step)).step_by(step) {
-            for [a, b] in cuts(&value, (column, row), step, level, &mut places) {
+            for [a, b] in cuts(&value, (column, row), step, level, &mut points) {
                 neighbours.entry(a).or_default().push(b);
                 neighbours.entry(b).or_default().push(a);
             }
         }
     }
-    // Open lines are followed from their ends, what is left over is closed.
+    // Open lines are followed from their ends; the remaining ones are closed.
     let mut starts: Vec<Side> = neighbours.keys().copied().collect();
     starts.sort_unstable_by_key(|side| (neighbours[side].len() != 1, *side));
     let mut lines = Vec::new();
@@ -33,12 +34,12 @@ pub(super) fn contours(
         let mut here = start;
         while let Some(next) = neighbours.get_mut(&here).and_then(Vec::pop) {
             if line.is_empty() {
-                line.extend(places.get(&here));
+                line.extend(points.get(&here));
             }
             if let Some(back) = neighbours.get_mut(&next) {
                 back.retain(|side| *side != here);
             }
-            line.extend(places.get(&next));
+            line.extend(points.get(&next));
             here = next;
         }
         if line.len() > 2 {
@@ -48,13 +49,13 @@ pub(super) fn contours(
     lines
 }
 
-/// The sides of a square between which a line runs.
+/// Returns the sides of a square between which a line runs.
 fn cuts(
     value: impl Fn(usize, usize) -> Option<f64>,
     (column, row): (usize, usize),
     step: usize,
     level: f64,
-    places: &mut HashMap<Side, (f64, f64)>,
+    points: &mut HashMap<Side, (f64, f64)>,
 ) -> Vec<[Side; 2]> {
     let corners = [(0, 0), (step, 0), (step, step), (0, step)];
     let mut values = [0.0; 4];
@@ -73,13 +74,13 @@ fn cuts(
             let share = (level - from) / (to - from);
             let between = |from: usize, to: usize| from as f64 + share * (to as f64 - from as f64);
             let ((x0, y0), (x1, y1)) = (corners[index], corners[(index + 1) % 4]);
-            places.insert(side, (column as f64 + between(x0, x1), row as f64 + between(y0, y1)));
+            points.insert(side, (column as f64 + between(x0, x1), row as f64 + between(y0, y1)));
             crossed.push(side);
         }
     }
     match crossed[..] {
         [a, b] => vec![[a, b]],
-        // A saddle: the mean of the corners says which two are joined.
+        // A saddle: the mean of the corners determines which two are joined.
         [a, b, c, d] => {
             let is_joined = (values.iter().sum::<f64>() / 4.0 < level) == (values[0] < level);
             if is_joined { vec![[a, b], [c, d]] } else { vec![[d, a], [b, c]] }
@@ -103,7 +104,7 @@ mod tests {
         assert_eq!(lines.len(), 1);
         assert!(lines[0].iter().all(|(x, y)| ((x - 50.0).hypot(y - 50.0) - 30.0).abs() < 0.05));
         assert_eq!(lines[0].first(), lines[0].last());
-        // Its length is that of the circle.
+        // Its length is the circumference of the circle.
         let length: f64 = lines[0].windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1)).sum();
         assert!((length - 60.0 * std::f64::consts::PI).abs() < 0.5, "{length}");
     }

@@ -13,53 +13,54 @@ use super::picture::{INK, Picture, width_of};
 use super::statistics::{ONE_SIGMA, check, check_length, histogram, sorted};
 use crate::math::quantile::quantile;
 
-/// Shares of a two-dimensional normal distribution within one and two sigma, 1 − exp(−1/2) and 1 − exp(−2).
-const HELD: [f64; 2] = [0.393, 0.865];
-/// Share of the samples that an axis may leave out at each end.
-const BEYOND: f64 = 0.001;
-/// Room beyond them at each end, as a share of their range.
-const ROOM: f64 = 0.08;
-const BARS: RGBColor = RGBColor(158, 202, 225);
+/// Fractions of a two-dimensional normal distribution within one and two sigma, 1 − exp(−1/2) and 1 − exp(−2).
+const CONTAINED: [f64; 2] = [0.393, 0.865];
+/// Fraction of the samples that an axis may omit at each end.
+const OMITTED: f64 = 0.001;
+/// Margin beyond them at each end, as a fraction of their range.
+const MARGIN: f64 = 0.08;
+const HISTOGRAM: RGBColor = RGBColor(158, 202, 225);
 const TRUTH: RGBColor = RGBColor(213, 94, 0);
 const LEGEND: &str = "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 39.3 and 86.5 % of the samples.";
 const LEGEND_WITH_TRUTHS: &str =
     "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 39.3 and 86.5 % of the samples. Orange: true values.";
 const GAP: f64 = 12.0;
-/// Labels reach so far past the border of their panel at most, pixels: those of two neighbours stand apart.
+/// Largest overhang of labels past the border of their panel, pixels, so that neighbouring labels do not overlap.
 const BEYOND_PANEL: f64 = 0.5 * GAP - 2.0;
 const BELOW: f64 = 66.0;
 const RIGHT: f64 = 22.0;
-/// The widest picture, and the widest panel, pixels.
+/// Largest width of the picture, and of a panel, pixels.
 const WIDEST: f64 = 1560.0;
 const WIDEST_PANEL: f64 = 230.0;
 
 /// Samples of a posterior.
 #[derive(Clone, Debug)]
 pub struct Corner<'a> {
-    /// Above all; may be empty.
+    /// Title; may be empty.
     pub title: &'a str,
-    /// `(n_param)`, 2 to 9: a name each, with its unit where it has one.
+    /// `(n_param)`, 2 to 9: name of each parameter, with its unit, if any.
     pub names: &'a [String],
-    /// `(n_param)` columns of equally many samples, finite, in the parameters' units.
+    /// `(n_param)` columns of equal length, finite, in the parameters' units.
     pub samples: &'a [Vec<f64>],
-    /// `(n_param)` true values where they are known; orange lines.
+    /// `(n_param)` true values, if known; drawn as orange lines.
     pub truths: Option<&'a [f64]>,
-    /// `(n_param)` least and greatest values that samples can have, where there are such bounds: no axis runs past them.
+    /// `(n_param)` lower and upper bounds of the samples, if any: no axis extends past them.
     pub bounds: Option<&'a [[f64; 2]]>,
 }
 
-/// Draws histograms on the diagonal, with dashed lines at the quantiles 0.16, 0.5 and 0.84 and their numbers above, and below it each two
-/// parameters together: the darker the more samples, with lines around the densest 39.3 and 86.5 % of them.
+/// Draws histograms on the diagonal, with dashed lines at the quantiles 0.16, 0.5 and 0.84 and their numbers above, and
+/// below it each pair of parameters: darker for more samples, with lines around the densest 39.3 and 86.5 %.
 ///
-/// Axes hold at least 99.8 % of the samples, and the truths; they and the lines end at bounds.
+/// Axes contain at least 99.8 % of the samples, and the true values; axes and lines end at bounds.
 ///
 /// # Errors
-/// Fewer than 2 or more than 9 parameters; columns, names, truths or bounds that do not belong together; samples that are missing or not finite.
+/// Fewer than 2 or more than 9 parameters; columns, names, true values or bounds of different length; samples that are
+/// missing or not finite.
 pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     let axes = axes(input)?;
     let count = axes.len();
     let titles: Vec<Vec<String>> = (0..count).map(|i| title(&input.names[i], &input.samples[i])).collect();
-    // A first guess of the panels' size says how wide the labels at the left are.
+    // A first estimate of the panel size determines the width of the labels at the left.
     let guess = (WIDEST / (count as f64 + 1.0)).min(WIDEST_PANEL);
     let frame_of = |sides, x: usize, y: usize| Frame { sides, x: axes[x], y: axes[y] };
     let widest_label = (1..count).map(|i| frame_of([0.0, 0.0, guess, guess], 0, i).y_label_width()).fold(0.0, f64::max);
@@ -78,7 +79,7 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     if is_titled {
         picture.text(input.title, (left, 26.0), 23.0, HPos::Left);
     }
-    // Above the diagonal there is room.
+    // The title is placed above the diagonal.
     let first = left + count.div_ceil(2) as f64 * (panel + GAP);
     let legend = if input.truths.is_some() { LEGEND_WITH_TRUTHS } else { LEGEND };
     picture.paragraph(legend, [first, left + side + beyond(panel) - 8.0], top + 12.0, 16.0);
@@ -88,25 +89,25 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
             let frame = frame_of([x, y, x + panel, y + panel], column, row);
             let is_below = row + 1 == count;
             if row == column {
-                diagonal(&mut picture, input, &frame, row, is_below);
-                for (line, words) in title.iter().rev().enumerate() {
-                    picture.text(words, (x, y - 16.0 - 24.0 * line as f64), NAME_SIZE, HPos::Left);
+                histogram_panel(&mut picture, input, &frame, row, is_below);
+                for (line, text) in title.iter().rev().enumerate() {
+                    picture.text(text, (x, y - 16.0 - 24.0 * line as f64), NAME_SIZE, HPos::Left);
                 }
             } else {
-                together(&mut picture, input, &frame, [column, row], [is_below, column == 0]);
+                pair(&mut picture, input, &frame, [column, row], [is_below, column == 0]);
             }
             if is_below {
-                frame.name_x(&mut picture, &short(&input.names[column], panel + GAP - 4.0));
+                frame.name_x(&mut picture, &truncated(&input.names[column], panel + GAP - 4.0));
             }
             if column == 0 && row > 0 {
-                frame.name_y(&mut picture, &short(&input.names[row], panel + GAP - 4.0), widest_label + 30.0);
+                frame.name_y(&mut picture, &truncated(&input.names[row], panel + GAP - 4.0), widest_label + 30.0);
             }
         }
     }
     Ok(picture)
 }
 
-/// An axis for each parameter, after the input has been looked through.
+/// Checks the input and returns an axis for each parameter.
 fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, PlotError> {
     let count = input.samples.len();
     if !(2..=9).contains(&count) {
@@ -130,18 +131,18 @@ fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, PlotError> {
     let axis = |(index, (name, samples)): (usize, (&String, &Vec<f64>))| {
         check_length(&format!("samples of {name}"), samples, expected)?;
         let sorted = sorted(samples);
-        let (low, high) = (quantile(&sorted, BEYOND), quantile(&sorted, 1.0 - BEYOND));
+        let (low, high) = (quantile(&sorted, OMITTED), quantile(&sorted, 1.0 - OMITTED));
         let truth = input.truths.map(|truths| truths[index]);
         let (low, high) = (truth.map_or(low, |truth| low.min(truth)), truth.map_or(high, |truth| high.max(truth)));
-        let room = ROOM * (high - low);
+        let margin = MARGIN * (high - low);
         let [least, greatest] = input.bounds.map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| bounds[index]);
-        // What was drawn or is true is shown, wherever it lies.
-        Ok(Axis::linear((low - room).max(least.min(low)), (high + room).min(greatest.max(high))))
+        // Samples and true values are always shown, even outside the bounds.
+        Ok(Axis::linear((low - margin).max(least.min(low)), (high + margin).min(greatest.max(high))))
     };
     input.names.iter().zip(input.samples).enumerate().map(axis).collect()
 }
 
-/// `c1 = 0.0123 +0.0004 −0.0003`; the name on a line of its own where it is long.
+/// Returns `c1 = 0.0123 +0.0004 −0.0003`, with a long name on its own line.
 fn title(name: &str, samples: &[f64]) -> Vec<String> {
     let sorted = sorted(samples);
     let [low, middle, high] = ONE_SIGMA.map(|share| quantile(&sorted, share));
@@ -149,22 +150,22 @@ fn title(name: &str, samples: &[f64]) -> Vec<String> {
     if name.chars().count() <= 8 { vec![format!("{name} = {value}")] } else { vec![format!("{name} ="), value] }
 }
 
-/// A name, its end cut where there is no room.
-fn short(name: &str, room: f64) -> String {
+/// Returns a name, truncated to the available width.
+fn truncated(name: &str, width: f64) -> String {
     let mut cut = name.to_owned();
     let mut shown = cut.clone();
-    while width_of(&shown, NAME_SIZE) > room && cut.pop().is_some() {
+    while width_of(&shown, NAME_SIZE) > width && cut.pop().is_some() {
         shown = format!("{cut}…");
     }
     shown
 }
 
-/// Bins that so many samples fill, from 16 for a few to 44.
+/// Returns the number of bins for this many samples, from 16 to 44.
 fn bins(samples: usize) -> usize {
     (2.5 * (samples as f64).powf(0.25)).clamp(16.0, 44.0) as usize
 }
 
-fn diagonal(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, index: usize, is_below: bool) {
+fn histogram_panel(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, index: usize, is_below: bool) {
     let samples = &input.samples[index];
     let bins = bins(samples.len());
     let counts = histogram(samples, &frame.x, bins);
@@ -177,7 +178,7 @@ fn diagonal(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, index: usi
         outline.push(frame.at(side(bin + 1), *count as f64));
     }
     outline.push(frame.at(frame.x.to, 0.0));
-    picture.patch(outline.clone(), BARS.to_rgba());
+    picture.patch(outline.clone(), HISTOGRAM.to_rgba());
     picture.line(&outline, INK.to_rgba(), 1.2);
     let sorted = sorted(samples);
     for share in ONE_SIGMA {
@@ -188,11 +189,11 @@ fn diagonal(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, index: usi
     if let Some(truths) = input.truths {
         picture.line(&[frame.at(truths[index], 0.0), frame.at(truths[index], frame.y.to)], TRUTH.to_rgba(), 2.0);
     }
-    // Counts have no labels: the bars' shape is what matters.
+    // Counts have no labels: only the shape of the histogram matters.
     frame.draw_without_y(picture, is_below, BEYOND_PANEL);
 }
 
-fn together(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, row]: [usize; 2], labels: [bool; 2]) {
+fn pair(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, row]: [usize; 2], labels: [bool; 2]) {
     let (x, y) = (&input.samples[column], &input.samples[row]);
     let is_end = |parameter: usize, end: f64| input.bounds.is_some_and(|bounds| bounds[parameter].contains(&end));
     let walls = [frame.x.from, frame.x.to].map(|end| is_end(column, end));
@@ -204,7 +205,7 @@ fn together(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, r
         [colour.r, colour.g, colour.b]
     };
     picture.paint(density.pixels(frame, colour));
-    for line in density.lines_around(frame, &HELD, walls) {
+    for line in density.lines_around(frame, &CONTAINED, walls) {
         picture.line(&line, INK.to_rgba(), 1.4);
     }
     if let Some(truths) = input.truths {

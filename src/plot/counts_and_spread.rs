@@ -1,4 +1,4 @@
-//! Samples of a cell against their spread, and which cells are kept: figure 3 of Lu (2024).
+//! Number of samples of cells against their spread, with the thresholds of the fit: figure 3 of Lu (2024).
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -15,12 +15,12 @@ use crate::math::quantile::quantile;
 
 const LINE: RGBColor = RGBColor(0, 114, 178);
 const THRESHOLD: RGBColor = RGBColor(213, 94, 0);
-/// Cells of the density along each side.
+/// Number of density bins along each side.
 const BINS: usize = 48;
-/// Share of the cells whose spread may lie beyond the axis.
+/// Fraction of the cells whose spread may exceed the axis.
 const BEYOND: f64 = 0.005;
 
-/// What cells hold, and what is asked of them.
+/// Samples of cells, and the thresholds for them.
 #[derive(Clone, Debug)]
 pub struct CountsAndSpread<'a> {
     /// Title.
@@ -29,18 +29,18 @@ pub struct CountsAndSpread<'a> {
     pub counts: &'a [f64],
     /// `(n_cell)` interquartile range of each cell's magnitudes, 0 or more, mag.
     pub iqr_mag: &'a [f64],
-    /// Cells with fewer samples are not kept, 1 or more; 80 in the paper.
+    /// Least number of samples of a kept cell, 1 or more; 80 in the paper.
     pub least_count: f64,
-    /// Cells with a wider spread are not kept, above 0; 0.4 mag in the paper.
+    /// Largest spread of a kept cell, above 0; 0.4 mag in the paper.
     pub most_iqr_mag: f64,
 }
 
-/// Draws how many cells have so many samples and so wide a spread, the shares of cells up to each above and beside, and both thresholds with
-/// the share of cells that is kept.
+/// Draws the density of cells by number of samples and spread, the cumulative fractions of cells above and to the
+/// right, and both thresholds with the fraction of cells that is kept.
 ///
 /// # Errors
-/// No cell, columns of unequal length, a value that is not finite, a count below 1, a spread below 0, thresholds that keep all or nothing by
-/// their nature (fewer than 1 sample, 0 mag).
+/// No cell, columns of unequal length, a value that is not finite, a count below 1, a spread below 0, or invalid
+/// thresholds (fewer than 1 sample, 0 mag).
 pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotError> {
     check("samples of cells", input.counts)?;
     check_length("spreads of cells", input.iqr_mag, input.counts.len())?;
@@ -68,8 +68,8 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     let y = Axis::linear(0.0, 1.04 * widest);
     let main = Frame { sides: [88.0, 240.0, 628.0, 760.0], x, y };
     let shares = Axis::linear(0.0, 1.0);
-    let above = Frame { sides: [88.0, 64.0, 628.0, 224.0], x, y: shares };
-    let beside = Frame { sides: [672.0, 240.0, 816.0, 760.0], x: shares, y };
+    let upper_frame = Frame { sides: [88.0, 64.0, 628.0, 224.0], x, y: shares };
+    let right_frame = Frame { sides: [672.0, 240.0, 816.0, 760.0], x: shares, y };
 
     let mut picture = Picture::new(930, 900);
     picture.text(input.title, (465.0, 28.0), 22.0, HPos::Center);
@@ -77,21 +77,21 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     let scale = ColourScale::of(Quantity::Count, density.counts.iter().copied().filter(|count| *count > 0.0));
     picture.paint(density.pixels(&main, |count| scale.colour(count)));
     thresholds(&mut picture, input, &main, [true, true]);
-    thresholds(&mut picture, input, &above, [true, false]);
-    thresholds(&mut picture, input, &beside, [false, true]);
+    thresholds(&mut picture, input, &upper_frame, [true, false]);
+    thresholds(&mut picture, input, &right_frame, [false, true]);
     let up_to = |sorted: &[f64], value: f64| sorted.partition_point(|one| *one <= value) as f64 / sorted.len() as f64;
     let steps = |axis: Axis| (0..=400).map(move |part| axis.value(f64::from(part) / 400.0));
-    let curve: Vec<_> = steps(x).map(|value| above.at(value, up_to(&counts, value))).collect();
+    let curve: Vec<_> = steps(x).map(|value| upper_frame.at(value, up_to(&counts, value))).collect();
     picture.line(&curve, LINE.to_rgba(), 2.2);
-    let curve: Vec<_> = steps(y).map(|value| beside.at(up_to(&spreads, value), value)).collect();
+    let curve: Vec<_> = steps(y).map(|value| right_frame.at(up_to(&spreads, value), value)).collect();
     picture.line(&curve, LINE.to_rgba(), 2.2);
     main.draw(&mut picture, [true, true]);
-    above.draw(&mut picture, [false, true]);
-    beside.draw(&mut picture, [true, false]);
+    upper_frame.draw(&mut picture, [false, true]);
+    right_frame.draw(&mut picture, [true, false]);
     main.name_x(&mut picture, "samples in a cell");
     main.name_y(&mut picture, "interquartile range, mag", 56.0);
-    above.name_y(&mut picture, "share of cells", 56.0);
-    beside.name_x(&mut picture, "share of cells");
+    upper_frame.name_y(&mut picture, "share of cells", 56.0);
+    right_frame.name_x(&mut picture, "share of cells");
     colour_bar(&mut picture, &scale, [844.0, 300.0, 866.0, 760.0], "cells");
 
     let kept = |(samples, iqr): &(&f64, &f64)| **samples >= input.least_count && **iqr <= input.most_iqr_mag;
@@ -100,9 +100,9 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     let enough =
         per_cent(counts.iter().filter(|samples| **samples >= input.least_count).count() as f64 / counts.len() as f64);
     let narrow = per_cent(up_to(&spreads, input.most_iqr_mag));
-    let words = [format!("kept: {share}"), format!("{} of {} cells", count(kept), count(counts.len()))];
-    for (line, words) in words.iter().enumerate() {
-        picture.text(words, (672.0, 92.0 + 26.0 * line as f64), 18.0, HPos::Left);
+    let text = [format!("kept: {share}"), format!("{} of {} cells", count(kept), count(counts.len()))];
+    for (line, text) in text.iter().enumerate() {
+        picture.text(text, (672.0, 92.0 + 26.0 * line as f64), 18.0, HPos::Left);
     }
     let beyond = match spreads.iter().filter(|iqr| !y.holds(**iqr)).count() {
         0 => String::new(),
@@ -110,24 +110,24 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     };
     let (least, widest) = (input.least_count, input.most_iqr_mag);
     let caption = format!(
-        "{enough} of the cells have {least} samples or more, {narrow} a spread of {widest} mag or less. Curves: share of cells up to a value.{beyond}"
+        "{enough} of the cells have {least} samples or more, {narrow} a spread of {widest} mag or less. Curves: cumulative share of cells.{beyond}"
     );
     picture.paragraph(&caption, [30.0, 900.0], 842.0, 17.0);
     Ok(picture)
 }
 
-/// Dashed lines, with their numbers where they meet the outer frames.
+/// Draws dashed lines, with their values where they meet the outer frames.
 fn thresholds(picture: &mut Picture, input: &CountsAndSpread<'_>, frame: &Frame, [has_count, has_spread]: [bool; 2]) {
     let is_main = has_count && has_spread;
     if has_count {
         let line = [(input.least_count, frame.y.from), (input.least_count, frame.y.to)].map(|(x, y)| frame.at(x, y));
         picture.dashed(&line, [7.0, 4.0], THRESHOLD.to_rgba(), 2.0);
         if !is_main {
-            let words = fixed(input.least_count, 0);
+            let text = fixed(input.least_count, 0);
             let (x, y) = (line[0].0, frame.sides[1] + 16.0);
-            let is_right = x + 10.0 + width_of(&words, 16.0) < frame.sides[2];
+            let is_right = x + 10.0 + width_of(&text, 16.0) < frame.sides[2];
             let (x, side) = if is_right { (x + 7.0, HPos::Left) } else { (x - 7.0, HPos::Right) };
-            picture.text(&words, (x, y), 16.0, side);
+            picture.text(&text, (x, y), 16.0, side);
         }
     }
     if has_spread {

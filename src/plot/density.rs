@@ -1,4 +1,5 @@
-//! Many points in a frame: as dots of transparent paint, as a two-dimensional histogram, and as contours that enclose a share of them.
+//! Many points in a frame: as transparent dots, as a two-dimensional histogram, and as contours that enclose a fraction
+//! of them.
 
 use plotters::prelude::RGBColor;
 
@@ -6,22 +7,22 @@ use super::axes::Frame;
 use super::contour::contours;
 use super::picture::{PAPER, Pixels};
 
-/// Empty cells around those counted, so that every line is closed.
+/// Empty cells around the counted ones, so that every line is closed.
 const BORDER: usize = 3;
 
-/// Times that counts are shared with their neighbours before lines are drawn.
+/// Number of smoothing passes before lines are drawn.
 const SMOOTHINGS: usize = 2;
 
 /// Counts in equal cells of a frame.
 pub(super) struct Density {
     /// Cells along each side.
     pub bins: usize,
-    /// Row by row, from the frame's lower left corner.
+    /// Counts row by row, from the frame's lower left corner.
     pub counts: Vec<f64>,
 }
 
 impl Density {
-    /// Points outside of the frame are not counted.
+    /// Counts points in cells; points outside the frame are ignored.
     pub fn of(x: &[f64], y: &[f64], frame: &Frame, bins: usize) -> Self {
         let mut counts = vec![0.0; bins * bins];
         for (&x, &y) in x.iter().zip(y).filter(|(x, y)| frame.holds(**x, **y)) {
@@ -31,12 +32,12 @@ impl Density {
         Self { bins, counts }
     }
 
-    /// The greatest count.
+    /// Returns the greatest count.
     pub fn most(&self) -> f64 {
         self.counts.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Cells as coloured rectangles that fill the frame; a colour for each count above 0.
+    /// Returns the cells as coloured rectangles that fill the frame; `colour` returns the colour of a count above 0.
     pub fn pixels(&self, frame: &Frame, colour: impl Fn(f64) -> [u8; 3]) -> Pixels {
         let bins = self.bins;
         let one = |cell: usize| {
@@ -48,9 +49,11 @@ impl Density {
         Pixels { corner: (left, top), each, columns: bins, colours: (0..bins * bins).map(one).collect(), within: None }
     }
 
-    /// Lines that enclose the densest cells with these shares of all points, in the picture's pixels; line by line, share by share.
+    /// Returns the lines that enclose the densest cells with these fractions of all points, in pixels of the picture;
+    /// line by line, fraction by fraction.
     ///
-    /// `walls`: true of the ends (left and right, lower and upper) beyond which no point can be; counts do not leak through these.
+    /// `walls` is true for the ends (left and right, lower and upper) that bound the points; smoothing does not move
+    /// counts past these.
     pub fn lines_around(&self, frame: &Frame, shares: &[f64], walls: [[bool; 2]; 2]) -> Vec<Vec<(f64, f64)>> {
         let side = self.bins + 2 * BORDER;
         let smooth = self.smooth(side, walls);
@@ -59,8 +62,9 @@ impl Density {
         let all: f64 = falling.iter().sum();
         let [left, top, ..] = frame.sides;
         let (wide, high) = (frame.width() / self.bins as f64, frame.height() / self.bins as f64);
-        // Middles of cells, right and up of the frame's lower left corner; what the border let beyond is brought back.
-        let place = |(x, y): (f64, f64)| {
+        // Centres of cells, right and up from the frame's lower left corner; points in the border are moved back to the
+        // frame.
+        let position = |(x, y): (f64, f64)| {
             let across = ((x - BORDER as f64 + 0.5) * wide).clamp(0.0, frame.width());
             let up = ((y - BORDER as f64 + 0.5) * high).clamp(0.0, frame.height());
             (left + across, top + frame.height() - up)
@@ -75,11 +79,12 @@ impl Density {
         let found = shares.iter().filter_map(|share| level_of(*share)).filter(|level| *level > 0.0);
         found
             .flat_map(|level| contours((side, side), 1, level, |x, y| Some(smooth[y * side + x])))
-            .map(|line| line.into_iter().map(place).collect())
+            .map(|line| line.into_iter().map(position).collect())
             .collect()
     }
 
-    /// Counts with a border, each shared with its neighbours as 1 : 2 : 1 along both sides; what would go through a wall stays.
+    /// Returns the counts with a border, smoothed with weights 1 : 2 : 1 along both sides; counts that would pass a
+    /// wall stay.
     fn smooth(&self, side: usize, walls: [[bool; 2]; 2]) -> Vec<f64> {
         let mut grid = vec![0.0; side * side];
         for (cell, count) in self.counts.iter().enumerate() {
@@ -107,13 +112,13 @@ impl Density {
     }
 }
 
-/// Cells of paint a pixel, along each side.
+/// Number of cells per pixel along each side.
 const CELLS_PER_PIXEL: usize = 2;
 
 /// Radius of a dot, pixels.
 const DOT_RADIUS: f64 = 1.7;
 
-/// Points inside a frame, painted; those outside are left out.
+/// Returns the points inside a frame as painted dots; those outside are ignored.
 pub(super) fn dots(frame: &Frame, x: &[f64], y: &[f64], colour: RGBColor) -> Pixels {
     let columns = (frame.width() * CELLS_PER_PIXEL as f64) as usize;
     let rows = (frame.height() * CELLS_PER_PIXEL as f64) as usize;
@@ -133,7 +138,8 @@ pub(super) fn dots(frame: &Frame, x: &[f64], y: &[f64], colour: RGBColor) -> Pix
             }
         }
     }
-    // Thinner paint where points are many: 60 % for a few, a tenth where a cell in the dense parts has dozens.
+    // Dots are more transparent for many points: 60 % opacity for a few, 10 % where a cell in the dense parts has
+    // dozens.
     let painted: Vec<u32> = layers.iter().copied().filter(|count| *count > 0).collect();
     let mean = painted.iter().sum::<u32>() as f64 / painted.len().max(1) as f64;
     let thin = 1.0 - (0.6 / mean.max(1.0).sqrt()).max(0.06);
@@ -160,7 +166,7 @@ mod tests {
 
     const OPEN: [[bool; 2]; 2] = [[false; 2]; 2];
 
-    /// Points that pile up at a bound: the line about them goes along it, and none of them leaks beyond.
+    /// Points concentrated at a bound: the line around them follows the bound, and none leaks beyond.
     #[test]
     fn verif_counts_stay_within_walls() {
         let (x, y): (Vec<f64>, Vec<f64>) = normal_points();
@@ -175,9 +181,9 @@ mod tests {
         };
         let all: f64 = density.counts.iter().sum();
         assert!((within(walls) - all).abs() < 1e-9 * all && within(OPEN) < 0.99 * all);
-        /// Of the picture, pixels.
+        /// Size of a cell in the picture, pixels.
         const CELL: f64 = 10.0;
-        // Half a circle of one sigma: 100 pixels wide, and as far up and down at the wall as it is without.
+        // Half a circle of one sigma: 100 pixels wide, and as high at the wall as without it.
         let highest_at_wall = |walls| {
             let lines = density.lines_around(&frame, &[0.393], walls);
             let at_wall = lines.iter().flatten().filter(|(x, _)| *x < 0.6 * CELL).map(|(_, y)| (y - 200.0).abs());
@@ -186,11 +192,11 @@ mod tests {
         assert!((highest_at_wall(walls) - 50.0).abs() < CELL, "{}", highest_at_wall(walls));
     }
 
-    /// Evenly spread quantiles of a normal distribution on both sides: a grid of points with known density.
+    /// Evenly spaced quantiles of a normal distribution on both axes: a grid of points with known density.
     fn normal_points() -> (Vec<f64>, Vec<f64>) {
         let mut points = (Vec::new(), Vec::new());
         for ring in 0..400 {
-            // Share of a two-dimensional normal distribution within r: 1 − exp(−r²/2).
+            // Fraction of a two-dimensional normal distribution within r: 1 − exp(−r²/2).
             let radius = (-2.0 * (1.0 - (f64::from(ring) + 0.5) / 400.0).ln()).sqrt();
             for part in 0..100 {
                 let (sin, cos) = ((f64::from(part) + 0.37 * f64::from(ring)) * std::f64::consts::TAU / 100.0).sin_cos();
@@ -207,7 +213,7 @@ mod tests {
         let axis = Axis::linear(-4.0, 4.0);
         let frame = Frame { sides: [0.0, 0.0, 400.0, 400.0], x: axis, y: axis };
         let density = Density::of(&x, &y, &frame, 40);
-        // 39.3 % lie within one sigma, 86.5 % within two: 50 pixels a sigma. Smoothing widens by some 0.02.
+        // 39.3 % are within one sigma, 86.5 % within two: 50 pixels per sigma. Smoothing widens by some 0.02.
         for (share, radius) in [(0.393, 50.0), (0.865, 100.0)] {
             let lines = density.lines_around(&frame, &[share], OPEN);
             let longest = lines.iter().max_by_key(|line| line.len()).unwrap();

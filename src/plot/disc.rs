@@ -1,7 +1,8 @@
-//! A half sphere on a disc: the pole in the middle, the equator at the rim, equal angles at equal distances.
+//! Projection of a half sphere onto a disc: the pole in the middle, the equator at the rim, equal angles at equal
+//! distances.
 //!
-//! Longitude 0 is up and longitudes grow against the clock: for azimuths that is the sky as one sees it lying on the back, north up and east
-//! left; for longitudes of a satellite's frame it is the view from above.
+//! Longitude 0 is up and longitudes increase anticlockwise: for azimuths that is the sky as seen from below, north up
+//! and east left; for longitudes of a satellite's frame it is the view from above.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -15,71 +16,72 @@ use super::contour::contours;
 use super::picture::{INK, PAPER, Picture, Pixels, lines_of};
 use super::scale::{ColourScale, Quantity};
 
-/// Sides of the squares through which lines run, pixels.
+/// Side of the squares of the contour lines, pixels.
 const SQUARE: usize = 2;
 
-/// What the shadow is taken for, below the line, mag.
+/// Magnitude assumed in the shadow, relative to the contour level, mag.
 const SHADOW_BELOW_MAG: f64 = 2.0;
 
-/// What is seen in one direction.
+/// Content of one direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub enum Seen {
-    /// A satellite of this magnitude, or another quantity.
+pub enum DiscContent {
+    /// A satellite of this magnitude, or the value of another quantity.
     Value(f64),
     /// A satellite in the Earth's shadow.
     Shadow,
-    /// Nothing lit.
-    Nothing,
+    /// No lit surface.
+    Empty,
 }
 
-/// One disc with its words.
+/// One disc with its labels.
 pub struct Disc<'a> {
-    /// Above it.
+    /// Title above the disc.
     pub title: String,
-    /// What its values are.
+    /// Quantity of the values.
     pub quantity: Quantity,
-    /// Only the half of longitudes 0 to π, the left one, is drawn.
+    /// Draws only the half of longitudes 0 to π, the left one.
     pub is_half: bool,
-    /// What is seen at a longitude and at an angle from the middle in [0, π/2], radians.
-    pub seen: Box<dyn Fn(f64, f64) -> Seen + Sync + 'a>,
-    /// Values farther from the middle than this angle, radians, have no part in where the colours end.
+    /// Content as a function of longitude and angle from the middle in [0, π/2], radians.
+    pub content: Box<dyn Fn(f64, f64) -> DiscContent + Sync + 'a>,
+    /// Largest angle from the middle, radians, of values that determine the colour scale.
     pub scaled_within_rad: f64,
-    /// Longitude of the Sun, radians; `None` where it has no one place.
+    /// Longitude of the Sun, radians; `None` without a unique position.
     pub sun_longitude_rad: Option<f64>,
-    /// Words outside of the rim, at longitudes in degrees.
+    /// Labels outside the rim, at longitudes in degrees.
     pub rim: Vec<(f64, &'static str)>,
-    /// Thin circles with their words, at angles from the middle in degrees.
+    /// Thin circles with labels, at angles from the middle in degrees.
     pub circles: Vec<(f64, String)>,
-    /// A dashed circle at an angle from the middle, radians: the Earth's limb.
+    /// Angle from the middle of a dashed circle, radians: the Earth's limb.
     pub limb_rad: Option<f64>,
 }
 
-/// What a disc shows, pixel by pixel.
+/// Content of a disc, pixel by pixel.
 #[derive(Clone, Debug)]
 pub(super) struct Raster {
-    /// Pixels a side.
+    /// Pixels along each side.
     pub side: usize,
-    /// Row by row from the top; `None` outside of the disc.
-    pub pixels: Vec<Option<Seen>>,
+    /// Pixels row by row from the top; `None` outside the disc.
+    pub pixels: Vec<Option<DiscContent>>,
 }
 
 impl Disc<'_> {
-    /// Asks for every pixel of a disc of this radius, in pixels; the raster is a pixel wider on every side, so that no rim is ragged.
+    /// Evaluates every pixel of a disc of this radius, in pixels; the raster is a pixel wider on every side, so that
+    /// the rim is smooth.
     pub(super) fn raster(&self, radius: usize) -> Raster {
         let side = 2 * radius + 2;
         let middle = side as f64 / 2.0;
         let pixels = (0..side * side)
             .into_par_iter()
             .map(|index| {
-                // Pixel centres, right and up of the middle.
+                // Pixel centres, right and up from the middle.
                 let right = (index % side) as f64 + 0.5 - middle;
                 let up = middle - (index / side) as f64 - 0.5;
                 let distance = right.hypot(up) / radius as f64;
-                // A pixel that the rim cuts shows what stands at the rim.
+                // A pixel cut by the rim gets the content at the rim.
                 let is_in = distance <= 1.0 + 1.0 / radius as f64 && !(self.is_half && right > 0.0);
                 is_in.then(|| {
                     let longitude = (-right).atan2(up).rem_euclid(TAU);
-                    (self.seen)(longitude, distance.min(1.0) * FRAC_PI_2)
+                    (self.content)(longitude, distance.min(1.0) * FRAC_PI_2)
                 })
             })
             .collect();
@@ -87,15 +89,15 @@ impl Disc<'_> {
     }
 }
 
-/// Right of and below the middle of a disc of radius 1: where a direction is drawn.
-pub(super) fn place(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
+/// Returns the position of a direction, right of and below the middle of a disc of radius 1.
+pub(super) fn disc_position(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
     let (sin, cos) = longitude_rad.sin_cos();
     let distance = from_middle_rad / FRAC_PI_2;
     (-distance * sin, -distance * cos)
 }
 
 impl Raster {
-    /// All values shown, with their angles from the middle, radians.
+    /// Returns all values with their angles from the middle, radians.
     pub fn values(&self) -> impl Iterator<Item = (f64, f64)> {
         let middle = self.side as f64 / 2.0;
         let angle = move |index: usize| {
@@ -104,37 +106,39 @@ impl Raster {
             FRAC_PI_2 * right.hypot(below) / (middle - 1.0)
         };
         self.pixels.iter().enumerate().filter_map(move |(index, pixel)| match pixel {
-            Some(Seen::Value(value)) => Some((angle(index), *value)),
+            Some(DiscContent::Value(value)) => Some((angle(index), *value)),
             _ => None,
         })
     }
 
-    /// Lines on which the value is `level`, in pixels right of and below the upper left corner. The Earth's shadow is below any line.
+    /// Returns the lines on which the value is `level`, in pixels right of and below the upper left corner. The Earth's
+    /// shadow counts as fainter than any level.
     pub fn contours(&self, level: f64) -> Vec<Vec<(f64, f64)>> {
         let value = |column: usize, row: usize| match self.pixels.get(row * self.side + column)? {
-            Some(Seen::Value(value)) => Some(*value),
-            // Fainter than any line: what is brighter is enclosed along the shadow, whose border is as narrow as a pixel.
-            Some(Seen::Shadow) => Some(level + SHADOW_BELOW_MAG),
+            Some(DiscContent::Value(value)) => Some(*value),
+            // Fainter than any level, so that brighter regions are enclosed along the shadow, with an edge of one
+            // pixel.
+            Some(DiscContent::Shadow) => Some(level + SHADOW_BELOW_MAG),
             _ => None,
         };
         let mut lines = contours((self.side, self.side), SQUARE, level, value);
-        // Pixel centres lie half a pixel in.
+        // Pixel centres are half a pixel inside.
         lines.iter_mut().flatten().for_each(|(x, y)| (*x, *y) = (*x + 0.5, *y + 0.5));
         lines
     }
 
-    /// True where any pixel is so.
-    pub fn shows(&self, seen: Seen) -> bool {
-        self.pixels.contains(&Some(seen))
+    /// Returns true if any pixel has this content.
+    pub fn shows(&self, content: DiscContent) -> bool {
+        self.pixels.contains(&Some(content))
     }
 }
 
 const SHADOW: [u8; 3] = [150, 150, 150];
-/// Where nothing is known, darker than the middle of the residuals' colours.
+/// Colour for missing values, darker than the middle of the residual colours.
 const UNKNOWN: [u8; 3] = [205, 205, 205];
 const WHITE: RGBColor = RGBColor(255, 255, 255);
 
-/// Between the rim of a disc and the border of its share of the picture.
+/// Margin between the rim of a disc and the border of its part of the picture.
 const MARGIN: usize = 66;
 const TITLE: usize = 46;
 const DISC_TITLE: usize = 32;
@@ -143,26 +147,26 @@ const BAR_SHARE: usize = 120;
 const BAR_WIDTH: usize = 26;
 const CAPTION_SIZE: f64 = 16.0;
 
-/// What a picture of discs is made of.
+/// Content of a picture of discs.
 pub struct DiscSheet<'a> {
     /// Title.
     pub title: String,
-    /// Below all.
+    /// Caption below all discs.
     pub caption: String,
-    /// Side by side, each asked for all its pixels on all threads of the caller's pool. Where all show one quantity, one colour bar stands for
-    /// all; otherwise each has its own, and those of one quantity have one scale.
+    /// Discs side by side, evaluated on all threads of the current pool. Discs of one quantity share one colour bar;
+    /// otherwise each disc has its own bar, with one scale for each quantity.
     pub discs: Vec<Disc<'a>>,
-    /// Of each disc, pixels.
+    /// Radius of each disc, pixels.
     pub radius: usize,
-    /// How many stand in a row, 1 or more.
-    pub in_a_row: usize,
-    /// Magnitude of a line in every disc, and what the legend calls it.
+    /// Number of discs in a row, 1 or more.
+    pub discs_per_row: usize,
+    /// Magnitude of a contour line in every disc, and its label in the legend.
     pub contour_mag: Option<(f64, String)>,
-    /// What it means where a disc shows nothing.
+    /// Label of the legend for directions without content.
     pub nothing: &'static str,
 }
 
-/// Discs asked for their pixels, and where they stand.
+/// Evaluated discs and their layout.
 struct Layout<'a> {
     sheet: DiscSheet<'a>,
     rasters: Vec<Raster>,
@@ -170,7 +174,7 @@ struct Layout<'a> {
 }
 
 impl DiscSheet<'_> {
-    /// Laid out and drawn.
+    /// Returns the laid out and drawn picture.
     pub fn picture(self) -> Picture {
         let rasters: Vec<Raster> = self.discs.iter().map(|disc| disc.raster(self.radius)).collect();
         let mut scales: Vec<ColourScale> = Vec::new();
@@ -218,9 +222,9 @@ impl Layout<'_> {
         self.scales.len() > 1
     }
 
-    /// Columns and rows.
+    /// Returns the number of columns and rows.
     fn grid(&self) -> (usize, usize) {
-        let columns = self.sheet.in_a_row.clamp(1, self.sheet.discs.len().max(1));
+        let columns = self.sheet.discs_per_row.clamp(1, self.sheet.discs.len().max(1));
         (columns, self.sheet.discs.len().div_ceil(columns).max(1))
     }
 
@@ -228,17 +232,17 @@ impl Layout<'_> {
         self.sheet.discs.iter().all(|disc| disc.is_half)
     }
 
-    /// What a disc takes across.
+    /// Returns the width of a disc with its margins.
     fn share(&self) -> usize {
         2 * MARGIN + self.sheet.radius * if self.has_halves() { 1 } else { 2 }
     }
 
-    /// What a row takes.
+    /// Returns the height of a row.
     fn row(&self) -> usize {
         DISC_TITLE + 2 * (self.sheet.radius + MARGIN)
     }
 
-    /// The middle of a disc: of a half one, that of its straight side.
+    /// Returns the middle of a disc: for a half disc, that of its straight side.
     fn middle(&self, index: usize) -> (f64, f64) {
         let (columns, _) = self.grid();
         let step = self.share() + if self.is_mixed() { BAR_SHARE } else { 0 };
@@ -250,12 +254,12 @@ impl Layout<'_> {
         self.scales.iter().find(|scale| scale.quantity == quantity).unwrap_or(&self.scales[0])
     }
 
-    fn colour(&self, quantity: Quantity, seen: Seen) -> [u8; 3] {
-        match seen {
-            Seen::Value(value) => self.scale_of(quantity).colour(value),
-            Seen::Shadow => SHADOW,
-            Seen::Nothing if self.sheet.contour_mag.is_none() => UNKNOWN,
-            Seen::Nothing => PAPER,
+    fn colour(&self, quantity: Quantity, content: DiscContent) -> [u8; 3] {
+        match content {
+            DiscContent::Value(value) => self.scale_of(quantity).colour(value),
+            DiscContent::Shadow => SHADOW,
+            DiscContent::Empty if self.sheet.contour_mag.is_none() => UNKNOWN,
+            DiscContent::Empty => PAPER,
         }
     }
 
@@ -263,7 +267,8 @@ impl Layout<'_> {
         let radius = self.sheet.radius as f64;
         let at = |(right, below): (f64, f64)| (middle.0 + radius * right, middle.1 + radius * below);
         let corner = (middle.0 - raster.side as f64 / 2.0, middle.1 - raster.side as f64 / 2.0);
-        let colours = raster.pixels.iter().map(|pixel| pixel.map(|seen| self.colour(disc.quantity, seen))).collect();
+        let colours =
+            raster.pixels.iter().map(|pixel| pixel.map(|content| self.colour(disc.quantity, content))).collect();
         let within = Some((middle, radius));
         picture.paint(Pixels { corner, each: (1.0, 1.0), columns: raster.side, colours, within });
         for line in self.sheet.contour_mag.iter().flat_map(|(level, _)| raster.contours(*level)) {
@@ -273,51 +278,53 @@ impl Layout<'_> {
         }
         if let Some(limb) = disc.limb_rad {
             for dash in 0..60 {
-                let part = |part: u8| at(place((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
+                let part =
+                    |part: u8| at(disc_position((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
                 picture.line(&(0..=4).map(part).collect::<Vec<_>>(), INK.mix(0.8), 1.5);
             }
         }
-        // A circle about the middle, or the half of it.
+        // A circle about the middle, or half of it.
         let round = |picture: &mut Picture, angle: f64, colour, width| {
             if disc.is_half {
-                let arc: Vec<_> = (0..=90).map(|part| at(place(f64::from(2 * part).to_radians(), angle))).collect();
+                let arc: Vec<_> =
+                    (0..=90).map(|part| at(disc_position(f64::from(2 * part).to_radians(), angle))).collect();
                 picture.line(&arc, colour, width);
             } else {
                 picture.circle(middle, radius * angle / FRAC_PI_2, colour, width);
             }
         };
-        for (angle_deg, words) in &disc.circles {
+        for (angle_deg, text) in &disc.circles {
             let angle = angle_deg.to_radians();
             round(picture, angle, INK.mix(0.45), 1.0);
-            // Words where the Sun is far from and no other words are.
+            // Labels at a longitude away from the Sun and from other labels.
             let sun_rad = disc.sun_longitude_rad.unwrap_or(0.0);
-            picture.note(words, at(place(sun_rad + 112.5_f64.to_radians(), angle)));
+            picture.note(text, at(disc_position(sun_rad + 112.5_f64.to_radians(), angle)));
         }
         round(picture, FRAC_PI_2, INK.to_rgba(), 1.6);
         if disc.is_half {
             picture.line(&[at((0.0, -1.0)), at((0.0, 1.0))], INK.to_rgba(), 1.6);
         }
-        for (longitude_deg, words) in &disc.rim {
-            let (right, below) = place(longitude_deg.to_radians(), FRAC_PI_2);
-            let room = 17.0 + 1.6 * (words.chars().count() as f64 - 1.0) * right.abs() * 3.0;
-            let place = (middle.0 + (radius + room) * right, middle.1 + (radius + 17.0) * below);
-            picture.text(words, place, 19.0, HPos::Center);
+        for (longitude_deg, text) in &disc.rim {
+            let (right, below) = disc_position(longitude_deg.to_radians(), FRAC_PI_2);
+            let margin = 17.0 + 1.6 * (text.chars().count() as f64 - 1.0) * right.abs() * 3.0;
+            let label_position = (middle.0 + (radius + margin) * right, middle.1 + (radius + 17.0) * below);
+            picture.text(text, label_position, 19.0, HPos::Center);
         }
         if let Some(sun_rad) = disc.sun_longitude_rad {
-            picture.sun(at(place(sun_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
+            picture.sun(at(disc_position(sun_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
         }
         let across = if disc.is_half { middle.0 - radius / 2.0 } else { middle.0 };
         let above = middle.1 - radius - MARGIN as f64 - 16.0;
         picture.text(&disc.title, (across, above), 20.0, HPos::Center);
     }
 
-    /// A bar in a share of the picture that begins at `left`.
+    /// Draws a colour bar in a part of the picture that begins at `left`.
     fn draw_bar(&self, picture: &mut Picture, scale: &ColourScale, left: f64, middle: f64) {
         let half = 0.85 * self.sheet.radius as f64;
-        // Bars of half discs stand by the straight side.
+        // Bars of half discs are next to the straight side.
         let left = left + 8.0 - if self.has_halves() { 30.0 } else { 0.0 };
         let (top, right, bottom) = (middle - half, left + BAR_WIDTH as f64, middle + half);
-        colour_bar(picture, scale, [left, top, right, bottom], scale.quantity.words());
+        colour_bar(picture, scale, [left, top, right, bottom], scale.quantity.label());
         let contour = self.sheet.contour_mag.as_ref().map(|(level, _)| *level);
         if let Some(level) = contour.filter(|level| (scale.least..=scale.greatest).contains(level)) {
             let y = bottom - (bottom - top) * scale.share(level);
@@ -326,31 +333,31 @@ impl Layout<'_> {
         }
     }
 
-    /// What the signs mean, and the caption.
+    /// Draws the legend and the caption.
     fn draw_legend(&self, picture: &mut Picture, y: f64) {
         let mut x = 24.0;
         if self.sheet.discs.iter().any(|disc| disc.sun_longitude_rad.is_some()) {
             picture.sun((x + 12.0, y));
-            x = picture.words("Sun", x + 32.0, y);
+            x = picture.legend_text("Sun", x + 32.0, y);
         }
-        if let Some((level, words)) = &self.sheet.contour_mag
+        if let Some((level, text)) = &self.sheet.contour_mag
             && self.rasters.iter().any(|raster| !raster.contours(*level).is_empty())
         {
             picture.line(&[(x, y), (x + 30.0, y)], INK.to_rgba(), 4.0);
             picture.line(&[(x, y), (x + 30.0, y)], WHITE.to_rgba(), 2.0);
-            x = picture.words(words, x + 38.0, y);
+            x = picture.legend_text(text, x + 38.0, y);
         }
-        for (seen, words) in [(Seen::Shadow, "Earth's shadow"), (Seen::Nothing, self.sheet.nothing)] {
-            if self.rasters.iter().any(|raster| raster.shows(seen)) {
-                let [red, green, blue] = self.colour(Quantity::Magnitude, seen);
+        for (content, text) in [(DiscContent::Shadow, "Earth's shadow"), (DiscContent::Empty, self.sheet.nothing)] {
+            if self.rasters.iter().any(|raster| raster.shows(content)) {
+                let [red, green, blue] = self.colour(Quantity::Magnitude, content);
                 picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], RGBColor(red, green, blue).to_rgba());
                 picture.border([x, y - 8.0, x + 24.0, y + 8.0], 1.0);
-                x = picture.words(words, x + 32.0, y);
+                x = picture.legend_text(text, x + 32.0, y);
             }
         }
         if self.sheet.discs.iter().any(|disc| disc.limb_rad.is_some()) {
             picture.dashed(&[(x, y), (x + 30.0, y)], [5.0, 3.0], INK.mix(0.8), 1.5);
-            picture.words("Earth's limb", x + 38.0, y);
+            picture.legend_text("Earth's limb", x + 38.0, y);
         }
         picture.paragraph(&self.sheet.caption, [24.0, picture.size().0 as f64 - 24.0], y + 34.0, CAPTION_SIZE);
     }
@@ -361,11 +368,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_pixels_ask_for_the_direction_that_is_drawn_there() {
+    fn verif_pixels_are_evaluated_at_their_direction() {
         let disc = Disc {
             title: String::new(),
-            // The longitude and the angle in one number.
-            seen: Box::new(|longitude, angle| Seen::Value(longitude + 10.0 * angle)),
+            // Longitude and angle encoded in one number.
+            content: Box::new(|longitude, angle| DiscContent::Value(longitude + 10.0 * angle)),
             scaled_within_rad: FRAC_PI_2,
             sun_longitude_rad: Some(0.0),
             quantity: Quantity::Magnitude,
@@ -377,25 +384,25 @@ mod tests {
         let raster = disc.raster(100);
         let middle = raster.side as f64 / 2.0;
         for (longitude, angle) in [(0.1, 0.5), (1.6, 1.2), (3.0, 0.9), (5.0, 0.3)] {
-            let (right, down) = place(longitude, angle);
+            let (right, down) = disc_position(longitude, angle);
             let (column, row) = ((middle + 100.0 * right) as usize, (middle + 100.0 * down) as usize);
-            let Some(Seen::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
+            let Some(DiscContent::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
             // Half a pixel is 0.008 rad of angle, and 0.03 rad of longitude at 0.3 rad.
             assert!((shown - longitude - 10.0 * angle).abs() < 0.2, "{longitude} {angle}: {shown}");
         }
-        // Values come back with the angles at which they were asked.
+        // Values are returned with their angles from the middle.
         for (angle, value) in raster.values().filter(|(angle, _)| *angle <= FRAC_PI_2) {
             let longitude = value - 10.0 * angle;
             assert!((-1e-9..=TAU).contains(&longitude), "{angle} {value}");
         }
         // East is left.
-        assert!(place(FRAC_PI_2, 0.5).0 < 0.0);
+        assert!(disc_position(FRAC_PI_2, 0.5).0 < 0.0);
         assert!(raster.pixels[0].is_none());
     }
 
     #[test]
     fn verif_a_line_runs_along_the_shadow() {
-        let half = |index: usize| Some(if index / 101 < 60 { Seen::Value(6.0) } else { Seen::Shadow });
+        let half = |index: usize| Some(if index / 101 < 60 { DiscContent::Value(6.0) } else { DiscContent::Shadow });
         let lines = Raster { side: 101, pixels: (0..101 * 101).map(half).collect() }.contours(7.0);
         assert_eq!(lines.len(), 1);
         assert!(lines[0].len() > 45 && lines[0].iter().all(|(_, y)| (y - 60.0).abs() < 1.5), "{:?}", lines[0]);

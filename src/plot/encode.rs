@@ -12,26 +12,26 @@ use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 use super::error::PlotError;
 use super::picture::{Picture, Underlay, font_style_sheet};
 
-/// PNGs are drawn this many times as large and averaged: smooth lines and letters.
+/// Supersampling factor of PNGs: smooth lines and letters.
 const FINE: usize = 2;
 
-/// Lines of an SVG are laid out on a mesh this many times as fine as its pixels.
+/// Subdivision of a pixel for the coordinates of an SVG.
 const MESH: usize = 8;
 
 /// Format of a picture.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
-    /// Pixels.
+    /// Pixels only.
     Png,
-    /// Lines and letters that scale; what is coloured is pixels all the same.
+    /// Scalable lines and text over pixels.
     Svg,
 }
 
 impl PictureFormat {
-    /// By the end of a file's name.
+    /// Returns the format for the extension of a file name.
     ///
     /// # Errors
-    /// It ends in neither `.png` nor `.svg`.
+    /// The name ends in neither `.png` nor `.svg`.
     pub fn of(path: &Path) -> Result<Self, PlotError> {
         let end = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
         match end.as_deref() {
@@ -48,7 +48,7 @@ pub fn data_url(png: &[u8]) -> String {
 }
 
 impl Picture {
-    /// The bytes of a file.
+    /// Returns the bytes of a file.
     ///
     /// # Errors
     /// Error of the drawing or encoding crate.
@@ -59,7 +59,7 @@ impl Picture {
         }
     }
 
-    /// A PNG of [`size`](Picture::size).
+    /// Returns a PNG of [`size`](Picture::size).
     ///
     /// # Errors
     /// Error of the drawing or encoding crate.
@@ -72,7 +72,7 @@ impl Picture {
         png(&averaged(&rgb, width), width / FINE, height / FINE)
     }
 
-    /// An SVG of [`size`](Picture::size) that needs nothing but itself: its font is in it.
+    /// Returns a self-contained SVG of [`size`](Picture::size) with an embedded font.
     ///
     /// # Errors
     /// Error of the drawing or encoding crate.
@@ -87,8 +87,8 @@ impl Picture {
         }
         let underlay = self.underlay(FINE);
         let pixels = STANDARD.encode(png(&underlay.rgb, underlay.width, underlay.height)?);
-        // The pixels come first, below everything: behind the opening tag, which is given the size in pixels.
-        let broken = || PlotError::Drawing("the SVG has no beginning".to_owned());
+        // The pixels come first, below everything: right after the opening tag, which contains the size in pixels.
+        let broken = || PlotError::Drawing("the SVG has no opening tag".to_owned());
         let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
         Ok(format!(
             "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {across} {down}\" xmlns=\"http://www.w3.org/2000/svg\" \
@@ -99,7 +99,7 @@ impl Picture {
     }
 }
 
-/// Blocks of [`FINE`] by [`FINE`] pixels as one.
+/// Averages blocks of [`FINE`] by [`FINE`] pixels.
 fn averaged(rgb: &[u8], width: usize) -> Vec<u8> {
     let height = rgb.len() / 3 / width;
     let mut small = Vec::with_capacity(rgb.len() / (FINE * FINE));

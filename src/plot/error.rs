@@ -8,49 +8,49 @@ use crate::maps::MapError;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// The file name ends in neither `.png` nor `.svg`.
-    #[error("picture {name}: its name must end in .png or .svg")]
+    /// A file name that ends in neither `.png` nor `.svg`.
+    #[error("invalid picture name {name}: expected a name that ends in .png or .svg")]
     UnknownFormat {
-        /// The name given.
+        /// Given name.
         name: String,
     },
-    /// A panel is not a map.
+    /// A panel that cannot be computed as a map.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// There is nothing to draw.
-    #[error("nothing to draw: there are no {what}")]
+    /// Missing data.
+    #[error("nothing to draw: no {what}")]
     Empty {
-        /// What is missing.
+        /// Missing data.
         what: String,
     },
-    /// Columns differ in length.
-    #[error("{what}: {given} values, but there must be {expected}, as many as in the column beside")]
+    /// Columns of different length.
+    #[error("{what}: {given} values, expected {expected} as in the other columns")]
     Length {
-        /// The column.
+        /// Name of the column.
         what: String,
-        /// Its values.
+        /// Number of its values.
         given: usize,
-        /// Values of the other.
+        /// Number of values of the other columns.
         expected: usize,
     },
-    /// A value is not finite.
-    #[error("{what}: value {index}, counted from 0, is {value}; only finite numbers can be drawn")]
+    /// A value that is not finite.
+    #[error("{what}: value {index} (counted from 0) is {value}; expected a finite number")]
     NotFinite {
-        /// The column.
+        /// Name of the column.
         what: String,
-        /// Where in it.
+        /// Index in the column.
         index: usize,
-        /// Not a number, or infinite.
+        /// NaN or infinite.
         value: f64,
     },
-    /// A number is out of range.
+    /// A number out of range.
     #[error("{what} is {given}, allowed: {allowed}")]
     OutOfRange {
-        /// The number.
+        /// Name of the number.
         what: String,
-        /// As given.
+        /// Given value.
         given: String,
-        /// In words, with unit.
+        /// Allowed range with unit.
         allowed: &'static str,
     },
     /// Error of the drawing or encoding crate.

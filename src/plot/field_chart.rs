@@ -9,32 +9,33 @@ use super::error::PlotError;
 use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};
 use super::scale::{ColourScale, Quantity};
-use super::tracks::{Listed, arrow, by_brightness, list, numbers, time_of_day};
+use super::tracks::{ListRow, arrow, by_brightness, list, numbers, time_of_day};
 
 const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
 const BAR_LEFT: f64 = 796.0;
 const LIST_LEFT: f64 = 912.0;
-/// Points of a chart lie nearer to its centre than this, degrees: beyond, the plane of projection runs away.
+/// Largest distance of points from the centre, degrees: beyond it, the tangent plane diverges.
 const FARTHEST_DEG: f64 = 75.0;
 const OUTLINE: RGBColor = RGBColor(60, 60, 60);
 const DARK: RGBColor = RGBColor(150, 150, 150);
 const INSIDE: RGBColor = RGBColor(240, 240, 240);
 
-/// A field and what crosses it.
+/// A field and the streaks that cross it.
 #[derive(Clone, Debug)]
 pub struct FieldChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// Caption, after that of the chart.
+    /// Text after the caption of the chart.
     pub caption: &'a str,
     /// Right ascension of the centre, degrees.
     pub ra_deg: f64,
     /// Declination of the centre, degrees.
     pub dec_deg: f64,
-    /// Borders of the field, each closed by itself: corners as right ascension and declination, degrees, near enough for straight lines.
+    /// Outlines of the field, each closed implicitly: corners as right ascension and declination, degrees, close enough
+    /// for straight lines.
     pub outlines: &'a [Vec<[f64; 2]>],
-    /// What crosses.
+    /// Streaks in the field.
     pub streaks: &'a [FieldStreak],
 }
 
@@ -45,44 +46,47 @@ pub struct FieldStreak {
     pub name: String,
     /// Points from entry to exit, two or more: right ascension and declination, degrees.
     pub track_deg: Vec<[f64; 2]>,
-    /// Entry, MJD (UTC); not a number where it is not known.
+    /// Entry, MJD (UTC); NaN if unknown.
     pub enter_mjd: f64,
-    /// Exit, likewise.
+    /// Exit, MJD (UTC); NaN if unknown.
     pub exit_mjd: f64,
-    /// The brightest along it; not a number where there is none.
+    /// Brightest magnitude along the streak; NaN without one.
     pub magnitude: f64,
-    /// One sigma of it, mag; not a number where there is none.
+    /// One sigma of the magnitude, mag; NaN without one.
     pub sigma_mag: f64,
 }
 
-/// Draws the field on the tangent plane with its borders, every streak in the colour of its magnitude with an arrow where it leaves, and beside
-/// it a list with entry, exit and magnitude, by what harms most: the brightest streaks have a number in the chart, the others are told to be in the data.
+/// Draws the field on the tangent plane with its outlines, every streak in the colour of its magnitude with an arrow at
+/// its exit, and a list with entry, exit and magnitude, the brightest first. The streaks in the list are numbered in
+/// the chart; the caption gives the number of the others.
 ///
-/// A field without streaks is drawn too, and says so; its size is then that of its borders, and there must be one.
+/// A field without streaks is drawn with a note; its size is then that of its outlines, of which at least one is
+/// required.
 ///
 /// # Errors
-/// Neither borders nor streaks, a streak of fewer than two points, places that are none or more than 75° from the centre.
+/// Neither outlines nor streaks, a streak of fewer than two points, or positions that are invalid or more than 75° from
+/// the centre.
 pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     let out = |what: &str, given: String, allowed| PlotError::OutOfRange { what: what.to_owned(), given, allowed };
-    let is_place = |[ra, dec]: [f64; 2]| ra.is_finite() && (-90.0..=90.0).contains(&dec);
+    let is_position = |[ra, dec]: [f64; 2]| ra.is_finite() && (-90.0..=90.0).contains(&dec);
     let centre = [input.ra_deg, input.dec_deg];
-    if !is_place(centre) {
+    if !is_position(centre) {
         return Err(out("the centre of the field", format!("{centre:?}"), "right ascension and declination, degrees"));
     }
     if input.outlines.is_empty() && input.streaks.is_empty() {
-        return Err(PlotError::Empty { what: "streaks, and no border of the field is known".to_owned() });
+        return Err(PlotError::Empty { what: "streaks and no outline of the field".to_owned() });
     }
-    let project = |place: [f64; 2]| {
-        let far = || out("a place of the chart", format!("{place:?} deg"), "at most 75° from the centre");
-        if is_place(place) { gnomonic(centre, place).ok_or_else(far) } else { Err(far()) }
+    let project = |position: [f64; 2]| {
+        let far = || out("a position of the chart", format!("{position:?} deg"), "at most 75° from the centre");
+        if is_position(position) { gnomonic(centre, position).ok_or_else(far) } else { Err(far()) }
     };
     let outlines = (input.outlines.iter())
-        .map(|outline| outline.iter().map(|place| project(*place)).collect::<Result<Vec<_>, _>>())
+        .map(|outline| outline.iter().map(|position| project(*position)).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
     let order = by_brightness(input.streaks.iter().map(|streak| streak.magnitude));
     let streaks: Vec<&FieldStreak> = order.into_iter().map(|number| &input.streaks[number]).collect();
     let tracks = (streaks.iter())
-        .map(|streak| streak.track_deg.iter().map(|place| project(*place)).collect::<Result<Vec<_>, _>>())
+        .map(|streak| streak.track_deg.iter().map(|position| project(*position)).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
     if let Some(short) = streaks.iter().find(|streak| streak.track_deg.len() < 2) {
         return Err(PlotError::Empty { what: format!("two points of the track of {}", short.name) });
@@ -101,7 +105,7 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     let mut picture = Picture::new(WIDTH as usize, 846);
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     for outline in &outlines {
-        let mut border: Vec<_> = outline.iter().map(|place| at(*place)).collect();
+        let mut border: Vec<_> = outline.iter().map(|position| at(*position)).collect();
         picture.patch(border.clone(), INSIDE.to_rgba());
         border.extend(border.first().copied());
         picture.line(&border, OUTLINE.to_rgba(), 1.6);
@@ -119,13 +123,13 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         false => DARK,
     };
     for (streak, track) in streaks.iter().zip(&tracks) {
-        let line: Vec<_> = track.iter().map(|place| at(*place)).collect();
+        let line: Vec<_> = track.iter().map(|position| at(*position)).collect();
         picture.line(&line, INK.to_rgba(), 5.0);
         picture.line(&line, colour(streak).to_rgba(), 3.4);
         arrow(&mut picture, &line, colour(streak));
     }
     let lines: Vec<Vec<(f64, f64)>> =
-        tracks.iter().map(|track| track.iter().map(|place| at(*place)).collect()).collect();
+        tracks.iter().map(|track| track.iter().map(|position| at(*position)).collect()).collect();
     numbers(&mut picture, &lines);
     frame.draw(&mut picture, [true, true]);
     frame.name_x(&mut picture, &format!("offset to the east, {unit}"));
@@ -137,17 +141,17 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     }
     if magnitudes().next().is_some() {
         let sides = [BAR_LEFT, SIDES[1] + 40.0, BAR_LEFT + 24.0, SIDES[3] - 40.0];
-        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
+        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.label());
     }
     if !input.streaks.is_empty() {
-        let listed = |streak: &&FieldStreak| Listed {
+        let listed = |streak: &&FieldStreak| ListRow {
             name: streak.name.clone(),
             times: [streak.enter_mjd, streak.exit_mjd].map(|mjd| time_of_day(mjd, 1)),
             magnitude: streak.magnitude,
             sigma_mag: streak.sigma_mag,
             colour: colour(streak),
         };
-        let rows: Vec<Listed> = streaks.iter().map(listed).collect();
+        let rows: Vec<ListRow> = streaks.iter().map(listed).collect();
         list(&mut picture, [LIST_LEFT, WIDTH - 20.0], SIDES[1] + 10.0, ["enter UTC", "exit UTC"], &rows);
     }
     picture.set_scales(vec![scale]);
@@ -163,10 +167,11 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Place on the tangent plane, degrees of the plane, x to the east and y to the north; `None` far away.
+/// Returns the position on the tangent plane, degrees, x to the east and y to the north; `None` far away.
 ///
-/// cos c = sin δ₀ sin δ + cos δ₀ cos δ cos Δα; ξ = cos δ sin Δα / cos c; η = (cos δ₀ sin δ − sin δ₀ cos δ cos Δα) / cos c
-/// (Calabretta & Greisen 2002, A&A 395, 1077, section 5.1.3, in right ascension and declination).
+/// cos c = sin δ₀ sin δ + cos δ₀ cos δ cos Δα; ξ = cos δ sin Δα / cos c;
+/// η = (cos δ₀ sin δ − sin δ₀ cos δ cos Δα) / cos c (Calabretta & Greisen 2002, A&A 395, 1077, section 5.1.3,
+/// in right ascension and declination).
 fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
     let ((sin0, cos0), (sin, cos)) = (dec0.to_radians().sin_cos(), dec.to_radians().sin_cos());
     let (sin_ra, cos_ra) = (ra - ra0).to_radians().sin_cos();
@@ -175,19 +180,19 @@ fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
     (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
 }
 
-/// North up, east left, in the upper right corner.
+/// Draws a compass in the upper right corner: north up, east left.
 fn compass(picture: &mut Picture) {
     let (x, y) = (SIDES[2] - 26.0, SIDES[1] + 72.0);
-    for (tip, words, place) in [((x, y - 42.0), "N", (x, y - 54.0)), ((x - 42.0, y), "E", (x - 54.0, y))] {
+    for (tip, text, position) in [((x, y - 42.0), "N", (x, y - 54.0)), ((x - 42.0, y), "E", (x - 54.0, y))] {
         picture.line(&[(x, y), tip], INK.to_rgba(), 2.0);
         let (across, up) = ((tip.0 - x) / 42.0, (tip.1 - y) / 42.0);
         let side = |back: f64, side: f64| (tip.0 - back * across - side * up, tip.1 - back * up + side * across);
         picture.patch(vec![tip, side(9.0, 4.0), side(9.0, -4.0)], INK.to_rgba());
-        picture.text(words, place, 17.0, HPos::Center);
+        picture.text(text, position, 17.0, HPos::Center);
     }
 }
 
-/// A round length in the lower left corner, true in the middle of the chart.
+/// Draws a scale bar of round length in the lower left corner, exact in the middle of the chart.
 fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
     let whole = (frame.x.from - frame.x.to).abs();
     let decade = 10_f64.powf((0.3 * whole).log10().floor());
@@ -195,23 +200,24 @@ fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
     let length = length.unwrap_or(decade);
     let pixels = length / whole * frame.width();
     let (x, y) = (SIDES[0] + 20.0, SIDES[3] - 20.0);
-    let words = format!("{length}{unit}");
+    let text = format!("{length}{unit}");
     picture.rectangle(
-        [x - 8.0, y - 30.0, x + pixels.max(width_of(&words, 16.0)) + 8.0, y + 8.0],
+        [x - 8.0, y - 30.0, x + pixels.max(width_of(&text, 16.0)) + 8.0, y + 8.0],
         RGBColor(255, 255, 255).mix(0.8),
     );
     picture.line(&[(x, y), (x + pixels, y)], INK.to_rgba(), 3.0);
     for end in [x, x + pixels] {
         picture.line(&[(end, y - 5.0), (end, y + 5.0)], INK.to_rgba(), 1.6);
     }
-    picture.text(&words, (x + pixels / 2.0, y - 17.0), 16.0, HPos::Center);
+    picture.text(&text, (x + pixels / 2.0, y - 17.0), 16.0, HPos::Center);
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Centre, place, both in degrees, and degrees of the plane: astropy 8.0.2, `WCS` with `RA---TAN`, `DEC--TAN`, cdelt 1, `wcs_world2pix`, 2026-11-22.
+    /// Centre and position, both in degrees, and degrees of the plane: astropy 8.0.2, `WCS` with `RA---TAN`,
+    /// `DEC--TAN`, cdelt 1, `wcs_world2pix`, 2026-11-22.
     const TAN: &[[[f64; 2]; 3]] = &[
         [[10.0, 20.0], [11.5, 21.0], [1.400_845_158_4, 1.006_674_328_3]],
         [[350.2, -89.9], [200.0, -89.5], [-0.248_496_951_4, -0.533_900_899_2]],
@@ -222,11 +228,11 @@ mod tests {
 
     #[test]
     fn valid_the_plane_is_that_of_tan() {
-        for [centre, place, plane] in TAN {
-            let ours = gnomonic(*centre, *place).unwrap();
-            assert!((0..2).all(|k| (ours[k] - plane[k]).abs() < 1e-9), "{centre:?} {place:?}: {ours:?} {plane:?}");
+        for [centre, position, plane] in TAN {
+            let ours = gnomonic(*centre, *position).unwrap();
+            assert!((0..2).all(|k| (ours[k] - plane[k]).abs() < 1e-9), "{centre:?} {position:?}: {ours:?} {plane:?}");
         }
-        // Behind and at the border of the plane.
+        // Behind the plane and at its border.
         assert!(gnomonic([0.0, 0.0], [180.0, 0.0]).is_none() && gnomonic([0.0, 0.0], [76.0, 0.0]).is_none());
     }
 }

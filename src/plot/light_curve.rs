@@ -1,4 +1,4 @@
-//! Magnitude along a track, with its error, and when the satellite is in the field.
+//! Magnitude along a track with its error, and the intervals inside the field.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -25,29 +25,30 @@ const LIMIT: RGBColor = RGBColor(90, 90, 90);
 pub struct LightCurve<'a> {
     /// Title.
     pub title: &'a str,
-    /// Below.
+    /// Caption below the chart.
     pub caption: &'a str,
-    /// `(n_point)` moments, MJD (UTC), growing.
+    /// `(n_point)` times, MJD (UTC), increasing.
     pub time_mjd: &'a [f64],
-    /// `(n_point)` magnitudes; not a number where nothing is seen (the Earth's shadow).
+    /// `(n_point)` magnitudes; NaN in the Earth's shadow.
     pub magnitude: &'a [f64],
-    /// `(n_point)` one sigma of them, mag; not a number where there is none.
+    /// `(n_point)` one sigma of the magnitudes, mag; NaN without one.
     pub sigma_mag: &'a [f64],
-    /// Stretches inside the field: entry and exit, MJD (UTC).
+    /// Intervals inside the field: entry and exit, MJD (UTC).
     pub in_field: &'a [[f64; 2]],
     /// Opening and closing of the shutter, MJD (UTC).
     pub shutter: Option<[f64; 2]>,
-    /// A dashed line.
+    /// Magnitude limit, drawn as a dashed line.
     pub limit_mag: Option<f64>,
-    /// For the upper side.
+    /// Clock of the upper axis.
     pub local: Option<LocalClock<'a>>,
 }
 
-/// Draws magnitudes against time, bright up, within the band of one sigma; entry into the field and exit from it are upright lines with their
-/// times, grey is where nothing is seen.
+/// Draws magnitudes against time, bright up, within the band of one sigma; vertical lines with times mark entry into
+/// the field and exit from it, grey marks intervals without light.
 ///
 /// # Errors
-/// Fewer than two points, none of them with a magnitude, columns of unequal length, times that are not finite or do not grow.
+/// Fewer than two points, none of them with a magnitude, columns of unequal length, times that are not finite or do not
+/// increase.
 pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     check("points along the track", input.time_mjd)?;
     let n = input.time_mjd.len();
@@ -57,7 +58,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         }
     }
     if n < 2 || input.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
-        let (what, given) = ("the times of a track".to_owned(), format!("{n} that do not grow from one to the next"));
+        let (what, given) = ("the times of a track".to_owned(), format!("{n} that do not increase"));
         return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
     }
     let lit: Vec<f64> = input.magnitude.iter().copied().filter(|magnitude| magnitude.is_finite()).collect();
@@ -71,12 +72,12 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         Some(limit) => (bright.min(limit), faint.max(limit)),
         None => (bright, faint),
     };
-    let room = (0.07 * (faint - bright)).max(0.1);
+    let margin = (0.07 * (faint - bright)).max(0.1);
     let span = input.time_mjd[n - 1] - input.time_mjd[0];
     let frame = Frame {
         sides: SIDES,
         x: Axis::linear(input.time_mjd[0] - 0.015 * span, input.time_mjd[n - 1] + 0.015 * span),
-        y: Axis { from: faint + room, to: bright - room, is_log: false },
+        y: Axis { from: faint + margin, to: bright - margin, is_log: false },
     };
     let [left, top, right, bottom] = SIDES;
     let mut picture = Picture::new(WIDTH as usize, 680);
@@ -85,8 +86,8 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     if let Some([open, close]) = input.shutter {
         picture.rectangle([across(open), top, across(close), bottom], SHUTTER.mix(0.22));
     }
-    for stretch in dark_stretches(input) {
-        picture.rectangle([across(stretch[0]), top, across(stretch[1]), bottom], DARK.mix(0.45));
+    for interval in dark_intervals(input) {
+        picture.rectangle([across(interval[0]), top, across(interval[1]), bottom], DARK.mix(0.45));
     }
     if let Some(limit) = input.limit_mag {
         let line = [frame.at(frame.x.from, limit), frame.at(frame.x.to, limit)];
@@ -114,7 +115,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         for x in [x0, x1] {
             picture.line(&[(x, top), (x, bottom)], FIELD.to_rgba(), 2.0);
         }
-        // Words of one stretch alone have room for sure.
+        // The label of a single interval always fits.
         if number == 0 {
             let fits = x0 - left > 60.0 && right - x1 > 60.0;
             let (enter_side, exit_side) = if fits { (HPos::Right, HPos::Left) } else { (HPos::Left, HPos::Right) };
@@ -133,32 +134,32 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     let mut x = left;
     picture.rectangle([x, y - 8.0, x + 30.0, y + 8.0], BAND.mix(0.4));
     picture.line(&[(x, y), (x + 30.0, y)], LINE.to_rgba(), 3.0);
-    x = picture.words("magnitude, ±1σ", x + 38.0, y);
+    x = picture.legend_text("magnitude, ±1σ", x + 38.0, y);
     if !input.in_field.is_empty() {
         picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], FIELD.mix(0.14));
         picture.line(&[(x, y - 8.0), (x, y + 8.0)], FIELD.to_rgba(), 2.0);
         picture.line(&[(x + 24.0, y - 8.0), (x + 24.0, y + 8.0)], FIELD.to_rgba(), 2.0);
-        x = picture.words("in the field", x + 32.0, y);
+        x = picture.legend_text("in the field", x + 32.0, y);
     }
     if input.shutter.is_some() {
         picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], SHUTTER.mix(0.3));
         picture.border([x, y - 8.0, x + 24.0, y + 8.0], 1.0);
-        x = picture.words("shutter open", x + 32.0, y);
+        x = picture.legend_text("shutter open", x + 32.0, y);
     }
     if lit.len() < n {
         picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], DARK.mix(0.45));
-        x = picture.words("nothing seen", x + 32.0, y);
+        x = picture.legend_text("not visible", x + 32.0, y);
     }
     if let Some(limit) = input.limit_mag {
         picture.dashed(&[(x, y), (x + 30.0, y)], [9.0, 6.0], LIMIT.to_rgba(), 1.8);
-        picture.words(&format!("limit {} mag", fixed(limit, 1)), x + 38.0, y);
+        picture.legend_text(&format!("limit {} mag", fixed(limit, 1)), x + 38.0, y);
     }
     picture.paragraph(input.caption, [left, WIDTH - 24.0], 644.0, 16.0);
     Ok(picture)
 }
 
-/// Where nothing is seen: from half way after the last lit point to half way before the next.
-fn dark_stretches(input: &LightCurve<'_>) -> Vec<[f64; 2]> {
+/// Returns the intervals without light: from half way after the last lit point to half way before the next.
+fn dark_intervals(input: &LightCurve<'_>) -> Vec<[f64; 2]> {
     let n = input.time_mjd.len();
     let points: Vec<usize> = (0..n).collect();
     let is_lit = |k: usize| input.magnitude[k].is_finite();

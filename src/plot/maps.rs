@@ -1,10 +1,10 @@
-//! Pictures of magnitude maps, of figures 6 to 9 of the paper, and of HEALPix cells in the frame of a satellite, panel by panel (figures 2 and 4 of
-//! Lu 2024).
+//! Pictures of magnitude maps, of figures 6 to 9 of the paper, and of HEALPix cells in the frame of a satellite, in
+//! panels (figures 2 and 4 of Lu 2024).
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
-use super::disc::{Disc, DiscSheet, Seen};
+use super::disc::{Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
 use super::picture::Picture;
 use super::scale::Quantity;
@@ -12,23 +12,25 @@ use crate::maps::{BodyView, Earth, Fact, FactValue, FigurePanel, PaperFigure, Sk
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 use crate::photometry::{BrightnessModel, PhotometryOptions};
 
-/// Radius of a disc that stands alone, and of one of three, pixels.
+/// Radius of a single disc, and of one of three, pixels.
 const ALONE: usize = 270;
 const OF_THREE: usize = 210;
 
-/// The limit that the astronomers' union asks of operators, mag, as an observer sees it.
+/// Limit of apparent magnitude that the IAU recommends to operators, mag.
 const LIMIT_MAG: f64 = 7.0;
 
-/// With extinction, what stands lower than this sets no end of the colours: there the air takes magnitudes.
+/// Altitude below which values do not determine the colour scale with extinction, degrees: there the air absorbs
+/// magnitudes.
 const LOW_DEG: f64 = 10.0;
 
-/// What is drawn at the rim stands so high, radians: on the horizon itself satellites have set and there is no airmass.
+/// Altitude at which the rim is evaluated, radians: on the horizon itself satellites have set and the airmass is
+/// undefined.
 const RIM_RAD: f64 = 1e-6;
 
 const SKY_CAPTION: &str = "Zenith in the middle, horizon at the rim, east left.";
 const BODY_CAPTION: &str = "Below the satellite, seen from above: nadir in the middle, longitudes from the Sun.";
 
-/// A map of the sky.
+/// Draws a map of the sky.
 pub fn sky_picture(view: &SkyView<'_>) -> Picture {
     let facts = view.facts();
     let title = format!("{}, {}, {} km", apparent(&facts), text_of(&facts, "model"), tidy(view.height_km()));
@@ -42,7 +44,7 @@ pub fn sky_picture(view: &SkyView<'_>) -> Picture {
     drawn(title, caption, vec![disc], ALONE, sky_limit())
 }
 
-/// A map of a satellite's own sky.
+/// Draws a map of the directions below a satellite.
 pub fn body_picture(view: &BodyView<'_>) -> Picture {
     let facts = view.facts();
     let disc = body_disc(view.clone(), format!("Sun at latitude {}°", degrees(view.sun_latitude_rad())));
@@ -51,24 +53,24 @@ pub fn body_picture(view: &BodyView<'_>) -> Picture {
     drawn(title, caption, vec![disc], ALONE, body_limit(view.height_km()))
 }
 
-/// A figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
+/// Draws a figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
 ///
 /// # Errors
-/// A panel is not a map.
+/// A panel that cannot be computed as a map.
 pub fn paper_picture(
     figure: &PaperFigure,
     model: &BrightnessModel,
     options: PhotometryOptions,
 ) -> Result<Picture, PlotError> {
     let mut discs = Vec::new();
-    let mut words = (String::new(), "", String::new());
+    let mut labels = (String::new(), "", String::new());
     let mut limit = sky_limit();
     for (panel, letter) in figure.panels.iter().zip(["a", "b", "c"]) {
         match *panel {
             FigurePanel::Body { sun_latitude_deg, height_km } => {
                 let view = BodyView::new(model, sun_latitude_deg.to_radians(), height_km, options)?;
                 let facts = view.facts();
-                words = (standard(&facts), BODY_CAPTION, conditions(&facts));
+                labels = (standard(&facts), BODY_CAPTION, conditions(&facts));
                 limit = body_limit(height_km);
                 let title = format!("({letter}) Sun at latitude {}°", degrees(view.sun_latitude_rad()));
                 discs.push(body_disc(view, title));
@@ -77,29 +79,30 @@ pub fn paper_picture(
                 let sun_altitude_rad = sun_altitude_deg.to_radians();
                 let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_rad, options)?;
                 let facts = view.facts();
-                words = (format!("{}, {height_km} km", apparent(&facts)), SKY_CAPTION, conditions(&facts));
+                labels = (format!("{}, {height_km} km", apparent(&facts)), SKY_CAPTION, conditions(&facts));
                 let title = format!("({letter}) Sun at altitude {}°", degrees(view.sun_altitude_rad()));
                 discs.push(sky_disc(view, title));
             }
         }
     }
-    let title = format!("{}, {}", words.0, model.source());
-    let caption = format!("{} After figure {} of Lu (2024).{}", words.1, figure.number, words.2);
+    let title = format!("{}, {}", labels.0, model.source());
+    let caption = format!("{} After figure {} of Lu (2024).{}", labels.1, figure.number, labels.2);
     Ok(drawn(title, caption, discs, OF_THREE, limit))
 }
 
-/// Discs with a line where satellites are as bright as they may be.
+/// Draws discs with a contour line at the magnitude limit.
 fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize, limit: (f64, String)) -> Picture {
-    DiscSheet { title, caption, discs, radius, in_a_row: 3, contour_mag: Some(limit), nothing: "nothing lit seen" }
+    DiscSheet { title, caption, discs, radius, discs_per_row: 3, contour_mag: Some(limit), nothing: "not lit" }
         .picture()
 }
 
-/// The line of a map of apparent magnitudes, and its words.
+/// Returns the contour line of a map of apparent magnitudes and its label.
 fn sky_limit() -> (f64, String) {
     (LIMIT_MAG, format!("{LIMIT_MAG} mag"))
 }
 
-/// The line of a map of magnitudes at 1000 km: the limit for who stands straight below, at the satellite's height.
+/// Returns the contour line of a map of magnitudes at 1000 km: the limit for an observer straight below, at the
+/// satellite's height.
 fn body_limit(height_km: f64) -> (f64, String) {
     // m₁₀₀₀ = m + 5 log₁₀(1000 km / h)
     let at_1000_km = LIMIT_MAG + 5.0 * (1000.0 / height_km).log10();
@@ -113,12 +116,12 @@ fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
         title,
         quantity: Quantity::Magnitude,
         is_half: false,
-        seen: Box::new(move |azimuth, from_zenith| {
+        content: Box::new(move |azimuth, from_zenith| {
             let point = view.at(azimuth, (FRAC_PI_2 - from_zenith).max(RIM_RAD));
             match point.magnitude {
-                Some(magnitude) => Seen::Value(magnitude.0),
-                None if point.lit_fraction <= 0.0 => Seen::Shadow,
-                None => Seen::Nothing,
+                Some(magnitude) => DiscContent::Value(magnitude.0),
+                None if point.lit_fraction <= 0.0 => DiscContent::Shadow,
+                None => DiscContent::Empty,
             }
         }),
         scaled_within_rad: if has_air { FRAC_PI_2 - LOW_DEG.to_radians() } else { FRAC_PI_2 },
@@ -135,8 +138,9 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
         title,
         quantity: Quantity::Magnitude,
         is_half: false,
-        seen: Box::new(move |longitude, from_nadir| {
-            view.at(longitude, from_nadir - FRAC_PI_2).map_or(Seen::Nothing, |magnitude| Seen::Value(magnitude.0))
+        content: Box::new(move |longitude, from_nadir| {
+            view.at(longitude, from_nadir - FRAC_PI_2)
+                .map_or(DiscContent::Empty, |magnitude| DiscContent::Value(magnitude.0))
         }),
         scaled_within_rad: FRAC_PI_2,
         sun_longitude_rad: Some(0.0),
@@ -146,33 +150,33 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
     }
 }
 
-/// What a reader must know of air, light and model, where it is not what a map usually rests on.
+/// Returns caption text on extinction, light and model where they differ from the defaults.
 fn conditions(facts: &[Fact]) -> String {
     let text = |name: &str| text_of(facts, name);
-    let mut words = String::new();
+    let mut sentences = String::new();
     match text("extinction_mag_per_airmass").as_str() {
         "" => {}
-        k => words.push_str(&format!(" Extinction {k} mag per airmass.")),
+        k => sentences.push_str(&format!(" Extinction {k} mag per airmass.")),
     }
     if text("earthshine") == "off" {
-        words.push_str(" Sunlight alone.");
+        sentences.push_str(" Sunlight only.");
     }
     if text("shadow") == "atmosphere" {
-        words.push_str(" Shadow of the Earth and its air.");
+        sentences.push_str(" Shadow of the Earth with its atmosphere.");
     }
     match text("model_status").as_str() {
         "" => {}
-        status => words.push_str(&format!(" The model is {status}.")),
+        status => sentences.push_str(&format!(" The model is {status}.")),
     }
-    words
+    sentences
 }
 
-/// What the colours of a sky map show.
+/// Returns the quantity of a sky map.
 fn apparent(facts: &[Fact]) -> String {
     format!("Apparent magnitude {} ({})", text_of(facts, "band"), text_of(facts, "mag_system"))
 }
 
-/// What the colours of a body map show.
+/// Returns the quantity of a body map.
 fn standard(facts: &[Fact]) -> String {
     format!("Magnitude {} ({}) at 1000 km", text_of(facts, "band"), text_of(facts, "mag_system"))
 }
@@ -186,52 +190,52 @@ fn text_of(facts: &[Fact], name: &str) -> String {
     }
 }
 
-/// Degrees with a true minus sign, as many decimals as they have.
+/// Formats degrees with a true minus sign and as many decimals as needed.
 fn degrees(angle_rad: f64) -> String {
     tidy(angle_rad.to_degrees()).replace('-', "−")
 }
 
-/// As many decimals as it has, three at most.
+/// Formats a number with as many decimals as needed, three at most.
 fn tidy(number: f64) -> String {
     ((number * 1e3).round() / 1e3).to_string()
 }
 
-/// Panels of one picture.
+/// Largest number of panels of one picture.
 const MOST_PANELS: usize = 12;
 
-/// Cells of a satellite's sky, as pictures show them.
+/// Cells of a satellite's frame in one or more panels.
 #[derive(Clone, Debug)]
 pub struct Layers<'a> {
     /// Title.
     pub title: &'a str,
-    /// Below all; what is needed to read the picture is said after it.
+    /// Caption below all panels; an explanation of the projection follows it.
     pub caption: &'a str,
-    /// Division of the sphere into 12 N² cells in RING order, 1 to 1024.
+    /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
     pub nside: u32,
-    /// Cells are those of longitudes folded to 0 to 180°: half discs are drawn.
+    /// True for longitudes folded to 0 to 180°: half discs are drawn.
     pub is_folded: bool,
-    /// 1 to 12, in rows of four half discs or three discs.
+    /// Panels, 1 to 12, in rows of four half discs or three discs.
     pub panels: Vec<LayerPanel<'a>>,
 }
 
-/// One disc: a layer of the Sun's latitude, or one quantity of it.
+/// One disc: a layer of one latitude of the Sun, or one quantity.
 #[derive(Clone, Debug)]
 pub struct LayerPanel<'a> {
-    /// Above it: `(a) Sun at latitude −14°`.
+    /// Title: `(a) Sun at latitude −14°`.
     pub title: &'a str,
-    /// What the values are, and with it their colours.
+    /// Quantity of the values, which determines the colours.
     pub quantity: Quantity,
-    /// RING cell of the observer's direction (longitude from the Sun's azimuth, latitude above the plane of the chassis) and its value, finite;
-    /// counts are 1 or more. Cells above the plane are not seen.
+    /// RING cell of the observer's direction (longitude from the Sun's azimuth, latitude above the plane of the
+    /// chassis) and its value, finite; counts are 1 or more. Cells above the plane are not drawn.
     pub cells: &'a [(u64, f64)],
 }
 
-/// Draws every panel as the maps of a satellite's own sky are drawn: nadir in the middle, the plane of the chassis at the rim, the Sun marked at
-/// longitude 0. Panels of one quantity have one scale; grey is where there is no cell.
+/// Draws every panel in the projection of body maps: nadir in the middle, the plane of the chassis at the rim, the Sun
+/// marked at longitude 0. Panels of one quantity have one scale; grey marks missing cells.
 ///
 /// # Errors
-/// No panel or more than 12, none of them with a cell, a division that is not offered, a cell that there is not or that comes twice in a panel,
-/// a value that is not finite, a count below 1.
+/// No panel or more than 12, no cell in any of them, an invalid nside or cell number, a cell twice in a panel, a value
+/// that is not finite, a count below 1.
 pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
     let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
     if !(1..=MOST_PANELS).contains(&input.panels.len()) {
@@ -245,7 +249,7 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
     }
     let discs = input.panels.iter().map(|panel| disc(input, panel)).collect::<Result<Vec<_>, _>>()?;
     let is_mixed = input.panels.iter().any(|panel| panel.quantity != input.panels[0].quantity);
-    let in_a_row = if input.is_folded { 4 } else { 3 };
+    let discs_per_row = if input.is_folded { 4 } else { 3 };
     let meaning = match input.panels.iter().any(|panel| panel.quantity == Quantity::Residual) {
         true => " O−C above 0 (red): observed fainter than computed.",
         false => "",
@@ -255,20 +259,20 @@ pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
         "{} Nadir in the middle, plane of the chassis at the rim; longitudes from the Sun{fold}. HEALPix cells, nside {}.{meaning}",
         input.caption, input.nside
     );
-    let columns = in_a_row.min(discs.len());
+    let columns = discs_per_row.min(discs.len());
     let sheet = DiscSheet {
         title: input.title.to_owned(),
         caption: caption.trim().to_owned(),
         radius: radius(columns, discs.len().div_ceil(columns), input.is_folded, is_mixed),
         discs,
-        in_a_row,
+        discs_per_row,
         contour_mag: None,
         nothing: "no cell",
     };
     Ok(sheet.picture())
 }
 
-/// The largest radius, in pixels, with which discs stay within 1600 pixels on both sides.
+/// Returns the largest radius, in pixels, for which the picture stays within 1600 pixels on both sides.
 fn radius(columns: usize, rows: usize, is_folded: bool, is_mixed: bool) -> usize {
     let bars = if is_mixed { columns } else { 1 };
     let across = (1600 - 120 * bars).saturating_sub(132 * columns) / columns / if is_folded { 1 } else { 2 };
@@ -303,9 +307,9 @@ fn disc<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disc<'a>, Plot
         title: panel.title.to_owned(),
         quantity: panel.quantity,
         is_half: input.is_folded,
-        seen: Box::new(move |longitude, from_nadir| {
+        content: Box::new(move |longitude, from_nadir| {
             let cell = ring_cell(nside, longitude, from_nadir - FRAC_PI_2);
-            cell.and_then(|cell| value_of.get(&cell)).map_or(Seen::Nothing, |value| Seen::Value(*value))
+            cell.and_then(|cell| value_of.get(&cell)).map_or(DiscContent::Empty, |value| DiscContent::Value(*value))
         }),
         scaled_within_rad: FRAC_PI_2,
         sun_longitude_rad: Some(0.0),

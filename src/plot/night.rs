@@ -1,4 +1,4 @@
-//! The timeline of a night: which exposures are struck, how bright, by how many.
+//! Timeline of a night: exposures with streaks, their brightest magnitudes and numbers.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -15,12 +15,12 @@ use super::time_axis::{LocalClock, bands_in_time, draw_local, draw_utc, legend};
 const WIDTH: f64 = 1180.0;
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 1040.0;
-/// Top and bottom of the magnitudes, of the numbers and of the strip of all exposures.
+/// Top and bottom of the panels of magnitudes and of numbers, and of the strip of all exposures.
 const MAGNITUDES: [f64; 2] = [112.0, 430.0];
 const NUMBERS: [f64; 2] = [438.0, 528.0];
 const STRIP: [f64; 2] = [536.0, 566.0];
 const CLEAR: RGBColor = RGBColor(208, 208, 208);
-/// Struck, but by nothing that a magnitude is known of; and rows that could not be judged.
+/// Exposures with streaks without a magnitude, and rows that could not be judged.
 const UNKNOWN: RGBColor = RGBColor(90, 90, 90);
 const LIMIT: RGBColor = RGBColor(213, 94, 0);
 const DAY_S: f64 = 86_400.0;
@@ -30,31 +30,32 @@ const DAY_S: f64 = 86_400.0;
 pub struct NightTimeline<'a> {
     /// Title.
     pub title: &'a str,
-    /// Caption, after the number of exposures.
+    /// Text after the number of exposures in the caption.
     pub caption: &'a str,
     /// `(n_exposure)` shutter openings, MJD (UTC), within two days.
     pub start_mjd: &'a [f64],
     /// `(n_exposure)` lengths, seconds, 0 or more.
     pub duration_s: &'a [f64],
-    /// `(n_exposure)` how many lit satellites cross, 0 or more.
+    /// `(n_exposure)` number of lit satellites that cross, 0 or more.
     pub n_streaks: &'a [f64],
-    /// `(n_exposure)` the brightest of them, mag; not a number where none crosses or none has a magnitude.
+    /// `(n_exposure)` brightest magnitude, mag; NaN without a streak or without a magnitude.
     pub brightest_mag: &'a [f64],
     /// Magnitude above which a streak matters: a dashed line.
     pub limit_mag: Option<f64>,
-    /// Moments, MJD (UTC), and the Sun's altitude, degrees, for the bands of day and twilight, in time order; empty where no site is known.
+    /// Times, MJD (UTC), and the Sun's altitude, degrees, for the bands of day and twilight, in order of time; empty
+    /// without a site.
     pub sun: &'a [(f64, f64)],
-    /// For the upper side.
+    /// Clock of the upper axis.
     pub local: Option<LocalClock<'a>>,
 }
 
-/// Draws a night: above, the brightest magnitude of each exposure that is struck, bright up, in its colour; below it how many satellites cross;
-/// at the bottom every exposure as a bar, grey where it is clear.
+/// Draws a night: at the top the brightest magnitude of each exposure with streaks, bright up, in its colour; below it
+/// the number of satellites that cross; at the bottom every exposure as a bar, grey if clear.
 ///
 /// A night without streaks is drawn with a note.
 ///
 /// # Errors
-/// No exposure, columns of unequal length, a time that is not finite, exposures that lie more than two days apart.
+/// No exposure, columns of unequal length, a time that is not finite, exposures more than two days apart.
 pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
     check("exposures", input.start_mjd)?;
     let n = input.start_mjd.len();
@@ -71,8 +72,8 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
         let (what, given) = ("the time from first to last exposure".to_owned(), format!("{:.1} d", last - first));
         return Err(PlotError::OutOfRange { what, given, allowed: "2 d, one night of a longer schedule" });
     }
-    let room = (0.012 * (last - first)).max(20.0 / DAY_S);
-    let x = Axis::linear(first - room, last + room);
+    let margin = (0.012 * (last - first)).max(20.0 / DAY_S);
+    let x = Axis::linear(first - margin, last + margin);
 
     let height = 696.0;
     let mut picture = Picture::new(WIDTH as usize, height as usize);
@@ -97,7 +98,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
         picture.dashed(&line, [9.0, 6.0], LIMIT.to_rgba(), 2.0);
     }
     let mut order: Vec<usize> = (0..n).collect();
-    // The brightest last, over all others.
+    // The brightest are drawn last, over all others.
     let key = |k: usize| input.brightest_mag[k];
     order.sort_by(|a, b| key(*b).total_cmp(&key(*a)));
     for k in order {
@@ -109,7 +110,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
             (false, false) => CLEAR,
         };
         let (left, right) = (strip.at(start, 0.0).0, strip.at(end, 0.0).0);
-        // Exposures of a night are a pixel wide each; none may vanish.
+        // Exposures are at least a pixel wide, so that none disappears.
         picture.rectangle([left, STRIP[0] + 1.0, right.max(left + 1.0), STRIP[1] - 1.0], colour.to_rgba());
         if input.n_streaks[k] > 0.0 {
             let middle = (start + end) / 2.0;
@@ -131,36 +132,36 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
     draw_utc(&mut picture, &strip);
     draw_local(&mut picture, &magnitudes, input.local.as_ref());
     if shown.is_empty() {
-        let words = match input.n_streaks.iter().any(|number| *number > 0.0) {
-            true => "no magnitude is known of any streak of this night",
-            false => "no exposure of this night is struck",
+        let text = match input.n_streaks.iter().any(|number| *number > 0.0) {
+            true => "no streak of this night has a magnitude",
+            false => "no exposure of this night has a streak",
         };
         let middle = (MAGNITUDES[0] + MAGNITUDES[1]) / 2.0;
-        picture.note(words, ((LEFT + RIGHT) / 2.0, middle));
+        picture.note(text, ((LEFT + RIGHT) / 2.0, middle));
     } else {
         let sides = [RIGHT + 26.0, MAGNITUDES[0] + 26.0, RIGHT + 50.0, NUMBERS[1] - 10.0];
-        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
+        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.label());
     }
 
     let mut from = LEFT;
     let baseline = 644.0;
     from = legend(&mut picture, &bands, from, baseline);
     picture.rectangle([from, baseline - 8.0, from + 24.0, baseline + 8.0], CLEAR.to_rgba());
-    from = picture.words("clear exposure", from + 31.0, baseline) - 8.0;
+    from = picture.legend_text("clear exposure", from + 31.0, baseline) - 8.0;
     if (0..n).any(|k| input.n_streaks[k] > 0.0 && !input.brightest_mag[k].is_finite()) {
         picture.rectangle([from, baseline - 8.0, from + 24.0, baseline + 8.0], UNKNOWN.to_rgba());
-        from = picture.words("struck, no magnitude", from + 31.0, baseline) - 8.0;
+        from = picture.legend_text("streak, no magnitude", from + 31.0, baseline) - 8.0;
     }
     if let Some(limit) = input.limit_mag {
         picture.dashed(&[(from, baseline), (from + 30.0, baseline)], [9.0, 6.0], LIMIT.to_rgba(), 2.0);
         let decimals = usize::from((limit - limit.round()).abs() > 1e-9);
-        picture.words(&format!("limit {} mag", fixed(limit, decimals)), from + 37.0, baseline);
+        picture.legend_text(&format!("limit {} mag", fixed(limit, decimals)), from + 37.0, baseline);
     }
     let struck = input.n_streaks.iter().filter(|number| **number > 0.0).count();
     let over = input.limit_mag.map(|limit| shown.iter().filter(|mag| **mag < limit).count());
-    let over = over.map(|over| format!(", {} by one brighter than the limit", count(over))).unwrap_or_default();
+    let over = over.map(|over| format!(", {} brighter than the limit", count(over))).unwrap_or_default();
     let caption = format!(
-        "{}, {} struck ({}){over}. {}",
+        "{}, {} with streaks ({}){over}. {}",
         many(n, "exposure", "exposures"),
         count(struck),
         per_cent(struck as f64 / n as f64),

@@ -1,6 +1,6 @@
 //! Formatting of numbers: digits from a step or an error, with a minus sign.
 
-/// With so many decimals, and no sign on a zero.
+/// Formats with this number of decimals, without a sign on zero.
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -10,7 +10,7 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Labels of ticks `step` apart: all alike, with a power of ten where they are very large or very small.
+/// Returns labels of ticks `step` apart, in one format, with a power of ten for very large or very small values.
 pub(super) fn labels(values: &[f64], step: f64) -> Vec<String> {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let digits = decimals_of(step);
@@ -25,8 +25,8 @@ pub(super) fn labels(values: &[f64], step: f64) -> Vec<String> {
     }
 }
 
-/// `0.0123 +0.0004 −0.0003`: a value and the ways to its upper and lower quantile, with one digit of the smaller error, or two where that begins
-/// with 1.
+/// Formats `0.0123 +0.0004 −0.0003`: a value and the differences to its upper and lower quantile, with one digit of the
+/// smaller error, or two if that begins with 1.
 pub(super) fn with_errors(value: f64, above: f64, below: f64) -> String {
     let error = if below > 0.0 && above > 0.0 { below.min(above) } else { below.max(above) };
     // Without an error, six digits of the value itself.
@@ -46,17 +46,17 @@ pub(super) fn with_errors(value: f64, above: f64, below: f64) -> String {
     }
 }
 
-/// A share as per cent.
+/// Formats a fraction in percent.
 pub(super) fn per_cent(share: f64) -> String {
     format!("{} %", fixed(100.0 * share, 1))
 }
 
-/// So many of something, the last word of it in one of them or more.
+/// Formats a number with its noun, singular or plural.
 pub(super) fn many(number: usize, one: &str, more: &str) -> String {
     format!("{} {}", count(number), if number == 1 { one } else { more })
 }
 
-/// Thousands set apart.
+/// Formats a number with separated thousands.
 pub(super) fn count(number: usize) -> String {
     let digits = number.to_string();
     let mut text = String::new();
@@ -69,7 +69,7 @@ pub(super) fn count(number: usize) -> String {
     text
 }
 
-/// Decimals that a step of 1, 2 or 5 times a power of ten needs.
+/// Returns the decimals required by a step of 1, 2 or 5 times a power of ten.
 fn decimals_of(step: f64) -> usize {
     if step > 0.0 { (-(step.log10() + 1e-9).floor()).clamp(0.0, 300.0) as usize } else { 0 }
 }
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_the_error_says_how_many_digits() {
+    fn verif_the_error_determines_the_digits() {
         assert_eq!(with_errors(0.012_34, 0.000_41, 0.000_32), "0.0123 +0.0004 −0.0003");
         assert_eq!(with_errors(-5.4321, 0.12, 0.2), "−5.43 +0.12 −0.20");
         assert_eq!(with_errors(123.4, 21.0, 30.0), "123 +21 −30");

@@ -1,7 +1,7 @@
 //! Pictures: lists of marks drawn by any backend, and their font.
 //!
-//! Pixels are painted into an [`Underlay`]; lines and text are drawn over it. Lengths are in pixels of the picture; `scale` is the number
-//! of pixels of the backend for one of them.
+//! Pixels are painted into an [`Underlay`]; lines and text are drawn over it. Lengths are in pixels of the picture;
+//! `scale` is the number of pixels of the backend for one of them.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -34,7 +34,7 @@ pub struct Picture {
 
 /// Grid of coloured rectangles.
 pub(super) struct Pixels {
-    /// Left upper corner.
+    /// Upper left corner.
     pub corner: (f64, f64),
     /// Width and height of one.
     pub each: (f64, f64),
@@ -42,7 +42,7 @@ pub(super) struct Pixels {
     pub columns: usize,
     /// Colours row by row from the top; `None` is transparent.
     pub colours: Vec<Option<[u8; 3]>>,
-    /// Circle (middle and radius) outside of which nothing is painted.
+    /// Circle (middle and radius) outside which nothing is painted.
     pub within: Option<((f64, f64), f64)>,
 }
 
@@ -52,15 +52,15 @@ pub(super) struct Underlay {
     pub width: usize,
     /// Pixels down.
     pub height: usize,
-    /// Three bytes a pixel.
+    /// Three bytes per pixel.
     pub rgb: Vec<u8>,
 }
 
 enum Mark {
-    Line { places: Vec<(f64, f64)>, colour: RGBAColor, width: f64 },
+    Line { points: Vec<(f64, f64)>, colour: RGBAColor, width: f64 },
     Circle { middle: (f64, f64), radius: f64, colour: RGBAColor, width: f64 },
-    Patch { places: Vec<(f64, f64)>, colour: RGBAColor },
-    Text { words: String, place: (f64, f64), size: f64, horizontal: HPos, is_upright: bool },
+    Patch { points: Vec<(f64, f64)>, colour: RGBAColor },
+    Text { text: String, position: (f64, f64), size: f64, horizontal: HPos, is_upright: bool },
 }
 
 impl Picture {
@@ -87,15 +87,15 @@ impl Picture {
         self.pixels.push(pixels);
     }
 
-    pub(super) fn line(&mut self, places: &[(f64, f64)], colour: RGBAColor, width: f64) {
-        self.marks.push(Mark::Line { places: places.to_vec(), colour, width });
+    pub(super) fn line(&mut self, points: &[(f64, f64)], colour: RGBAColor, width: f64) {
+        self.marks.push(Mark::Line { points: points.to_vec(), colour, width });
     }
 
     /// Draws a dashed line with strokes and gaps of these lengths.
-    pub(super) fn dashed(&mut self, places: &[(f64, f64)], [stroke, gap]: [f64; 2], colour: RGBAColor, width: f64) {
+    pub(super) fn dashed(&mut self, points: &[(f64, f64)], [stroke, gap]: [f64; 2], colour: RGBAColor, width: f64) {
         let mut dash = Vec::new();
         let (mut is_stroke, mut left) = (true, stroke);
-        for pair in places.windows(2) {
+        for pair in points.windows(2) {
             let ((x0, y0), (x1, y1)) = (pair[0], pair[1]);
             let length = (x1 - x0).hypot(y1 - y0);
             let mut gone = 0.0;
@@ -110,7 +110,7 @@ impl Picture {
                 }
                 left -= next - gone;
                 gone = next;
-                // A remainder from rounding would never be used up.
+                // A remainder from rounding would never be consumed.
                 if left <= 1e-6 {
                     if is_stroke {
                         self.line(&dash, colour, width);
@@ -131,8 +131,8 @@ impl Picture {
     }
 
     /// Draws a filled area.
-    pub(super) fn patch(&mut self, places: Vec<(f64, f64)>, colour: RGBAColor) {
-        self.marks.push(Mark::Patch { places, colour });
+    pub(super) fn patch(&mut self, points: Vec<(f64, f64)>, colour: RGBAColor) {
+        self.marks.push(Mark::Patch { points, colour });
     }
 
     /// Draws a filled rectangle.
@@ -146,33 +146,33 @@ impl Picture {
         self.line(&[a, b, c, d, a], INK.to_rgba(), width);
     }
 
-    /// Draws text with its vertical middle at `place`.
-    pub(super) fn text(&mut self, words: &str, place: (f64, f64), size: f64, horizontal: HPos) {
-        self.marks.push(Mark::Text { words: words.to_owned(), place, size, horizontal, is_upright: false });
+    /// Draws text with its vertical middle at `position`.
+    pub(super) fn text(&mut self, text: &str, position: (f64, f64), size: f64, horizontal: HPos) {
+        self.marks.push(Mark::Text { text: text.to_owned(), position, size, horizontal, is_upright: false });
     }
 
-    /// Draws text upwards with its middle at `place`.
-    pub(super) fn upright(&mut self, words: &str, place: (f64, f64), size: f64) {
-        let words = words.to_owned();
-        self.marks.push(Mark::Text { words, place, size, horizontal: HPos::Center, is_upright: true });
+    /// Draws text upwards with its middle at `position`.
+    pub(super) fn upright(&mut self, text: &str, position: (f64, f64), size: f64) {
+        let text = text.to_owned();
+        self.marks.push(Mark::Text { text, position, size, horizontal: HPos::Center, is_upright: true });
     }
 
     /// Draws text of a legend; returns the x position of the next entry.
-    pub(super) fn words(&mut self, words: &str, x: f64, y: f64) -> f64 {
-        self.text(words, (x, y), 17.0, HPos::Left);
-        x + width_of(words, 17.0) + 28.0
+    pub(super) fn legend_text(&mut self, text: &str, x: f64, y: f64) -> f64 {
+        self.text(text, (x, y), 17.0, HPos::Left);
+        x + width_of(text, 17.0) + 28.0
     }
 
     /// Draws small text on a light background, readable on any colour.
-    pub(super) fn note(&mut self, words: &str, (x, y): (f64, f64)) {
-        let half = width_of(words, 16.0) / 2.0 + 4.0;
+    pub(super) fn note(&mut self, text: &str, (x, y): (f64, f64)) {
+        let half = width_of(text, 16.0) / 2.0 + 4.0;
         self.rectangle([x - half, y - 11.0, x + half, y + 11.0], RGBColor(255, 255, 255).mix(0.72));
-        self.text(words, (x, y), 16.0, HPos::Center);
+        self.text(text, (x, y), 16.0, HPos::Center);
     }
 
     /// Draws text wrapped between two x positions, the middle of its first line at `y`.
-    pub(super) fn paragraph(&mut self, words: &str, [left, right]: [f64; 2], y: f64, size: f64) {
-        for (index, line) in lines_of(words, right - left, size).iter().enumerate() {
+    pub(super) fn paragraph(&mut self, text: &str, [left, right]: [f64; 2], y: f64, size: f64) {
+        for (index, line) in lines_of(text, right - left, size).iter().enumerate() {
             self.text(line, (left, y + 1.4 * size * index as f64), size, HPos::Left);
         }
     }
@@ -212,7 +212,7 @@ impl Picture {
             let rows = field.colours.len() / field.columns.max(1);
             let (left, top) = field.corner;
             let (right, bottom) = (left + field.columns as f64 * field.each.0, top + rows as f64 * field.each.1);
-            // Pixels with their middles inside.
+            // Pixels with their centres inside.
             let first = |side: f64| (side * fine as f64 - 0.5).ceil().max(0.0) as usize;
             for row in first(top)..first(bottom).min(height) {
                 for column in first(left)..first(right).min(width) {
@@ -241,31 +241,31 @@ impl Picture {
             filled: false,
             stroke_width: (width * scale).round().max(1.0) as u32,
         };
-        let told = |error: &dyn std::fmt::Display| PlotError::Drawing(error.to_string());
+        let drawing_error = |error: &dyn std::fmt::Display| PlotError::Drawing(error.to_string());
         for mark in &self.marks {
             match mark {
-                Mark::Line { places, colour, width } => {
-                    let places: Vec<_> = places.iter().map(at).collect();
-                    area.draw(&PathElement::new(places, thin(*colour, *width)))
+                Mark::Line { points, colour, width } => {
+                    let points: Vec<_> = points.iter().map(at).collect();
+                    area.draw(&PathElement::new(points, thin(*colour, *width)))
                 }
                 Mark::Circle { middle, radius, colour, width } => {
                     let radius = (radius * scale).round() as i32;
                     area.draw(&Circle::new(at(middle), radius, thin(*colour, *width)))
                 }
-                Mark::Patch { places, colour } => {
-                    let places: Vec<_> = places.iter().map(at).collect();
-                    area.draw(&Polygon::new(places, colour.filled()))
+                Mark::Patch { points, colour } => {
+                    let points: Vec<_> = points.iter().map(at).collect();
+                    area.draw(&Polygon::new(points, colour.filled()))
                 }
-                Mark::Text { words, place, size, horizontal, is_upright } => {
+                Mark::Text { text, position, size, horizontal, is_upright } => {
                     let mut font = (FONT_FAMILY, size * scale).into_font();
                     if *is_upright {
                         font = font.transform(FontTransform::Rotate270);
                     }
                     let style = TextStyle::from(font).color(&INK).pos(Pos::new(*horizontal, VPos::Center));
-                    area.draw(&Text::new(words.as_str(), at(place), style))
+                    area.draw(&Text::new(text.as_str(), at(position), style))
                 }
             }
-            .map_err(|error| told(&error))?;
+            .map_err(|error| drawing_error(&error))?;
         }
         Ok(())
     }
@@ -276,20 +276,20 @@ fn corners([left, top, right, bottom]: [f64; 4]) -> [(f64, f64); 4] {
 }
 
 /// Returns the width of a text, pixels.
-pub(super) fn width_of(words: &str, size: f64) -> f64 {
+pub(super) fn width_of(text: &str, size: f64) -> f64 {
     // Measured enlarged, because the font crate returns whole pixels.
     const LARGE: f64 = 8.0;
     // Drawing returns the error of a font that cannot be measured.
     if register_embedded_font().is_err() {
         return 0.0;
     }
-    (FONT_FAMILY, size * LARGE).into_font().box_size(words).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
+    (FONT_FAMILY, size * LARGE).into_font().box_size(text).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
 }
 
 /// Wraps text at spaces into lines of at most this width, unless a single word is wider.
-pub(super) fn lines_of(words: &str, width: f64, size: f64) -> Vec<String> {
+pub(super) fn lines_of(text: &str, width: f64, size: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
-    for word in words.split_whitespace() {
+    for word in text.split_whitespace() {
         match lines.last_mut() {
             Some(line) if width_of(&format!("{line} {word}"), size) <= width => {
                 line.push(' ');
@@ -301,7 +301,8 @@ pub(super) fn lines_of(words: &str, width: f64, size: f64) -> Vec<String> {
     lines
 }
 
-/// DejaVu Sans 2.37 as matplotlib 3.11.2 brings it, through fonttools 4.68.0 (`pyftsubset`, unhinted) on 2026-11-21.
+/// DejaVu Sans 2.37 as bundled with matplotlib 3.11.2, subset by fonttools 4.68.0 (`pyftsubset`, unhinted) on
+/// 2026-11-21.
 const DEJAVU_SANS: &[u8] = include_bytes!("fonts/DejaVuSans-subset.ttf");
 
 /// Name of the font in the drawing crate and in SVG.
@@ -320,5 +321,5 @@ pub(super) fn font_style_sheet() -> String {
 fn register_embedded_font() -> Result<(), PlotError> {
     static READY: OnceLock<bool> = OnceLock::new();
     let is_ready = READY.get_or_init(|| register_font(FONT_FAMILY, FontStyle::Normal, DEJAVU_SANS).is_ok());
-    if *is_ready { Ok(()) } else { Err(PlotError::Drawing("the built-in font could not be read".to_owned())) }
+    if *is_ready { Ok(()) } else { Err(PlotError::Drawing("the embedded font cannot be loaded".to_owned())) }
 }

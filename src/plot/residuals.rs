@@ -1,4 +1,5 @@
-//! Charts of a fit: histogram of residuals (figure 5 of Lu 2024), magnitudes against phase angle, and residuals against each angle of the geometry.
+//! Charts of a fit: histogram of residuals (figure 5 of Lu 2024), magnitudes against phase angle, and residuals against
+//! each angle of the geometry.
 
 use std::f64::consts::TAU;
 
@@ -11,12 +12,12 @@ use super::density::dots;
 use super::error::PlotError;
 use super::numbers::{count, fixed, many};
 use super::picture::{INK, Picture};
-use super::statistics::{Stretch, check, check_length, histogram, mad_sigma, mean_and_sd, running_band, sorted};
+use super::statistics::{BandSegment, check, check_length, histogram, mad_sigma, mean_and_sd, running_band, sorted};
 use crate::math::quantile::quantile;
 
 const BARS: RGBColor = RGBColor(158, 202, 225);
 const CURVE: RGBColor = RGBColor(213, 94, 0);
-/// Share of the residuals that the axis may leave out at each end.
+/// Fraction of the residuals that the axis may omit at each end.
 const HISTOGRAM_BEYOND: f64 = 0.003;
 
 /// Residuals of a fit.
@@ -30,12 +31,14 @@ pub struct ResidualHistogram<'a> {
     pub sigma_mag: f64,
 }
 
-/// Draws the density of residuals as bars, the normal curve of the sigma given over them, and mean, standard deviation and 1.4826 MAD below.
+/// Draws the density of residuals as bars, the normal curve of the given sigma over them, and mean, standard deviation
+/// and 1.4826 MAD below.
 ///
-/// The axis is as long on both sides of 0 and holds at least 99.4 % of the residuals and three sigma; the caption has the number beyond.
+/// The axis is symmetric about 0 and contains at least 99.4 % of the residuals and three sigma; the caption gives the
+/// number beyond.
 ///
 /// # Errors
-/// No residual, one that is not finite, a sigma that is not above 0.
+/// No residual, one that is not finite, or a sigma that is not above 0.
 pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, PlotError> {
     let (values, sigma) = (input.residuals_mag, input.sigma_mag);
     check("residuals", values)?;
@@ -86,7 +89,8 @@ pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, Plot
     Ok(picture)
 }
 
-/// As many bins as Freedman and Diaconis (1981) advise, 2 IQR n^(−1/3) wide, between 11 and 81 and odd, so that one has 0 in its middle.
+/// Returns the number of bins by Freedman and Diaconis (1981), 2 IQR n^(−1/3) wide, between 11 and 81, and odd, so that
+/// one is centred on 0.
 fn bins(sorted: &[f64], range: f64) -> usize {
     let iqr = quantile(sorted, 0.75) - quantile(sorted, 0.25);
     let width = 2.0 * iqr / (sorted.len() as f64).cbrt();
@@ -98,31 +102,31 @@ const MEASURED: RGBColor = RGBColor(0, 114, 178);
 const MODEL: RGBColor = RGBColor(213, 94, 0);
 /// Bins of the running medians.
 const PHASE_BINS: usize = 36;
-/// Share of the magnitudes that the axis may leave out at each end.
+/// Fraction of the magnitudes that the axis may omit at each end.
 const PHASE_BEYOND: f64 = 0.002;
 
-/// Magnitudes at phase angles.
+/// Magnitudes as a function of the phase angle.
 #[derive(Clone, Debug)]
 pub struct PhaseCurve<'a> {
     /// Title.
     pub title: &'a str,
-    /// What the magnitudes are: `magnitude V at 1000 km`.
+    /// Name of the magnitudes: `magnitude V at 1000 km`.
     pub magnitude_name: &'a str,
-    /// `(n_point)` Sun, satellite, observer: 0 to π, radians.
+    /// `(n_point)` Sun-satellite-observer angle, 0 to π, radians.
     pub phase_angle_rad: &'a [f64],
-    /// `(n_point)` measured, finite.
+    /// `(n_point)` measured magnitudes, finite.
     pub measured_mag: &'a [f64],
-    /// `(n_point)` of the model in the same geometry, finite; empty where there is no model, and one panel is drawn.
+    /// `(n_point)` magnitudes of the model in the same geometry, finite; empty without a model, for a single panel.
     pub model_mag: &'a [f64],
 }
 
-/// Draws measured magnitudes against phase angle, those of the model beside on the same axes, and the running medians of both in both; bright
-/// is up.
+/// Draws measured magnitudes against phase angle, those of the model next to them on the same axes, and the running
+/// medians of both in both; bright is up.
 ///
-/// The axis of magnitudes holds at least 99.6 % of either; the caption has the number beyond.
+/// The axis of magnitudes contains at least 99.6 % of either; the caption gives the number beyond.
 ///
 /// # Errors
-/// No point, columns of unequal length, a value that is not finite, a phase angle that is none.
+/// No point, columns of unequal length, a value that is not finite, an invalid phase angle.
 pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     check("phase angles", input.phase_angle_rad)?;
     check_length("measured magnitudes", input.measured_mag, input.phase_angle_rad.len())?;
@@ -142,19 +146,19 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     });
     let (bright, faint) =
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)));
-    let room = 0.05 * (faint - bright);
-    // Down to the faint: a single value has its room turned round as well.
-    let up = Axis::linear(bright - room, faint + room);
+    let margin = 0.05 * (faint - bright);
+    // The axis runs down to the faint end; a single value gets a reversed margin as well.
+    let up = Axis::linear(bright - margin, faint + margin);
     let y = Axis { from: up.to, to: up.from, is_log: false };
     let (least, greatest) = phase.iter().fold((180.0_f64, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
-    let room = 0.03 * (greatest - least);
-    let x = Axis::linear(least - room, greatest + room);
+    let margin = 0.03 * (greatest - least);
+    let x = Axis::linear(least - margin, greatest + margin);
 
     let width = if panels.len() == 1 { 640.0 } else { 560.0 };
     let whole = 92.0 + panels.len() as f64 * (width + 20.0) + 8.0;
     let mut picture = Picture::new(whole as usize, 660);
     picture.text(input.title, (whole / 2.0, 28.0), 22.0, HPos::Center);
-    let medians: Vec<Vec<Stretch>> =
+    let medians: Vec<Vec<BandSegment>> =
         panels.iter().map(|(_, _, magnitudes)| running_band(&phase, magnitudes, &x, PHASE_BINS)).collect();
     for (index, (name, colour, magnitudes)) in panels.iter().enumerate() {
         let left = 92.0 + index as f64 * (width + 20.0);
@@ -163,10 +167,11 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
         let lines: Vec<(usize, Vec<_>)> = medians
             .iter()
             .enumerate()
-            .flat_map(|(of, all)| all.iter().map(move |stretch| (of, stretch)))
-            .map(|(of, stretch)| (of, stretch.iter().map(|(x, [_, median, _])| frame.at(*x, *median)).collect()))
+            .flat_map(|(of, all)| all.iter().map(move |segment| (of, segment)))
+            .map(|(of, segment)| (of, segment.iter().map(|(x, [_, median, _])| frame.at(*x, *median)).collect()))
             .collect();
-        // Light lines below keep them apart from the points; below all of them, that none breaks another.
+        // Light lines below separate the curves from the points; they are drawn below all curves, so that no curve is
+        // interrupted.
         lines.iter().for_each(|(_, line)| picture.line(line, RGBColor(255, 255, 255).to_rgba(), 5.5));
         for (of, line) in &lines {
             match of {
@@ -184,7 +189,7 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     let mut from = 30.0;
     for ((name, colour, _), dash) in panels.iter().zip([[30.0, 0.1], [10.0, 6.0]]) {
         picture.dashed(&[(from, 612.0), (from + 32.0, 612.0)], dash, colour.to_rgba(), 3.0);
-        from = picture.words(&format!("running median, {name}"), from + 42.0, 612.0);
+        from = picture.legend_text(&format!("running median, {name}"), from + 42.0, 612.0);
     }
     let out = |magnitudes: &[f64]| magnitudes.iter().filter(|magnitude| !y.holds(**magnitude)).count();
     let beyond = match panels.iter().map(|(_, _, magnitudes)| out(magnitudes)).sum() {
@@ -195,7 +200,7 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Half way to white: dots are lighter than the lines over them.
+/// Returns a colour half way to white, for dots below lines.
 fn mixed(colour: RGBColor) -> RGBColor {
     let half = |channel: u8| channel / 2 + 127;
     RGBColor(half(colour.0), half(colour.1), half(colour.2))
@@ -206,7 +211,7 @@ const BAND: RGBColor = RGBColor(86, 180, 233);
 const MEDIAN: RGBColor = RGBColor(0, 114, 178);
 /// Bins of the running median.
 const PANEL_BINS: usize = 24;
-/// Share of the residuals that the axis may leave out at each end.
+/// Fraction of the residuals that the axis may omit at each end.
 const PANEL_BEYOND: f64 = 0.01;
 
 /// Residuals and their geometry.
@@ -222,14 +227,15 @@ pub struct ResidualPanels<'a> {
     pub observer_longitude_rad: &'a [f64],
     /// `(n_point)` latitude of the observer above the plane of the chassis, radians.
     pub observer_latitude_rad: &'a [f64],
-    /// `(n_point)` Sun, satellite, observer, radians.
+    /// `(n_point)` Sun-satellite-observer angle, radians.
     pub phase_angle_rad: &'a [f64],
 }
 
-/// Draws residuals against each of the four angles: points, running median, and the band from the quantile 0.16 to 0.84.
+/// Draws residuals against each of the four angles: points, running median, and the band from the quantile 0.16 to
+/// 0.84.
 ///
-/// The axis of residuals is as long on both sides of 0 and holds at least 98 % of them; the caption has the number beyond. Bins of fewer than eight
-/// points have no median, and the line breaks there.
+/// The axis of residuals is symmetric about 0 and contains at least 98 % of them; the caption gives the number beyond.
+/// Bins of fewer than eight points have no median, and the line is interrupted there.
 ///
 /// # Errors
 /// No residual, columns of unequal length, a value that is not finite.
@@ -253,22 +259,22 @@ pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, PlotError>
         check_length(name, angles_rad, residuals.len())?;
         let angles: Vec<f64> = angles_rad.iter().map(|angle| angle.to_degrees()).collect();
         let (low, high) = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
-        let room = 0.03 * (high - low);
+        let margin = 0.03 * (high - low);
         let (left, top) = (92.0 + 544.0 * (index % 2) as f64, 60.0 + 410.0 * (index / 2) as f64);
         let frame =
-            Frame { sides: [left, top, left + 520.0, top + 320.0], x: Axis::linear(low - room, high + room), y };
+            Frame { sides: [left, top, left + 520.0, top + 320.0], x: Axis::linear(low - margin, high + margin), y };
         picture.paint(dots(&frame, &angles, residuals, DOT));
         let band = running_band(&angles, residuals, &Axis::linear(low, high), PANEL_BINS);
-        let part = |stretch: &Stretch, k: usize| {
-            stretch.iter().map(|(x, quantiles)| frame.at(*x, quantiles[k])).collect::<Vec<_>>()
+        let part = |segment: &BandSegment, k: usize| {
+            segment.iter().map(|(x, quantiles)| frame.at(*x, quantiles[k])).collect::<Vec<_>>()
         };
-        for stretch in band.iter().filter(|stretch| stretch.len() > 1) {
-            let back = part(stretch, 2).into_iter().rev();
-            picture.patch(part(stretch, 0).into_iter().chain(back).collect(), BAND.mix(0.45));
+        for segment in band.iter().filter(|segment| segment.len() > 1) {
+            let back = part(segment, 2).into_iter().rev();
+            picture.patch(part(segment, 0).into_iter().chain(back).collect(), BAND.mix(0.45));
         }
         picture.line(&[frame.at(frame.x.from, 0.0), frame.at(frame.x.to, 0.0)], INK.mix(0.7), 1.2);
-        for stretch in &band {
-            picture.line(&part(stretch, 1), MEDIAN.to_rgba(), 3.0);
+        for segment in &band {
+            picture.line(&part(segment, 1), MEDIAN.to_rgba(), 3.0);
         }
         frame.draw(&mut picture, [true, index % 2 == 0]);
         frame.name_x(&mut picture, name);
@@ -277,9 +283,9 @@ pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, PlotError>
         }
     }
     picture.line(&[(30.0, 880.0), (62.0, 880.0)], MEDIAN.to_rgba(), 3.0);
-    let x = picture.words("running median", 72.0, 880.0);
+    let x = picture.legend_text("running median", 72.0, 880.0);
     picture.rectangle([x, 871.0, x + 32.0, 889.0], BAND.mix(0.6));
-    picture.words("16 to 84 %", x + 42.0, 880.0);
+    picture.legend_text("16 to 84 %", x + 42.0, 880.0);
     let beyond = match residuals.iter().filter(|value| !y.holds(**value)).count() {
         0 => String::new(),
         beyond => format!("; {} beyond the axis", count(beyond)),

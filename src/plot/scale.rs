@@ -1,4 +1,4 @@
-//! Colour scales and the labels of their bars. All colours keep their order for colour-blind readers.
+//! Colour scales and the labels of their bars. All colours are ordered for colour-blind readers.
 
 use colorous::{CIVIDIS, RED_BLUE, VIRIDIS};
 
@@ -11,9 +11,9 @@ pub enum Quantity {
     Count,
     /// Interquartile ranges of magnitudes, mag: cividis, from 0.
     Spread,
-    /// Observed less computed magnitude, mag: blue below 0, red above, as far on both sides.
+    /// Observed less computed magnitude, mag: blue below 0, red above, symmetric about 0.
     Residual,
-    /// Streaks an exposure, 0 or more: viridis, from 0.
+    /// Streaks per exposure, 0 or more: viridis, from 0.
     Rate,
 }
 
@@ -32,15 +32,15 @@ pub struct ColourScale {
     pub has_higher: bool,
 }
 
-/// Bars of magnitudes longer than this have ticks at whole ones, shorter ones at halves.
+/// Length of a magnitude bar above which ticks are at whole magnitudes instead of halves.
 const LONG_MAG: f64 = 3.0;
 
-/// Share of the values that may lie beyond each end.
+/// Fraction of the values that may lie beyond each end.
 const BEYOND: f64 = 0.01;
 
 impl Quantity {
-    /// Above the bar: short.
-    pub(super) fn words(self) -> &'static str {
+    /// Returns the short label above the bar.
+    pub(super) fn label(self) -> &'static str {
         match self {
             Self::Magnitude => "mag",
             Self::Count => "samples",
@@ -50,7 +50,7 @@ impl Quantity {
         }
     }
 
-    /// Ends of a bar lie on multiples of this.
+    /// Returns the step on whose multiples the ends of a bar lie.
     fn round(self) -> f64 {
         match self {
             Self::Magnitude => 0.5,
@@ -59,7 +59,7 @@ impl Quantity {
         }
     }
 
-    /// What a picture without any value has for a scale.
+    /// Returns the scale of a picture without any value.
     fn usual(self) -> [f64; 2] {
         match self {
             Self::Magnitude => [4.0, 9.0],
@@ -72,7 +72,8 @@ impl Quantity {
 }
 
 impl ColourScale {
-    /// For values as they come: 98 in 100 of them lie within, and the ends on round numbers. Values that are not finite are passed over.
+    /// Creates a scale for values: 98 % of them are within it, and the ends are round numbers. Values that are not
+    /// finite are ignored.
     pub fn of(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
         let mut all: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         all.sort_unstable_by(f64::total_cmp);
@@ -87,7 +88,7 @@ impl ColourScale {
             Quantity::Magnitude => {
                 let ends = |round: f64| ((low / round).floor() * round, (high / round).ceil() * round);
                 let (least, greatest) = ends(round);
-                // Both ends carry words, so they lie on ticks.
+                // Both ends have labels, so they are ticks.
                 if greatest - least > LONG_MAG { ends(1.0) } else { (least, greatest) }
             }
             Quantity::Count => (round_count(low, f64::floor), round_count(high, f64::ceil)),
@@ -98,12 +99,13 @@ impl ColourScale {
                 (-end, end)
             }
         };
-        // One value alone has a bar all the same.
+        // A single value also gets a bar.
         let greatest = if greatest > least { greatest } else { least + round };
         Self { quantity, least, greatest, has_lower: first < least, has_higher: last > greatest }
     }
 
-    /// The same scale for a picture that shows these values as well: its ends say where some of them lie beyond.
+    /// Returns the same scale for a picture that shows these values as well: its ends are marked if some values lie
+    /// beyond.
     pub fn showing(self, values: impl IntoIterator<Item = f64>) -> Self {
         values.into_iter().fold(self, |scale, value| Self {
             has_lower: scale.has_lower || value < scale.least,
@@ -112,7 +114,8 @@ impl ColourScale {
         })
     }
 
-    /// 0 at the lower end of the bar, 1 at the upper: bright satellites, many samples, wide spread and observed fainter than computed are above.
+    /// Returns 0 at the lower end of the bar and 1 at the upper: bright satellites, many samples, wide spread and
+    /// observed fainter than computed are at the top.
     pub fn share(&self, value: f64) -> f64 {
         let share = match self.quantity {
             Quantity::Magnitude => (self.greatest - value) / (self.greatest - self.least),
@@ -124,12 +127,12 @@ impl ColourScale {
         share.clamp(0.0, 1.0)
     }
 
-    /// Red, green, blue.
+    /// Returns red, green, blue.
     pub fn colour(&self, value: f64) -> [u8; 3] {
         self.colour_at(self.share(value))
     }
 
-    /// Red, green, blue at a height of the bar between 0 and 1.
+    /// Returns red, green, blue at a height of the bar between 0 and 1.
     pub(super) fn colour_at(&self, share: f64) -> [u8; 3] {
         let colour = match self.quantity {
             Quantity::Magnitude | Quantity::Count | Quantity::Rate => VIRIDIS.eval_continuous(share),
@@ -139,7 +142,7 @@ impl ColourScale {
         [colour.r, colour.g, colour.b]
     }
 
-    /// Round values on the bar, with their words; where colours end before the values do, the end says so.
+    /// Returns round values on the bar with their labels; an end beyond which values lie is marked.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.greatest - self.least;
         let values = match self.quantity {
@@ -150,7 +153,7 @@ impl ColourScale {
                 let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0];
                 let step = steps.into_iter().find(|step| span / step <= 8.0).unwrap_or(span / 4.0);
                 let mut values = multiples(step, self.least, self.greatest);
-                // The ends carry marks of their own, where no other is near.
+                // The ends have ticks of their own, unless another is near.
                 for end in [self.least, self.greatest] {
                     values.retain(|value| *value == end || (value - end).abs() > 0.6 * step);
                     if !values.contains(&end) {
@@ -162,12 +165,12 @@ impl ColourScale {
         };
         let is_whole = |value: f64| (value - value.round()).abs() <= 1e-6;
         let decimals = |value: f64| match self.quantity {
-            // A quarter of 2, 4 or 8 times a power of ten has as many as that power.
+            // A quarter of 2, 4 or 8 times a power of ten needs as many decimals as that power.
             Quantity::Rate => (0..12).find(|places| is_whole(value * 10_f64.powi(*places))).unwrap_or(12) as usize,
             _ => usize::from(!is_whole(value)),
         };
         let places = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
-        let words = |value: f64| {
+        let label = |value: f64| {
             let beyond = if self.has_lower && value <= self.least {
                 "≤ "
             } else if self.has_higher && value >= self.greatest {
@@ -176,21 +179,21 @@ impl ColourScale {
                 ""
             };
             let places = if self.quantity == Quantity::Magnitude { decimals(value) } else { places };
-            // No zero with a sign.
+            // No sign on zero.
             let number = format!("{:.places$}", if value.abs() < 1e-9 { 0.0 } else { value });
             (value, format!("{beyond}{}", number.replace('-', "−")))
         };
-        values.into_iter().map(words).collect()
+        values.into_iter().map(label).collect()
     }
 }
 
-/// Multiples of a step between two values.
+/// Returns the multiples of a step between two values.
 fn multiples(step: f64, least: f64, greatest: f64) -> Vec<f64> {
     let (first, last) = ((least / step - 1e-9).ceil() as i64, (greatest / step + 1e-9).floor() as i64);
     (first..=last).map(|count| count as f64 * step).collect()
 }
 
-/// The next 1, 2, 4 or 8 times a power of ten, so that quarters of it are round.
+/// Returns the next 1, 2, 4 or 8 times a power of ten, so that its quarters are round.
 fn round_rate(value: f64) -> f64 {
     if value <= 0.0 {
         return Quantity::Rate.usual()[1];
@@ -200,7 +203,7 @@ fn round_rate(value: f64) -> f64 {
     steps.into_iter().find(|step| *step >= value * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
 }
 
-/// The next 1, 2 or 5 times a power of ten, 1 or more.
+/// Returns the next 1, 2 or 5 times a power of ten, 1 or more.
 fn round_count(value: f64, end: fn(f64) -> f64) -> f64 {
     let value = value.max(1.0);
     let is_up = end(0.5) > 0.0;
@@ -210,7 +213,7 @@ fn round_count(value: f64, end: fn(f64) -> f64) -> f64 {
     found.unwrap_or(value)
 }
 
-/// 1, 2 and 5 times powers of ten between two values, or powers alone where that is many.
+/// Returns 1, 2 and 5 times powers of ten between two values, or only the powers if there are many.
 fn counts(least: f64, greatest: f64) -> Vec<f64> {
     let (first, last) = (least.log10().floor() as i32, greatest.log10().ceil() as i32);
     let steps: &[f64] = if last - first > 2 { &[1.0] } else { &[1.0, 2.0, 5.0] };
@@ -229,7 +232,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_a_scale_holds_nearly_all_and_says_what_it_leaves_out() {
+    fn verif_a_scale_contains_nearly_all_values_and_marks_the_others() {
         let scale = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| 5.2 + 0.003 * f64::from(n)));
         assert_eq!((scale.least, scale.greatest), (5.0, 9.0));
         assert!(!scale.has_lower && !scale.has_higher);
@@ -241,11 +244,11 @@ mod tests {
         assert_eq!((more.has_lower, more.has_higher, more.greatest), (false, true, 9.0));
     }
 
-    /// What lies beyond a bar is said at its end, so both ends have words, wherever the values begin and end.
+    /// Values beyond a bar are marked at its end, so both ends have labels, wherever the values begin and end.
     #[test]
-    fn verif_both_ends_of_a_bar_have_words() {
+    fn verif_both_ends_of_a_bar_have_labels() {
         for (low, high) in [(4.6, 8.4), (4.4, 8.6), (5.1, 8.4), (5.1, 5.9), (4.5, 7.5), (4.5, 7.6), (3.9, 12.2)] {
-            // One in two hundred lies beyond on each side.
+            // One in two hundred is beyond each end.
             let values = (0..1000).map(|n| match n {
                 0..5 => low - 3.0,
                 5..10 => high + 3.0,
@@ -253,9 +256,9 @@ mod tests {
             });
             let scale = ColourScale::of(Quantity::Magnitude, values);
             let ticks = scale.ticks();
-            let words = |end: f64| &ticks.iter().find(|(value, _)| (value - end).abs() < 1e-9).unwrap().1;
-            assert!(words(scale.least).starts_with("≤ "), "{low} {high}: {ticks:?}");
-            assert!(words(scale.greatest).starts_with("≥ "), "{low} {high}: {ticks:?}");
+            let label = |end: f64| &ticks.iter().find(|(value, _)| (value - end).abs() < 1e-9).unwrap().1;
+            assert!(label(scale.least).starts_with("≤ "), "{low} {high}: {ticks:?}");
+            assert!(label(scale.greatest).starts_with("≥ "), "{low} {high}: {ticks:?}");
         }
     }
 
@@ -276,8 +279,8 @@ mod tests {
         assert_eq!((counts.least, counts.greatest), (2.0, 1000.0));
         assert!((counts.share(2000_f64.sqrt()) - 0.5).abs() < 1e-12);
         assert!(luma(&counts, 900.0) > luma(&counts, 9.0));
-        let words: Vec<String> = counts.ticks().into_iter().map(|tick| tick.1).collect();
-        assert_eq!(words, ["10", "100", "1000", "2"]);
+        let labels: Vec<String> = counts.ticks().into_iter().map(|tick| tick.1).collect();
+        assert_eq!(labels, ["10", "100", "1000", "2"]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Passes over the sky of a site: where each goes from rise to set, how bright, and when.
+//! Passes over the sky of a site: tracks from rise to set, magnitudes and times.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -7,13 +7,13 @@ use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::axes::colour_bar;
-use super::disc::place;
+use super::disc::disc_position;
 use super::error::PlotError;
 use super::picture::{INK, Picture};
 use super::scale::{ColourScale, Quantity};
 use super::statistics::check;
 use super::time_axis::LocalClock;
-use super::tracks::{Listed, MOST_LISTED, arrow, by_brightness, list, numbers, time_of_day};
+use super::tracks::{ListRow, MOST_LISTED, arrow, by_brightness, list, numbers, time_of_day};
 
 const WIDTH: f64 = 1440.0;
 const HEIGHT: usize = 846;
@@ -22,15 +22,15 @@ const RADIUS: f64 = 330.0;
 const BAR_LEFT: f64 = 796.0;
 const LIST_LEFT: f64 = 912.0;
 const TOP: f64 = 82.0;
-/// Altitudes of the circles.
+/// Altitudes of the circles, degrees.
 const CIRCLES_DEG: [f64; 2] = [30.0, 60.0];
-/// As many passes have times along them: more would hide one another.
+/// Largest number of passes with times along them; more would overlap.
 const MOST_TIMED: usize = 3;
 const DAY_MIN: f64 = 1440.0;
-/// A rise at the horizon may lie below it by rounding, degrees.
+/// Lowest accepted altitude, degrees: a rise at the horizon may be below it by rounding.
 const LEAST_DEG: f64 = -0.01;
-/// Between two times along a pass, pixels.
-const ROOM: f64 = 62.0;
+/// Least distance between two times along a pass, pixels.
+const LABEL_GAP: f64 = 62.0;
 const DARK: RGBColor = RGBColor(150, 150, 150);
 const GROUND: RGBColor = RGBColor(240, 240, 240);
 
@@ -39,39 +39,38 @@ const GROUND: RGBColor = RGBColor(240, 240, 240);
 pub struct SkyChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// Caption, after that of the chart.
+    /// Text after the caption of the chart.
     pub caption: &'a str,
-    /// The passes; the brightest of them are drawn, as many as the list beside has room for, in this order.
+    /// Passes; the brightest are drawn, as many as fit into the list, in this order.
     pub tracks: &'a [SkyTrack],
-    /// The clock of all times; UTC where there is none.
+    /// Clock of all times; UTC without one.
     pub local: Option<LocalClock<'a>>,
 }
 
-/// One pass: columns of one length, two points or more.
+/// One pass: columns of equal length, two points or more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyTrack {
     /// The satellite's name.
     pub name: String,
-    /// `(n_point)` moments, MJD (UTC), growing.
+    /// `(n_point)` times, MJD (UTC), increasing.
     pub time_mjd: Vec<f64>,
     /// `(n_point)` azimuths from north through east, degrees.
     pub azimuth_deg: Vec<f64>,
     /// `(n_point)` altitudes, 0 to 90 degrees.
     pub altitude_deg: Vec<f64>,
-    /// `(n_point)` magnitudes; not a number where nothing is seen (the Earth's shadow).
+    /// `(n_point)` magnitudes; NaN in the Earth's shadow.
     pub magnitude: Vec<f64>,
-    /// `(n_point)` one sigma of them, mag; not a number where there is none.
+    /// `(n_point)` one sigma of the magnitudes, mag; NaN without one.
     pub sigma_mag: Vec<f64>,
 }
 
-/// Draws the sky as one sees it lying on the back, north up and east left: every pass in the colours of its magnitudes, grey where nothing is seen, with
-/// an arrow where it sets, and beside it a list with the times of its ends and its brightest magnitude. Up to three passes have times along them.
-/// A sky without a pass has a note.
-///
+/// Draws the sky as seen from below, north up and east left: every pass in the colours of its magnitudes, grey without
+/// light, with an arrow where it sets, and a list with the times of its ends and its brightest magnitude. Up to three
+/// passes have times along them. A sky without a pass gets a note.
 /// # Errors
-/// Fewer than two points, columns of unequal length, times that do not grow, altitudes that are none.
+/// Fewer than two points, columns of unequal length, times that do not increase, invalid altitudes.
 pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
-    input.tracks.iter().try_for_each(held)?;
+    input.tracks.iter().try_for_each(check_track)?;
     let mut drawn = by_brightness(input.tracks.iter().map(SkyTrack::brightest_magnitude));
     drawn.truncate(MOST_LISTED);
     drawn.sort_unstable();
@@ -80,7 +79,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     let ahead_days = input.local.as_ref().map_or(0.0, |clock| clock.ahead_of_utc_h / 24.0);
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
-    ground(&mut picture);
+    draw_empty_sky(&mut picture);
     let magnitudes = || tracks.iter().flat_map(|track| track.magnitude.iter().copied());
     let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
     let colour = |magnitude: f64| match magnitude.is_finite() {
@@ -98,7 +97,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         }
         arrow(&mut picture, line, colour(track.magnitude[line.len() - 1]));
     }
-    // Over the tracks, that they can be read.
+    // Numbers are drawn over the tracks to stay readable.
     CIRCLES_DEG.iter().for_each(|altitude| picture.note(&format!("{altitude:.0}°"), at(112.5, *altitude)));
     if tracks.is_empty() {
         picture.note("no pass", at(180.0, 80.0));
@@ -111,14 +110,14 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     }
     if magnitudes().any(f64::is_finite) {
         let sides = [BAR_LEFT, TOP + 60.0, BAR_LEFT + 24.0, MIDDLE.1 + RADIUS - 30.0];
-        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
+        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.label());
     }
-    let rows: Vec<Listed> = tracks
+    let rows: Vec<ListRow> = tracks
         .iter()
         .map(|track| {
             let brightest = track.brightest();
             let at = |column: &[f64]| brightest.map_or(f64::NAN, |point| column[point]);
-            Listed {
+            ListRow {
                 name: track.name.clone(),
                 times: [0, track.time_mjd.len() - 1].map(|point| time_of_day(track.time_mjd[point] + ahead_days, 0)),
                 magnitude: at(&track.magnitude),
@@ -130,7 +129,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     let heads = if input.local.is_some() { ["from", "to"] } else { ["from UTC", "to UTC"] };
     list(&mut picture, [LIST_LEFT, WIDTH - 20.0], TOP, heads, &rows);
     picture.set_scales(vec![scale]);
-    let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen. Magnitudes in the list are the brightest of each pass. ".to_owned();
+    let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where not visible. Magnitudes in the list are the brightest of each pass. ".to_owned();
     if tracks.len() < input.tracks.len() {
         caption += &format!("The {} brightest of {} passes. ", tracks.len(), input.tracks.len());
     }
@@ -143,31 +142,31 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
 }
 
 impl SkyTrack {
-    /// Where it is drawn.
+    /// Returns the points of the track in the picture.
     fn line(&self) -> Vec<(f64, f64)> {
         self.azimuth_deg.iter().zip(&self.altitude_deg).map(|(azimuth, altitude)| at(*azimuth, *altitude)).collect()
     }
 
-    /// The point of the brightest magnitude.
+    /// Returns the index of the brightest magnitude.
     fn brightest(&self) -> Option<usize> {
         let lit = (0..self.magnitude.len()).filter(|point| self.magnitude[*point].is_finite());
         lit.min_by(|a, b| self.magnitude[*a].total_cmp(&self.magnitude[*b]))
     }
 
-    /// Its magnitude; not a number where nothing is seen.
+    /// Returns the brightest magnitude; NaN without one.
     fn brightest_magnitude(&self) -> f64 {
         self.brightest().map_or(f64::NAN, |point| self.magnitude[point])
     }
 }
 
-/// Right and down in the picture.
+/// Returns the position in the picture, right and down.
 fn at(azimuth_deg: f64, altitude_deg: f64) -> (f64, f64) {
-    let (right, below) = place(azimuth_deg.to_radians(), FRAC_PI_2 - altitude_deg.to_radians());
+    let (right, below) = disc_position(azimuth_deg.to_radians(), FRAC_PI_2 - altitude_deg.to_radians());
     (MIDDLE.0 + RADIUS * right, MIDDLE.1 + RADIUS * below)
 }
 
-/// Refuses a pass that cannot be drawn.
-fn held(track: &SkyTrack) -> Result<(), PlotError> {
+/// Rejects a pass that cannot be drawn.
+fn check_track(track: &SkyTrack) -> Result<(), PlotError> {
     let n = track.time_mjd.len();
     let of = |what: &str| format!("{what} of {}", track.name);
     check(&of("the points along the pass"), &track.time_mjd)?;
@@ -187,14 +186,14 @@ fn held(track: &SkyTrack) -> Result<(), PlotError> {
         return Err(PlotError::OutOfRange { what: of("an altitude"), given, allowed: "0 to 90 deg" });
     }
     if n < 2 || track.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
-        let (what, given) = (of("the times"), format!("{n} that do not grow from one to the next"));
+        let (what, given) = (of("the times"), format!("{n} that do not increase"));
         return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
     }
     Ok(())
 }
 
-/// The empty sky.
-fn ground(picture: &mut Picture) {
+/// Draws the empty sky.
+fn draw_empty_sky(picture: &mut Picture) {
     let rim = (0..180).map(|part| at(2.0 * f64::from(part), 0.0)).collect();
     picture.patch(rim, GROUND.mix(0.6));
     for altitude_deg in CIRCLES_DEG {
@@ -204,14 +203,14 @@ fn ground(picture: &mut Picture) {
         picture.line(&[at(azimuth_deg, 0.0), at(azimuth_deg + 180.0, 0.0)], INK.mix(0.25), 1.0);
     }
     picture.circle(MIDDLE, RADIUS, INK.to_rgba(), 1.6);
-    for (azimuth_deg, words) in [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")] {
+    for (azimuth_deg, text) in [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")] {
         let (x, y) = at(azimuth_deg, 0.0);
         let away = |from: f64, to: f64| (to - from) / RADIUS * 18.0;
-        picture.text(words, (x + away(MIDDLE.0, x), y + away(MIDDLE.1, y)), 19.0, HPos::Center);
+        picture.text(text, (x + away(MIDDLE.0, x), y + away(MIDDLE.1, y)), 19.0, HPos::Center);
     }
 }
 
-/// A dot at every full minute of a pass, with the time, `ahead_days` of UTC, where there is room.
+/// Draws a dot at every full minute of a pass, with the time, `ahead_days` of UTC, if the label fits.
 fn times_along(picture: &mut Picture, track: &SkyTrack, ahead_days: f64) {
     let (first, last) = (track.time_mjd[0], track.time_mjd[track.time_mjd.len() - 1]);
     let line = track.line();
@@ -225,8 +224,8 @@ fn times_along(picture: &mut Picture, track: &SkyTrack, ahead_days: f64) {
         let ((x0, y0), (x1, y1)) = (line[step], line[step + 1]);
         let (x, y) = (x0 + part * (x1 - x0), y0 + part * (y1 - y0));
         picture.circle((x, y), 4.0, INK.to_rgba(), 2.0);
-        if labelled.is_none_or(|(x_before, y_before): (f64, f64)| (x - x_before).hypot(y - y_before) > ROOM) {
-            // Beside the track, away from it.
+        if labelled.is_none_or(|(x_before, y_before): (f64, f64)| (x - x_before).hypot(y - y_before) > LABEL_GAP) {
+            // Next to the track, away from it.
             let length = (x1 - x0).hypot(y1 - y0).max(1e-9);
             let (across, up) = ((y1 - y0) / length, -(x1 - x0) / length);
             picture.note(&time_of_day(mjd + ahead_days, 0)[..5], (x + 34.0 * across, y + 22.0 * up));

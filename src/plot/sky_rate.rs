@@ -1,8 +1,8 @@
-//! Expected streaks in an exposure: over the sky of a site, and over right ascension and declination.
+//! Expected streaks per exposure, over the sky of a site and over right ascension and declination.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::disc::{Disc, DiscSheet, Seen};
+use super::disc::{Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
 use super::picture::Picture;
 use super::scale::Quantity;
@@ -11,29 +11,30 @@ use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 
 const SKY_RADIUS: usize = 270;
 
-/// Streaks an exposure, by direction.
+/// Streaks per exposure, by direction.
 #[derive(Clone, Debug)]
 pub struct SkyRate<'a> {
     /// Title.
     pub title: &'a str,
     /// Subtitle above the disc: the position of the Sun.
     pub subtitle: &'a str,
-    /// Below.
+    /// Caption below the disc.
     pub caption: &'a str,
-    /// Division of the sphere into 12 N² cells in RING order, 1 to 1024.
+    /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
     pub nside: u32,
     /// `(n_cell)` RING cells of azimuth (from north through east, as longitude) and altitude (as latitude), each once.
     pub cells: &'a [u64],
-    /// `(n_cell)` expected streaks an exposure, 0 or more.
+    /// `(n_cell)` expected streaks per exposure, 0 or more.
     pub rate: &'a [f64],
-    /// Where the Sun is marked, degrees from north through east.
+    /// Azimuth of the Sun mark, degrees from north through east.
     pub sun_azimuth_deg: f64,
 }
 
-/// Draws the sky as one sees it lying on the back, north up and east left: zenith in the middle, horizon at the rim; grey for directions that were not computed.
+/// Draws the sky as seen from below, north up and east left: zenith in the middle, horizon at the rim; grey for
+/// directions that were not computed.
 ///
 /// # Errors
-/// No cell, columns of unequal length, a division or a cell that there is not, a rate that is negative or not finite.
+/// No cell, columns of unequal length, an invalid nside or cell number, a rate that is negative or not finite.
 pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
     if !input.sun_azimuth_deg.is_finite() {
         let what = "the Sun's azimuth".to_owned();
@@ -42,15 +43,15 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
     }
     let by_cell = rates_by_cell(input.nside, input.cells, input.rate)?;
     let nside = input.nside;
-    let seen = move |azimuth_rad: f64, from_zenith_rad: f64| {
+    let content = move |azimuth_rad: f64, from_zenith_rad: f64| {
         let cell = ring_cell(nside, azimuth_rad, std::f64::consts::FRAC_PI_2 - from_zenith_rad);
-        cell.and_then(|cell| by_cell[cell as usize]).map_or(Seen::Nothing, Seen::Value)
+        cell.and_then(|cell| by_cell[cell as usize]).map_or(DiscContent::Empty, DiscContent::Value)
     };
     let disc = Disc {
         title: input.subtitle.to_owned(),
         quantity: Quantity::Rate,
         is_half: false,
-        seen: Box::new(seen),
+        content: Box::new(content),
         scaled_within_rad: std::f64::consts::FRAC_PI_2,
         sun_longitude_rad: Some(input.sun_azimuth_deg.to_radians()),
         rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
@@ -63,14 +64,14 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         caption,
         discs: vec![disc],
         radius: SKY_RADIUS,
-        in_a_row: 1,
+        discs_per_row: 1,
         contour_mag: None,
-        nothing: "not asked",
+        nothing: "not computed",
     };
     Ok(sheet.picture())
 }
 
-/// Rates by the number of their cell.
+/// Returns the rates by cell number.
 pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<Vec<Option<f64>>, PlotError> {
     let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
     check("rates", rate)?;
@@ -82,12 +83,12 @@ pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<V
         return out("nside", nside.to_string(), "1 to 1024");
     }
     if let Some(rate) = rate.iter().find(|rate| **rate < 0.0) {
-        return out("a rate", rate.to_string(), "0 streaks or more an exposure");
+        return out("a rate", rate.to_string(), "0 streaks per exposure or more");
     }
     let mut by_cell = vec![None; cell_count(nside) as usize];
     for (&cell, &rate) in cells.iter().zip(rate) {
         match by_cell.get_mut(cell as usize) {
-            Some(place @ None) => *place = Some(rate),
+            Some(position @ None) => *position = Some(rate),
             Some(Some(_)) => return out("a cell", cell.to_string(), "each once"),
             None => return out("a cell", cell.to_string(), "0 to 12 nside² − 1"),
         }
@@ -97,43 +98,43 @@ pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<V
 
 const EQUATORIAL_RADIUS: usize = 230;
 
-/// Streaks an exposure, by place among the stars.
+/// Streaks per exposure, by equatorial position.
 #[derive(Clone, Debug)]
 pub struct EquatorialRate<'a> {
     /// Title.
     pub title: &'a str,
-    /// Below.
+    /// Caption below the discs.
     pub caption: &'a str,
-    /// Division of the sphere into 12 N² cells in RING order, 1 to 1024.
+    /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
     pub nside: u32,
     /// `(n_cell)` RING cells of right ascension (as longitude) and declination (as latitude), ICRS, each once.
     pub cells: &'a [u64],
-    /// `(n_cell)` expected streaks an exposure, 0 or more.
+    /// `(n_cell)` expected streaks per exposure, 0 or more.
     pub rate: &'a [f64],
 }
 
-/// Draws both halves of the sky as one sees them from within, the poles in the middle, right ascension 0h up, the equator at the rims; grey where nothing was
-/// asked.
+/// Draws both halves of the sky as seen from within, the poles in the middle, right ascension 0h up, the equator at the
+/// rims; grey for directions that were not computed.
 ///
 /// # Errors
-/// As of [`super::sky_rate()`].
+/// Same as [`super::sky_rate()`].
 pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError> {
     let nside = input.nside;
     let by_cell = rates_by_cell(nside, input.cells, input.rate)?;
     let by_cell = &by_cell;
-    // From within, right ascension grows against the clock about the north pole and with it about the south pole.
+    // From within, right ascension increases anticlockwise about the north pole and clockwise about the south pole.
     let half = |pole: f64, title: &str| {
-        let seen = move |angle_rad: f64, from_pole_rad: f64| {
+        let content = move |angle_rad: f64, from_pole_rad: f64| {
             let right_ascension_rad = (pole * angle_rad).rem_euclid(TAU);
             let cell = ring_cell(nside, right_ascension_rad, pole * (FRAC_PI_2 - from_pole_rad));
-            cell.and_then(|cell| by_cell[cell as usize]).map_or(Seen::Nothing, Seen::Value)
+            cell.and_then(|cell| by_cell[cell as usize]).map_or(DiscContent::Empty, DiscContent::Value)
         };
         let sign = if pole > 0.0 { "+" } else { "−" };
         Disc {
             title: title.to_owned(),
             quantity: Quantity::Rate,
             is_half: false,
-            seen: Box::new(seen),
+            content: Box::new(content),
             scaled_within_rad: FRAC_PI_2,
             sun_longitude_rad: None,
             rim: [(0.0, "0h"), (90.0, "6h"), (180.0, "12h"), (270.0, "18h")]
@@ -151,9 +152,9 @@ pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError>
         ),
         discs: vec![half(1.0, "North of the equator"), half(-1.0, "South of the equator")],
         radius: EQUATORIAL_RADIUS,
-        in_a_row: 2,
+        discs_per_row: 2,
         contour_mag: None,
-        nothing: "not asked",
+        nothing: "not computed",
     };
     Ok(sheet.picture())
 }

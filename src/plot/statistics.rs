@@ -7,13 +7,13 @@ use crate::math::quantile::quantile;
 /// Quantiles of the dashed lines and of bands: one standard deviation on each side of the median.
 pub(super) const ONE_SIGMA: [f64; 3] = [0.16, 0.5, 0.84];
 
-/// From median absolute deviation to standard deviation of a normal distribution, 1 / Φ⁻¹(3/4).
+/// Factor from the median absolute deviation to the standard deviation of a normal distribution, 1 / Φ⁻¹(3/4).
 const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
 
-/// Points that a bin of a running band holds at least.
+/// Least number of points in a bin of a running band.
 const LEAST_IN_BAND: usize = 8;
 
-/// Refuses columns that are empty or hold what is not finite.
+/// Rejects columns that are empty or contain values that are not finite.
 pub(super) fn check(what: &str, values: &[f64]) -> Result<(), PlotError> {
     if values.is_empty() {
         return Err(PlotError::Empty { what: what.to_owned() });
@@ -24,7 +24,7 @@ pub(super) fn check(what: &str, values: &[f64]) -> Result<(), PlotError> {
     }
 }
 
-/// Refuses a column of another length than the one beside.
+/// Rejects a column of unexpected length.
 pub(super) fn check_length(what: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
     if values.len() == expected {
         return check(what, values);
@@ -32,28 +32,28 @@ pub(super) fn check_length(what: &str, values: &[f64], expected: usize) -> Resul
     Err(PlotError::Length { what: what.to_owned(), given: values.len(), expected })
 }
 
-/// In increasing order.
+/// Returns the values in increasing order.
 pub(super) fn sorted(values: &[f64]) -> Vec<f64> {
     let mut values = values.to_vec();
     values.sort_unstable_by(f64::total_cmp);
     values
 }
 
-/// Mean and standard deviation (divisor n − 1; 0 for one value).
+/// Returns mean and standard deviation (divisor n − 1; 0 for one value).
 pub(super) fn mean_and_sd(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (mean, (squares / values.len().saturating_sub(1).max(1) as f64).sqrt())
 }
 
-/// 1.4826 times the median distance from the median.
+/// Returns 1.4826 times the median distance from the median.
 pub(super) fn mad_sigma(values: &[f64]) -> f64 {
     let median = quantile(&sorted(values), 0.5);
     let distances: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
     SIGMA_OF_MAD * quantile(&sorted(&distances), 0.5)
 }
 
-/// How many values lie in each of `bins` equal parts of an axis; the last part holds the axis' end.
+/// Counts the values in each of `bins` equal parts of an axis; the last part includes the end of the axis.
 pub(super) fn histogram(values: &[f64], axis: &Axis, bins: usize) -> Vec<usize> {
     let mut counts = vec![0; bins];
     for value in values.iter().filter(|value| axis.holds(**value)) {
@@ -63,10 +63,11 @@ pub(super) fn histogram(values: &[f64], axis: &Axis, bins: usize) -> Vec<usize> 
 }
 
 /// Neighbouring bins of a running band: mean of x, and the quantiles of [`ONE_SIGMA`].
-pub(super) type Stretch = Vec<(f64, [f64; 3])>;
+pub(super) type BandSegment = Vec<(f64, [f64; 3])>;
 
-/// Median and band of `y` along `x`, bin by bin. Bins with few points are left out: there one stretch ends and the next begins.
-pub(super) fn running_band(x: &[f64], y: &[f64], axis: &Axis, bins: usize) -> Vec<Stretch> {
+/// Returns median and band of `y` along `x`, bin by bin. Bins with few points are omitted and split the band into
+/// segments.
+pub(super) fn running_band(x: &[f64], y: &[f64], axis: &Axis, bins: usize) -> Vec<BandSegment> {
     let mut parts: Vec<(f64, Vec<f64>)> = vec![(0.0, Vec::new()); bins];
     for (&x, &y) in x.iter().zip(y).filter(|(x, _)| axis.holds(**x)) {
         let part = &mut parts[((axis.share(x) * bins as f64) as usize).min(bins - 1)];
@@ -105,7 +106,7 @@ mod tests {
         assert!(
             band[0].iter().all(|(x, [low, middle, high])| (middle - x).abs() < 0.3 && low < middle && middle < high)
         );
-        // Nothing from 3 to 5: the line does not go across.
+        // No points from 3 to 5: the line is interrupted.
         let (x_gap, y_gap): (Vec<f64>, Vec<f64>) = x.iter().zip(&y).filter(|(x, _)| !(3.0..5.0).contains(*x)).unzip();
         let band = running_band(&x_gap, &y_gap, &Axis::linear(0.0, 10.0), 10);
         assert_eq!(band.iter().map(Vec::len).collect::<Vec<_>>(), [3, 5]);
@@ -113,10 +114,10 @@ mod tests {
     }
 
     #[test]
-    fn verif_what_cannot_be_drawn_is_named() {
-        assert_eq!(check("O−C", &[]).unwrap_err().to_string(), "nothing to draw: there are no O−C");
+    fn verif_invalid_columns_are_named() {
+        assert_eq!(check("O−C", &[]).unwrap_err().to_string(), "nothing to draw: no O−C");
         let error = check("O−C", &[0.0, f64::NAN]).unwrap_err().to_string();
-        assert!(error.contains("O−C: value 1, counted from 0, is NaN"), "{error}");
-        assert!(check_length("phase", &[0.0], 2).unwrap_err().to_string().contains("1 values, but there must be 2"));
+        assert!(error.contains("O−C: value 1 (counted from 0) is NaN"), "{error}");
+        assert!(check_length("phase", &[0.0], 2).unwrap_err().to_string().contains("1 values, expected 2"));
     }
 }

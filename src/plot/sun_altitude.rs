@@ -1,4 +1,4 @@
-//! Trails an exposure against the Sun's altitude.
+//! Trails per exposure against the Sun's altitude.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -20,28 +20,28 @@ const DOT: RGBColor = RGBColor(150, 150, 150);
 const ALL: RGBColor = RGBColor(0, 114, 178);
 const BRIGHT: RGBColor = RGBColor(213, 94, 0);
 
-/// Exposures and how high the Sun stood.
+/// Exposures with the altitude of the Sun.
 #[derive(Clone, Debug)]
 pub struct SunAltitude<'a> {
     /// Title.
     pub title: &'a str,
-    /// Caption, after the number of exposures.
+    /// Text after the number of exposures in the caption.
     pub caption: &'a str,
     /// `(n_exposure)` altitude of the Sun in the middle of the exposure, degrees.
     pub sun_altitude_deg: &'a [f64],
-    /// `(n_exposure)` lit satellites that cross, 0 or more.
+    /// `(n_exposure)` number of lit satellites that cross, 0 or more.
     pub n_trails: &'a [f64],
-    /// `(n_exposure)` those brighter than the limit, and the limit, mag.
+    /// `(n_exposure)` number of those brighter than the limit, and the limit, mag.
     pub n_bright: Option<(&'a [f64], f64)>,
     /// Width of the bins, degrees, 0.1 to 30.
     pub bin_deg: f64,
 }
 
-/// Draws the mean number of trails an exposure in bins of the Sun's altitude, with the standard error of each mean; every exposure as a point
-/// behind; below, how many exposures a bin holds. The Sun sinks from left to right.
+/// Draws the mean number of trails per exposure in bins of the Sun's altitude, with the standard error of each mean;
+/// every exposure as a point behind; below, the number of exposures of each bin. The Sun sinks from left to right.
 ///
 /// # Errors
-/// No exposure, columns of unequal length, values that are not finite, altitudes that are none, bins out of range.
+/// No exposure, columns of unequal length, values that are not finite, invalid altitudes, bins out of range.
 pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
     check("exposures", input.sun_altitude_deg)?;
@@ -64,7 +64,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let all = means(input.sun_altitude_deg, input.n_trails, &x, input.bin_deg);
     let bright = input.n_bright.map(|(bright, _)| means(input.sun_altitude_deg, bright, &x, input.bin_deg));
     let highest = all.iter().map(|bin| bin.mean + bin.error).fold(0.0, f64::max);
-    // Means set the axis: single exposures, whole numbers of trails, would press rates of a hundredth flat.
+    // The axis is set by the means: single exposures, whole numbers of trails, would compress rates of a hundredth.
     let top = (1.3 * highest).max(0.02);
     let rates = Frame { sides: [LEFT, RATES[0], RIGHT, RATES[1]], x, y: Axis::linear(-0.03 * top, top) };
     let most = all.iter().map(|bin| bin.count).max().unwrap_or(1);
@@ -74,7 +74,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     bands_in_altitude(&mut picture, &numbers);
     let bands = bands_in_altitude(&mut picture, &rates);
-    // Points are paint below the marks, and bands are marks: points would vanish, so they are marks as well where bands are.
+    // Points are pixels below the marks, and bands are marks that would hide them: with bands, points are marks too.
     for (&altitude, &trails) in input.sun_altitude_deg.iter().zip(input.n_trails) {
         if rates.holds(altitude, trails) {
             let (x, y) = rates.at(altitude, trails);
@@ -99,11 +99,11 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let y = 594.0;
     let mut from = legend(&mut picture, &bands, LEFT, y);
     picture.line(&[(from, y), (from + 30.0, y)], ALL.to_rgba(), 3.0);
-    from = picture.words("mean ± its error", from + 38.0, y);
+    from = picture.legend_text("mean ± its error", from + 38.0, y);
     if let Some((_, limit)) = input.n_bright {
         picture.dashed(&[(from, y), (from + 30.0, y)], [10.0, 6.0], BRIGHT.to_rgba(), 3.0);
         let decimals = usize::from((limit - limit.round()).abs() > 1e-9);
-        picture.words(&format!("brighter than {} mag", fixed(limit, decimals)), from + 38.0, y);
+        picture.legend_text(&format!("brighter than {} mag", fixed(limit, decimals)), from + 38.0, y);
     }
     let beyond = match input.n_trails.iter().filter(|trails| !rates.y.holds(**trails)).count() {
         0 => String::new(),
@@ -111,7 +111,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     };
     let (mean, _) = mean_and_sd(input.n_trails);
     let caption = format!(
-        "{}, {} trails each on average{beyond}. {}",
+        "{}, {} trails per exposure on average{beyond}. {}",
         many(n, "exposure", "exposures"),
         fixed(mean, 2),
         input.caption
@@ -129,7 +129,7 @@ struct Bin {
     error: f64,
 }
 
-/// Bins from the high Sun down, those without an exposure left out.
+/// Returns the bins from the high Sun down, without empty ones.
 fn means(altitudes: &[f64], trails: &[f64], x: &Axis, width: f64) -> Vec<Bin> {
     let bins = ((x.from - x.to) / width).round().max(1.0) as usize;
     let mut held = vec![Vec::new(); bins];
@@ -145,7 +145,7 @@ fn means(altitudes: &[f64], trails: &[f64], x: &Axis, width: f64) -> Vec<Bin> {
     held.into_iter().enumerate().filter(|(_, trails)| !trails.is_empty()).map(bin).collect()
 }
 
-/// A line through the means of neighbouring bins, each with its error.
+/// Draws a line through the means of neighbouring bins, each with its error.
 fn series(picture: &mut Picture, frame: &Frame, bins: &[Bin], colour: RGBColor, is_dashed: bool) {
     let middle = |bin: &Bin| (bin.from + bin.to) / 2.0;
     for run in bins.chunk_by(|one, next| (one.to - next.from).abs() < 1e-9) {
@@ -160,7 +160,7 @@ fn series(picture: &mut Picture, frame: &Frame, bins: &[Bin], colour: RGBColor, 
         let (low, high) =
             (frame.at(middle(bin), bin.mean - bin.error).1, frame.at(middle(bin), bin.mean + bin.error).1);
         picture.line(&[(x, low), (x, high)], colour.to_rgba(), 2.0);
-        // Open where the line is dashed: both series can be seen where they are one.
+        // Open for a dashed line: both series stay visible where they coincide.
         picture.dot((x, y), if is_dashed { RGBColor(255, 255, 255) } else { colour });
     }
 }

@@ -9,25 +9,25 @@ use super::axes::{Axis, Frame, NAME_SIZE, TICK_SIZE};
 use super::picture::{INK, Picture, width_of};
 
 const DAY_S: f64 = 86_400.0;
-/// Between two ticks, seconds: what clocks are read in.
+/// Steps between two ticks, seconds.
 const STEPS_S: [f64; 18] = [
     0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 1800.0, 3600.0, 7200.0, 10_800.0,
 ];
-/// Between two labels, pixels.
-const ROOM: f64 = 16.0;
-/// Times of day have so many seconds' decimals where ticks are closer than a second.
+/// Least gap between two labels, pixels.
+const LABEL_GAP: f64 = 16.0;
+/// Decimals of seconds where ticks are closer than a second.
 const FINE_DECIMALS: usize = 1;
 
-/// The clock that the upper side is labelled with.
+/// Clock of the upper axis.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LocalClock<'a> {
-    /// Ahead of UTC, hours, -24 to 24.
+    /// Hours ahead of UTC, -24 to 24.
     pub ahead_of_utc_h: f64,
-    /// What it is called: `local mean solar time`, `UTC−4`.
+    /// Name: `local mean solar time`, `UTC−4`.
     pub name: &'a str,
 }
 
-/// Ticks, labels and the name of the lower side of a frame whose x axis is in days of MJD (UTC).
+/// Draws ticks, labels and name of the lower side of a frame whose x axis is in days of MJD (UTC).
 pub(super) fn draw_utc(picture: &mut Picture, frame: &Frame) {
     let [left, _, right, bottom] = frame.sides;
     for (mjd, label) in ticks(&frame.x, frame.width(), 0.0) {
@@ -35,11 +35,11 @@ pub(super) fn draw_utc(picture: &mut Picture, frame: &Frame) {
         picture.line(&[(x, bottom), (x, bottom - 6.0)], INK.to_rgba(), 1.2);
         picture.text(&label, (x, bottom + 16.0), TICK_SIZE, HPos::Center);
     }
-    let words = format!("UTC, {}", dates(&frame.x, 0.0));
-    picture.text(&words, ((left + right) / 2.0, bottom + 42.0), NAME_SIZE, HPos::Center);
+    let text = format!("UTC, {}", dates(&frame.x, 0.0));
+    picture.text(&text, ((left + right) / 2.0, bottom + 42.0), NAME_SIZE, HPos::Center);
 }
 
-/// The same of the upper side, by another clock; bare where none is known.
+/// Draws the upper side in the time of another clock; without labels if there is none.
 pub(super) fn draw_local(picture: &mut Picture, frame: &Frame, local: Option<&LocalClock<'_>>) {
     let Some(local) = local else { return };
     let [left, top, right, _] = frame.sides;
@@ -48,25 +48,25 @@ pub(super) fn draw_local(picture: &mut Picture, frame: &Frame, local: Option<&Lo
         picture.line(&[(x, top), (x, top + 6.0)], INK.to_rgba(), 1.2);
         picture.text(&label, (x, top - 14.0), TICK_SIZE, HPos::Center);
     }
-    let words = format!("{}, {}", local.name, dates(&frame.x, local.ahead_of_utc_h));
-    picture.text(&words, ((left + right) / 2.0, top - 38.0), NAME_SIZE, HPos::Center);
+    let text = format!("{}, {}", local.name, dates(&frame.x, local.ahead_of_utc_h));
+    picture.text(&text, ((left + right) / 2.0, top - 38.0), NAME_SIZE, HPos::Center);
 }
 
-/// Places of round times of a clock on an axis of `length` pixels, with their words.
+/// Returns the positions of round times of a clock on an axis of `length` pixels, with their labels.
 fn ticks(axis: &Axis, length: f64, ahead_h: f64) -> Vec<(f64, String)> {
     let span_s = (axis.to - axis.from) * DAY_S;
-    let needed = |step: f64| width_of(&clock(0.0, step), TICK_SIZE) + ROOM;
+    let needed = |step: f64| width_of(&clock(0.0, step), TICK_SIZE) + LABEL_GAP;
     let step = STEPS_S.into_iter().find(|step| step / span_s * length >= needed(*step)).unwrap_or(21_600.0);
-    // Seconds of the clock from the midnight before the axis begins: whole numbers stay whole.
+    // Seconds of the clock from the midnight before the start of the axis: whole numbers stay whole.
     let midnight = (axis.from + ahead_h / 24.0).floor();
     let first = ((axis.from + ahead_h / 24.0 - midnight) * DAY_S / step - 1e-6).ceil() as i64;
     let count = (span_s / step).ceil() as i64 + 1;
     let moment = |n: i64| (midnight + n as f64 * step / DAY_S - ahead_h / 24.0, clock(n as f64 * step, step));
-    // The share of days near 60,000 is good to a few bits of a microsecond.
+    // Fractions of days near MJD 60,000 are accurate to a fraction of a microsecond.
     (first..=first + count).map(moment).filter(|(mjd, _)| (-1e-9..=1.0 + 1e-9).contains(&axis.share(*mjd))).collect()
 }
 
-/// Seconds of a day as hours and minutes, with seconds where steps are shorter than a minute.
+/// Formats seconds of a day as hours and minutes, with seconds for steps shorter than a minute.
 fn clock(seconds: f64, step: f64) -> String {
     let tenths = (seconds * 10.0).round() as i64 % 864_000;
     let (hours, minutes, rest) = (tenths / 36_000, tenths / 600 % 60, tenths % 600);
@@ -79,25 +79,25 @@ fn clock(seconds: f64, step: f64) -> String {
     }
 }
 
-/// The days of an axis: one date, or the first and what of the last is other.
+/// Formats the dates of an axis: one date, or the first and the different part of the last.
 fn dates(axis: &Axis, ahead_h: f64) -> String {
     let day = |mjd: f64| {
-        // Noon of the day: a leap second more or less changes nothing.
+        // Noon of the day, so that a leap second has no effect.
         let (year, month, day, ..) = Epoch::from_mjd_utc((mjd + ahead_h / 24.0).floor() + 0.5).to_gregorian_utc();
         (year, month, day)
     };
     let (first, last) = (day(axis.from), day(axis.to));
-    let words = format!("{:04}-{:02}-{:02}", first.0, first.1, first.2);
+    let text = format!("{:04}-{:02}-{:02}", first.0, first.1, first.2);
     match last {
-        _ if last == first => words,
-        (year, month, day) if (year, month) == (first.0, first.1) => format!("{words}/{day:02}"),
-        (year, month, day) if year == first.0 => format!("{words}/{month:02}-{day:02}"),
-        (year, month, day) => format!("{words}/{year:04}-{month:02}-{day:02}"),
+        _ if last == first => text,
+        (year, month, day) if (year, month) == (first.0, first.1) => format!("{text}/{day:02}"),
+        (year, month, day) if year == first.0 => format!("{text}/{month:02}-{day:02}"),
+        (year, month, day) => format!("{text}/{year:04}-{month:02}-{day:02}"),
     }
 }
 
-/// A band: the Sun stands above this, degrees; what it is called; its paint. Dark bands for a light sky would hide what is drawn over them: the
-/// brighter the sky, the more of a warm grey.
+/// Bands: lower limit of the Sun's altitude, degrees; name; colour. Warm greys, darker for a brighter sky: dark bands
+/// would hide the marks over them.
 const BANDS: [(f64, &str, RGBColor); 4] = [
     (-0.833, "day", RGBColor(250, 214, 140)),
     (-6.0, "civil", RGBColor(251, 228, 180)),
@@ -105,17 +105,18 @@ const BANDS: [(f64, &str, RGBColor); 4] = [
     (-18.0, "astronomical twilight", RGBColor(254, 248, 236)),
 ];
 
-/// Which band an altitude of the Sun lies in; `None` at night.
+/// Returns the band of an altitude of the Sun; `None` at night.
 fn band(altitude_deg: f64) -> Option<usize> {
     BANDS.iter().position(|(least, ..)| altitude_deg > *least)
 }
 
-/// Bands between moments of the x axis at which the Sun's altitude, degrees, is known; between them it goes straight. Says which bands there are.
+/// Draws bands between times of the x axis with known altitudes of the Sun, degrees, interpolated linearly. Returns the
+/// bands drawn.
 pub(super) fn bands_in_time(picture: &mut Picture, frame: &Frame, sun: &[(f64, f64)]) -> Vec<usize> {
     let mut shown = Vec::new();
     for pair in sun.windows(2) {
         let ((from, first), (to, last)) = (pair[0], pair[1]);
-        // Where the altitude goes through a band's border, the stretch is cut.
+        // Intervals are split where the altitude crosses the limit of a band.
         let mut cuts = vec![from, to];
         for (border, ..) in BANDS {
             let share = (border - first) / (last - first);
@@ -134,7 +135,7 @@ pub(super) fn bands_in_time(picture: &mut Picture, frame: &Frame, sun: &[(f64, f
     shown
 }
 
-/// Bands of an x axis that is the Sun's altitude itself, degrees.
+/// Draws bands for an x axis that is the Sun's altitude itself, degrees.
 pub(super) fn bands_in_altitude(picture: &mut Picture, frame: &Frame) -> Vec<usize> {
     let mut shown = Vec::new();
     let mut upper = 90.0;
@@ -159,10 +160,10 @@ fn paint(picture: &mut Picture, frame: &Frame, [from, to]: [f64; 2], altitude_de
 /// Draws the legend of the bands shown; returns the x position of the next entry.
 pub(super) fn legend(picture: &mut Picture, shown: &[usize], mut x: f64, y: f64) -> f64 {
     for &band in shown {
-        let (_, words, colour) = BANDS[band];
+        let (_, text, colour) = BANDS[band];
         picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], colour.to_rgba());
         picture.border([x, y - 8.0, x + 24.0, y + 8.0], 1.0);
-        x = picture.words(words, x + 31.0, y) - 8.0;
+        x = picture.legend_text(text, x + 31.0, y) - 8.0;
     }
     x
 }
@@ -173,15 +174,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_ticks_stand_at_round_times_of_their_clock() {
-        // 2024-08-13T22:30 to 2024-08-14T10:30, MJD of whose midnight is 60536.
+    fn verif_ticks_are_at_round_times_of_their_clock() {
+        // 2024-08-13T22:30 to 2024-08-14T10:30; midnight is MJD 60536.
         let axis = Axis::linear(60_536.0 - 1.5 / 24.0, 60_536.0 + 10.5 / 24.0);
         let utc = ticks(&axis, 1000.0, 0.0);
         assert_eq!(utc[0].1, "23:00");
-        assert!(utc.iter().any(|(mjd, words)| words == "00:00" && (mjd - 60_536.0).abs() < 1e-9));
+        assert!(utc.iter().any(|(mjd, text)| text == "00:00" && (mjd - 60_536.0).abs() < 1e-9));
         // Four hours and 43 minutes behind, midnight is at 04:43 UTC.
         let local = ticks(&axis, 1000.0, -4.0 - 43.0 / 60.0);
-        let midnight = local.iter().find(|(_, words)| words == "00:00").unwrap().0;
+        let midnight = local.iter().find(|(_, text)| text == "00:00").unwrap().0;
         assert!((midnight - 60_536.0 - (4.0 + 43.0 / 60.0) / 24.0).abs() < 1e-9);
         assert_eq!(dates(&axis, 0.0), "2024-08-13/14");
         assert_eq!(dates(&Axis::linear(60_309.9, 60_310.2), 0.0), "2023-12-31/2024-01-01");
@@ -189,7 +190,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_ticks_of_short_spans_say_seconds_and_stand_apart() {
+    fn verif_ticks_of_short_intervals_have_seconds_and_do_not_overlap() {
         for span_s in [0.8, 3.0, 15.0, 60.0, 400.0, 4000.0, 40_000.0, 86_000.0] {
             let axis = Axis::linear(60_536.0, 60_536.0 + span_s / DAY_S);
             let ticks = ticks(&axis, 800.0, 0.0);
@@ -213,7 +214,7 @@ mod tests {
         let mut picture = Picture::new(100, 50);
         assert_eq!(bands_in_time(&mut picture, &frame, &[(0.0, -10.0), (1.0, -20.0)]), [2, 3]);
         let bytes = image::load_from_memory(&picture.to_png().unwrap()).unwrap().to_rgb8();
-        // Nautical to −12°, a fifth of the way; night from −18° on.
+        // Nautical to −12°, a fifth of the interval; night below −18°.
         let colours = [10, 30, 90].map(|x| bytes.get_pixel(x, 25).0);
         assert_eq!(colours, [[253, 239, 212], [254, 248, 236], [255, 255, 255]]);
     }

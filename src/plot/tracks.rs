@@ -1,4 +1,4 @@
-//! Tracks in a chart: an arrow where each leaves, numbers over them, and a list beside.
+//! Tracks in a chart: arrows at their ends, numbers over them, and a list.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -7,21 +7,21 @@ use plotters::style::text_anchor::HPos;
 use super::numbers::fixed;
 use super::picture::{INK, Picture, width_of};
 
-/// Rows of the list beside, and as many tracks have a number.
+/// Largest number of rows in the list and of numbered tracks.
 pub(super) const MOST_LISTED: usize = 22;
 const ROW: f64 = 29.0;
 
 /// One row of the list.
-pub(super) struct Listed {
+pub(super) struct ListRow {
     pub name: String,
-    /// Where it begins and ends, as it stands there.
+    /// Formatted times of its begin and end.
     pub times: [String; 2],
     pub magnitude: f64,
     pub sigma_mag: f64,
     pub colour: RGBColor,
 }
 
-/// The place at a share of a line's length.
+/// Returns the position at a fraction of a line's length.
 pub(super) fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
     let lengths: Vec<f64> = line.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).collect();
     let mut left = share * lengths.iter().sum::<f64>();
@@ -35,7 +35,7 @@ pub(super) fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
     line[line.len() - 1]
 }
 
-/// A head where a line ends; none on lines too short to have a direction.
+/// Draws an arrow head at the end of a line; none on lines too short to have a direction.
 pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor) {
     let (tip, tail) = (line[line.len() - 1], along(line, 0.98));
     let length = (tip.0 - tail.0).hypot(tip.1 - tail.1);
@@ -49,34 +49,35 @@ pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor
     picture.line(&corners, INK.to_rgba(), 1.3);
 }
 
-/// Numbers over the first tracks, where each one's place is not yet taken.
+/// Draws numbers over the first tracks, at positions that are still free.
 pub(super) fn numbers(picture: &mut Picture, lines: &[Vec<(f64, f64)>]) {
     let mut taken: Vec<(f64, f64)> = Vec::new();
     for (index, line) in lines.iter().enumerate().take(MOST_LISTED) {
         let shares = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
-        let apart = |place: (f64, f64)| {
-            taken.iter().map(|other| (place.0 - other.0).hypot(place.1 - other.1)).fold(f64::INFINITY, f64::min)
+        let apart = |position: (f64, f64)| {
+            taken.iter().map(|other| (position.0 - other.0).hypot(position.1 - other.1)).fold(f64::INFINITY, f64::min)
         };
-        let places = shares.map(|share| along(line, share));
-        let free = places.into_iter().find(|place| apart(*place) > 26.0);
-        let place = free
-            .unwrap_or_else(|| places.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(places[0]));
-        taken.push(place);
-        let words = (index + 1).to_string();
-        let half = width_of(&words, 16.0) / 2.0 + 5.0;
-        let sides = [place.0 - half, place.1 - 11.0, place.0 + half, place.1 + 11.0];
+        let positions = shares.map(|share| along(line, share));
+        let free = positions.into_iter().find(|position| apart(*position) > 26.0);
+        let position = free.unwrap_or_else(|| {
+            positions.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(positions[0])
+        });
+        taken.push(position);
+        let text = (index + 1).to_string();
+        let half = width_of(&text, 16.0) / 2.0 + 5.0;
+        let sides = [position.0 - half, position.1 - 11.0, position.0 + half, position.1 + 11.0];
         picture.rectangle(sides, RGBColor(255, 255, 255).to_rgba());
         picture.border(sides, 1.0);
-        picture.text(&words, place, 16.0, HPos::Center);
+        picture.text(&text, position, 16.0, HPos::Center);
     }
 }
 
-/// Number, name, two times and magnitude of each track, between two verticals from a height on.
-pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, times: [&str; 2], rows: &[Listed]) {
+/// Draws number, name, two times and magnitude of each track, between two x positions from a height down.
+pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, times: [&str; 2], rows: &[ListRow]) {
     let columns = [0.0, 46.0, 246.0, 339.0, 432.0].map(|away| left + away);
     let mut y = top;
-    for (words, x) in ["", "satellite", times[0], times[1], "mag"].into_iter().zip(columns) {
-        picture.text(words, (x, y), 16.0, HPos::Left);
+    for (text, x) in ["", "satellite", times[0], times[1], "mag"].into_iter().zip(columns) {
+        picture.text(text, (x, y), 16.0, HPos::Left);
     }
     picture.line(&[(left, y + 14.0), (right, y + 14.0)], INK.to_rgba(), 1.2);
     y += 32.0;
@@ -96,17 +97,17 @@ pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, tim
         y += ROW;
     }
     if rows.len() > MOST_LISTED {
-        let words = format!("and {} more, in the data", rows.len() - MOST_LISTED);
-        picture.text(&words, (columns[1], y), 16.0, HPos::Left);
+        let text = format!("and {} more, in the data", rows.len() - MOST_LISTED);
+        picture.text(&text, (columns[1], y), 16.0, HPos::Left);
     }
 }
 
-/// Time of day, UTC, with so many decimals of a second; nothing where there is no moment.
+/// Formats the time of day, UTC, with this number of decimals of a second; empty without a time.
 pub(super) fn time_of_day(mjd: f64, decimals: usize) -> String {
     if !mjd.is_finite() {
         return String::new();
     }
-    // Leap seconds do not move a clock that is read.
+    // Leap seconds are irrelevant for a displayed clock.
     let parts_a_second = 10_i64.pow(decimals as u32);
     let parts = ((mjd - mjd.floor()) * 86_400.0 * parts_a_second as f64).round() as i64 % (86_400 * parts_a_second);
     let (seconds, fraction) = (parts / parts_a_second, parts % parts_a_second);
@@ -114,7 +115,7 @@ pub(super) fn time_of_day(mjd: f64, decimals: usize) -> String {
     if decimals == 0 { clock } else { format!("{clock}.{fraction:0decimals$}") }
 }
 
-/// The numbers of magnitudes from the brightest on; those that are none come last, in their order.
+/// Returns the indices of magnitudes from the brightest on; missing ones come last, in their order.
 pub(super) fn by_brightness(magnitudes: impl Iterator<Item = f64>) -> Vec<usize> {
     let magnitudes: Vec<f64> =
         magnitudes.map(|magnitude| if magnitude.is_nan() { f64::INFINITY } else { magnitude }).collect();
@@ -123,12 +124,12 @@ pub(super) fn by_brightness(magnitudes: impl Iterator<Item = f64>) -> Vec<usize>
     order
 }
 
-/// Words cut to a width, with a sign where they were.
-fn shortened(words: &str, width: f64) -> String {
-    if width_of(words, 16.0) <= width {
-        return words.to_owned();
+/// Truncates text to a width and marks the truncation.
+fn shortened(text: &str, width: f64) -> String {
+    if width_of(text, 16.0) <= width {
+        return text.to_owned();
     }
-    let mut kept: String = words.to_owned();
+    let mut kept: String = text.to_owned();
     while !kept.is_empty() && width_of(&format!("{kept}…"), 16.0) > width {
         kept.pop();
     }
@@ -149,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_places_along_a_line() {
+    fn verif_positions_along_a_line() {
         let line = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)];
         assert_eq!(
             [along(&line, 0.25), along(&line, 0.75), along(&line, 1.0)],

@@ -8,9 +8,9 @@ use thiserror::Error;
 /// Columns of a schedule, as listed in messages.
 pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, start_jd with --time-scale, or \
      start_mjd_utc, start_mjd_tai, start_mjd_tt and the like), duration_s, ra_deg, dec_deg and, if known, rotation_deg, band; \
-     the names of Rubin's opsim and ConsDB and of ObsLocTAP are understood too";
+     the names used by Rubin's opsim and ConsDB and by ObsLocTAP are also accepted";
 
-/// Errors of schedules and policies. An invalid row of a schedule keeps its place, with its reason.
+/// Errors of schedules and policies. An invalid row of a schedule is not an error: it is kept with its reason.
 #[derive(Debug, Error)]
 pub enum ScheduleError {
     /// The file cannot be opened or read.
@@ -46,7 +46,7 @@ pub enum ScheduleError {
     Format {
         /// The file.
         path: String,
-        /// What the file is.
+        /// Description of the file.
         what: String,
     },
     /// A line is invalid.
@@ -84,8 +84,8 @@ pub enum ScheduleError {
     },
     /// Times are numbers or texts without a zone, and no time scale is specified.
     #[error(
-        "schedule {path}: column {column} names no time scale; say --time-scale utc, tai or tt \
-         (opsim files hold UTC, ConsDB and many others TAI; TAI read as UTC is 37 s off, which turns every answer wrong)"
+        "schedule {path}: missing time scale of column {column}; specify --time-scale utc, tai or tt \
+         (opsim files use UTC, ConsDB and many others TAI; TAI read as UTC is wrong by 37 s, which invalidates every result)"
     )]
     NoTimeScale {
         /// The file.
@@ -93,10 +93,10 @@ pub enum ScheduleError {
         /// The column.
         column: String,
     },
-    /// The time scale of the column differs from that of the caller, and the cells have no zone.
+    /// The time scale of the column differs from the one in the options, and the cells have no zone.
     #[error(
-        "schedule {path}: column {column} is in {named}, but --time-scale says {said}; allowed: no --time-scale, \
-         --time-scale {}, a column named otherwise, or times that end in Z", .named.to_string().to_ascii_lowercase()
+        "schedule {path}: column {column} is in {named}, but --time-scale is {given}; allowed: no --time-scale, \
+         --time-scale {}, a column of another name, or times that end in Z", .named.to_string().to_ascii_lowercase()
     )]
     OtherTimeScale {
         /// The file.
@@ -105,10 +105,10 @@ pub enum ScheduleError {
         column: String,
         /// Time scale in its name or in the header of the file.
         named: TimeScale,
-        /// Time scale of the caller.
-        said: TimeScale,
+        /// Time scale in the options.
+        given: TimeScale,
     },
-    /// A column has another unit than its name implies.
+    /// The unit of a column contradicts its name.
     #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}")]
     Unit {
         /// The file.
@@ -138,7 +138,7 @@ pub enum ScheduleError {
         format: String,
     },
     /// The file has an earlier annotation.
-    #[error("schedule {path} already has {what}; say --replace to put new ones in their place")]
+    #[error("schedule {path} already has {what}; specify --replace to replace them")]
     AlreadyThere {
         /// The file.
         path: String,
@@ -146,7 +146,7 @@ pub enum ScheduleError {
         what: String,
     },
     /// The file changed between reading and writing.
-    #[error("schedule {path} has {rows} rows now, {flags} were judged: it changed in between")]
+    #[error("schedule {path} has changed: {flags} rows were judged, it now has {rows}")]
     Changed {
         /// The file.
         path: String,
@@ -187,13 +187,13 @@ pub enum ScheduleError {
     )]
     PolicySyntax(String),
     /// The magnitude limit is neither a number nor numbers by band.
-    #[error("'{given}' is no magnitude limit; allowed: a number, or numbers by band as g=7,y=5,default=6")]
+    #[error("invalid magnitude limit '{given}': expected a number, or numbers by band such as g=7,y=5,default=6")]
     PolicyLimit {
         /// Given value.
         given: String,
     },
     /// A band has two limits.
-    #[error("band {band} has two limits in '{given}'; allowed: one number for each band, as g=7,y=5,default=6")]
+    #[error("band {band} has two limits in '{given}'; allowed: one number for each band, such as g=7,y=5,default=6")]
     PolicyBand {
         /// The band.
         band: String,
@@ -201,7 +201,7 @@ pub enum ScheduleError {
         given: String,
     },
     /// A number is out of range.
-    #[error("policy: {field} is {value}, allowed {allowed}")]
+    #[error("policy: {field} is {value}; allowed: {allowed}")]
     PolicyOutOfRange {
         /// The key.
         field: &'static str,

@@ -8,22 +8,24 @@ use crate::passes::{Exposure, Viewpoint};
 /// Time span of exposures that share one table of the Earth's orientation, seconds.
 const GROUP_S: f64 = 43_200.0;
 
-/// Sampling interval of a pointing from an orbit, seconds: the limb moves by half a degree.
+/// Sampling interval of a pointing's altitude for a telescope in orbit, seconds: the Earth's limb moves by 0.6° in this
+/// time in low orbit.
 const LIMB_INTERVAL_S: f64 = 10.0;
 
-/// Returns the lowest altitude of each pointing while the shutter is open, radians, without refraction and aberration (20").
+/// Returns the lowest altitude of each pointing while the shutter is open, radians, without refraction and aberration
+/// (20").
 ///
-/// From a site it is the lower one of opening and closing; between the two a pointing is higher, or lower by less than a degree in
-/// an hour. From an orbit it is the lowest angle above the Earth's limb, sampled every 10 s; NaN if the position of the telescope
-/// cannot be computed.
+/// From a site it is the lower altitude of opening and closing; between the two the pointing is higher, or lower by
+/// less than a degree in an hour. From an orbit it is the lowest angle above the Earth's limb, sampled every 10 s; NaN
+/// if the position of the telescope cannot be computed.
 pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable) -> Vec<f64> {
     lowest_altitudes_over(exposures, viewpoint, &|start, end| OrientationTable::new(start, end, eop))
 }
 
-/// Function that returns the orientation of the Earth between two times.
+/// Computes the orientation of the Earth between two times.
 pub(super) type Earth<'a> = &'a dyn Fn(Epoch, Epoch) -> OrientationTable;
 
-/// As [`lowest_altitudes_rad`], with a function for the orientation of the Earth.
+/// Returns the altitudes of [`lowest_altitudes_rad`], with a function for the orientation of the Earth.
 pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>) -> Vec<f64> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&index| exposures[index].start);
@@ -47,13 +49,13 @@ pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoi
         };
         altitudes[index] = (0..=samples as usize)
             .map(|i| altitude_rad(exposure, viewpoint, table, opened_s + exposure.duration_s * i as f64 / samples))
-            // NaN stays NaN.
+            // NaN takes precedence.
             .fold(f64::INFINITY, |lowest, next| if next.is_nan() || next < lowest { next } else { lowest });
     }
     altitudes
 }
 
-/// Returns the altitude of a pointing a number of seconds after the reference of a table, radians; NaN if the position of the
+/// Returns the altitude of a pointing at a time after the reference of a table, radians; NaN if the position of the
 /// telescope cannot be computed.
 pub(super) fn altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable, seconds: f64) -> f64 {
     let epoch = seconds_after(table.reference(), seconds);
@@ -71,12 +73,13 @@ pub(super) fn sampling_interval_s(viewpoint: &Viewpoint) -> f64 {
     if viewpoint.site().is_some() { SITE_INTERVAL_S } else { LIMB_INTERVAL_S }
 }
 
-/// Allowance by which a last start is early, seconds.
+/// Margin between the last start and the setting of the pointing, seconds.
 const BEFORE_SETTING_S: f64 = 0.01;
 
-/// Returns the longest delay of each exposure, at most `max_delay_s`, after which its pointing is still up when it ends, seconds.
+/// Returns the longest delay of each exposure after which its pointing is still above the horizon at closing, at most
+/// `max_delay_s`, seconds.
 ///
-/// The pointings are up at the scheduled closing.
+/// The pointings must be above the horizon at the scheduled closing.
 pub(super) fn last_starts_s(
     exposures: &[&Exposure],
     viewpoint: &Viewpoint,
@@ -124,7 +127,7 @@ mod tests {
     use crate::geometry::{Observer, Site};
 
     #[test]
-    fn the_last_start_ends_as_the_pointing_sets() {
+    fn the_last_exposure_ends_when_the_pointing_sets() {
         let observer = Observer::new(Site::new_deg("x", -30.2446, -70.7494, 2663.0).unwrap());
         let viewpoint = Viewpoint::from(observer);
         let eop = EopTable::none();
@@ -137,7 +140,7 @@ mod tests {
             rotation_rad: 0.0,
         };
         let lowest = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], &viewpoint, &eop)[0];
-        // The one hour in which the pointing sets.
+        // The hour in which the pointing sets.
         let hours = (0..24).map(|hour| of(crate::frames::seconds_after(midnight, f64::from(hour) * 3600.0)));
         let low: Vec<Exposure> = hours
             .filter(|exposure| {

@@ -1,11 +1,11 @@
-//! VerdictKind on one exposure from its passes.
+//! Judges one exposure: from its passes and a policy to a [`Verdict`].
 
 use crate::passes::{CrossingProbability, Exposure, Pass};
 
 use super::policy::{LimitKind, MagnitudeLimit, Policy};
 use super::verdict::{Verdict, VerdictKind};
 
-/// Most satellites listed in the reasons; there may be dozens.
+/// Largest number of satellites listed in the reasons; there may be dozens.
 const NAMED_REASONS: usize = 5;
 
 /// Rules of a verdict.
@@ -16,13 +16,13 @@ pub(super) struct Rules<'a> {
     pub camera: Option<&'a dyn CameraLimits>,
 }
 
-/// Magnitude limits of a camera, from the file of its telescope: for a satellite at a distance of 550 km.
+/// Magnitude limits of a camera from its telescope file, for a satellite at a distance of 550 km.
 pub(super) trait CameraLimits {
     /// Returns the limit of a kind in a band; `None` if the file has none.
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
-    /// Returns the magnitude, in the band of the limit, of a satellite at 550 km that leaves as much light in each pixel of its
-    /// streak as a pass of this magnitude.
-    fn as_at_550_km_mag(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64;
+    /// Returns the magnitude, in the band of the limit, of a satellite at 550 km with the same signal in each pixel of
+    /// its streak as a pass of this magnitude.
+    fn equivalent_mag_at_550_km(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64;
 }
 
 /// Expectation values for all satellites together, near misses included.
@@ -30,16 +30,16 @@ pub(super) trait CameraLimits {
 pub(super) struct Expected {
     /// Probability that at least one lit satellite crosses.
     pub p_any: f64,
-    /// True where the elements of a satellite are so old that longer delays are probable than those that are searched:
-    /// both numbers are then lower limits.
+    /// True if more than 10 % of the delays of a satellite are outside the range searched: both numbers are then lower
+    /// limits.
     pub is_lower_limit: bool,
     /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,
 }
 
 impl Expected {
-    /// From the probabilities of all satellites, their errors taken as independent; `lost_fraction` is the share of the pixels that each is
-    /// expected to cost, for a telescope.
+    /// Returns the expectation values for satellites with independent errors. `lost_fraction` is the expected fraction
+    /// of the pixels lost to each satellite, for a telescope.
     pub fn of(satellites: &[CrossingProbability], lost_fraction: Option<&dyn Fn(&CrossingProbability) -> f64>) -> Self {
         Self {
             // 1 - Π(1 - p)
@@ -51,12 +51,13 @@ impl Expected {
     }
 }
 
-/// Judges an exposure by its crossings and near misses.
+/// Judges an exposure by its crossings and near misses. The next clear start of an exposure that is not clear is not
+/// set.
 ///
-/// Dark passes do not count. A near miss counts only if the policy has a `min_probability` and it is at least that probable.
-/// `avoid` = a crossing at least as probable as the policy requires (by default 0.5) that is brighter, at its peak, than a limit of
-/// the policy; or a larger expected loss than the policy allows. `streaked` = any other lit crossing. The next clear start of an
-/// exposure that is not clear is not set here.
+/// Dark passes do not count. A near miss counts only if the policy has a `min_probability` and it is at least that
+/// probable. `avoid` = a crossing at least as probable as the policy requires (by default 0.5) that is brighter, at its
+/// peak, than a limit of the policy; or an expected loss larger than the policy allows. `streaked` = any other lit
+/// crossing.
 pub(super) fn flag(
     exposure: &Exposure,
     band: Option<&str>,
@@ -94,7 +95,7 @@ pub(super) fn flag(
         && lost > most
     {
         avoid = true;
-        reasons.push(format!("{} of the pixels expected lost, more than {most}", share_above(lost, most)));
+        reasons.push(format!("expected loss of {} of the pixels, more than {most}", fraction_above(lost, most)));
     }
     let verdict = match (avoid, counted.is_empty()) {
         (true, _) => VerdictKind::Avoid,
@@ -118,19 +119,20 @@ pub(super) fn flag(
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
         norad_ids: counted.iter().map(|pass| pass.norad_id).collect(),
-        // Filled with the report.
+        // Filled in by the report.
         passes: Vec::new(),
     }
 }
 
-/// Formats a share with two significant digits, at least four decimals, and as many more as show that it is above `most`.
-fn share_above(share: f64, most: f64) -> String {
-    let decimals = (1.0 - share.log10().floor()).clamp(4.0, 17.0) as usize;
-    let shown = |decimals: usize| format!("{share:.decimals$}");
+/// Formats a fraction with two significant digits and at least four decimals, or as many more as show that it is above
+/// `most`.
+fn fraction_above(fraction: f64, most: f64) -> String {
+    let decimals = (1.0 - fraction.log10().floor()).clamp(4.0, 17.0) as usize;
+    let shown = |decimals: usize| format!("{fraction:.decimals$}");
     (decimals..17)
         .map(shown)
         .find(|text| text.parse().is_ok_and(|shown: f64| shown > most))
-        .unwrap_or(share.to_string())
+        .unwrap_or(fraction.to_string())
 }
 
 /// Returns the text of each limit that a pass of this magnitude exceeds.
@@ -144,10 +146,11 @@ fn broken_limits(pass: &Pass, magnitude: f64, band: Option<&str>, rules: &Rules<
     let words = |(name, kind, limit): (&str, Option<LimitKind>, Option<&MagnitudeLimit>)| {
         if let (Some(kind), Some(MagnitudeLimit::OfTelescope(_)), Some(camera)) = (kind, limit, rules.camera) {
             let limit = camera.limit_mag(kind, band)?;
-            let seen = camera.as_at_550_km_mag(pass, magnitude, band);
+            let seen = camera.equivalent_mag_at_550_km(pass, magnitude, band);
             let band = band.unwrap_or_default();
-            return (seen < limit)
-                .then(|| format!(", to the camera as {band} {seen:.2} at 550 km, brighter than its {name} {limit}"));
+            return (seen < limit).then(|| {
+                format!(", equivalent to {band} {seen:.2} at 550 km, brighter than the camera's {name} {limit}")
+            });
         }
         let limit = limit?.of(band)?;
         (magnitude < limit).then(|| format!(", brighter than the {name} {limit}"))
@@ -155,21 +158,24 @@ fn broken_limits(pass: &Pass, magnitude: f64, band: Option<&str>, rules: &Rules<
     limits.into_iter().filter_map(words).collect()
 }
 
-/// Returns true for a pass that makes an exposure one to avoid: probable enough, and brighter than a limit.
+/// Returns true for a pass to avoid: probable enough, and brighter than a limit.
 pub(super) fn is_to_avoid(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     counts(pass, rules.policy)
         && pass.probability >= rules.policy.avoid_probability()
         && peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
 }
 
-/// Returns true for a lit crossing, and for a lit near miss at least as probable as the `min_probability` of the policy.
+/// Returns true for a lit crossing, and for a lit near miss at least as probable as the `min_probability` of the
+/// policy.
 pub(super) fn counts(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-/// Returns true for a pass to be dodged: it counts, and is brighter than a limit of the policy, if one applies to the band.
+/// Returns true for a pass to be dodged: it counts, and it is brighter than a limit of the policy if one applies to the
+/// band.
 ///
-/// With a `min_probability`, less probable passes are not dodged; without one, every nominal crossing is, however old its elements.
+/// With a `min_probability`, less probable passes are not dodged; without one, every nominal crossing is, whatever the
+/// age of its elements.
 pub(super) fn is_dodged(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     let policy = rules.policy;
     if !counts(pass, policy) || policy.min_probability.is_some_and(|least| pass.probability < least) {
@@ -229,7 +235,7 @@ mod tests {
         }
     }
 
-    /// Pass for tests: only the quantities that a verdict uses are meaningful.
+    /// Pass for tests: only the quantities used by a verdict are meaningful.
     fn pass(norad_id: u32, peak_mag: Option<f64>, probability: f64) -> Pass {
         let observer = Position::new(6378.0, 0.0, 0.0);
         let geometry =
@@ -285,7 +291,7 @@ mod tests {
 
     fn judge(passes: &[Pass], policy: &str) -> Verdict {
         let policy = Policy::from_toml(policy).unwrap();
-        // As near misses and crossings would add up.
+        // The losses of near misses and crossings add up.
         let lost = |one: &CrossingProbability| 0.01 * one.probability;
         let expected = Expected::of(&probabilities(passes), Some(&lost));
         flag(&exposure(), Some("r"), passes, &expected, &Rules { policy: &policy, camera: None })
@@ -299,7 +305,7 @@ mod tests {
     fn verdicts_without_a_policy_are_those_of_the_limit() {
         assert_eq!(verdict(&[], "limit_mag = 7"), VerdictKind::Clear);
         assert_eq!(verdict(&[pass(1, Some(6.9), 0.5)], "limit_mag = 7"), VerdictKind::Avoid);
-        // As faint as the limit, less probable than a half, of no known light, or without a limit: streaked.
+        // As faint as the limit, less probable than 0.5, of unknown brightness, or without a limit: streaked.
         assert_eq!(verdict(&[pass(1, Some(7.0), 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, Some(2.0), 0.49)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, None, 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
@@ -326,11 +332,11 @@ mod tests {
     }
 
     #[test]
-    fn near_misses_count_where_the_policy_names_a_probability() {
+    fn near_misses_count_if_the_policy_has_a_probability() {
         let near = Pass { chords: Vec::new(), streak_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
         let free = judge(std::slice::from_ref(&near), "limit_mag = 7");
         assert_eq!((free.kind, free.n_streaks), (VerdictKind::Clear, 0));
-        // What a clear exposure may still be hit by stands in its probability.
+        // The near miss contributes to the probability of a clear exposure.
         assert!((free.p_any - 0.3).abs() < 1e-12);
         let counted = judge(std::slice::from_ref(&near), "limit_mag = 7\nmin_probability = 0.2");
         assert_eq!((counted.kind, counted.n_streaks, counted.norad_ids.len()), (VerdictKind::Avoid, 0, 1));
@@ -339,15 +345,15 @@ mod tests {
     }
 
     #[test]
-    fn shares_are_told_so_that_they_differ_from_their_limit() {
-        for (share, most, told) in [
+    fn fractions_are_shown_with_enough_digits_to_differ_from_their_limit() {
+        for (fraction, most, expected) in [
             (0.0100, 0.009, "0.0100"),
             (0.000_672, 0.0006, "0.00067"),
             (0.000_023_4, 0.000_01, "0.000023"),
             (0.000_010_02, 0.000_01, "0.00001002"),
             (1.0, 0.5, "1.0000"),
         ] {
-            assert_eq!(share_above(share, most), told);
+            assert_eq!(fraction_above(fraction, most), expected);
         }
     }
 
@@ -361,7 +367,7 @@ mod tests {
             ("limit_mag = {r = 5.1, g = 0}", VerdictKind::Avoid, "limit 5.1"),
             ("limit_mag = {g = 9}", VerdictKind::Streaked, "crosses"),
             ("limit_mag = {g = 0, default = 9}", VerdictKind::Avoid, "limit 9"),
-            ("max_lost_fraction = 0.009", VerdictKind::Avoid, "0.0100 of the pixels expected lost"),
+            ("max_lost_fraction = 0.009", VerdictKind::Avoid, "expected loss of 0.0100 of the pixels"),
             ("max_lost_fraction = 0.011", VerdictKind::Streaked, "crosses"),
         ] {
             let flag = judge(&passes, policy);
@@ -371,7 +377,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_dodged_is_brighter_than_a_limit_or_anything_where_there_is_none() {
+    fn passes_brighter_than_a_limit_are_dodged_or_all_without_a_limit() {
         let dodged = |pass: &Pass, policy: &str| {
             let policy = Policy::from_toml(policy).unwrap();
             is_dodged(pass, Some("r"), &Rules { policy: &policy, camera: None })
@@ -382,14 +388,14 @@ mod tests {
         assert!(dodged(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
         let dark = Pass { lit: false, ..bright.clone() };
         assert!(!dodged(&dark, "limit_mag = 7"));
-        // Lit, but of no known light: a streak to a policy without limits alone.
+        // Lit, but of unknown brightness: dodged only by a policy without limits.
         let unseen = pass(1, None, 1.0);
         assert!(dodged(&unseen, "") && !dodged(&unseen, "limit_mag = 7"));
         let near = Pass { chords: Vec::new(), ..pass(1, Some(5.0), 0.3) };
         assert!(!dodged(&near, "limit_mag = 7") && dodged(&near, "limit_mag = 7\nmin_probability = 0.2"));
     }
 
-    /// A camera that saturates at g = 3.2 and sees every pass 0.5 mag brighter than it is.
+    /// Camera that saturates at g = 3.2, with passes 0.5 mag brighter at 550 km.
     struct Camera;
 
     impl CameraLimits for Camera {
@@ -397,13 +403,13 @@ mod tests {
             (kind == LimitKind::Saturation && band == Some("g")).then_some(3.2)
         }
 
-        fn as_at_550_km_mag(&self, _: &Pass, magnitude: f64, _: Option<&str>) -> f64 {
+        fn equivalent_mag_at_550_km(&self, _: &Pass, magnitude: f64, _: Option<&str>) -> f64 {
             magnitude - 0.5
         }
     }
 
     #[test]
-    fn a_cameras_own_limits_hold_where_the_policy_names_them() {
+    fn limits_of_the_camera_apply_if_the_policy_refers_to_them() {
         let verdict = |band: &str, magnitude: f64, policy: &str| {
             let policy = Policy::from_toml(policy).unwrap();
             let rules = Rules { policy: &policy, camera: Some(&Camera) };
@@ -416,11 +422,11 @@ mod tests {
         assert_eq!(
             avoided.reasons,
             [
-                "1 reaches mag 3.60, to the camera as g 3.10 at 550 km, brighter than its saturation limit 3.2 (probability 1.00)"
+                "1 reaches mag 3.60, equivalent to g 3.10 at 550 km, brighter than the camera's saturation limit 3.2 (probability 1.00)"
             ]
         );
         assert_eq!(verdict("g", 3.8, both).kind, VerdictKind::Streaked);
-        // No limit in this band, and a policy that says nothing: nothing to break.
+        // No limit in this band, or none in the policy.
         assert_eq!(verdict("r", 0.0, both).kind, VerdictKind::Streaked);
         assert_eq!(verdict("g", 0.0, "limit_mag = -1").kind, VerdictKind::Streaked);
         // A number of the policy is compared with the magnitude itself.
@@ -428,9 +434,9 @@ mod tests {
     }
 
     #[test]
-    fn a_crowd_is_counted_and_the_first_are_named() {
-        let crowd: Vec<Pass> = (1..=9).map(|id| pass(id, Some(4.0), 1.0)).collect();
-        let flag = judge(&crowd, "limit_mag = 7");
+    fn many_satellites_are_counted_and_the_first_are_listed() {
+        let many: Vec<Pass> = (1..=9).map(|id| pass(id, Some(4.0), 1.0)).collect();
+        let flag = judge(&many, "limit_mag = 7");
         assert_eq!((flag.reasons.len(), flag.reasons[5].as_str(), flag.norad_ids.len()), (6, "and 4 more", 9));
     }
 }

@@ -1,9 +1,9 @@
 //! Verdicts on scheduled exposures, next clear starts, and clear windows of targets.
 //!
-//! A [`Schedule`] is read from Rubin opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet. [`flag_exposures`] judges its exposures by
-//! the passes that cross them and a [`Policy`], and finds their next clear starts; [`annotate`] adds the results to the file.
-//! [`clear_windows`] finds the times at which an exposure of a target is clear. A row that cannot be judged keeps its place, with
-//! the reason.
+//! A [`Schedule`] is read from Rubin opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet. [`flag_exposures`] judges its
+//! exposures from the passes that cross them and a [`Policy`], and finds their next clear starts; [`annotate`] adds the
+//! results to the file. [`clear_windows`] finds the times at which an exposure of a target is clear. Rows that cannot
+//! be judged are kept, with the reason.
 
 mod annotate;
 mod error;
@@ -33,8 +33,8 @@ pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use tables::{StreakRow, exposure_table, flag_table, streak_table};
 pub use targets::{ListedTarget, read_targets};
 pub use verdict::{Verdict, VerdictKind};
-pub use window_table::{FoundWindows, WindowShape, window_table, window_target_table};
+pub use window_table::{FoundWindows, SchedulerFormat, window_table, window_target_table};
 pub use windows::{
     Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows,
-    clear_windows_alone, wait_for,
+    clear_windows_without_passes, next_window,
 };

@@ -1,4 +1,4 @@
-//! Nights, and the shards of a schedule made of whole nights, so that each machine prepares few of them.
+//! Nights, and the shards of a schedule: each shard is made of whole nights, so that each machine prepares few of them.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -11,7 +11,8 @@ use crate::frames::{mjd_utc, seconds_after};
 
 use super::scheduled::{Schedule, ScheduledExposure};
 
-/// Returns the night that begins on the evening of a date at a longitude (east positive, radians): from local mean noon to noon.
+/// Returns the night that begins on the evening of a date, from local mean noon to noon at a longitude (east positive,
+/// radians).
 pub fn night_of(evening: Epoch, longitude_rad: f64) -> (Epoch, Epoch) {
     let (year, month, day, ..) = evening.to_gregorian_utc();
     let longitude_rad = (longitude_rad + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
@@ -22,8 +23,9 @@ pub fn night_of(evening: Epoch, longitude_rad: f64) -> (Epoch, Epoch) {
     (noon, seconds_after(noon, day_s).to_time_scale(TimeScale::UTC))
 }
 
-/// Returns the date of the evening of the night that contains a time, as MJD: nights last from local mean noon to noon at a
-/// longitude (east positive, radians).
+/// Returns the date of the evening of the night that contains a time, as MJD.
+///
+/// A night lasts from local mean noon to noon at a longitude (east positive, radians).
 pub fn evening_mjd(epoch: Epoch, longitude_rad: f64) -> i64 {
     // Local mean time is ahead of UTC by λ / 2π days.
     (mjd_utc(epoch) + longitude_rad / std::f64::consts::TAU - 0.5).floor() as i64
@@ -38,13 +40,13 @@ pub struct Shard {
 
 /// Error of parsing a shard.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("shard '{given}' is none; allowed: I/N with I from 1 to N and N at most 1000000, as 3/100")]
+#[error("invalid shard '{given}': expected I/N with 1 <= I <= N <= 1000000, for example 3/100")]
 pub struct ShardError {
     given: String,
 }
 
-/// Most shards.
-const MOST: usize = 1_000_000;
+/// Largest number of shards.
+const MAX_SHARDS: usize = 1_000_000;
 
 impl FromStr for Shard {
     type Err = ShardError;
@@ -53,7 +55,8 @@ impl FromStr for Shard {
         let parts = text.trim().split_once('/').and_then(|(index, count)| {
             Some(Shard { index: index.trim().parse().ok()?, count: count.trim().parse().ok()? })
         });
-        let is_valid = |shard: &Shard| (1..=MOST).contains(&shard.count) && (1..=shard.count).contains(&shard.index);
+        let is_valid =
+            |shard: &Shard| (1..=MAX_SHARDS).contains(&shard.count) && (1..=shard.count).contains(&shard.index);
         parts.filter(is_valid).ok_or_else(|| ShardError { given: text.to_owned() })
     }
 }
@@ -67,8 +70,9 @@ impl fmt::Display for Shard {
 impl Shard {
     /// Returns, for each row of a schedule, true if it is in this shard.
     ///
-    /// A night lasts from local mean noon to noon at a longitude (east positive, radians). The nights of the schedule are assigned to
-    /// the shards in turn, in order of time. Invalid rows are in shard 1. Every row is in exactly one shard.
+    /// A night lasts from local mean noon to noon at a longitude (east positive, radians). The nights of the schedule
+    /// are assigned to the shards in turn, in order of time. Invalid rows are in shard 1. Every row is in exactly one
+    /// shard.
     pub fn rows(&self, schedule: &Schedule, longitude_rad: f64) -> Vec<bool> {
         let night = |row: &ScheduledExposure| {
             row.exposure.as_ref().ok().map(|exposure| evening_mjd(exposure.start, longitude_rad))
@@ -112,27 +116,27 @@ mod tests {
     }
 
     #[test]
-    fn every_row_is_in_one_share_and_a_night_in_one() {
-        // Midnight in Chile is 4.7 h UTC: 16.0 and 23.0 of one day end different nights' sides of noon at 16.7.
+    fn every_row_and_every_night_is_in_one_shard() {
+        // Local noon in Chile is at 16.7 h UTC: 16.0 h and 23.0 h of one day belong to different nights.
         let schedule = schedule(&[Some(1.0), Some(16.0), Some(17.0), Some(25.0), None, Some(41.0), Some(90.0)]);
         let longitude_rad = f64::to_radians(-70.75);
         for count in 1..6 {
-            let shares: Vec<Vec<bool>> =
+            let shards: Vec<Vec<bool>> =
                 (1..=count).map(|index| Shard { index, count }.rows(&schedule, longitude_rad)).collect();
             for row in 0..schedule.exposures.len() {
-                assert_eq!(shares.iter().filter(|share| share[row]).count(), 1, "row {row} of {count} shares");
+                assert_eq!(shards.iter().filter(|shard| shard[row]).count(), 1, "row {row} of {count} shards");
             }
         }
-        let share = |index| Shard { index, count: 2 }.rows(&schedule, longitude_rad);
-        assert_eq!(share(1), [true, true, false, false, true, true, false]);
-        assert_eq!(share(2), [false, false, true, true, false, false, true]);
+        let shard = |index| Shard { index, count: 2 }.rows(&schedule, longitude_rad);
+        assert_eq!(shard(1), [true, true, false, false, true, true, false]);
+        assert_eq!(shard(2), [false, false, true, true, false, false, true]);
     }
 
     #[test]
-    fn what_is_no_share_is_told_what_is() {
+    fn invalid_shards_are_errors_with_the_accepted_form() {
         assert_eq!("3/100".parse::<Shard>().unwrap().to_string(), "3/100");
         for text in ["", "3", "0/4", "5/4", "1/0", "a/b", "1/2/3", "-1/4", "1/10000000"] {
-            assert!(text.parse::<Shard>().unwrap_err().to_string().contains("as 3/100"), "{text}");
+            assert!(text.parse::<Shard>().unwrap_err().to_string().contains("expected I/N with 1 <= I <= N"), "{text}");
         }
     }
 

@@ -12,14 +12,15 @@ use crate::images::Telescope;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
-    expecting = "no magnitude limit; allowed: a number, a table of numbers by band, or (saturation_mag, crosstalk_mag) \"telescope\""
+    expecting = "invalid magnitude limit; allowed: a number, a table of numbers by band, or (saturation_mag, crosstalk_mag) \"telescope\""
 )]
 pub enum MagnitudeLimit {
     /// One number for every exposure.
     All(f64),
     /// Limits by the band of the exposure; the key `default` is for all other bands.
     PerBand(BTreeMap<String, f64>),
-    /// The word `telescope`: the limits in the file of the telescope, by the band of the exposure. For saturation and crosstalk.
+    /// The limits in the file of the telescope, by the band of the exposure (the word `telescope`); for saturation and
+    /// crosstalk.
     OfTelescope(OfTelescope),
 }
 
@@ -56,8 +57,8 @@ impl FromStr for MagnitudeLimit {
 }
 
 impl MagnitudeLimit {
-    /// Returns the limit for an exposure in this band; `None` if the table has neither the band nor `default`, and for the limits of
-    /// the telescope.
+    /// Returns the limit for an exposure in this band; `None` if the table has neither the band nor `default`, and for
+    /// the limits of the telescope.
     pub fn of(&self, band: Option<&str>) -> Option<f64> {
         match self {
             MagnitudeLimit::All(limit) => Some(*limit),
@@ -68,7 +69,7 @@ impl MagnitudeLimit {
         }
     }
 
-    /// Returns all its numbers.
+    /// Returns all numbers of the limit.
     pub(crate) fn numbers(&self) -> Vec<f64> {
         match self {
             MagnitudeLimit::All(limit) => vec![*limit],
@@ -78,7 +79,7 @@ impl MagnitudeLimit {
     }
 }
 
-/// Effect on the camera beyond a limit.
+/// Effect on the camera if a limit is exceeded.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum LimitKind {
     /// Saturated pixels of the trail.
@@ -98,40 +99,40 @@ impl LimitKind {
     }
 }
 
-/// Rules for verdicts. Omitted rules are not applied; by default there is none.
+/// Rules for verdicts. Omitted rules are not applied; by default no rule is set.
 ///
-/// Limits apply to the predicted apparent magnitude at its brightest in the field, in the band of the prediction; a table by
-/// band selects the limit by the band of the *exposure*. The word `telescope` as saturation or crosstalk limit stands for the
-/// limits in the file of the telescope.
+/// Limits apply to the brightest predicted apparent magnitude in the field, in the band of the prediction; a table by
+/// band selects the limit by the band of the *exposure*. The word `telescope` as saturation or crosstalk limit refers
+/// to the limits in the file of the telescope.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Policy {
-    /// A lit crossing brighter than this makes an exposure one to avoid.
+    /// Magnitude limit: exposures with a brighter lit crossing are to be avoided.
     pub limit_mag: Option<MagnitudeLimit>,
-    /// More than this fraction of the pixels expected lost makes an exposure one to avoid, (0, 1].
+    /// Expected fraction of the pixels lost above which an exposure is to be avoided, (0, 1].
     pub max_lost_fraction: Option<f64>,
-    /// A crossing brighter than this saturates: an exposure to avoid.
+    /// Saturation limit: exposures with a brighter crossing are to be avoided.
     pub saturation_mag: Option<MagnitudeLimit>,
-    /// A crossing brighter than this leaves crosstalk that cannot be corrected: an exposure to avoid.
+    /// Limit of correctable crosstalk: exposures with a brighter crossing are to be avoided.
     pub crosstalk_mag: Option<MagnitudeLimit>,
-    /// Crossings less probable than this do not make an exposure one to avoid, and near misses at least this probable count;
-    /// by default 0.5, and near misses do not count.
+    /// Least probability of a crossing for which an exposure is to be avoided, and of a near miss that counts; by
+    /// default 0.5, and near misses do not count.
     pub min_probability: Option<f64>,
-    /// Time to keep clear before opening and after closing, seconds; by default 0.
+    /// Time kept clear before opening and after closing, seconds; by default 0.
     pub margin_s: Option<f64>,
     /// Longest delay of an exposure, seconds; by default [`Policy::DEFAULT_MAX_DELAY_S`].
     pub max_delay_s: Option<f64>,
 }
 
 impl Policy {
-    /// Default probability from which a crossing makes an exposure one to avoid.
+    /// Default of the least probability of a crossing for which an exposure is to be avoided.
     pub const DEFAULT_MIN_PROBABILITY: f64 = 0.5;
     /// Default longest delay of the next clear start, seconds.
     pub const DEFAULT_MAX_DELAY_S: f64 = 600.0;
     /// Longest delay allowed in a policy, seconds.
     pub const LONGEST_DELAY_S: f64 = 86_400.0;
 
-    /// A policy that avoids lit crossings brighter than this apparent magnitude, and has no other rule.
+    /// Creates a policy that avoids lit crossings brighter than this apparent magnitude, without other rules.
     pub fn limit_mag(limit_mag: f64) -> Self {
         Self { limit_mag: Some(MagnitudeLimit::All(limit_mag)), ..Self::default() }
     }
@@ -153,7 +154,7 @@ impl Policy {
     /// A number is out of range.
     pub fn validate(&self) -> Result<(), ScheduleError> {
         if matches!(self.limit_mag, Some(MagnitudeLimit::OfTelescope(_))) {
-            let what = "limit_mag needs a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
+            let what = "invalid limit_mag \"telescope\": expected a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
             return Err(ScheduleError::PolicySyntax(what.to_owned()));
         }
         let magnitudes = [
@@ -189,8 +190,8 @@ impl Policy {
         self.kinds_of_telescope().next().map(|(name, _)| name)
     }
 
-    /// Returns the limits taken from the telescope, by their keys, with the numbers by band in its file; an empty table if the file
-    /// has none of that kind.
+    /// Returns the limits taken from the telescope, by their keys, with the numbers by band in its file; an empty table
+    /// if the file has none of that kind.
     pub fn limits_of_telescope(&self, telescope: &Telescope) -> Vec<(&'static str, MagnitudeLimit)> {
         let limits = telescope.limits.keys();
         self.kinds_of_telescope()
@@ -212,7 +213,7 @@ impl Policy {
             .map(|(name, kind, _)| (name, kind))
     }
 
-    /// Returns the probability from which a crossing makes an exposure one to avoid.
+    /// Returns the least probability of a crossing for which an exposure is to be avoided.
     pub(super) fn avoid_probability(&self) -> f64 {
         self.min_probability.unwrap_or(Self::DEFAULT_MIN_PROBABILITY)
     }
@@ -259,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn limits_as_they_are_typed() {
+    fn limits_are_parsed_from_text() {
         let limit = |text: &str| text.parse::<MagnitudeLimit>();
         assert_eq!(limit(" 7 ").unwrap(), MagnitudeLimit::All(7.0));
         let by_band = limit("g=7, y=-5.5,default=6").unwrap();
@@ -271,12 +272,12 @@ mod tests {
     }
 
     #[test]
-    fn what_is_not_a_policy_is_refused_on_one_line() {
+    fn invalid_policies_are_errors_on_one_line() {
         for (text, part) in [
             ("limit = 7", "line 1: unknown field `limit`"),
             ("limit_mag = 'bright'", "line 1"),
-            ("max_lost_fraction = 1.5", "max_lost_fraction is 1.5, allowed above 0, at most 1"),
-            ("\nmin_probability = 0", "min_probability is 0, allowed"),
+            ("max_lost_fraction = 1.5", "max_lost_fraction is 1.5; allowed: above 0, at most 1"),
+            ("\nmin_probability = 0", "min_probability is 0; allowed"),
             ("margin_s = -1", "margin_s is -1"),
             ("max_delay_s = nan", "max_delay_s is NaN"),
             ("limit_mag = {g = inf}", "limit_mag is inf"),
@@ -284,7 +285,7 @@ mod tests {
             ("limit_mag = 'telescope'", "only saturation_mag and crosstalk_mag"),
             (
                 "saturation_mag = 'camera'",
-                "line 1: no magnitude limit; allowed: a number, a table of numbers by band, or",
+                "line 1: invalid magnitude limit; allowed: a number, a table of numbers by band, or",
             ),
         ] {
             let message = Policy::from_toml(text).unwrap_err().to_string();

@@ -19,9 +19,10 @@ use super::verdict::{Verdict, VerdictKind};
 pub(super) const GUARD_S: f64 = 0.002;
 /// Resolution of starts, which are rounded away from the satellite, seconds.
 pub(super) const TICK_S: f64 = 0.001;
-/// Most starts that are tried.
+/// Largest number of starts that are tried.
 const MOST_STEPS: f64 = 60.0;
-/// Allowance for early and late satellites if the policy has a probability, sigmas along the track; 0.00135 lies beyond.
+/// Allowance for early and late satellites if the policy has a probability, sigmas along the track; the tail beyond has
+/// probability 0.00135.
 const LATE_SIGMAS: f64 = 3.0;
 
 /// Sky, field, rules and telescope for judging exposures.
@@ -56,13 +57,13 @@ impl FlagReport {
         self.sort_left_out();
     }
 
-    /// Warning where `p_any` is a lower limit.
+    /// Returns a warning if `p_any` is a lower limit for any exposure.
     pub fn lower_limit_warning(&self) -> Option<String> {
         let limits = self.flags.iter().filter(|flag| flag.p_any_is_lower_limit).count();
         (limits > 0).then(|| {
             format!(
-                "p_any and the expected loss are lower limits for {limits} of {} exposures: elements are so old that satellites may be more \
-                 than 300 s early or late, and longer delays are not searched",
+                "p_any and the expected loss are lower limits for {limits} of {} exposures: more than 10 % of the delays of a satellite are outside \
+                 the range searched (3.5 sigmas without manoeuvres, at most 300 s)",
                 self.flags.len()
             )
         })
@@ -79,7 +80,7 @@ impl FlagReport {
 /// `margin_s` of the policy applies at both ends: an exposure that is clear except for its margins is `streaked`.
 ///
 /// # Errors
-/// [`SkyError`] if passes cannot be computed at all.
+/// [`SkyError`] if passes cannot be computed.
 pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
     let Judged { mut report, mut flags, above, counted } = judge(rows, request)?;
     let waits = shift(&above, request, &counted, &mut flags, &mut report)?;
@@ -89,8 +90,9 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     Ok(finished(report, flags, counted))
 }
 
-/// As [`flag_exposures`], without margins and without next clear starts of exposures that are not clear. Takes less than half the
-/// time; for exposures that start when scheduled or not at all.
+/// Judges every row without margins and without next clear starts of exposures that are not clear.
+///
+/// Takes less than half the time of [`flag_exposures`]; for exposures that are not rescheduled.
 ///
 /// # Errors
 /// As [`flag_exposures`].
@@ -105,8 +107,9 @@ impl Sky {
     /// [`flag_exposures`] judges whole schedules, with a telescope and other bands.
     ///
     /// # Errors
-    /// [`SkyError`] if the exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris. A pointing
-    /// below the horizon is no error: its verdict is [`VerdictKind::Invalid`], with the reason.
+    /// [`SkyError`] if the exposure has no finite direction or length, or lies outside the years of the Sun's
+    /// ephemeris. A pointing below the horizon is not an error: its verdict is [`VerdictKind::Invalid`], with the
+    /// reason.
     pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, SkyError> {
         let row = ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, exposure: Ok(exposure.clone()) };
         let photometry = PhotometryOptions::default();
@@ -196,10 +199,10 @@ fn above_the_horizon<'a>(
     judged
 }
 
-/// Returns the reason why a pointing cannot be judged.
+/// Returns the reason why an exposure of a pointing cannot be judged.
 fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     if altitude_rad.is_nan() {
-        return format!("the elements of {} give no place at that time", viewpoint.name());
+        return format!("cannot compute the position of {} at that time from its elements", viewpoint.name());
     }
     match viewpoint {
         Viewpoint::Orbit(observer) if altitude_rad <= -std::f64::consts::FRAC_PI_2 => {
@@ -209,12 +212,12 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
             format!("the pointing is below the horizon (altitude {:.1} deg)", altitude_rad.to_degrees())
         }
         Viewpoint::Orbit(_) => {
-            format!("the pointing meets the Earth ({:.1} deg inside its limb)", -altitude_rad.to_degrees())
+            format!("the pointing meets the Earth ({:.1} deg below its limb)", -altitude_rad.to_degrees())
         }
     }
 }
 
-/// Expectation for all satellites together in one exposure.
+/// Returns the expected values for all satellites together in one exposure.
 fn expected_of(satellites: &[CrossingProbability], request: &FlagRequest<'_>) -> Expected {
     let Some(telescope) = request.telescope else { return Expected::of(satellites, None) };
     let lost_fraction = |one: &CrossingProbability| {
@@ -224,7 +227,7 @@ fn expected_of(satellites: &[CrossingProbability], request: &FlagRequest<'_>) ->
     Expected::of(satellites, Some(&lost_fraction))
 }
 
-/// Magnitude limits of a telescope, and the sky and photometry of the passes that they apply to.
+/// Magnitude limits of a telescope, with the sky and photometry of the passes to which they apply.
 pub(super) struct Camera<'a> {
     pub telescope: &'a Telescope,
     pub sky: &'a Sky,
@@ -236,12 +239,12 @@ impl CameraLimits for Camera<'_> {
         kind.limit_mag(self.telescope, band?)
     }
 
-    fn as_at_550_km_mag(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64 {
+    fn equivalent_mag_at_550_km(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64 {
         // Satellites are grey: the colour is that of the Sun.
         let colour = band.and_then(|band| band.parse::<Band>().ok()).map_or(0.0, |band| {
             band.sun_magnitude(band.usual_system()) - self.photometry.band.sun_magnitude(self.photometry.system)
         });
-        self.telescope.as_at_550_km_mag(
+        self.telescope.equivalent_mag_at_550_km(
             magnitude + colour,
             pass.mid.range_km,
             pass.angular_rate_rad_s * ARCSEC_PER_RAD,
@@ -250,7 +253,7 @@ impl CameraLimits for Camera<'_> {
     }
 }
 
-/// Finds the next clear starts of all exposures that are not clear, or whose margins may not be.
+/// Finds the next clear starts of all exposures that are not clear, including those with a crossing in their margins.
 fn shift(
     judged: &[(usize, &Exposure)],
     request: &FlagRequest<'_>,
@@ -287,7 +290,7 @@ fn shift(
                 .iter()
                 .filter(|pass| counts(pass, policy))
                 .flat_map(|pass| intervals(pass, exposure, margin_s, late(pass)));
-            // The passes of the verdict block the scheduled start too; at its ends the longer interval may miss them.
+            // The passes of the verdict also block the scheduled start; the longer interval may miss them at its ends.
             let now = counted[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0, late(pass)));
             ahead.chain(now).collect()
         };
@@ -305,7 +308,7 @@ fn shift(
         let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
         wait.find(exposure, policy, 0.0, flag);
         if flag.delay_s == Some(0.0) {
-            // No satellite blocks the start, but the expected loss of all together is too large now.
+            // No satellite blocks the start, but the expected loss of all satellites is too large at it.
             wait.find(exposure, policy, least_step_s(policy), flag);
         }
         waits.push(wait);
@@ -318,12 +321,12 @@ struct Wait {
     row: usize,
     /// Intervals with satellites in the field, seconds after the scheduled opening.
     blocked: Vec<Interval>,
-    /// The last start before the pointing sets, seconds.
+    /// Last start before the pointing sets, seconds after the scheduled opening.
     last_start_s: f64,
 }
 
 impl Wait {
-    /// Sets the next clear start that is not before a delay, or adds the reason why there is none.
+    /// Sets the next clear start not before a delay, or adds a reason if none exists.
     fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut Verdict) {
         // The guard includes the rounding to the millisecond.
         let guard_s = GUARD_S + TICK_S;
@@ -336,7 +339,7 @@ impl Wait {
         flag.next_clear_start = flag.delay_s.map(|delay_s| seconds_after(exposure.start, delay_s));
         if flag.delay_s.is_none() {
             flag.reasons.push(if sets {
-                format!("no clear start before the pointing sets, {:.0} s on", self.last_start_s)
+                format!("no clear start before the pointing sets, {:.0} s after the scheduled start", self.last_start_s)
             } else {
                 format!("no clear start within {max_delay_s} s")
             });
@@ -344,13 +347,16 @@ impl Wait {
     }
 }
 
-/// Returns the least step to the next start to be tried, seconds.
+/// Returns the smallest step to the next start that is tried, seconds.
 fn least_step_s(policy: &Policy) -> f64 {
     (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
 }
 
-/// Computes passes and losses at the starts found, since probabilities depend on more than the intervals. A start at which a
-/// satellite still counts, or with a larger expected loss than the policy allows, is replaced by the next one, within the delay.
+/// Checks the starts found by computing passes and losses at them, since probabilities depend on more than the
+/// intervals.
+///
+/// A start at which a satellite still counts, or at which the expected loss exceeds that of the policy, is replaced by
+/// the next one within the delay.
 fn confirm(
     judged: &[(usize, &Exposure)],
     mut waits: Vec<Wait>,
@@ -406,11 +412,12 @@ pub(super) fn late_s(pass: &Pass, policy: &Policy) -> f64 {
     policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
 }
 
-/// Returns the intervals in which a pass may be in the field, seconds after the scheduled opening; the exposure of the pass opened
-/// `lead_s` earlier.
+/// Returns the intervals in which a pass may be in the field, seconds after the scheduled opening. The exposure of the
+/// pass opened `lead_s` earlier.
 ///
-/// These are the chords of a crossing and the closest approach of a near miss, extended at both ends by the allowance `late_s`.
-/// With a delay of sigma σ, a chord that ended z σ before an exposure opens reaches it with a probability below 1 - Φ(z).
+/// These are the chords of a crossing or the closest approach of a near miss, extended at both ends by the allowance
+/// `late_s`. With a delay of sigma σ, a satellite that left the field z σ before an exposure opens crosses it with a
+/// probability below 1 - Φ(z).
 pub(super) fn intervals(pass: &Pass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
     let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };
     if pass.is_crossing() {

@@ -1,4 +1,4 @@
-//! Schedules: exposures in the order of their rows, with the reasons of those that are invalid.
+//! Schedules: exposures in the order of their rows; an invalid row has the reason instead of its exposure.
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
@@ -21,7 +21,7 @@ pub struct ScheduledExposure {
     pub id: String,
     /// Index of the row in the file, from 0.
     pub row: usize,
-    /// The band as written; `None` if the schedule has none. Any name is valid.
+    /// The band as written; `None` if the schedule has none. Any name is accepted.
     pub band: Option<String>,
     /// The exposure, or the reason why the row is invalid.
     pub exposure: Result<Exposure, String>,
@@ -30,7 +30,8 @@ pub struct ScheduledExposure {
 /// Options for reading a schedule.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScheduleOptions {
-    /// Time scale of times without one. Without it, MJD, JD and times without `Z` are an error. It must not contradict the file.
+    /// Time scale of times without one. If it is omitted, MJD, JD and times without `Z` are an error. It must not
+    /// contradict the file.
     pub time_scale: Option<TimeScale>,
     /// Default time scale, which the file may override.
     pub default_time_scale: Option<TimeScale>,
@@ -47,14 +48,14 @@ pub struct Schedule {
     pub exposures: Vec<ScheduledExposure>,
     /// Column of the start times (shutter openings).
     pub start_column: String,
-    /// Time scale of that column.
+    /// Time scale of the start times.
     pub time_scale: TimeScale,
 }
 
 impl Schedule {
     /// Reads a schedule; its contents determine the format.
     ///
-    /// Rows with cells that are missing, not finite or out of range keep their place, with the reason.
+    /// Rows with cells that are missing, not finite or out of range are kept, with the reason.
     ///
     /// # Errors
     /// - The file is missing, a directory, empty or in another format.
@@ -65,14 +66,14 @@ impl Schedule {
     }
 
     /// Returns the valid rows, with their index in `exposures`.
-    pub fn judged(&self) -> impl Iterator<Item = (usize, &Exposure)> {
+    pub fn valid_exposures(&self) -> impl Iterator<Item = (usize, &Exposure)> {
         self.exposures
             .iter()
             .enumerate()
             .filter_map(|(index, scheduled)| scheduled.exposure.as_ref().ok().map(|exposure| (index, exposure)))
     }
 
-    /// Returns the number of rows whose identifier occurs in an earlier row.
+    /// Returns the number of rows with an identifier that occurs in an earlier row.
     pub fn repeated_ids(&self) -> usize {
         let distinct: HashSet<&str> = self.exposures.iter().map(|row| row.id.as_str()).collect();
         self.exposures.len() - distinct.len()
@@ -115,7 +116,7 @@ fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) ->
     Ok(Schedule { format: table.format, exposures, start_column: map.start.name, time_scale: scale })
 }
 
-/// Returns the time scale of the start times: from the name of the column, the header of the file, or the caller.
+/// Returns the time scale of the start times: from the name of the column, the header of the file, or the options.
 fn start_scale(
     path: &Path,
     table: &RawTable,
@@ -126,7 +127,7 @@ fn start_scale(
     if let (Some(named), Some(of_header)) = (start.scale, of_header)
         && named != of_header
     {
-        let allowed = "the time scale that the column's name says";
+        let allowed = "the time scale in the name of the column";
         return Err(ScheduleError::Unit {
             path: display(path),
             column: start.name.clone(),
@@ -134,7 +135,7 @@ fn start_scale(
             allowed,
         });
     }
-    // A zone (Z or an offset) in every cell takes precedence.
+    // Times with a zone (Z or an offset) in every cell do not need a time scale.
     let zoned = || {
         start.form == StartForm::Iso
             && table
@@ -144,12 +145,12 @@ fn start_scale(
                 .filter_map(|cells| cells.get(start.index)?.text())
                 .all(|text| !matches!(parse_instant(&text, None), Err(FramesError::NoScale(_))))
     };
-    if let (Some(named), Some(said)) = (start.scale.or(of_header), options.time_scale)
-        && named != said
+    if let (Some(named), Some(given)) = (start.scale.or(of_header), options.time_scale)
+        && named != given
         && !zoned()
     {
         let (path, column) = (display(path), start.name.clone());
-        return Err(ScheduleError::OtherTimeScale { path, column, named, said });
+        return Err(ScheduleError::OtherTimeScale { path, column, named, given });
     }
     start
         .scale
@@ -210,12 +211,12 @@ fn exposure<'a>(
         if range.contains(&value) {
             Ok(value)
         } else {
-            Err(format!("{name} is {value}, allowed {} to {}", range.start(), range.end()))
+            Err(format!("{name} is {value}; allowed: {} to {}", range.start(), range.end()))
         }
     };
     let start = start_of(cell(map.start.index), &map.start, scale)?;
     let duration_s = number(map.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
-    // Right ascensions are in use from 0 to 360 and from -180 to 180.
+    // Right ascensions are given from 0 to 360 or from -180 to 180.
     let right_ascension_deg = number(map.right_ascension, "right ascension", -180.0..=360.0)?;
     let declination_deg = number(map.declination, "declination", -90.0..=90.0)?;
     let rotation_rad = match map.rotation.map(&cell) {
@@ -245,6 +246,6 @@ fn start_of(cell: &Cell, column: &StartColumn, scale: TimeScale) -> Result<Epoch
         Ok(start)
     } else {
         let shown = format_utc(start, 0);
-        Err(format!("start {shown} is covered by no ephemeris, allowed {FIRST_YEAR} to {LAST_YEAR}"))
+        Err(format!("start {shown} is outside the years of the ephemeris; allowed: {FIRST_YEAR} to {LAST_YEAR}"))
     }
 }

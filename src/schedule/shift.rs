@@ -1,6 +1,6 @@
 //! Clear starts of exposures, from the intervals in which satellites are in the field.
 
-/// Interval of time, seconds from any common zero, both ends included.
+/// Interval of time, seconds from a common reference, both ends included.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Interval {
     /// Start, seconds.
@@ -11,9 +11,10 @@ pub(super) struct Interval {
 
 /// Returns the earliest clear start of an exposure, not before `from_s` and at most `max_delay_s` later.
 ///
-/// The exposure lasts `duration_s`, with `margin_s` before its start and after its end. It is clear if it meets no interval. An
-/// interval that ends as the exposure begins, or begins as it ends, is met: the start keeps a distance of `guard_s` (entries and
-/// exits are accurate to about a millisecond, so a guard is a millisecond or two).
+/// The exposure lasts `duration_s`, with `margin_s` before its start and after its end. It is clear if it overlaps no
+/// interval; an interval that ends as the exposure begins, or begins as it ends, overlaps it. The start keeps a
+/// distance of `guard_s` from the intervals: entries and exits are accurate to about a millisecond, so a guard is a
+/// millisecond or two.
 ///
 /// Returns `None` if no start within the delay is clear, or a number is not finite.
 pub(super) fn next_clear_start(
@@ -31,7 +32,7 @@ pub(super) fn next_clear_start(
     let mut start_s = from_s;
     for interval in forbidden {
         if interval.start_s > start_s {
-            // Sorted by their start: all others start later.
+            // Sorted by start: all others begin later.
             break;
         }
         start_s = start_s.max(interval.end_s);
@@ -41,7 +42,7 @@ pub(super) fn next_clear_start(
 
 /// Returns all clear starts within `allowed`, as intervals in order of time.
 ///
-/// Duration, margin and guard are those of [`next_clear_start`], and an interval begins at the start that it returns. Empty if a
+/// Duration, margin and guard are those of [`next_clear_start`], which returns the start of an interval. Empty if a
 /// number is not finite.
 pub(super) fn clear_starts(
     blocked: &[Interval],
@@ -73,7 +74,7 @@ pub(super) fn clear_starts(
 
 /// Returns the starts that each interval forbids, sorted by their start; `None` if a number is not finite.
 fn forbidden_starts(blocked: &[Interval], duration_s: f64, margin_s: f64, guard_s: f64) -> Option<Vec<Interval>> {
-    // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
+    // An exposure from s to s + D overlaps [a, b] with margin m if a - m - D <= s <= b + m.
     let mut forbidden: Vec<Interval> = blocked
         .iter()
         .map(|interval| Interval {
@@ -91,7 +92,7 @@ mod tests {
 
     use super::*;
 
-    /// Tries every start in steps.
+    /// Returns the first clear start found by trying starts in steps.
     fn brute_force(
         blocked: &[Interval],
         duration_s: f64,
@@ -109,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn clear_stretches_are_what_is_left() {
+    fn clear_starts_are_the_starts_that_no_interval_forbids() {
         let blocked = [Interval { start_s: 50.0, end_s: 52.0 }, Interval { start_s: 51.0, end_s: 60.0 }];
         // 10 s long, 1 s margin: starts from 39 to 61 are forbidden.
         let interval = |start_s, end_s| Interval { start_s, end_s };
@@ -123,7 +124,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn verif_stretches_begin_where_waiting_ends(
+        fn verif_next_clear_start_begins_the_first_interval(
             starts in prop::collection::vec((0.0..500.0, 0.0..30.0), 0..12),
             duration_s in 0.0..60.0,
             margin_s in 0.0..5.0,
@@ -136,12 +137,12 @@ mod tests {
             let first = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, 700.0);
             prop_assert_eq!(stretches.first().map(|interval| interval.start_s), first);
             for interval in &stretches {
-                // Inside a stretch nothing has to wait.
+                // The exposure can start at once inside an interval.
                 let middle_s = 0.5 * (interval.start_s + interval.end_s);
                 prop_assert_eq!(next_clear_start(&blocked, duration_s, margin_s, 0.0, middle_s, 700.0), Some(middle_s));
             }
             for pair in stretches.windows(2) {
-                // Between two of them nothing may start.
+                // No exposure can start between two intervals.
                 let between_s = 0.5 * (pair[0].end_s + pair[1].start_s);
                 let next = next_clear_start(&blocked, duration_s, margin_s, 0.0, between_s, 700.0);
                 prop_assert_eq!(next, Some(pair[1].start_s));
@@ -150,13 +151,13 @@ mod tests {
     }
 
     #[test]
-    fn waiting_ends_where_the_last_touching_satellite_leaves() {
+    fn next_clear_start_follows_the_last_overlapping_interval() {
         let blocked = [
             Interval { start_s: 5.0, end_s: 6.0 },
             Interval { start_s: 34.0, end_s: 40.0 },
             Interval { start_s: 100.0, end_s: 101.0 },
         ];
-        // From 0 the first is met, from 6 the second, from 40 nothing until 70.
+        // From 0 the first interval is met, from 6 the second, and from 40 to 70 none.
         assert_eq!(next_clear_start(&blocked, 30.0, 0.0, 0.0, 0.0, 600.0), Some(40.0));
         assert_eq!(next_clear_start(&blocked, 30.0, 0.0, 0.0, 0.0, 39.0), None);
         assert_eq!(next_clear_start(&blocked, 20.0, 0.0, 0.0, 0.0, 600.0), Some(6.0));
@@ -167,7 +168,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn stretches_hold_all_clear_starts_and_no_other(
+        fn clear_starts_agree_with_brute_force(
             ticks in prop::collection::vec((-400_i32..4000, 0_i32..300), 0..40),
             duration in 0_i32..600,
             margin in 0_i32..50,
@@ -212,7 +213,7 @@ mod tests {
             let (duration_s, margin_s, from_s, max_delay_s) = (seconds(duration), seconds(margin), seconds(from), seconds(max_delay));
             let found = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, max_delay_s);
             let brute = brute_force(&blocked, duration_s, margin_s, from_s, max_delay_s, 0.1);
-            // A gap narrower than a step is seen by the arithmetic alone; it must be a gap all the same.
+            // The steps miss a gap narrower than a step; the gap found must still be clear.
             if let Some(found) = found {
                 let clear = blocked.iter().all(|interval| {
                     interval.end_s <= found - margin_s + 1e-9 || interval.start_s >= found + duration_s + margin_s - 1e-9

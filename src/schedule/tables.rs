@@ -46,15 +46,19 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             flag.exposure_id.as_str().into()
         }),
         field(
-            Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid where it cannot be judged."),
+            Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid if the exposure cannot be judged."),
             |flag| flag.kind.name().into(),
         ),
         field(
-            Column::new("n_streaks", Kind::Integer, "Lit satellites whose nominal tracks cross the field."),
+            Column::new(
+                "n_streaks",
+                Kind::Integer,
+                "Number of lit satellites with nominal tracks that cross the field.",
+            ),
             |flag| flag.n_streaks.into(),
         ),
         field(
-            Column::real("brightest_mag", "mag", 3, "Brightest magnitude that any of them reaches in the field."),
+            Column::real("brightest_mag", "mag", 3, "Brightest magnitude of the lit crossings in the field."),
             |flag| flag.brightest_mag.into(),
         ),
         field(
@@ -62,7 +66,7 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
                 "expected_lost_pixel_fraction",
                 "",
                 6,
-                "Share of the field's pixels expected lost; empty without a telescope.",
+                "Expected fraction of the field's pixels lost; empty without a telescope.",
             ),
             |flag| flag.expected_lost_pixel_fraction.into(),
         ),
@@ -73,7 +77,7 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
         field(Column::real("streak_length_deg", "deg", 4, "Length of all nominal lit streaks in the field."), |flag| {
             flag.streak_length_deg.into()
         }),
-        field(Column::new("reasons", Kind::List { separator: "; " }, "Why the verdict is what it is."), |flag| {
+        field(Column::new("reasons", Kind::List { separator: "; " }, "Reasons for the verdict."), |flag| {
             Value::List(flag.reasons.clone())
         }),
         field(
@@ -81,12 +85,14 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
                 kind: Kind::Time { decimals: 3 },
                 ..Column::time(
                     "next_clear_start_utc",
-                    "Earliest start from the scheduled one on that is clear; empty where there is none in time.",
+                    "Earliest clear start, not before the scheduled one; empty if none exists within the allowed delay.",
                 )
             },
             |flag| flag.next_clear_start.into(),
         ),
-        field(Column::real("delay_s", "s", 3, "How much later than scheduled that is."), |flag| flag.delay_s.into()),
+        field(Column::real("delay_s", "s", 3, "Delay of the next clear start after the scheduled start."), |flag| {
+            flag.delay_s.into()
+        }),
         field(
             Column::new(
                 "norad_ids",
@@ -98,14 +104,14 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
     ]
 }
 
-/// Pass with the data of its row in a table of streaks.
+/// Pass with the other data of its row in a table of streaks.
 #[derive(Copy, Clone)]
 pub struct StreakRow<'a> {
-    /// The exposure it crosses.
+    /// The exposure that the pass crosses.
     pub exposure: &'a Exposure,
     /// The pass.
     pub pass: &'a Pass,
-    /// Its element set.
+    /// Element set of the satellite.
     pub elements: &'a ElementSet,
     /// Largest extent of the satellite, metres.
     pub satellite_size_m: f64,
@@ -130,21 +136,21 @@ pub fn streak_table<'a>(rows: impl IntoIterator<Item = StreakRow<'a>>, chords: b
 }
 
 const CHORDS: &[Column] = &[
-    Column::time("enter_utc", "Entry into one stretch of the field."),
-    Column::time("exit_utc", "Exit from it."),
+    Column::time("enter_utc", "Entry into the field."),
+    Column::time("exit_utc", "Exit from the field."),
     Column::real("enter_s", "s", 3, "Entry after shutter opening."),
     Column::real("exit_s", "s", 3, "Exit after shutter opening."),
 ];
 
 const SAMPLES: &[Column] = &[
-    Column::time("utc", "Moment of reception."),
+    Column::time("utc", "Time of reception."),
     Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
     Column::real("dec_deg", "deg", 7, "Declination."),
     Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
     Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
     Column::real("range_km", "km", 3, "Distance from the observer."),
     Column::real("magnitude", "mag", 3, "Apparent magnitude."),
-    Column::real("magnitude_sigma", "mag", 3, "One sigma of it."),
+    Column::real("magnitude_sigma", "mag", 3, "One-sigma uncertainty of the magnitude."),
 ];
 
 fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
@@ -205,14 +211,22 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
         field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra, at mid."), |row| {
             row.pass.mid.illumination.name().into()
         }),
-        field(Column::real("lit_fraction", "", 4, "Share of the Sun's disk that the satellite sees at mid."), |row| {
-            row.pass.mid.illumination.lit_fraction().into()
-        }),
         field(
-            Column::real("magnitude", "mag", 3, "Apparent magnitude at mid, steady; empty where nothing is seen."),
+            Column::real("lit_fraction", "", 4, "Fraction of the Sun's disk visible from the satellite at mid."),
+            |row| row.pass.mid.illumination.lit_fraction().into(),
+        ),
+        field(
+            Column::real(
+                "magnitude",
+                "mag",
+                3,
+                "Apparent magnitude at mid without motion; empty if the satellite is not visible.",
+            ),
             |row| magnitude(&row.pass.mid),
         ),
-        field(Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| sigma(&row.pass.mid)),
+        field(Column::real("magnitude_sigma", "mag", 3, "One-sigma uncertainty of the magnitude at mid."), |row| {
+            sigma(&row.pass.mid)
+        }),
         field(Column::real("magnitude_peak", "mag", 3, "Brightest magnitude along the track."), |row| {
             row.pass.peak.as_ref().map_or(Value::Null, magnitude)
         }),
@@ -220,7 +234,7 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
         field(Column::new("mag_system", Kind::Text, "Zero point of the magnitudes."), |row| {
             row.photometry.system.to_string().into()
         }),
-        field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+        field(Column::new("mag_source", Kind::Text, "Source of the magnitude."), |row| {
             shown(row).map(|brightness| brightness.source.to_string()).into()
         }),
         field(
@@ -228,7 +242,7 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
                 "effective_magnitude",
                 "mag",
                 3,
-                "Magnitude of a star as bright per area as the streak, same exposure.",
+                "Magnitude of a star with the surface brightness of the streak in the same exposure.",
             ),
             |row| streak(row).map(|streak| streak.effective_magnitude).into(),
         ),
@@ -249,7 +263,7 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
                 "element_age_days",
                 "d",
                 4,
-                "Exposure less epoch of the elements; positive where the exposure is later.",
+                "Time of the exposure less epoch of the elements; positive if the exposure is later.",
             ),
             |row| row.pass.element_age_days.into(),
         ),
@@ -267,7 +281,8 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
     ]
 }
 
-/// Columns that by default only formats with nested tables contain: scripts rely on the columns of the other formats.
+/// Columns that by default are written only in formats with nested tables: scripts rely on the columns of the other
+/// formats.
 fn nested_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
     let field = TableField::<StreakRow<'a>>::new;
     vec![
@@ -275,11 +290,11 @@ fn nested_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             Column::new(
                 "in_fitted_range",
                 Kind::Boolean,
-                "False where the model is asked beyond the geometry it rests on, and the sigma is wide; empty without a magnitude.",
+                "False if the geometry is outside the fitted range of the model, where the sigma is large; empty without a magnitude.",
             ),
             |row| shown(row).map(|brightness| Value::Boolean(brightness.in_fitted_range)).unwrap_or(Value::Null),
         ),
-        field(Column::new("chords", Kind::Rows(CHORDS), "Stretches of the track inside the field."), |row| {
+        field(Column::new("chords", Kind::Rows(CHORDS), "Intervals of the track inside the field."), |row| {
             let opening = row.exposure.start;
             let chord = |chord: &Chord| {
                 let moment = |seconds| seconds_after(opening, seconds).into();
@@ -329,7 +344,7 @@ fn width_arcsec(row: &StreakRow<'_>, telescope: &Telescope) -> f64 {
     telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m)
 }
 
-/// Returns the brightness at mid, else at the peak.
+/// Returns the brightness at mid, or at the peak if there is none at mid.
 fn shown<'a>(row: &StreakRow<'a>) -> Option<&'a Brightness> {
     let at_peak = || row.pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     row.pass.mid.brightness.as_ref().or_else(at_peak)

@@ -30,22 +30,23 @@ pub struct ListedTarget {
     pub target: Result<WindowTarget, String>,
 }
 
-/// Reads a target list (CSV, ECSV, JSON and the other formats of schedules): `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or
-/// exposure)` and, if known, `unique_id, rotation_deg, band`.
+/// Reads a target list (CSV, ECSV, JSON and the other formats of schedules).
 ///
-/// Numbers are degrees and seconds, ICRS; texts like `12h34m56s` and `-30d30m` are accepted. A row without a position keeps its
-/// place, with the reason. Rows without an exposure time or a rotation take `duration_s` and `rotation_rad`.
+/// Columns: `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or exposure)` and, if known,
+/// `unique_id, rotation_deg, band`. Numbers are degrees and seconds, ICRS; texts like `12h34m56s` and `-30d30m` are
+/// accepted. A row without a position is kept, with the reason. `duration_s` and `rotation_rad` apply to rows without
+/// an exposure time or a rotation.
 ///
 /// # Errors
-/// As [`Schedule::read`](super::Schedule::read); missing columns.
+/// The errors of [`Schedule::read`](super::Schedule::read), and missing columns.
 pub fn read_targets(
     path: &Path,
     duration_s: Option<f64>,
     rotation_rad: f64,
 ) -> Result<Vec<ListedTarget>, ScheduleError> {
     let table = read_raw(path)?;
-    let place = |wanted: &[&str]| wanted.iter().find_map(|name| table.names.iter().position(|found| found == name));
-    let columns = [place(NAME), place(RIGHT_ASCENSION), place(DECLINATION), place(EXPOSURE)];
+    let find = |accepted: &[&str]| accepted.iter().find_map(|name| table.names.iter().position(|found| found == name));
+    let columns = [find(NAME), find(RIGHT_ASCENSION), find(DECLINATION), find(EXPOSURE)];
     let needed = [("name", true), ("ra_deg", true), ("dec_deg", true), ("exposure_s", duration_s.is_none())];
     let missing: Vec<&str> = columns
         .iter()
@@ -62,7 +63,7 @@ pub fn read_targets(
     if table.rows.is_empty() {
         return Err(ScheduleError::NoRows { path: display(path) });
     }
-    let (unique_id, rotation, band) = (place(UNIQUE_ID), place(ROTATION), place(BAND));
+    let (unique_id, rotation, band) = (find(UNIQUE_ID), find(ROTATION), find(BAND));
     let [name, right_ascension, declination, exposure] = columns;
     let listed = table.rows.iter().enumerate().map(|(row, cells)| {
         let numbered = (row + 1).to_string();
@@ -74,40 +75,41 @@ pub fn read_targets(
         };
         let cell = |column: Option<usize>| column.and_then(|column| cells.get(column)).unwrap_or(&Cell::Missing);
         let name = cell(name).text().unwrap_or(numbered);
-        let parts = Parts {
+        let cells_of_target = TargetCells {
             right_ascension: cell(right_ascension),
             declination: cell(declination),
             exposure: cell(exposure),
             rotation: cell(rotation),
         };
-        let target = parts.exposure(&name, duration_s, rotation_rad);
+        let target = cells_of_target.exposure(&name, duration_s, rotation_rad);
         let target = target.map(|exposure| WindowTarget { exposure, band: cell(band).text() });
         ListedTarget { unique_id: cell(unique_id).text().unwrap_or_else(|| name.clone()), name, target }
     });
     Ok(listed.collect())
 }
 
-struct Parts<'a> {
+struct TargetCells<'a> {
     right_ascension: &'a Cell,
     declination: &'a Cell,
     exposure: &'a Cell,
     rotation: &'a Cell,
 }
 
-impl Parts<'_> {
+impl TargetCells<'_> {
     fn exposure(&self, name: &str, duration_s: Option<f64>, rotation_rad: f64) -> Result<Exposure, String> {
-        let place =
-            |cell: &Cell, what: &str| cell.text().ok_or_else(|| format!("{what} is missing: the target has no place"));
-        let right_ascension_deg =
-            parse_right_ascension_deg(&place(self.right_ascension, "right ascension")?).map_err(|e| e.to_string())?;
+        let position = |cell: &Cell, what: &str| {
+            cell.text().ok_or_else(|| format!("{what} is missing: the target has no position"))
+        };
+        let right_ascension_deg = parse_right_ascension_deg(&position(self.right_ascension, "right ascension")?)
+            .map_err(|e| e.to_string())?;
         let declination_deg =
-            parse_declination_deg(&place(self.declination, "declination")?).map_err(|e| e.to_string())?;
+            parse_declination_deg(&position(self.declination, "declination")?).map_err(|e| e.to_string())?;
         let duration_s = match (self.exposure, duration_s) {
             (Cell::Missing, Some(duration_s)) => duration_s,
             (cell, _) => cell.number().map_err(|what| format!("exposure {what}"))?,
         };
         if !(0.0..=LONGEST_EXPOSURE_S).contains(&duration_s) {
-            return Err(format!("exposure is {duration_s} s, allowed 0 to {LONGEST_EXPOSURE_S}"));
+            return Err(format!("exposure is {duration_s} s; allowed: 0 to {LONGEST_EXPOSURE_S}"));
         }
         let rotation_rad = match self.rotation {
             Cell::Missing => rotation_rad,
@@ -115,7 +117,7 @@ impl Parts<'_> {
         };
         Ok(Exposure {
             id: name.to_owned(),
-            // Not used: windows contain the start times.
+            // The start is not used: windows contain the start times.
             start: Epoch::from_gregorian_utc_at_midnight(2000, 1, 1),
             duration_s,
             pointing: Direction::from_lon_lat_rad(right_ascension_deg.to_radians(), declination_deg.to_radians()),
@@ -142,8 +144,8 @@ mod tests {
         let exposure = &targets[0].target.as_ref().unwrap().exposure;
         assert!((exposure.pointing.longitude_rad().to_degrees() - 10.683_333).abs() < 1e-5);
         assert_eq!((exposure.duration_s, targets[0].unique_id.as_str()), (300.0, "M 31"));
-        assert_eq!(targets[1].target, Err("right ascension is missing: the target has no place".into()));
-        assert!(targets[2].target.as_ref().unwrap_err().contains("-3 s, allowed 0 to 86400"));
+        assert_eq!(targets[1].target, Err("right ascension is missing: the target has no position".into()));
+        assert!(targets[2].target.as_ref().unwrap_err().contains("-3 s; allowed: 0 to 86400"));
         let json = r#"{"targets": [{"unique_id": 7, "starname": "HD 1", "ra_deg": 10.5, "dec_deg": -3, "band": "r"}]}"#;
         let target = read("t.json", json, Some(30.0)).unwrap().remove(0);
         assert_eq!((target.unique_id.as_str(), target.name.as_str()), ("7", "HD 1"));

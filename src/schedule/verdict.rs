@@ -1,4 +1,4 @@
-//! VerdictKind on one exposure, with the numbers that it follows from.
+//! Verdict on one exposure, with the numbers behind it; `judge` decides it.
 
 use std::fmt;
 
@@ -8,21 +8,21 @@ use crate::elements::NoradId;
 use crate::output::format_utc;
 use crate::passes::Pass;
 
-/// VerdictKind on an exposure.
+/// Kind of a verdict on an exposure.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum VerdictKind {
-    /// No lit satellite crosses it.
+    /// No lit satellite crosses the exposure.
     Clear,
-    /// A lit satellite crosses it, within the limits of the policy.
+    /// A lit satellite crosses the exposure, within the limits of the policy.
     Streaked,
     /// A crossing exceeds a limit of the policy.
     Avoid,
-    /// It cannot be judged.
+    /// The exposure cannot be judged.
     Invalid,
 }
 
 impl VerdictKind {
-    /// Returns the word in tables: `clear`, `streaked`, `avoid`, `invalid`.
+    /// Returns the word used in tables: `clear`, `streaked`, `avoid`, `invalid`.
     pub fn name(self) -> &'static str {
         match self {
             VerdictKind::Clear => "clear",
@@ -39,7 +39,7 @@ impl fmt::Display for VerdictKind {
     }
 }
 
-/// The verdict on one exposure, with its reasons and the passes behind it.
+/// Verdict on one exposure, with its reasons and the passes behind it.
 ///
 /// Displayed as one line: the kind, the reasons, and the next clear start.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,22 +50,23 @@ pub struct Verdict {
     pub kind: VerdictKind,
     /// Lit satellites whose nominal tracks cross the field.
     pub n_streaks: usize,
-    /// The brightest magnitude of all lit crossings in the field; `None` without crossings or magnitudes.
+    /// Brightest magnitude of all lit crossings in the field; `None` without crossings or magnitudes.
     pub brightest_mag: Option<f64>,
     /// Expected fraction of the pixels lost, each streak weighted with its probability; `None` without a telescope.
     pub expected_lost_pixel_fraction: Option<f64>,
-    /// Probability that at least one lit satellite crosses, with independent errors: 1 - Π(1 - p).
+    /// Probability that at least one lit satellite crosses, for independent errors: 1 - Π(1 - p).
     pub p_any: f64,
-    /// True where `p_any` and the expected loss are lower limits: elements are so old that delays beyond those searched are probable.
+    /// True if `p_any` and the expected loss are lower limits: more than 10 % of the delays of a satellite are
+    /// outside the range searched.
     pub p_any_is_lower_limit: bool,
     /// Length of all nominal lit streaks in the field, degrees.
     pub streak_length_deg: f64,
     /// Reasons for the verdict.
     pub reasons: Vec<String>,
-    /// The earliest start, not before the scheduled one, at which the verdict is `clear`; `None` if there is none within the allowed
-    /// delay.
+    /// Earliest start, not before the scheduled one, at which the verdict is `clear`; `None` if none exists within the
+    /// allowed delay.
     pub next_clear_start: Option<Epoch>,
-    /// Its delay after the scheduled start, seconds.
+    /// Delay of `next_clear_start` after the scheduled start, seconds.
     pub delay_s: Option<f64>,
     /// Catalogue numbers of `passes`.
     pub norad_ids: Vec<NoradId>,
@@ -74,7 +75,7 @@ pub struct Verdict {
 }
 
 impl Verdict {
-    /// Returns the flag of a row that cannot be judged.
+    /// Returns the verdict on a row that cannot be judged.
     pub fn invalid(exposure_id: &str, reason: String) -> Self {
         Self {
             exposure_id: exposure_id.to_owned(),

@@ -1,4 +1,4 @@
-//! Windows as tables and in the formats of observatory schedulers.
+//! Clear windows as tables and in the formats of observatory schedulers.
 
 use hifitime::{Duration, Epoch, TimeScale};
 use serde_json::{Value as Json, json};
@@ -14,7 +14,7 @@ use super::windows::{ClearWindow, TargetWindows};
 pub struct FoundWindows<'a> {
     /// Row of the list.
     pub listed: &'a ListedTarget,
-    /// Its windows; `None` for an invalid row.
+    /// Windows of the target; `None` for an invalid row.
     pub found: Option<&'a TargetWindows>,
 }
 
@@ -28,7 +28,9 @@ impl FoundWindows<'_> {
     }
 }
 
-/// Returns a table with one row for each window: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s`.
+/// Returns a table with one row for each window.
+///
+/// Columns: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s`.
 pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
     let rows = all.iter().flat_map(|one| {
         one.windows().iter().map(move |window| {
@@ -52,11 +54,11 @@ pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
             Column::new(
                 "unique_id",
                 Kind::Text,
-                "What the scheduler knows it by; the name where the list says nothing.",
+                "Identifier of the target in the scheduler; the name if the list has none.",
             ),
             time("first_start_utc", "Earliest shutter opening of the window."),
-            time("last_start_utc", "Latest shutter opening of the window; the exposure ends its length later."),
-            Column::real("length_s", "s", 3, "Latest less earliest opening."),
+            time("last_start_utc", "Latest shutter opening of the window."),
+            Column::real("length_s", "s", 3, "Latest less earliest shutter opening."),
             Column::real("ra_deg", "deg", 7, "Right ascension of the field's centre, ICRS."),
             Column::real("dec_deg", "deg", 7, "Declination of the field's centre."),
             Column::real("exposure_s", "s", 3, "Length of the exposure."),
@@ -65,14 +67,18 @@ pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
     }
 }
 
-/// Returns a table with one row for each target: `name, unique_id, n_windows, clear_s, observable_s, n_dodged, reason`.
+/// Returns a table with one row for each target.
+///
+/// Columns: `name, unique_id, n_windows, clear_s, observable_s, n_dodged, reason`.
 pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
     let sum_s =
         |windows: &[ClearWindow]| -> f64 { windows.iter().map(|one| seconds_between(one.first, one.last)).sum() };
     let rows = all.iter().map(|one| {
         let reason = match (&one.listed.target, one.found) {
             (Err(reason), _) => Some(reason.clone()),
-            (Ok(_), Some(found)) if found.observable.is_empty() => Some("never up in the dark".to_owned()),
+            (Ok(_), Some(found)) if found.observable.is_empty() => {
+                Some("never above the lowest altitude in the dark".to_owned())
+            }
             (Ok(_), Some(found)) if found.windows.is_empty() => Some("never clear".to_owned()),
             _ => None,
         };
@@ -89,22 +95,27 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
     Table {
         columns: vec![
             Column::new("name", Kind::Text, "The list's name of the target."),
-            Column::new("unique_id", Kind::Text, "What the scheduler knows it by."),
+            Column::new("unique_id", Kind::Text, "Identifier of the target in the scheduler."),
             Column::new("n_windows", Kind::Integer, "Windows found."),
-            Column::real("clear_s", "s", 3, "Length of all of them."),
-            Column::real("observable_s", "s", 3, "Length of the openings that altitude and Sun allow."),
-            Column::new("n_dodged", Kind::Integer, "Passes that part the windows."),
-            Column::new("reason", Kind::Text, "Why there is no window; empty where there is one."),
+            Column::real("clear_s", "s", 3, "Total length of the windows."),
+            Column::real(
+                "observable_s",
+                "s",
+                3,
+                "Total length of the shutter openings allowed by the altitudes of target and Sun.",
+            ),
+            Column::new("n_dodged", Kind::Integer, "Number of passes between the windows."),
+            Column::new("reason", Kind::Text, "Reason why there is no window; empty if there is one."),
         ],
         rows: rows.collect(),
     }
 }
 
-/// Scheduler in whose format windows are written.
+/// Format of windows for a scheduler.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum WindowShape {
-    /// `windows` of requests of the LCO observation portal: a request with its overhead lies inside one. They are at least a second
-    /// apart, because the scheduler joins windows that overlap or touch.
+pub enum SchedulerFormat {
+    /// `windows` of requests of the LCO observation portal, each long enough for a request with its overhead. They are
+    /// at least a second apart, because the scheduler joins windows that overlap or touch.
     Lco,
     /// Absolute time constraints of an ESO p2 observation block: the block begins inside one.
     EsoP2,
@@ -112,22 +123,23 @@ pub enum WindowShape {
     AstroQ,
 }
 
-impl WindowShape {
+impl SchedulerFormat {
     /// Returns the format of a name on the command line: `lco`, `eso-p2`, `astroq`.
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
-            "lco" => Some(WindowShape::Lco),
-            "eso-p2" => Some(WindowShape::EsoP2),
-            "astroq" => Some(WindowShape::AstroQ),
+            "lco" => Some(SchedulerFormat::Lco),
+            "eso-p2" => Some(SchedulerFormat::EsoP2),
+            "astroq" => Some(SchedulerFormat::AstroQ),
             _ => None,
         }
     }
 
-    /// Returns the text of the file, and the targets omitted from it because they have no window, which these schedulers would take
-    /// as no constraint.
+    /// Returns the text of the file, and the targets without a window. These are omitted from the file, because the
+    /// schedulers treat a target without windows as unconstrained.
     ///
-    /// `overhead_s` is the time from the start of a request or block to the opening of its shutter (slew, acquisition). Windows are
-    /// rounded inwards to the resolution of the format (seconds for LCO and AstroQ, minutes for p2); empty ones are omitted.
+    /// `overhead_s` is the time from the start of a request or block to the opening of its shutter (slew, acquisition).
+    /// Windows are rounded inwards to the resolution of the format (seconds for LCO and AstroQ, minutes for p2); empty
+    /// ones are omitted.
     pub fn text<'a>(self, all: &[FoundWindows<'a>], overhead_s: f64) -> (String, Vec<&'a ListedTarget>) {
         let (with, without): (Vec<_>, Vec<_>) =
             all.iter().map(|one| (one.listed, self.spans(one, overhead_s))).partition(|(_, spans)| !spans.is_empty());
@@ -137,9 +149,9 @@ impl WindowShape {
     fn spans(self, one: &FoundWindows<'_>, overhead_s: f64) -> Vec<(Epoch, Epoch)> {
         let duration_s = one.duration_s();
         match self {
-            WindowShape::Lco => apart(&spans(one, [-overhead_s, duration_s], 1.0), overhead_s + duration_s),
-            WindowShape::EsoP2 => spans(one, [-overhead_s, -overhead_s], 60.0),
-            WindowShape::AstroQ => spans(one, [0.0, duration_s], 1.0),
+            SchedulerFormat::Lco => apart(&spans(one, [-overhead_s, duration_s], 1.0), overhead_s + duration_s),
+            SchedulerFormat::EsoP2 => spans(one, [-overhead_s, -overhead_s], 60.0),
+            SchedulerFormat::AstroQ => spans(one, [0.0, duration_s], 1.0),
         }
     }
 
@@ -148,17 +160,17 @@ impl WindowShape {
             spans.iter().map(|(first, last)| json!({from: text(*first), to: text(*last)})).collect::<Vec<Json>>()
         };
         match self {
-            WindowShape::Lco => pretty(&json!({ "requests": all.iter().map(|(listed, spans)| {
+            SchedulerFormat::Lco => pretty(&json!({ "requests": all.iter().map(|(listed, spans)| {
                 json!({"name": listed.name, "windows": json(spans, ["start", "end"], &|epoch| format_utc(epoch, 0))})
             }).collect::<Vec<_>>() })),
-            WindowShape::EsoP2 => {
+            SchedulerFormat::EsoP2 => {
                 pretty(&json!(all.iter().map(|(listed, spans)| {
                 let minutes = |epoch: Epoch| format_utc(epoch, 0).chars().take(16).collect::<String>();
                 let constraints = json(spans, ["from", "to"], &minutes);
                 json!({"name": listed.name, "obId": listed.unique_id, "absoluteTimeConstraints": constraints})
             }).collect::<Vec<_>>()))
             }
-            WindowShape::AstroQ => {
+            SchedulerFormat::AstroQ => {
                 let mut text = "unique_id,starname,start,stop\n".to_owned();
                 for (listed, spans) in all {
                     for (start, stop) in spans {
@@ -173,8 +185,10 @@ impl WindowShape {
     }
 }
 
-/// Returns windows of at least `least_s` in order, at least a second apart. If an overhead extends into the window before, the later
-/// window begins later, or the shorter one is omitted if it would be lost.
+/// Returns the windows of at least `least_s` in order, at least a second apart.
+///
+/// If the overhead of a window overlaps the window before it, the later one is shortened; if nothing would remain, the
+/// shorter one is omitted.
 fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
     let worth_s = |(start, end): (Epoch, Epoch)| seconds_between(start, end) - least_s;
     let mut found: Vec<(Epoch, Epoch)> = Vec::with_capacity(windows.len());
@@ -236,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn shapes_round_inwards_and_leave_room_for_overheads() {
+    fn windows_are_rounded_inwards_and_extended_by_overheads() {
         let exposure = Exposure {
             id: "a".into(),
             start: utc("2000-01-01T00:00:00Z"),
@@ -259,25 +273,25 @@ mod tests {
         };
         let all = [FoundWindows { listed: &listed, found: Some(&found) }];
         let json =
-            |shape: WindowShape, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s).0).unwrap();
-        let lco = json(WindowShape::Lco, 0.0);
+            |shape: SchedulerFormat, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s).0).unwrap();
+        let lco = json(SchedulerFormat::Lco, 0.0);
         assert_eq!(
             lco["requests"][0]["windows"],
             json!([{"start": "2024-08-14T01:00:01Z", "end": "2024-08-14T01:05:30Z"}, {"start": "2024-08-14T02:00:10Z", "end": "2024-08-14T02:00:40Z"}])
         );
-        assert_eq!(json(WindowShape::Lco, 90.0)["requests"][0]["windows"][0]["start"], "2024-08-14T00:58:31Z");
+        assert_eq!(json(SchedulerFormat::Lco, 90.0)["requests"][0]["windows"][0]["start"], "2024-08-14T00:58:31Z");
         assert_eq!(
-            json(WindowShape::EsoP2, 60.0)[0]["absoluteTimeConstraints"],
+            json(SchedulerFormat::EsoP2, 60.0)[0]["absoluteTimeConstraints"],
             json!([{"from": "2024-08-14T01:00", "to": "2024-08-14T01:04"}])
         );
         assert_eq!(
-            WindowShape::AstroQ.text(&all, 0.0).0,
+            SchedulerFormat::AstroQ.text(&all, 0.0).0,
             "unique_id,starname,start,stop\n7,\"a, b\",2024-08-14T01:00:01,2024-08-14T01:05:30\n7,\"a, b\",2024-08-14T02:00:10,2024-08-14T02:00:40\n"
         );
     }
 
-    /// Clear starts 40 s apart for an exposure of 30 s: with an overhead of 90 s windows would overlap, and the scheduler, which joins
-    /// them, would expose between them.
+    /// Clear starts 40 s apart for an exposure of 30 s: with an overhead of 90 s the windows would overlap, and the
+    /// scheduler, which joins them, would expose between them.
     #[test]
     fn requests_with_overheads_stay_clear_wherever_they_lie() {
         let at = |seconds: f64| seconds_after(utc("2024-08-14T01:00:00Z"), seconds);
@@ -302,7 +316,7 @@ mod tests {
         };
         let never = TargetWindows::default();
         let all = [&found, &never].map(|found| FoundWindows { listed: &listed, found: Some(found) });
-        let (text, left_out) = WindowShape::Lco.text(&all, 90.0);
+        let (text, left_out) = SchedulerFormat::Lco.text(&all, 90.0);
         let answer: Json = serde_json::from_str(&text).unwrap();
         assert_eq!((answer["requests"].as_array().unwrap().len(), left_out.len()), (1, 1));
         let windows = answer["requests"][0]["windows"].as_array().unwrap();

@@ -1,4 +1,4 @@
-//! Clear windows: intervals of shutter openings on a target without a crossing that matters.
+//! Clear windows: intervals of shutter openings on a target without a blocking crossing.
 
 use hifitime::Epoch;
 
@@ -20,20 +20,20 @@ pub enum Blocking {
     Any,
     /// Satellites that exceed a magnitude limit of the policy: the verdict is not `avoid` for any single satellite.
     Avoided,
-    /// Satellites brighter than a limit, of any probability unless the policy has one; all lit satellites if no limit applies to the
-    /// band.
+    /// Satellites brighter than a limit, of any probability unless the policy has one; all lit satellites if no limit
+    /// applies to the band.
     Limits,
 }
 
 /// Sky, rules and constraints for windows.
 pub struct WindowRequest<'a> {
-    /// Sky, field, telescope, and the rules: magnitude limits, margin and probability. The expected loss of all satellites
-    /// (`max_lost_fraction`) and the longest delay (`max_delay_s`) are not applied.
+    /// Sky, field, telescope, and the rules: magnitude limits, margin and probability. The expected loss of all
+    /// satellites (`max_lost_fraction`) and the longest delay (`max_delay_s`) are not applied.
     pub against: FlagRequest<'a>,
     /// Satellites that block an exposure.
     pub blocking: Blocking,
-    /// Lowest altitude of the target while the shutter is open, radians, without refraction; above the Earth's limb for a telescope in
-    /// orbit.
+    /// Lowest altitude of the target while the shutter is open, radians, without refraction; above the Earth's limb for
+    /// a telescope in orbit.
     pub min_altitude_rad: f64,
     /// Highest altitude of the Sun while the shutter is open, radians; `None` for day and night.
     pub max_sun_altitude_rad: Option<f64>,
@@ -44,7 +44,7 @@ pub struct WindowRequest<'a> {
 pub struct WindowTarget {
     /// Name, length and pointing.
     pub exposure: Exposure,
-    /// Its band, for limits by band.
+    /// Band of the exposure, for limits by band.
     pub band: Option<String>,
 }
 
@@ -71,7 +71,7 @@ pub struct TargetWindows {
 /// Windows of all targets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WindowReport {
-    /// Windows by target, in their order.
+    /// Windows by target, in the order of the targets.
     pub by_target: Vec<TargetWindows>,
     /// Satellites without a position.
     pub left_out: Vec<LeftOut>,
@@ -79,15 +79,17 @@ pub struct WindowReport {
 
 /// Computes all clear windows of shutter openings from `from` to `to`; none if `to` is before `from`.
 ///
-/// No satellite of `blocking` crosses an exposure that opens in a window. The margin of the policy applies at both ends, so that a
-/// shutter may open late by up to the margin. With a `min_probability` near misses count, and every satellite may be three sigmas
-/// early or late. A pass counts as a whole: a window ends before a satellite enters, even if it is faint or dark until the shutter
-/// closes.
+/// No satellite of `blocking` crosses an exposure that opens in a window. The margin of the policy applies at both
+/// ends, so the shutter may open late by up to the margin. With a `min_probability` near misses count, and an allowance
+/// of three sigmas is made for early and late satellites. A pass counts as a whole: a window ends before a satellite
+/// enters, even if it is faint or dark until the shutter closes.
 ///
-/// Target and Sun are sampled once a minute (the limb every 10 s): a target above its limit for less than that has no window.
+/// Target and Sun are sampled once a minute (the limb every 10 s): a target above its limit for less than that has no
+/// window.
 ///
 /// # Errors
-/// [`SkyError`] if passes cannot be computed, or for a limit on the Sun with a telescope in orbit, which has no horizon.
+/// [`SkyError`] if passes cannot be computed, or for a limit on the Sun with a telescope in orbit, which has no
+/// horizon.
 pub fn clear_windows(
     targets: &[WindowTarget],
     from: Epoch,
@@ -97,12 +99,12 @@ pub fn clear_windows(
     windows_of(targets, from, to, request, true)
 }
 
-/// Computes the same windows without the passes between them: [`TargetWindows::dodged`] is empty, and magnitudes and
-/// probabilities are computed only if the policy needs them. For plans with many targets.
+/// Computes the same windows without the passes between them, for plans with many targets: [`TargetWindows::dodged`] is
+/// empty, and magnitudes and probabilities are computed only if the policy needs them.
 ///
 /// # Errors
-/// As [`clear_windows`].
-pub fn clear_windows_alone(
+/// The errors of [`clear_windows`].
+pub fn clear_windows_without_passes(
     targets: &[WindowTarget],
     from: Epoch,
     to: Epoch,
@@ -131,7 +133,7 @@ fn windows_of(
             ..target.exposure.clone()
         })
         .collect();
-    // Every lit crossing blocks: its magnitude and probability are not needed.
+    // Every lit crossing blocks, so magnitudes and probabilities are not needed.
     let bare = request.blocking == Blocking::Any && request.against.policy.min_probability.is_none();
     let (blocked, left_out) = if bare && !with_passes {
         crossings(&exposures, request)?
@@ -176,7 +178,7 @@ struct Blocked {
     dodged: Vec<Pass>,
 }
 
-/// Returns what blocks each target, from passes with their magnitudes.
+/// Returns the blocking passes of each target, with their magnitudes.
 fn passes(
     targets: &[WindowTarget],
     from: Epoch,
@@ -203,7 +205,7 @@ fn passes(
     Ok((targets.iter().zip(answer.by_exposure).map(of).collect(), answer.left_out))
 }
 
-/// Returns what blocks each target if every lit crossing does.
+/// Returns the blocking intervals of each target if every lit crossing blocks.
 fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.against;
     let margin_s = policy.margin_or_default_s();
@@ -219,7 +221,7 @@ fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec
 /// Rounds an interval inwards to the millisecond; `None` if it becomes empty.
 fn window(from: Epoch, interval: Interval) -> Option<ClearWindow> {
     let tick = |seconds: f64, round: fn(f64) -> f64| round(seconds / TICK_S) * TICK_S;
-    // The tolerance keeps the start of the range, whatever the last digit of the division.
+    // The tolerance keeps the start of the range in spite of rounding.
     let (first_s, last_s) = (tick(interval.start_s - 1e-9, f64::ceil), tick(interval.end_s + 1e-9, f64::floor));
     (first_s <= last_s).then(|| ClearWindow { first: seconds_after(from, first_s), last: seconds_after(from, last_s) })
 }
@@ -261,7 +263,7 @@ impl<'a> ObservabilityConstraint<'a> {
         })
     }
 
-    /// Returns the intervals in which the target is up and the Sun is down, seconds.
+    /// Returns the intervals in which the target is above and the Sun below its altitude limit, seconds.
     fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
         let target_rad =
             |seconds: f64| altitude_rad(exposure, self.viewpoint, &self.orientation, seconds) - self.min_altitude_rad;
@@ -273,10 +275,11 @@ impl<'a> ObservabilityConstraint<'a> {
     }
 }
 
-/// Returns the intervals in which a function is not negative, from samples every `every_s`; their ends are bisected and lie inside.
+/// Returns the intervals in which a function is not negative, from samples every `every_s`; their ends are found by
+/// bisection and lie inside.
 fn nonnegative_intervals(value: impl Fn(f64) -> f64, within: Interval, every_s: f64) -> Vec<Interval> {
     let is_in = |seconds: f64| value(seconds) >= 0.0;
-    // The last point on the side of `inside` that is still inside.
+    // Last point inside the interval, within the tolerance.
     let border = |mut inside: f64, mut outside: f64| {
         while (inside - outside).abs() > SETTING_TOLERANCE_S {
             let middle = 0.5 * (inside + outside);
@@ -303,8 +306,8 @@ fn nonnegative_intervals(value: impl Fn(f64) -> f64, within: Interval, every_s: 
     found
 }
 
-/// Returns the rest of the first window that is open at `now` or opens until `last`; `None` if there is none.
-pub fn wait_for(windows: &[ClearWindow], now: Epoch, last: Epoch) -> Option<ClearWindow> {
+/// Returns the rest of the first window that is open at `now` or opens until `last`; `None` if no window does.
+pub fn next_window(windows: &[ClearWindow], now: Epoch, last: Epoch) -> Option<ClearWindow> {
     let window = windows.iter().find(|window| window.last >= now)?;
     (window.first <= last).then(|| ClearWindow { first: window.first.max(now), last: window.last })
 }
@@ -326,7 +329,7 @@ mod tests {
     #[test]
     fn intervals_lie_inside_and_reach_their_borders() {
         let within = Interval { start_s: 0.0, end_s: 3000.0 };
-        // Up from 100 to 700, and from 1300 to 1900, and so on: a sine of half period 600 s.
+        // Positive from 100 to 700, from 1300 to 1900, and so on: a sine with a half period of 600 s.
         let found = nonnegative_intervals(|s| ((s - 100.0) / 600.0 * std::f64::consts::PI).sin(), within, 60.0);
         let expected = [(100.0, 700.0), (1300.0, 1900.0), (2500.0, 3000.0)];
         assert_eq!(found.len(), expected.len());
@@ -339,13 +342,13 @@ mod tests {
     }
 
     #[test]
-    fn the_first_window_that_is_not_over() {
+    fn next_window_is_the_first_that_has_not_ended() {
         let zero = Epoch::from_gregorian_utc_at_midnight(2024, 8, 14);
         let at = |seconds| seconds_after(zero, seconds);
         let windows = [(0.0, 10.0), (20.0, 30.0), (90.0, 95.0)]
             .map(|(first, last)| ClearWindow { first: at(first), last: at(last) });
         let wait = |now, last| {
-            wait_for(&windows, at(now), at(last))
+            next_window(&windows, at(now), at(last))
                 .map(|window| (seconds_between(zero, window.first), seconds_between(zero, window.last)))
         };
         assert_eq!(wait(5.0, 5.0), Some((5.0, 10.0)));

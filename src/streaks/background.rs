@@ -1,4 +1,4 @@
-//! What a frame shows without satellites: sky and stars.
+//! Background of a frame: sky and stars.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,15 +9,15 @@ use thiserror::Error;
 use super::psf::{RadialProfile, draw_point};
 use crate::images::{PixelPosition, Plane};
 
-/// Why a background cannot be made.
+/// Errors of a background.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BackgroundError {
-    /// A number outside its range, or not finite.
-    #[error("background: {key} is {given}, allowed is {least} to {greatest}")]
+    /// A number is out of range or not finite.
+    #[error("background: {key} is {given}; allowed: {least} to {greatest}")]
     OutOfRange {
         /// The key.
         key: &'static str,
-        /// As given.
+        /// Given value.
         given: f64,
         /// Least allowed value.
         least: f64,
@@ -27,7 +27,7 @@ pub enum BackgroundError {
 }
 
 impl BackgroundError {
-    pub(crate) fn hold(key: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
+    pub(crate) fn check_range(key: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
         if (least..=greatest).contains(&given) {
             return Ok(());
         }
@@ -35,67 +35,69 @@ impl BackgroundError {
     }
 }
 
-/// The most electrons of a star.
+/// Largest flux of a star, electrons.
 pub(crate) const BRIGHTEST_E: f64 = 1e12;
 
-/// A star.
+/// Star on a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Star {
-    /// Where it is; may lie outside of the frame.
+    /// Position, which may lie outside the frame.
     pub at: PixelPosition,
-    /// Its light in the exposure, electrons.
+    /// Light in the exposure, electrons.
     pub flux_e: f64,
 }
 
-/// Electrons of a star: 10^(0.4 (zero point - m)), the zero point being the magnitude of one electron in the exposure.
+/// Returns the electrons of a star: 10^(0.4 (zero point - m)), where the zero point is the magnitude of one electron in
+/// the exposure.
 pub fn flux_e(magnitude: f64, zero_point_mag: f64) -> f64 {
     10_f64.powf(0.4 * (zero_point_mag - magnitude))
 }
 
 impl Star {
-    /// From a magnitude, by [`flux_e`].
+    /// Creates a star from a magnitude, by [`flux_e`].
     pub fn of_magnitude(at: PixelPosition, magnitude: f64, zero_point_mag: f64) -> Self {
         Self { at, flux_e: flux_e(magnitude, zero_point_mag) }
     }
 }
 
-/// Stars as many as a density says, at random places, their magnitudes after N(< m) ∝ 10^(slope m).
+/// Random stars of a given density, at random positions, with magnitudes distributed as N(< m) ∝ 10^(slope m).
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RandomStars {
-    /// Mean number brighter than the faintest magnitude in a million pixels, \[0, 1e5\].
+    /// Mean number brighter than the faintest magnitude per million pixels, \[0, 1e5\].
     pub per_megapixel: f64,
-    /// Logarithmic slope of the counts, \[0.05, 2\]: 0.6 for stars spread evenly in space, some 0.3 at faint magnitudes.
+    /// Logarithmic slope of the counts, \[0.05, 2\]: 0.6 for a uniform distribution in space, about 0.3 at faint
+    /// magnitudes.
     pub slope: f64,
-    /// No star is brighter, \[-30, 60\] mag.
+    /// Brightest magnitude, \[-30, 60\] mag.
     pub brightest_mag: f64,
-    /// No star is fainter, above the brightest, to 60 mag.
+    /// Faintest magnitude, from the brightest to 60 mag.
     pub faintest_mag: f64,
     /// Magnitude of one electron in the exposure, \[-30, 60\] mag.
     pub zero_point_mag: f64,
 }
 
 impl RandomStars {
-    /// Draws stars for a frame of `rows` by `columns` and a margin around it, the same for the same seed.
+    /// Draws stars for a frame of `rows` by `columns` and a margin around it; the same seed gives the same stars.
     ///
     /// # Errors
     /// [`BackgroundError::OutOfRange`].
     pub fn draw(&self, rows: usize, columns: usize, margin_pix: f64, seed: u64) -> Result<Vec<Star>, BackgroundError> {
-        BackgroundError::hold("per_megapixel", self.per_megapixel, 0.0, 1e5)?;
-        BackgroundError::hold("slope", self.slope, 0.05, 2.0)?;
-        BackgroundError::hold("brightest_mag", self.brightest_mag, -30.0, 60.0)?;
-        BackgroundError::hold("faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
-        BackgroundError::hold("zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
-        BackgroundError::hold("margin_pix", margin_pix, 0.0, 1e5)?;
+        BackgroundError::check_range("per_megapixel", self.per_megapixel, 0.0, 1e5)?;
+        BackgroundError::check_range("slope", self.slope, 0.05, 2.0)?;
+        BackgroundError::check_range("brightest_mag", self.brightest_mag, -30.0, 60.0)?;
+        BackgroundError::check_range("faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
+        BackgroundError::check_range("zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
+        BackgroundError::check_range("margin_pix", margin_pix, 0.0, 1e5)?;
         let (width, height) = (columns as f64 + 2.0 * margin_pix, rows as f64 + 2.0 * margin_pix);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mean = self.per_megapixel * width * height * 1e-6;
         let count = Poisson::new(mean).map_or(0.0, |poisson: Poisson<f64>| poisson.sample(&mut random));
         let least = 10_f64.powf(self.slope * (self.brightest_mag - self.faintest_mag));
         let star = |_| {
-            let place = |length: f64, share: f64| share * length - margin_pix - 0.5;
-            let at = PixelPosition { x: place(width, random.random()), y: place(height, random.random()) };
-            // The share of stars brighter than m is 10^(slope (m - faintest)).
+            let position = |length: f64, share: f64| share * length - margin_pix - 0.5;
+            let at = PixelPosition { x: position(width, random.random()), y: position(height, random.random()) };
+            // The fraction of stars brighter than m is 10^(slope (m - faintest)).
             let share = least + (1.0 - least) * (1.0 - random.random::<f64>());
             Star::of_magnitude(at, self.faintest_mag + share.log10() / self.slope, self.zero_point_mag)
         };
@@ -103,12 +105,14 @@ impl RandomStars {
     }
 }
 
-/// Light of sky and stars in a frame of `rows` by `columns`: expected electrons, ready for streaks to be added and for the detector.
+/// Returns the light of sky and stars in a frame of `rows` by `columns`: expected electrons, to which streaks can be
+/// added before the detector is applied.
 ///
-/// `sky_e` is the sky's light in a pixel, electrons, \[0, 1e9\]. The stars' light is in the frame to 10⁻⁵ of it, their profile the same everywhere.
+/// `sky_e` is the light of the sky in a pixel, electrons, \[0, 1e9\]. The light of the stars is complete to 10⁻⁵, with
+/// the same profile everywhere.
 ///
 /// # Errors
-/// [`BackgroundError::OutOfRange`] for the sky, or for a star whose flux is below 0 or not finite.
+/// [`BackgroundError::OutOfRange`] for the sky, or for a star with a flux below 0 or not finite.
 pub fn background(
     rows: usize,
     columns: usize,
@@ -116,11 +120,11 @@ pub fn background(
     stars: &[Star],
     profile: &RadialProfile,
 ) -> Result<Plane, BackgroundError> {
-    BackgroundError::hold("sky_e", sky_e, 0.0, 1e9)?;
+    BackgroundError::check_range("sky_e", sky_e, 0.0, 1e9)?;
     let mut plane = Plane::zeros(rows, columns);
     plane.values_mut().fill(sky_e as f32);
     for star in stars {
-        BackgroundError::hold("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
+        BackgroundError::check_range("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
         draw_point(profile, star.at, star.flux_e, rows, columns).add_to(&mut plane);
     }
     Ok(plane)

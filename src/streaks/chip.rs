@@ -1,4 +1,4 @@
-//! One chip of a camera, and the way of a light over it.
+//! Chip of a camera, and the path of a light over it.
 
 use super::count_scale::CountScale;
 use super::light::{SkyPoint, SkyTrack};
@@ -7,51 +7,54 @@ use super::tracking::Tracking;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{LightArea, PixelPosition, Wcs};
 
-/// Points of a track on the way across a chip.
+/// Number of points of a track across a chip.
 const STEPS_ACROSS: f64 = 24.0;
 
-/// A chip: its pixels, their place on the sky, and what they count.
+/// Chip with its pixels, world coordinates and count scale.
 #[derive(Clone, Debug)]
 pub struct Chip {
-    /// Number of its HDU in the file, the first being 0.
+    /// Number of the HDU in the file, from 0.
     pub hdu: usize,
-    /// Name of its HDU; empty where it has none.
+    /// Name of the HDU; empty if it has none.
     pub name: String,
     /// Pixels along a column.
     pub rows: usize,
     /// Pixels along a row.
     pub columns: usize,
-    /// Those of its pixels that light falls on.
+    /// Illuminated pixels.
     pub light_area: LightArea,
-    /// Pixels to sky.
+    /// World coordinates.
     pub wcs: Wcs,
-    /// False where the frame says nothing of the sky and `wcs` is a stand-in of the right scale: places on the sky are then not told.
+    /// False if the header has no world coordinates and `wcs` is a substitute of the right scale: positions on the sky
+    /// are then not written.
     pub is_on_sky: bool,
-    /// Magnitudes to counts.
+    /// Conversion of magnitudes to counts.
     pub scale: CountScale,
 }
 
-/// A light over a chip, with the stretch of time in which it is over pixels of the chip itself.
+/// Path of a light over a chip, with the interval in which it is on pixels of the chip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChipPath {
-    /// From one margin of the chip to the other, in frame units per second.
+    /// Path from one margin of the chip to the other, in frame units per second.
     pub path: StreakPath,
-    /// First and last moment over the chip, seconds after the shutter opened; `None` where only the light's fringe touches it.
+    /// First and last time over the chip, seconds after the shutter opened; `None` if only the fringe of the light
+    /// touches it.
     pub inside_s: Option<[f64; 2]>,
 }
 
 impl Chip {
-    /// The middle of what light falls on, in pixels.
+    /// Middle of the illuminated pixels.
     pub fn middle(&self) -> PixelPosition {
-        self.light_area.place(0.5, 0.5)
+        self.light_area.position_at(0.5, 0.5)
     }
 
-    /// Its middle on the sky, and the radius about it that holds all corners; `None` where the WCS gives none.
+    /// Middle of the chip on the sky, and the radius around it that contains all corners; `None` if the WCS has no
+    /// position for one of them.
     pub fn circle(&self) -> Option<(Direction<Gcrs>, f64)> {
         let middle = self.wcs.to_sky(self.middle())?;
         let mut radius_rad = 0.0f64;
         for (along_row, along_column) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-            let corner = self.light_area.place(along_row, along_column);
+            let corner = self.light_area.position_at(along_row, along_column);
             radius_rad = radius_rad.max(self.wcs.to_sky(corner)?.separation_rad(&middle));
         }
         Some((middle, radius_rad))
@@ -62,26 +65,27 @@ impl Chip {
         self.wcs.pixel_scale_arcsec(self.middle())
     }
 
-    /// How many times as wide on the sky as high a pixel in the middle is.
+    /// Ratio of width to height of a pixel in the middle, on the sky.
     pub fn pixel_aspect(&self) -> f64 {
         self.wcs.pixel_aspect(self.middle())
     }
 
-    /// False where a track stays farther away from the chip than `margin_rad`.
+    /// Returns false if a track is farther from the chip than `margin_rad` everywhere.
     pub fn is_near(&self, track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>, margin_rad: f64) -> bool {
         self.circle().is_some_and(|(middle, radius_rad)| {
-            !near_stretches(&seen(track, tracking, centre), &middle, radius_rad + margin_rad).is_empty()
+            !near_spans(&seen(track, tracking, centre), &middle, radius_rad + margin_rad).is_empty()
         })
     }
 
-    /// The ways of a light over the chip and `margin_pix` around it, in the order of time. `centre` is what the telescope points at.
+    /// Returns the paths of a light over the chip and `margin_pix` around it, in order of time. `centre` is the
+    /// pointing of the telescope.
     ///
-    /// 1. The part of the track that comes near the chip is found on the sky.
-    /// 2. It is refined, so that a chip of a few arcseconds is not stepped over.
-    /// 3. Its points go through the WCS; where that has no answer, or between two visits, a way ends.
+    /// 1. The part of the track near the chip is found on the sky.
+    /// 2. It is refined, so that a chip of a few arcseconds is not missed.
+    /// 3. Its points are converted by the WCS; a path ends where that fails, or between two visits.
     ///
     /// # Errors
-    /// [`PathError`] where times do not grow or a number is none.
+    /// [`PathError`] if times do not increase or a number is not finite.
     pub fn paths(
         &self,
         track: &SkyTrack,
@@ -93,7 +97,7 @@ impl Chip {
         let margin_rad = (margin_pix * self.pixel_scale_arcsec() / 3600.0).to_radians();
         let reach_rad = radius_rad + margin_rad;
         let mut paths = Vec::new();
-        for near in near_stretches(&seen(track, tracking, centre), &middle, reach_rad) {
+        for near in near_spans(&seen(track, tracking, centre), &middle, reach_rad) {
             let fine = refined_to_cross(&near, reach_rad);
             let mut run: Vec<PathNode> = Vec::new();
             for point in &fine.points {
@@ -116,19 +120,19 @@ impl Chip {
         Ok(Some(ChipPath { path, inside_s }))
     }
 
-    /// First and last moment over the chip, to a microsecond.
+    /// Returns the first and last time over the chip, to a microsecond.
     fn inside_s(&self, path: &StreakPath) -> Option<[f64; 2]> {
-        const LOOKS: usize = 8;
+        const SAMPLES: usize = 8;
         let nodes = path.nodes();
         let times_s: Vec<f64> = nodes
             .windows(2)
             .flat_map(|pair| {
-                let step_s = (pair[1].time_s - pair[0].time_s) / LOOKS as f64;
-                (0..LOOKS).map(move |look| pair[0].time_s + step_s * look as f64)
+                let step_s = (pair[1].time_s - pair[0].time_s) / SAMPLES as f64;
+                (0..SAMPLES).map(move |sample| pair[0].time_s + step_s * sample as f64)
             })
             .chain(nodes.last().map(|last| last.time_s))
             .collect();
-        let inside = |time_s: f64| self.light_area.holds(path.point_at(time_s));
+        let inside = |time_s: f64| self.light_area.contains(path.point_at(time_s));
         let first = times_s.iter().position(|&time_s| inside(time_s))?;
         let last = times_s.iter().rposition(|&time_s| inside(time_s))?;
         let border = |mut out_s: f64, mut in_s: f64| {
@@ -144,50 +148,55 @@ impl Chip {
     }
 }
 
-/// A track in the frame's own sky.
+/// Returns a track in directions of the frame's WCS.
 fn seen(track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>) -> SkyTrack {
     let in_frame =
         |point: &SkyPoint| SkyPoint { direction: tracking.seen(&point.direction, point.time_s, centre), ..*point };
     SkyTrack { points: track.points.iter().map(in_frame).collect() }
 }
 
-/// Stretches of a track, each with a point beyond on either side, that come within `reach_rad` of a place.
-fn near_stretches(track: &SkyTrack, place: &Direction<Gcrs>, reach_rad: f64) -> Vec<SkyTrack> {
+/// Returns the parts of a track that come within `reach_rad` of a place, each with one more point on either side.
+fn near_spans(track: &SkyTrack, place: &Direction<Gcrs>, reach_rad: f64) -> Vec<SkyTrack> {
     let points = &track.points;
     let near = |index: usize| comes_near(&points[index], &points[index + 1], place, reach_rad);
-    let mut stretches = Vec::new();
+    let mut spans = Vec::new();
     let mut first: Option<usize> = None;
     for index in 0..points.len().saturating_sub(1) {
         match (first, near(index)) {
             (None, true) => first = Some(index),
             (Some(from), false) => {
-                stretches.push(stretch(points, from, index));
+                spans.push(span_of(points, from, index));
                 first = None;
             }
             _ => {}
         }
     }
-    stretches.extend(first.map(|from| stretch(points, from, points.len() - 1)));
-    stretches
+    spans.extend(first.map(|from| span_of(points, from, points.len() - 1)));
+    spans
 }
 
-fn stretch(points: &[SkyPoint], from: usize, to: usize) -> SkyTrack {
+fn span_of(points: &[SkyPoint], from: usize, to: usize) -> SkyTrack {
     let to = (to + 1).min(points.len() - 1);
     SkyTrack { points: points[from.saturating_sub(1)..=to].to_vec() }
 }
 
-/// True where the way from one point to the next comes within `reach_rad` of a place, or may for all that its bend allows.
+/// Returns true if the track from one point to the next comes within `reach_rad` of a place, or may do so because of
+/// its curvature.
 fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad: f64) -> bool {
     let (start, end, place) = (from.direction.vector(), to.direction.vector(), place.vector());
-    let way = end - start;
-    let share =
-        if way.norm_squared() > 0.0 { ((place - start).dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
-    // Half the way squared is more than any track on the sky bends between two points, and than the arc lies above its chord.
-    let slack = 0.5 * way.norm_squared();
-    ((start + way * share) - place).norm() <= reach_rad + slack
+    let chord = end - start;
+    let share = if chord.norm_squared() > 0.0 {
+        ((place - start).dot(&chord) / chord.norm_squared()).clamp(0.0, 1.0)
+    } else {
+        0.0
+    };
+    // Half the square of the chord exceeds the bend of any track on the sky between two points, and the height of the
+    // arc above the chord.
+    let slack = 0.5 * chord.norm_squared();
+    ((start + chord * share) - place).norm() <= reach_rad + slack
 }
 
-/// The track with points close enough that a circle of this radius is crossed in [`STEPS_ACROSS`] of them.
+/// Returns the track with points so close that a circle of this radius is crossed in [`STEPS_ACROSS`] of them.
 fn refined_to_cross(track: &SkyTrack, radius_rad: f64) -> SkyTrack {
     let fastest = track
         .points
@@ -198,7 +207,7 @@ fn refined_to_cross(track: &SkyTrack, radius_rad: f64) -> SkyTrack {
     if step_s.is_finite() && step_s > 0.0 { track.refined(step_s) } else { track.clone() }
 }
 
-/// The middle of chips on the sky and the radius about it that holds them all, radians.
+/// Returns the middle of chips on the sky and the radius around it that contains all of them, radians.
 pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(Direction<Gcrs>, f64)> {
     let circles: Vec<(Direction<Gcrs>, f64)> = chips.filter_map(Chip::circle).collect();
     let sum = circles.iter().fold(nalgebra::Vector3::zeros(), |sum, (middle, _)| sum + middle.vector());
@@ -208,7 +217,8 @@ pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(D
     Some((centre, radius_rad))
 }
 
-/// A direction on one of several chips from three numbers in [0, 1): the first chooses a chip by its area, the others a place on it.
+/// Returns a direction on one of several chips from three numbers in [0, 1): the first selects a chip by its area, the
+/// others a position on it.
 pub fn direction_on<'a>(chips: impl Iterator<Item = &'a Chip> + Clone, drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
     let pixels = |chip: &Chip| chip.light_area.pixels() as f64;
     let mut left = drawn[0] * chips.clone().map(pixels).sum::<f64>();
@@ -217,7 +227,7 @@ pub fn direction_on<'a>(chips: impl Iterator<Item = &'a Chip> + Clone, drawn: [f
         left < 0.0
     });
     let chip = chip.or(chips.last())?;
-    chip.wcs.to_sky(chip.light_area.place(drawn[1], drawn[2]))
+    chip.wcs.to_sky(chip.light_area.position_at(drawn[1], drawn[2]))
 }
 
 #[cfg(test)]
@@ -240,7 +250,7 @@ mod tests {
         }
     }
 
-    /// North to south through a place east of the centre, 2000"/s, points a second apart.
+    /// Track from north to south through a position east of the centre, 2000"/s, with points a second apart.
     fn southwards(east_arcsec: f64) -> SkyTrack {
         let centre = Direction::<Gcrs>::from_lon_lat_rad(1.2, -0.4);
         let (east, north) = centre.east_north();
@@ -256,7 +266,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_small_chip_between_two_points_is_not_stepped_over() {
+    fn verif_a_small_chip_between_two_points_is_not_missed() {
         // 100 pixels of 0.26" are crossed in 13 ms; the points are a second apart.
         let chip = chip(100, 0.26);
         let (centre, _) = chip.circle().unwrap();
@@ -266,14 +276,14 @@ mod tests {
         assert!(((exit_s - enter_s) - 26.0 / 2000.0).abs() < 1e-5, "{enter_s} {exit_s}");
         assert!((0.5 * (enter_s + exit_s) - 15.3).abs() < 1e-5);
         let middle = paths[0].path.point_at(15.3);
-        // East is to the left, and the middle between pixels 49 and 50.
+        // East is to the left, and the middle is between pixels 49 and 50.
         assert!((middle.x - (49.5 - 5.0 / 0.26)).abs() < 1e-4 && (middle.y - 49.5).abs() < 0.1, "{middle:?}");
-        // 20 mag more than the zero point's: 1e8 counts in 30 s.
+        // 20 mag brighter than the zero point: 1e8 counts in 30 s.
         assert!((paths[0].path.rate_at(15.3) * 30.0 / 1e8 - 1.0).abs() < 1e-9);
     }
 
     #[test]
-    fn verif_tracks_that_miss_the_chip_have_no_way_and_the_edge_is_told() {
+    fn verif_tracks_that_miss_the_chip_have_no_path_and_fringes_are_not_inside() {
         let chip = chip(1000, 1.0);
         let (centre, _) = chip.circle().unwrap();
         let paths =
@@ -284,13 +294,13 @@ mod tests {
     }
 
     #[test]
-    fn verif_what_the_telescope_follows_is_one_place() {
+    fn verif_a_tracked_satellite_stays_at_one_position() {
         let chip = chip(1000, 1.0);
         let (centre, _) = chip.circle().unwrap();
         let following = Tracking::Rate { east_rad_s: 0.0, north_rad_s: -2000.0 * ARCSEC, reference_s: 15.3 };
         let paths = chip.paths(&southwards(0.0), &following, &centre, 30.0).unwrap();
         assert_eq!(paths.len(), 1);
-        // The rate is even along the great circle, the track along its tangent: 12000" cubed is 13".
+        // The rate is constant along the great circle, the track along its tangent: 12000" cubed is 13".
         assert!(paths[0].path.length_pix() < 60.0, "{}", paths[0].path.length_pix());
         assert_eq!(paths[0].inside_s, Some([9.3, 21.3]));
     }

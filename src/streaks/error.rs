@@ -1,4 +1,4 @@
-//! Errors of streaks: their light, their images and masks.
+//! Errors of the module `streaks`: brightness, optics, drawing, masks.
 
 use thiserror::Error;
 
@@ -9,79 +9,79 @@ use super::psf::BlurError;
 use super::render::PathError;
 use crate::passes::{FieldError, SkyError};
 
-/// Errors of streaks: their light, their images and masks.
+/// Errors of the module `streaks`: brightness, optics, drawing, masks.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum StreaksError {
-    /// A number that is out of range or none.
-    #[error("{what} is {given} (allowed: {allowed})")]
+    /// A number is out of range or not finite.
+    #[error("{what} is {given}; allowed: {allowed}")]
     Modulation {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// As given.
+        /// Given value.
         given: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// A light curve whose times do not grow, or of fewer than two points.
+    /// The times of a light curve do not increase, or it has fewer than two points.
     #[error("light curve, point {point}: {problem}")]
     LightCurve {
-        /// Counted from 1.
+        /// Number of the point, from 1.
         point: usize,
-        /// What is wrong, and what is allowed.
+        /// Cause, with the allowed values.
         problem: &'static str,
     },
-    /// A number out of range.
-    #[error("random streaks: {what} of {from} to {to} (allowed: {allowed})")]
+    /// A range of random streaks is invalid.
+    #[error("random streaks: {what} {from} to {to}; allowed: {allowed}")]
     RandomStreaks {
-        /// Which numbers.
+        /// Name of the numbers.
         what: &'static str,
-        /// The lower end as given.
+        /// Given lower end.
         from: f64,
-        /// The upper end as given.
+        /// Given upper end.
         to: f64,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// No preset of this name.
-    #[error("mask preset {given:?} is not known (allowed: {allowed})")]
+    /// Unknown mask preset.
+    #[error("unknown mask preset {given:?}; allowed: {allowed}")]
     MaskPreset {
-        /// As given.
+        /// Given name.
         given: String,
-        /// All of them.
+        /// Names of all presets.
         allowed: String,
     },
-    /// All bits of a 32-bit mask are taken.
-    #[error("the frame's own mask names planes in all bits up to {highest}: none is left for {plane}")]
+    /// All bits of a 32-bit mask are in use.
+    #[error("the frame's own mask uses all bits up to {highest}; no bit is left for {plane}")]
     MaskBits {
-        /// The plane that found none.
+        /// Plane without a bit.
         plane: &'static str,
-        /// The highest usable bit.
+        /// Highest usable bit.
         highest: u32,
     },
-    /// The sky has no answer.
+    /// Error of the passes of a sky.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// The chips span no field.
-    #[error("the field of the frame's chips: {0}")]
+    /// The field of the chips is invalid.
+    #[error("invalid field of the frame's chips: {0}")]
     Field(#[from] FieldError),
-    /// Its image has no form.
+    /// Error of the optics.
     #[error(transparent)]
     Optics(#[from] OpticsError),
-    /// Its way is none.
-    #[error("the way over HDU {hdu}: {source}")]
+    /// The path over a chip is invalid.
+    #[error("invalid path over HDU {hdu}: {source}")]
     Path {
-        /// The chip's HDU.
+        /// HDU of the chip.
         hdu: usize,
-        /// What is wrong.
+        /// Cause.
         source: PathError,
     },
-    /// Background of a frame.
+    /// Error of the background of a frame.
     #[error(transparent)]
     Background(#[from] BackgroundError),
-    /// Zero point or exposure of a frame.
+    /// Error of the zero point or exposure of a frame.
     #[error(transparent)]
     CountScale(#[from] CountScaleError),
-    /// Profile of a light.
+    /// Error of the profile of a light.
     #[error(transparent)]
     Blur(#[from] BlurError),
 }

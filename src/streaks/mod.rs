@@ -1,8 +1,8 @@
-//! Streaks in pixels: the light of a pass put into a frame, with its truth.
+//! Streaks in pixels: light of passes drawn into frames, with its truth.
 //!
-//! `light/` says what moves over the sky and how bright it is; `chip` turns that into a path in pixels; `render/` draws a path; `drawn` has a drawn streak with
-//! what is true of it; `truth/` makes tables and masks of that; `frame/` is for files, `injection/` puts
-//! streaks into frames.
+//! `light/` describes positions and brightness on the sky; `chip` converts these to a path in pixels; `render/` draws a
+//! path; `drawn` contains drawn streaks with their true parameters; `truth/` makes tables and masks of these; `frame/`
+//! reads and writes files, `injection/` puts streaks into frames.
 
 mod background;
 mod chip;

@@ -1,68 +1,68 @@
-//! What air and telescope make of a light at a distance.
+//! Optics: the image of a light at a finite distance through atmosphere and telescope.
 
 use thiserror::Error;
 
 use crate::streaks::{Blur, BlurError, RadialProfile, Seeing};
 
-/// The form of a star's image.
+/// Shape of a star's image.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum SeeingForm {
     /// A Gaussian.
     Gaussian,
-    /// A Moffat profile of this β.
+    /// A Moffat profile with the exponent β.
     Moffat {
         /// Steepness of the wings, 2 to 100.
         beta: f64,
     },
-    /// A narrow Gaussian and a wide one.
+    /// A narrow and a wide Gaussian.
     DoubleGaussian {
-        /// Width of the wide one in that of the narrow one, 1 or more.
+        /// Width of the wide Gaussian in units of the narrow one, 1 or more.
         widening: f64,
-        /// What the wide one has of the flux, 0 to 1.
+        /// Fraction of the flux in the wide Gaussian, 0 to 1.
         wide_share: f64,
     },
 }
 
-/// Why there is no profile.
+/// Errors of an image profile.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum OpticsError {
-    /// On pixels of this size it is out of range.
-    #[error("the image of a light at {range_km:.0} km on pixels of {pixel_scale_arcsec:.3} arcsec: {source}")]
+    /// A width is out of range on pixels of this size.
+    #[error("cannot draw a light at {range_km:.0} km on pixels of {pixel_scale_arcsec:.3} arcsec: {source}")]
     Blur {
-        /// Its distance.
+        /// Distance of the light.
         range_km: f64,
         /// Side of a pixel.
         pixel_scale_arcsec: f64,
-        /// What is wrong, in pixels.
+        /// Cause; widths are in pixels.
         source: BlurError,
     },
-    /// A pixel without a size.
-    #[error("pixels of {given} arcsec (allowed: above 0)")]
+    /// The pixel scale is not above 0.
+    #[error("pixel scale is {given} arcsec; allowed: above 0 arcsec")]
     PixelScale {
-        /// As the WCS has it.
+        /// Given value, arcsec.
         given: f64,
     },
 }
 
-/// Air and telescope.
+/// Seeing and telescope.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Optics {
-    /// Form of a star's image.
+    /// Shape of a star's image.
     pub form: SeeingForm,
-    /// Its full width at half maximum, arcsec.
+    /// Full width at half maximum of a star's image, arcsec.
     pub seeing_arcsec: f64,
-    /// Radius of the aperture, m; 0 leaves defocus out.
+    /// Radius of the aperture, m; 0 for no defocus.
     pub outer_radius_m: f64,
     /// Radius of the central obstruction, m.
     pub inner_radius_m: f64,
 }
 
 impl Optics {
-    /// The image of a disk of `radius_m` at `range_km` through a telescope that is focused on the stars, on pixels of `pixel_scale_arcsec`
-    /// (the side of a square of their area), `aspect` times as wide as high.
+    /// Computes the image of a disk of `radius_m` at `range_km` through a telescope focused on the stars, on pixels of
+    /// `pixel_scale_arcsec` (the side of a square of the same area), `aspect` times as wide as high.
     ///
     /// # Errors
-    /// [`OpticsError`] where a width is out of what can be drawn.
+    /// [`OpticsError`] if a width is out of the range that can be drawn.
     pub fn profile(
         &self,
         range_km: f64,
@@ -73,7 +73,8 @@ impl Optics {
         if !(pixel_scale_arcsec > 0.0 && pixel_scale_arcsec.is_finite()) {
             return Err(OpticsError::PixelScale { given: pixel_scale_arcsec });
         }
-        // A length at range d is seen under r / d: the pupil's image out of focus as well as the body (Ragazzoni 2020).
+        // A length r at range d has the angle r / d: the defocused image of the pupil as well as the body (Ragazzoni
+        // 2020).
         let pixels_a_metre = (1.0 / (range_km * 1000.0)).to_degrees() * 3600.0 / pixel_scale_arcsec;
         let blur = Blur {
             seeing: self.seeing(pixel_scale_arcsec),
@@ -88,14 +89,15 @@ impl Optics {
         })
     }
 
-    /// No light is drawn farther from its centre, radians: the widest wings, and rings of satellites at any height.
+    /// Greatest distance of drawn light from its centre, radians: the widest wings, and rings of satellites at any
+    /// height.
     pub fn farthest_rad(&self) -> f64 {
         const SEEINGS: f64 = 200.0;
         const RINGS_RAD: f64 = 1e-3;
         (SEEINGS * self.seeing_arcsec / 3600.0).to_radians().max(RINGS_RAD)
     }
 
-    /// A star's image on pixels of this size.
+    /// Returns the image of a star on pixels of this size.
     pub fn seeing(&self, pixel_scale_arcsec: f64) -> Seeing {
         let fwhm_pix = self.seeing_arcsec / pixel_scale_arcsec;
         match self.form {

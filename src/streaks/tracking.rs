@@ -1,40 +1,42 @@
-//! How the telescope moves while the shutter is open.
+//! Tracking: motion of the telescope while the shutter is open.
 
 use nalgebra::Vector3;
 
 use crate::frames::{Direction, Gcrs};
 
-/// What the telescope follows.
+/// Target followed by the telescope.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Tracking {
     /// The stars.
     #[default]
     Sidereal,
-    /// A place that moves among the stars at an even rate: an asteroid, a satellite.
+    /// A target that moves relative to the stars at a constant rate: an asteroid, a satellite.
     Rate {
-        /// Towards the east on the sky (the cosine of the declination is in it), rad/s.
+        /// Rate towards the east on the sky (including the cosine of the declination), rad/s.
         east_rad_s: f64,
-        /// Towards the north, rad/s.
+        /// Rate towards the north, rad/s.
         north_rad_s: f64,
-        /// The moment at which the frame's WCS holds, seconds after the shutter opened.
+        /// Time for which the frame's WCS holds, seconds after the shutter opened.
         reference_s: f64,
     },
 }
 
 impl Tracking {
-    /// Where in the frame's own sky a direction stands at a moment: the place that its WCS gives to the same pixel.
+    /// Returns the direction that the frame's WCS gives to the pixel in which a direction appears at a time.
     ///
-    /// The frame is carried along the great circle through its `centre` at the rate's speed.
+    /// The frame moves along the great circle through its `centre` at the speed of the rate.
     pub fn seen(&self, direction: &Direction<Gcrs>, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
         self.carried(direction, -1.0, time_s, centre)
     }
 
-    /// The way back: where among the stars a light stands that is seen at a place of the frame's own sky at a moment.
+    /// Returns the direction relative to the stars of a light that appears at a direction of the frame's WCS at a time;
+    /// the inverse of [`seen`](Self::seen).
     pub fn stood(&self, seen: &Direction<Gcrs>, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
         self.carried(seen, 1.0, time_s, centre)
     }
 
-    /// How far the frame moves among the stars from where its WCS holds, within an exposure of this length, radians.
+    /// Returns the largest distance of the frame from the position for which its WCS holds, within an exposure of this
+    /// length, radians.
     pub fn reach_rad(&self, exposure_s: f64) -> f64 {
         match *self {
             Self::Sidereal => 0.0,
@@ -44,7 +46,7 @@ impl Tracking {
         }
     }
 
-    /// Carried along with the telescope (1) or against it (-1).
+    /// Rotates a direction with the telescope (1) or in the opposite sense (-1).
     fn carried(
         &self,
         direction: &Direction<Gcrs>,
@@ -55,14 +57,14 @@ impl Tracking {
         let Self::Rate { east_rad_s, north_rad_s, reference_s } = *self else { return *direction };
         let (east, north) = centre.east_north();
         let motion = east * east_rad_s + north * north_rad_s;
-        // The telescope turns by ω (t - t₀) about the axis c × v; its sky turns back by as much.
+        // The telescope turns by ω (t - t₀) about the axis c × v; directions in its frame turn by the opposite angle.
         let Some(axis) = centre.vector().cross(&motion).try_normalize(0.0) else { return *direction };
         let angle_rad = sense * motion.norm() * (time_s - reference_s);
         Direction::from_vector(rotated(direction.vector(), &axis, angle_rad))
     }
 }
 
-/// Rodrigues: v cos θ + (k × v) sin θ + k (k · v)(1 - cos θ).
+/// Rotates a vector by Rodrigues' formula: v cos θ + (k × v) sin θ + k (k · v)(1 - cos θ).
 fn rotated(vector: &Vector3<f64>, axis: &Vector3<f64>, angle_rad: f64) -> Vector3<f64> {
     let (sin, cos) = angle_rad.sin_cos();
     vector * cos + axis.cross(vector) * sin + axis * axis.dot(vector) * (1.0 - cos)
@@ -73,7 +75,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_what_is_followed_stands_still() {
+    fn verif_a_tracked_target_is_stationary_in_the_frame() {
         let centre = Direction::from_lon_lat_rad(1.0, 0.5);
         let arcsec = (1.0f64 / 3600.0).to_radians();
         let tracking = Tracking::Rate { east_rad_s: 40.0 * arcsec, north_rad_s: -30.0 * arcsec, reference_s: 10.0 };
@@ -86,7 +88,7 @@ mod tests {
             assert!(tracking.stood(&seen, time_s, &centre).vector().angle(&there) < 1e-12);
             assert!(seen.separation_rad(&centre) < 5e-3 * arcsec, "{time_s}");
         }
-        // A star moves the other way by 50"/s.
+        // A star moves in the opposite direction by 50"/s.
         let star = tracking.seen(&centre, 11.0, &centre);
         assert!((star.separation_rad(&centre) / arcsec - 50.0).abs() < 1e-6);
         assert!((star.position_angle_rad(&centre).to_degrees() - 126.8699).abs() < 1e-2);

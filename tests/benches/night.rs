@@ -20,7 +20,7 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Passes, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
-    Blocking, FlagRequest, Policy, Schedule, ScheduleOptions, WindowRequest, WindowTarget, clear_windows_alone,
+    Blocking, FlagRequest, Policy, Schedule, ScheduleOptions, WindowRequest, WindowTarget, clear_windows_without_passes,
 };
 
 fn main() {
@@ -54,7 +54,7 @@ fn sky(elements: Vec<ElementSet>) -> Sky {
 fn exposures(schedule: &str) -> Vec<Exposure> {
     let options = ScheduleOptions::default();
     let schedule = Schedule::read(&PathBuf::from(schedule), &options).expect("the schedule reads");
-    schedule.judged().map(|(_, exposure)| exposure.clone()).collect()
+    schedule.valid_exposures().map(|(_, exposure)| exposure.clone()).collect()
 }
 
 fn crossings_of(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
@@ -159,7 +159,7 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
     let find_windows =
-        || clear_windows_alone(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
+        || clear_windows_without_passes(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
     let mut report = find_windows();
     let times = (0..9)
         .map(|_| {

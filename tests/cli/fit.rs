@@ -308,7 +308,7 @@ fn verif_poor_fits_are_reported_and_not_dropped() {
     let folder = folder();
     let (code, _, stderr) = run(folder.path(), &format!("{FIT} --free c3 --hold c5=1 --folds 0 -o bound.json"));
     assert_eq!(code, 1, "{stderr}");
-    assert!(stderr.contains("not sound: c3 stands at its bound 0"), "{stderr}");
+    assert!(stderr.contains("not sound: c3 is at its bound 0"), "{stderr}");
     let (code, _, stderr) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
     assert!(code < 2 && stderr.contains("for 5000 folds"), "{stderr}");
     assert!(folder.path().join("m.json").is_file());

@@ -131,8 +131,8 @@ fn verif_a_night_without_darkness_has_a_reason() {
     let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
     assert_eq!(code, 0);
     assert!(stdout.lines().filter(|line| !line.starts_with('#')).eq([HEADER]), "{stdout}");
-    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the Sun sinks to 11.6 deg at the lowest";
-    assert!(stderr.contains(why) && stderr.contains("and -6.0 deg was asked for"), "{stderr}");
+    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the lowest altitude of the Sun is 11.6 deg";
+    assert!(stderr.contains(why) && stderr.contains("above the limit of -6.0 deg"), "{stderr}");
     let answer = json(&[&["forecast"], polar]);
     assert!(answer["passes"].as_array().unwrap().is_empty());
     let night = &answer["night"][0];
@@ -201,7 +201,7 @@ fn verif_priors_are_reported() {
     let prior = |more: &[&str]| {
         let (code, stdout, stderr) = run(&[&arguments, &time, more]);
         assert_eq!(code, 0, "{stderr}");
-        let warning = stderr.lines().find(|line| line.contains("prior alone")).map(str::to_owned);
+        let warning = stderr.lines().find(|line| line.contains("only a wide prior")).map(str::to_owned);
         (records(&stdout), warning, stderr)
     };
     let (all, warning, _) = prior(&[]);
@@ -209,7 +209,8 @@ fn verif_priors_are_reported() {
     assert!(count > 1 && all[1..].iter().all(|row| &row[source] == "prior"), "{all:?}");
     let warning = warning.expect("a warning");
     assert!(
-        warning.starts_with("warning: ") && warning.contains(&format!("({count} passes shown); --qs-mag FILE")),
+        warning.starts_with("warning: ")
+            && warning.contains(&format!("({count} passes shown); specify standard magnitudes with --qs-mag FILE")),
         "{warning}"
     );
     // A limit slightly brighter than the faintest peak hides one pass; the message uses the singular.
@@ -218,11 +219,11 @@ fn verif_priors_are_reported() {
     peaks.sort_by(f64::total_cmp);
     let limit = (0.5 * (peaks[count - 2] + peaks[count - 1])).to_string();
     let (_, warning, _) = prior(&["--max-mag", &limit]);
-    let expected = format!("{} shown, 1 pass left out as fainter than mag {limit})", passes(count - 1));
+    let expected = format!("{} shown, 1 pass omitted as fainter than mag {limit})", passes(count - 1));
     assert!(warning.as_ref().is_some_and(|warning| warning.contains(&expected)), "{warning:?}: {expected}");
     let (_, warning, stderr) = prior(&["--max-mag", "-9"]);
     assert!(
-        warning.is_some_and(|warning| warning.contains(&format!("({count} passes left out as fainter than mag -9)")))
+        warning.is_some_and(|warning| warning.contains(&format!("({count} passes omitted as fainter than mag -9)")))
     );
     assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -9"), "{stderr}");
     // Satellites with a model are not reported.
@@ -367,7 +368,7 @@ fn verif_shadow_counts_passes_in_darkness_only() {
     let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
     assert_eq!(night["passes_in_shadow"], 0, "{night}");
     let why = night["why_empty"].as_str().unwrap();
-    assert!(why.starts_with("the one satellite does not stand above 10.0 deg while it is dark"), "{why}");
+    assert!(why.starts_with("the only satellite does not rise above 10.0 deg while it is dark"), "{why}");
     assert!(!json(&[&["forecast"], SKY, &evening, &["--include-dark"]])["passes"].as_array().unwrap().is_empty());
     // By brute force: all passes in a dark time span minus the visible ones; ten seconds at midnight, and the last
     // hours of a night.
@@ -397,7 +398,7 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
     let empty: &[&str] = &["--max-mag", "-8"];
     let calendar = done(&[NIGHT, SKY, PLANES, empty, &["--format", "ics", "--alarm", "5min"]]).replace("\r\n ", "");
     assert_eq!((calendar.matches("BEGIN:VEVENT").count(), calendar.matches("BEGIN:VALARM").count()), (1, 0));
-    for line in ["SUMMARY:No satellite to be seen over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
+    for line in ["SUMMARY:No visible satellite pass over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");

@@ -137,7 +137,7 @@ fn usage_errors_have_exit_code_2_always() {
         (&[&GATE[..7], POINTING], "missing exposure time"),
         (&[GATE, POINTING, &["--max-wait", "90"]], "max-wait 90 has no unit"),
         (&[GATE, POINTING, &["--max-wait", "25h"]], "allowed 0 to 86400 s"),
-        (&[GATE, POINTING, &["--now", "yesterday"]], "'yesterday' is not a time"),
+        (&[GATE, POINTING, &["--now", "yesterday"]], "invalid time 'yesterday'"),
         (&[GATE, &["--ra", "25h", "--dec", "0"]], "25h"),
         (&[GATE, POINTING, &["--stdin", "nina"]], "nina"),
         (&[&["gate", "--mpc", "X05", "--fov", "1deg", "--exposure", "1s"], POINTING], "missing satellites"),

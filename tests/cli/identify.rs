@@ -83,7 +83,7 @@ fn invalid_streaks_give_one_line() {
     let mut cases: Vec<(Vec<&str>, &str)> = vec![
         (shutter.to_vec(), "missing streak; specify --end RA,DEC twice"),
         (with(&["--end", "1,2"]), "--end is given once; allowed: twice"),
-        (with(&["--end", "1,2", "--end", "1,2"]), "both ends of the streak are at one place"),
+        (with(&["--end", "1,2", "--end", "1,2"]), "both ends of the streak are at the same position"),
         (with(&["--end", "1;2", "--end", "1,2"]), "invalid end '1;2'"),
         (with(&["--end", "1,2", "--end", "400,2"]), "is not a right ascension"),
         (
@@ -102,7 +102,7 @@ fn invalid_streaks_give_one_line() {
         (with(&["--end", "1,2", "--end", "2,3", "--top", "0"]), "top 0; allowed: 1 or more"),
         (with(&["--ra", "1", "--dec", "2", "--position-angle", "400"]), "position angle 400"),
         (with(&["--ra", "1", "--dec", "2", "--position-angle", "4", "--whole-streak"]), "a streak of known length"),
-        ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: 'circle' is not read"),
+        ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: unsupported shape 'circle'"),
         (with(&["--region", "missing.reg"]), "missing.reg"),
     ];
     #[cfg(feature = "fits")]

@@ -52,7 +52,7 @@ fn verif_overscan_receives_no_light() {
     let files = ["--image", &raw, "-o", &output, "--truth", &truth, "--no-noise"];
     let (code, _, stderr) = run(&[&["inject"], &files, &options]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stderr.contains("HDU 0: light falls on [51:380,11:290] alone"), "{stderr}");
+    assert!(stderr.contains("HDU 0: only [51:380,11:290] is illuminated"), "{stderr}");
     let [lit, dark] = changed(&raw, &output);
     assert!(lit > 1000 && dark == 0, "{lit} {dark}");
     // The truth table covers the illuminated part: its light, and ends at its borders.

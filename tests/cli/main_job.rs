@@ -324,7 +324,7 @@ fn bare_dates_use_the_given_scale() {
     let named = ["flag", "--schedule", &path(&folder, "utc.csv"), "--fov", "0.1deg", "--time-scale", "tai"];
     let (code, _, stderr) = run(&[&named, SKY]);
     assert_eq!(code, 2, "{stderr}");
-    assert!(stderr.contains("column start_utc is in UTC, but --time-scale says TAI; allowed: "), "{stderr}");
+    assert!(stderr.contains("column start_utc is in UTC, but --time-scale is TAI; allowed: "), "{stderr}");
     fs::write(path(&folder, "utc.csv"), header("start_utc") + &row("2024-08-14T23:30:00.000Z")).unwrap();
     assert_eq!(first("utc.csv", &["--time-scale", "tai"]), at("30:00.000", "utc"));
 }

@@ -126,7 +126,7 @@ fn verif_an_empty_night_is_labelled() {
     fs::write(&file, text).unwrap();
     drawn(&folder, "empty", &[&["night", "--from", &file]], 0);
     let texts = svg_texts(&path(&folder, "empty.svg"));
-    assert!(texts.contains(&"no exposure of this night is struck".to_owned()), "{texts:?}");
+    assert!(texts.contains(&"no exposure of this night has a streak".to_owned()), "{texts:?}");
     // Without a site there is neither twilight nor a local clock.
     assert!(!texts.iter().any(|text| text.contains("local") || text.contains("twilight")), "{texts:?}");
 }
@@ -333,7 +333,7 @@ fn verif_residuals_are_observed_less_computed() {
         &[&["residuals", "--model", "nonesuch", "--from", &file, "-o", &path(&folder, "x.png")]],
         &["unknown model 'nonesuch'"],
     );
-    let what = ["points.csv: invalid .npz", "allowed: chains written by fit run --mcmc"];
+    let what = ["points.csv: invalid .npz", "expected a chain written by fit run --mcmc"];
     fails(&[&["corner", "--chains", &file, "-o", &path(&folder, "x.png")]], &what);
     let (_, list, _) = run(&[&["plot", "--list"]]);
     assert!(list.contains("output of fit reduce") && !list.contains("fit photometry"), "{list}");

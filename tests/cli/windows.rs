@@ -147,7 +147,10 @@ fn lists_in_every_syntax_give_the_same_windows() {
     let answer = json(&[&["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7"], RANGE, SKY]);
     let reasons: Vec<&str> =
         answer["targets"].as_array().unwrap().iter().map(|one| one["reason"].as_str().unwrap_or("")).collect();
-    assert_eq!(reasons, ["", "right ascension is missing: the target has no place", "never up in the dark"]);
+    assert_eq!(
+        reasons,
+        ["", "right ascension is missing: the target has no position", "never above the lowest altitude in the dark"]
+    );
     // A target without coordinates is reported, and the others are computed.
     let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
     let (code, _, stderr) = run(&[&["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7"], RANGE, &loud]);

@@ -1,7 +1,7 @@
 //! Agreement with a reference: the largest difference, compared with the allowed one.
 //!
 //! Passed comparisons are written, one line each, to the file named by `STREAKCAST_FIGURES`; `docs/tables.sh` makes the
-//! table of docs/accuracy.md from these lines.
+//! table of docs/explanation/accuracy.md from these lines.
 
 use std::io::Write;
 

@@ -12,9 +12,9 @@ use proptest::prelude::*;
 use streakcast::elements::{Constellation, ElementSet, History, NoradId, StationRule};
 use streakcast::fit::FitError;
 use streakcast::fit::measurements::{
-    ColumnMap, DensityMode, DropReason, Format, Measurement, Measurements, PhotometryOptions, Place, Placement,
-    RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode, kernel_sigma,
-    measure, reduce,
+    ColumnMap, DensityMode, DropReason, Format, Measurement, Measurements, PhotometryOptions, Placement,
+    PositionSource, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode,
+    kernel_sigma, measure, reduce,
 };
 use streakcast::frames::seconds_after;
 use streakcast::geometry::{Site, ViewingGeometry};
@@ -227,7 +227,10 @@ fn verif_invalid_measurements() {
     let negative = Selection { max_range_difference_km: Some(-1.0), ..Selection::default() };
     assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &negative).is_err());
     assert!(measure(&mut records.source(), &Placement::recorded(Some(-5.0)), &Selection::default()).is_err());
-    let fit = Placement { place: Place::Elements { fit_offset_s: Some(f64::NAN) }, ..Placement::elements(&history) };
+    let fit = Placement {
+        source: PositionSource::Elements { fit_offset_s: Some(f64::NAN) },
+        ..Placement::elements(&history)
+    };
     assert!(measure(&mut records.source(), &fit, &Selection::default()).is_err());
     for options in [
         ReduceOptions { nside: 0, ..ReduceOptions::default() },
@@ -245,10 +248,10 @@ fn verif_files_that_cannot_be_read() {
     let plain = PhotometryOptions::default();
     assert!(error_of("", &plain).contains("has no rows"));
     assert!(error_of(HEADER, &plain).contains("has no rows"));
-    assert!(error_of("a,b\n1,2\n", &plain).contains("belongs to no known format"));
+    assert!(error_of("a,b\n1,2\n", &plain).contains("unknown format"));
     let named = |format: Format| PhotometryOptions { format: Some(format), ..PhotometryOptions::default() };
     assert!(error_of("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
-    assert!(error_of("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
+    assert!(error_of("a,b\n1,2\n", &named(Format::Csv)).contains("requires a column map"));
     assert!(Format::by_name("fits").unwrap_err().to_string().contains("pomenis, mmt, score, slingshot, csv"));
     assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
     let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();
@@ -272,10 +275,7 @@ fn verif_mixed_filters_are_rejected_unless_named() {
     let text = "t,m,f,d,p\n2021-01-01T15:18:04Z,7.1,V,700,80\n2021-01-01T15:18:05Z,7.2,B,700,80\n2021-01-01T15:18:06Z,7.3,v,700,80\n";
     let options = PhotometryOptions { columns: columns.clone(), ..PhotometryOptions::default() };
     let error = read(text, &options).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "t.csv data row 2: filter 'B' after rows of filter 'V'; name the filters that are wanted"
-    );
+    assert_eq!(error.to_string(), "t.csv data row 2: filter 'B' after rows of filter 'V'; specify the filters");
     let options = PhotometryOptions { filters: vec!["V".into()], ..options };
     let records = read(text, &options).unwrap();
     assert_eq!((records.records.len(), records.dropped.count(DropReason::WrongFilter)), (2, 1));
@@ -403,7 +403,7 @@ fn verif_simulated_photometry_survives_a_file() {
     }
     // From distance and phase, with the true radius from SGP4, up to the mirror image.
     let by_radius = Placement {
-        place: Place::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
+        source: PositionSource::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
         ..Placement::elements(&history)
     };
     let other = measure(&mut records.source(), &by_radius, &Selection::everything()).unwrap();
@@ -482,8 +482,10 @@ fn verif_a_late_satellite_is_detected_by_its_ranges() {
     let late =
         history.element_sets().iter().map(|set| ElementSet { epoch: seconds_after(set.epoch, 6.0), ..set.clone() });
     let late = History::new(late.collect());
-    let with =
-        |fit_offset_s: Option<f64>| Placement { place: Place::Elements { fit_offset_s }, ..Placement::elements(&late) };
+    let with = |fit_offset_s: Option<f64>| Placement {
+        source: PositionSource::Elements { fit_offset_s },
+        ..Placement::elements(&late)
+    };
     let worst_km = |placement: &Placement| {
         let measured = measure(&mut simulation.records.source(), placement, &Selection::everything()).unwrap();
         let ranges = measured.points.iter().zip(&simulation.records.records);

@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 
 use streakcast::elements::{History, Keep, NoradId, OrbitPhase, ReadOptions as Elements, Satellites, StationRule};
 use streakcast::fit::measurements::{
-    AssociationOptions, Candidate, DropReason, Format, OrbitRadius, PhotometryOptions, Place, Placement, Placer,
-    RecordReader, RecordSource, Records, ReduceOptions, Selection, StationInterval, Stations, associate, measure,
-    reduce,
+    AssociationOptions, Candidate, DropReason, Format, OrbitRadius, PhotometryOptions, Placement, Placer,
+    PositionSource, RecordReader, RecordSource, Records, ReduceOptions, Selection, StationInterval, Stations,
+    associate, measure, reduce,
 };
 use streakcast::frames::EopTable;
 
@@ -98,19 +98,19 @@ fn valid_distance_and_phase_give_the_angles_of_element_sets() {
     let groups = records.groups.clone();
     records.records.retain(|record| sure.contains_key(&groups[record.group as usize]));
     let history = history(&files_in(&data.join("tle/mmt_2021")));
-    let placement = |place: Place| Placement {
-        place,
+    let placement = |source: PositionSource| Placement {
+        source,
         identified: sure.clone(),
         max_element_age_days: 50.0,
         ..Placement::elements(&history)
     };
-    let by = |place: Place| {
-        let placement = placement(place);
+    let by = |source: PositionSource| {
+        let placement = placement(source);
         Placer::new(&placement).place(&records.source(), &records.records)
     };
-    let truth = by(Place::Elements { fit_offset_s: Some(120.0) });
-    let circle = by(Place::Recorded { radius: Some(OrbitRadius::HeightKm(550.0)) });
-    let osculating = by(Place::Recorded { radius: Some(OrbitRadius::Elements) });
+    let truth = by(PositionSource::Elements { fit_offset_s: Some(120.0) });
+    let circle = by(PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(550.0)) });
+    let osculating = by(PositionSource::Recorded { radius: Some(OrbitRadius::Elements) });
     // Differences of α with either radius, degrees; and of range and phase.
     let (mut rough, mut fine, mut ranges, mut phases) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (at, record) in records.records.iter().enumerate() {

@@ -164,7 +164,7 @@ fn verif_new_extensions_follow_the_old_ones() {
     copy.append_table("STREAKS", &columns, &[]).expect("a table");
     let uneven = [columns[0].clone(), TableColumn { cells: Cells::Integer(vec![Some(1)]), ..columns[1].clone() }];
     let error = copy.append_table("BAD", &uneven, &[]).expect_err("uneven");
-    assert_eq!(error.to_string(), "\"BAD\" cannot be written: column norad_id has 1 cells, the first one 2");
+    assert_eq!(error.to_string(), "cannot write \"BAD\": column norad_id has 1 cells but the first one has 2");
     copy.finish().expect("finished");
     let file = FrameFile::open(&target).expect("a file");
     let names: Vec<&str> = file.hdus().iter().map(|hdu| hdu.name.as_str()).collect();
@@ -222,14 +222,16 @@ fn verif_invalid_frames_are_rejected() {
         [text.as_bytes(), &good[2880..]].concat()
     };
     assert!(
-        with("text.fits", b"hello, this is a text").contains("is no FITS file (it begins with \"hello, this is a\"")
+        with("text.fits", b"hello, this is a text").contains("not a FITS file (it begins with \"hello, this is a\"")
     );
-    assert!(with("empty.fits", b"").contains("is no FITS file (it begins with \"\""));
-    assert!(with("a.fits.gz", b"\x1f\x8b\x08\x00").contains("packed with gzip; unpack it first"));
-    assert!(with("cut.fits", &good[..3000]).contains("HDU 0 is cut off: its data needs 4080 bytes, the file has 3000"));
+    assert!(with("empty.fits", b"").contains("not a FITS file (it begins with \"\""));
+    assert!(with("a.fits.gz", b"\x1f\x8b\x08\x00").contains("compressed with gzip; decompress it first"));
+    assert!(
+        with("cut.fits", &good[..3000]).contains("HDU 0 is truncated: its data needs 4080 bytes, the file has 3000")
+    );
     assert!(
         with("cut-header.fits", &good[..1000])
-            .contains("HDU 0 is cut off: its header needs 2880 bytes, the file has 1000")
+            .contains("HDU 0 is truncated: its header needs 2880 bytes, the file has 1000")
     );
     let more = with("naxis-more.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                 2000"));
     assert!(more.contains("its data needs 122880 bytes"), "{more}");
@@ -240,26 +242,26 @@ fn verif_invalid_frames_are_rejected() {
         .replace("NAXIS2  =                  100", "NAXIS2  =                   50");
     let fewer =
         with("naxis-fewer.fits", &[text.as_bytes(), &fs::read(at("large.fits")).expect("bytes")[2880..]].concat());
-    assert!(fewer.contains("behind HDU 0, no header begins") && fewer.contains("are its NAXISn right?"), "{fewer}");
+    assert!(fewer.contains("no header begins after HDU 0") && fewer.contains("check the NAXISn"), "{fewer}");
     let negative =
         with("naxis-negative.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                  -20"));
-    assert!(negative.contains("HDU 0: NAXIS2 is -20: a length of 0 or more"), "{negative}");
+    assert!(negative.contains("HDU 0: NAXIS2 is -20; allowed: a length of 0 or more"), "{negative}");
     let missing = with("naxis-missing.fits", &replaced("NAXIS2  =", "NOXIS2  ="));
-    assert!(missing.contains("NAXIS2 is missing or no number"), "{missing}");
+    assert!(missing.contains("NAXIS2 is missing or not a number"), "{missing}");
     let bitpix = with("bitpix.fits", &replaced("BITPIX  =                   16", "BITPIX  =                   17"));
-    assert!(bitpix.contains("BITPIX is 17: 8, 16, 32, 64, -32 or -64"), "{bitpix}");
+    assert!(bitpix.contains("BITPIX is 17; allowed: 8, 16, 32, 64, -32 or -64"), "{bitpix}");
     let huge = with("naxis-huge.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =  9000000000000000000"));
-    assert!(huge.contains("whose product is a size that a file can have"), "{huge}");
+    assert!(huge.contains("with a product that is a possible size of a file"), "{huge}");
 }
 
 #[test]
 fn verif_hdus_that_are_missing_or_not_images() {
     let folder = folder();
     let file = FrameFile::open(&simple(folder.path(), "i16", Some(Rice::default()), "")).expect("a file");
-    assert!(file.read_plane(5).expect_err("none").to_string().ends_with("has no HDU 5; it has 0 to 1"));
+    assert!(file.read_plane(5).expect_err("none").to_string().ends_with("no HDU 5; allowed: 0 to 1"));
     assert!(file.header(2).is_err());
     let error = file.read_plane(0).expect_err("no image").to_string();
-    assert!(error.ends_with("HDU 0 is a header alone, no image of two axes; images are [1]"), "{error}");
+    assert!(error.ends_with("HDU 0 is only a header, not an image of two axes; HDUs with images: [1]"), "{error}");
     assert!(matches!(file.read_rows(1, 15..25), Err(FrameError::Outside { row: 24, .. })));
     let mut copy = FrameCopy::begin(&file, &folder.path().join("out.fits")).expect("a copy");
     for (row, column) in [(20, 0), (0, 30), (3, 28)] {
@@ -308,7 +310,7 @@ fn verif_the_input_is_kept_and_no_partial_output_remains() {
     copy.add(0, 0, 0, &[1.0]).expect("a change");
     fs::write(&path, &bytes[..3000]).expect("cut");
     let error = copy.finish().expect_err("cut").to_string();
-    assert!(error.contains("the input became shorter"), "{error}");
+    assert!(error.contains("the input was truncated"), "{error}");
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }
 
@@ -422,11 +424,11 @@ fn verif_unwritable_disks() {
     let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
     copy.append_image("LARGE", &large, &[], None);
     let error = copy.finish().expect_err("full").to_string();
-    assert!(error.contains("out.fits") && error.contains("is the disk full?"), "{error}");
+    assert!(error.contains("out.fits") && error.contains("the disk may be full"), "{error}");
     let error = write_frame(&target, &[NewImage { name: "", values: &large, cards: &[], rice: None }])
         .expect_err("full")
         .to_string();
-    assert!(error.contains("out.fits") && error.contains("is the disk full?"), "{error}");
+    assert!(error.contains("out.fits") && error.contains("the disk may be full"), "{error}");
     let noise: Vec<i32> = (0..30_000u32).map(|n| n.wrapping_mul(2_654_435_761) as i32).collect();
     let noise = ImageValues::new(200, Pixels::I32(noise)).expect("rows");
     let rice = Some(Rice::default());
@@ -467,7 +469,7 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
     let thick = with("thick.fits", &axes(2), &good[2880..]);
     let error = thick.read_plane(0).expect_err("a cube").to_string();
     assert!(
-        error.contains("HDU 0 is an image of axes [30, 20, 2], no image of two axes; images are nowhere in it"),
+        error.contains("HDU 0 is an image of axes [30, 20, 2], not an image of two axes; HDUs with images: none"),
         "{error}"
     );
     let none =

@@ -33,16 +33,16 @@ fn verif_an_invalid_record_is_named_and_the_others_are_read() {
     assert_eq!(
         reasons(&catalogue),
         [
-            reason(5, "line 1: the checksum is '2', the line adds up to 1"),
+            reason(5, "line 1: checksum '2' does not match the sum of the line, 1"),
             reason(9, "line 2: inclination \"53.O541\" is not a number in columns 9-16"),
             reason(11, "line 1 of an element set is not followed by its line 2"),
-            reason(14, "line 2 has 63 characters; 69 are allowed, or 68 where the checksum is missing"),
-            reason(15, "line 2 of an element set has no line 1 before it"),
-            reason(16, "\"a stray line\" is neither part of an element set nor the name of one"),
-            reason(20, "\"the end\" is neither part of an element set nor the name of one"),
+            reason(14, "line 2 has 63 characters, expected 69, or 68 without a checksum"),
+            reason(15, "line 2 of an element set is not preceded by its line 1"),
+            reason(16, "unexpected line \"a stray line\": neither part nor name of an element set"),
+            reason(20, "unexpected line \"the end\": neither part nor name of an element set"),
         ]
     );
-    assert_eq!(catalogue.rejected[0].to_string(), "test:5: line 1: the checksum is '2', the line adds up to 1");
+    assert_eq!(catalogue.rejected[0].to_string(), "test:5: line 1: checksum '2' does not match the sum of the line, 1");
     assert_eq!((catalogue.sources[0].records, catalogue.sources[0].rejected), (2, 7));
 
     let options = ReadOptions { accept_bad_checksums: true, ..Default::default() };
@@ -70,10 +70,10 @@ fn verif_broken_messages_do_not_affect_others() {
     assert_eq!(
         words,
         [
-            "eccentricity 1.5 is out of range: 0 to below 1",
+            "eccentricity 1.5 is out of range: allowed 0 to below 1",
             "MEAN_MOTION is missing",
-            "broken JSON: \"oops\" where a key, a value or a bracket is allowed",
-            "broken JSON: the file ends inside this object",
+            "invalid JSON: unexpected \"oops\", expected a key, a value or a bracket",
+            "invalid JSON: the file ends inside this object",
         ]
     );
     assert_eq!(catalogue.rejected[2].line, 1 + text[..text.find("{\"NORAD").unwrap()].matches('\n').count());
@@ -112,14 +112,14 @@ fn verif_broken_messages_do_not_affect_others() {
     assert_eq!(
         reasons(&catalogue),
         [
-            (4, "broken CSV: 2 cells under 17 titles".to_string()),
+            (4, "invalid CSV: 2 cells under 17 titles".to_string()),
             (
                 5,
-                "epoch \"2026-13-20T12:34:56.789760\" is not a date: \
+                "invalid epoch \"2026-13-20T12:34:56.789760\": expected \
                  UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss"
                     .to_string()
             ),
-            (6, "NORAD_CAT_ID \"\\\"90004\" is not a catalogue number (1 to 999999999, or Alpha-5)".to_string()),
+            (6, "invalid NORAD_CAT_ID \"\\\"90004\": expected 1 to 999999999, or Alpha-5".to_string()),
         ]
     );
 
@@ -136,10 +136,13 @@ fn verif_broken_messages_do_not_affect_others() {
     let ids: Vec<_> = catalogue.element_sets.iter().map(|set| (set.norad_id.0, set.name.to_string())).collect();
     assert_eq!(ids, [(90001, "SAMPLE & SON".into()), (90005, "SAMPLE & SON".into())]);
     let words: Vec<_> = reasons(&catalogue).into_iter().map(|(_, reason)| reason).collect();
-    assert!(words[0].starts_with("broken XML: "), "{}", words[0]);
+    assert!(words[0].starts_with("invalid XML: "), "{}", words[0]);
     assert_eq!(
         words[1..],
-        ["REF_FRAME \"EME2000\" is not supported: TEME", "MEAN_ELEMENT_THEORY \"SGP4-XP\" is not supported: SGP4"]
+        [
+            "unsupported REF_FRAME \"EME2000\": allowed TEME",
+            "unsupported MEAN_ELEMENT_THEORY \"SGP4-XP\": allowed SGP4"
+        ]
     );
 
     let kvn = String::from_utf8(sample("sample.kvn")).unwrap();
@@ -156,7 +159,7 @@ fn verif_broken_messages_do_not_affect_others() {
         reasons(&catalogue),
         [
             (29, "BSTAR is missing".to_string()),
-            (69, "broken KVN: \"EPOCH 2026-03-20T12:34:56.789760\" is not KEYWORD = value".to_string())
+            (69, "invalid KVN: \"EPOCH 2026-03-20T12:34:56.789760\" is not KEYWORD = value".to_string())
         ]
     );
 }
@@ -166,35 +169,35 @@ fn verif_a_whole_file_fails_with_one_clear_error() {
     let allowed = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
     let packed = gzip(&sample("sample.3le"));
     let cases: [(&[u8], String); 9] = [
-        (b"", format!("test is empty; it should hold element sets as {allowed}")),
-        (b" \r\n\n", format!("test is empty; it should hold element sets as {allowed}")),
-        (&gzip(b""), format!("test is empty; it should hold element sets as {allowed}")),
+        (b"", format!("test is empty; expected element sets as {allowed}")),
+        (b" \r\n\n", format!("test is empty; expected element sets as {allowed}")),
+        (&gzip(b""), format!("test is empty; expected element sets as {allowed}")),
         (
             b"No GP data found",
-            format!("test holds no element sets (it begins \"No GP data found\"); allowed are {allowed}"),
+            format!("test contains no element sets (it begins \"No GP data found\"); allowed: {allowed}"),
         ),
         (
             b"<!DOCTYPE html><html>403</html>",
-            format!("test holds no element sets (it is a web page or another kind of XML); allowed are {allowed}"),
+            format!("test contains no element sets (it is a web page or another kind of XML); allowed: {allowed}"),
         ),
         (
             b"PK\x03\x04zip",
-            format!("test holds no element sets (it is a zip archive; unpack it); allowed are {allowed}"),
+            format!("test contains no element sets (it is a zip archive; unpack it); allowed: {allowed}"),
         ),
-        (b"[]", "test (OMM JSON) holds no usable element set: it has no records".into()),
+        (b"[]", "test (OMM JSON) contains no valid element set: it has no records".into()),
         (
             &LINE1.as_bytes()[..65],
-            "test (TLE) holds no usable element set: 1 rejected, the first at line 1: \
+            "test (TLE) contains no valid element set: 1 rejected, the first at line 1: \
              line 1 of an element set is not followed by its line 2"
                 .into(),
         ),
-        (b"[list]\nx = 1\n", format!("test holds no element sets (it begins \"[list]\"); allowed are {allowed}")),
+        (b"[list]\nx = 1\n", format!("test contains no element sets (it begins \"[list]\"); allowed: {allowed}")),
     ];
     for (bytes, expected) in cases {
         assert_eq!(read(bytes).unwrap_err().to_string(), expected);
     }
     let error = read(&packed[..packed.len() - 12]).unwrap_err().to_string();
-    assert!(error.starts_with("test is a broken gzip file ("), "{error}");
+    assert!(error.starts_with("test is an invalid gzip file ("), "{error}");
 
     let folder = tempfile::tempdir().unwrap();
     let error = Satellites::read(&[folder.path()], &ReadOptions::default()).unwrap_err();

@@ -76,7 +76,7 @@ fn valid_other_files_are_rejected_by_name() {
     let Some(data) = crate::common::data_dir() else { return };
     for name in ["omm/sample_starlink_ephemeris.txt", "history/manoeuvres_Sentinel-6A.yaml", "omm/ccsds_ndm/LICENSE"] {
         let error = Satellites::read(&[data.join("tle").join(name)], &ReadOptions::default()).unwrap_err().to_string();
-        assert!(error.contains(name) && error.contains("holds no element sets"), "{error}");
+        assert!(error.contains(name) && error.contains("contains no element sets"), "{error}");
     }
 }
 

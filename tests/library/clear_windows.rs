@@ -8,7 +8,7 @@ use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Sky, Sk
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, VerdictKind, WindowRequest,
-    WindowTarget, clear_windows, clear_windows_alone, flag_exposures, lowest_altitudes_rad,
+    WindowTarget, clear_windows, clear_windows_without_passes, flag_exposures, lowest_altitudes_rad,
 };
 
 const EXPOSURE_S: f64 = 30.0;
@@ -58,7 +58,7 @@ fn windows(min_altitude_rad: f64, blocking: Blocking, against: &FlagRequest<'_>)
     let report = clear_windows(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
     let by_target = report.expect("windows").by_target;
     assert!(by_target.iter().any(|one| !one.dodged.is_empty()));
-    let alone = clear_windows_alone(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
+    let alone = clear_windows_without_passes(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
     for (alone, one) in alone.expect("windows").by_target.iter().zip(&by_target) {
         assert_eq!((&alone.windows, &alone.observable, alone.dodged.len()), (&one.windows, &one.observable, 0));
     }

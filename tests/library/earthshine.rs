@@ -8,7 +8,7 @@ use streakcast::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use streakcast::geometry::ViewingGeometry;
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::photometry::brdf::{Brdf, Incidence, Lambert, Phong};
-use streakcast::photometry::earthshine::{EARTH_ALBEDO, LitEarth, Shine};
+use streakcast::photometry::earthshine::{EARTH_ALBEDO, LitEarth, PanelEarthshine};
 use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, PhotometryOptions};
 
 /// Specified accuracy of the production rule on a chassis lit only by the Earth, mag.
@@ -30,14 +30,14 @@ fn below(nadir_deg: f64, longitude_deg: f64) -> Vector3<f64> {
 }
 
 /// Light on the chassis; none if no visible ground is lit.
-fn shine(sun_rad: f64, height_km: f64, to_observer: &Vector3<f64>, exponent: f64) -> Shine {
+fn shine(sun_rad: f64, height_km: f64, to_observer: &Vector3<f64>, exponent: f64) -> PanelEarthshine {
     LitEarth::new(sun_rad, height_km).map(|earth| earth.shine(&down(), to_observer, exponent)).unwrap_or_default()
 }
 
 /// The same, computed source by source.
-fn shine_of(sources: &[(Vector3<f64>, f64)], to_observer: &Vector3<f64>, exponent: f64) -> Shine {
+fn shine_of(sources: &[(Vector3<f64>, f64)], to_observer: &Vector3<f64>, exponent: f64) -> PanelEarthshine {
     let mirror = Vector3::new(-to_observer.x, -to_observer.y, to_observer.z);
-    let mut sum = Shine::default();
+    let mut sum = PanelEarthshine::default();
     for (direction, irradiance) in sources {
         let lit = irradiance * -direction.z;
         sum.irradiance += lit;
@@ -74,7 +74,7 @@ fn healpix_earth(sun_rad: f64, height_km: f64, nside: u32) -> Vec<(Vector3<f64>,
 }
 
 /// c5 and c4 of the bundled Starlink V1.5: both terms in one number, without area and cos φ_r.
-fn chassis(shine: &Shine, exponent: f64) -> f64 {
+fn chassis(shine: &PanelEarthshine, exponent: f64) -> f64 {
     0.0915 / PI * shine.irradiance + 0.1889 * (exponent + 2.0) / (2.0 * PI) * shine.lobe
 }
 

@@ -8,6 +8,7 @@ use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
 use streakcast::forecast::{Forecast, ForecastRequest, PassRow, Selection, compass, forecast};
 use streakcast::frames::{EopTable, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
+use streakcast::orbit::DragModel;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
@@ -45,6 +46,7 @@ fn elements(path: &Path, id: u32) -> ElementSet {
 fn sky(elements: Vec<ElementSet>, site: Site) -> Sky {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     Sky::with_models(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice)
+        .with_drag(DragModel::Published)
 }
 
 fn moment(date: &str, clock: &str) -> Epoch {

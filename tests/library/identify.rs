@@ -141,8 +141,8 @@ fn verif_passes_identify_themselves() {
                 MeasuredStreak::from_ends(ends, timed, Timing::FirstToSecond, place, clock_s),
                 MeasuredStreak::from_ends([ends[1], ends[0]], shutter, Timing::Within, place, clock_s),
                 MeasuredStreak::from_ends(ends, timed, Timing::Whole, place, clock_s),
-                MeasuredStreak::from_place(mid.direction, angle, None, shutter, Timing::Within, place, clock_s),
-                MeasuredStreak::from_place(
+                MeasuredStreak::from_middle(mid.direction, angle, None, shutter, Timing::Within, place, clock_s),
+                MeasuredStreak::from_middle(
                     mid.direction,
                     angle,
                     Some(length_rad),

@@ -33,4 +33,5 @@ mod sgp4_verification;
 mod shadow;
 mod shells;
 mod space_observers;
+mod station_keeping;
 mod statistics;

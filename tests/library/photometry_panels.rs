@@ -273,7 +273,7 @@ fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
             &["weight", "11"],
         ),
         (&|s| s["panels"][0]["front"][1] = json!({"law": "retro", "albedo": "c2", "exponent": 2}), &["albedo"]),
-        (&|s| s["panels"][1]["name"] = json!("sail"), &["sail", "names that differ"]),
+        (&|s| s["panels"][1]["name"] = json!("sail"), &["sail", "unique names"]),
         (
             &|s| s["panels"][0]["attitude"] = json!({"law": "fixed", "normal": [0, 0, 1], "v": [0, 1, 1]}),
             &["attitude.v"],
@@ -285,14 +285,14 @@ fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
         (&|s| s["parameters"][0]["name"] = json!("unused"), &["c1", "a number or one of"]),
         (
             &|s| s["parameters"].as_array_mut().unwrap().push(json!({"name": "spare", "value": 1})),
-            &["spare", "refers to"],
+            &["spare", "used by a law"],
         ),
         (
             &|s| {
                 s["conserves_energy"] = json!(true);
                 s["parameters"][1]["value"] = json!(0.95)
             },
-            &["reflected share", "sail"],
+            &["reflected fraction", "sail"],
         ),
         (
             // Directly transmitted light counts too.
@@ -301,7 +301,7 @@ fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
                 s["panels"][0]["through"][0] = json!({"law": "straight", "weight": 0.95, "exponent": 30});
                 s["parameters"].as_array_mut().unwrap().retain(|parameter| parameter["name"] != "c3");
             },
-            &["reflected share", "sail"],
+            &["reflected fraction", "sail"],
         ),
     ];
     for (change, words) in cases {
@@ -532,14 +532,14 @@ fn verif_spheres_add_to_the_panels() {
         (&|s| s["spheres"][1]["albedo"] = json!(-0.1), &["panels.spheres.radiator.albedo", "-0.1"]),
         (&|s| s["spheres"][0]["phase"] = json!("phong"), &["phong", "isotropic"]),
         (&|s| s["spheres"][0]["radius_m"] = json!(1), &["radius_m"]),
-        (&|s| s["spheres"][1]["name"] = json!("antennas"), &["antennas", "names that differ"]),
+        (&|s| s["spheres"][1]["name"] = json!("antennas"), &["antennas", "unique names"]),
         (&|s| s["spheres"][0]["albedo"] = json!(0.3), &["clutter", "a law or a sphere"]),
         (
             &|s| {
                 s["conserves_energy"] = json!(true);
                 s["spheres"][1]["albedo"] = json!(1.5);
             },
-            &["panels.spheres.radiator: reflected share", "1.5"],
+            &["panels.spheres.radiator: reflected fraction", "1.5"],
         ),
     ];
     for (change, words) in cases {

@@ -191,7 +191,7 @@ mod verbs {
         assert_eq!(rows.len(), 6);
         for row in rows {
             println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
-            // A year compared with thirteen nights in its October: docs/statistics.md. The same nights agree within 20
+            // A year compared with thirteen nights in its October: docs/explanation/counts.md. The same nights agree within 20
             // % with the paper's visits.
             let is_year = row["quantity"].as_str().unwrap().contains("of a year");
             let allowed = if is_year { 25.0 } else { 20.0 };

@@ -57,7 +57,7 @@ def meaning_of(starts_s: FloatArray, targets: tuple[int, ...], exposures: Exposu
 
 
 def _is_block(starts_s: FloatArray) -> bool:
-    """Whether the times are start and end, or start, middle and end of a block."""
+    """True for two times (start and end of a block) and for three evenly spaced ones (start, middle, end)."""
     steps_s = np.diff(starts_s)
     return len(steps_s) == 1 or (len(steps_s) == 2 and bool(abs(steps_s[1] - steps_s[0]) < MIDDLE_TOLERANCE_S))
 

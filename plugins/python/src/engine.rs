@@ -15,7 +15,7 @@ use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, Sna
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict, VerdictKind,
-    WindowRequest, WindowTarget, clear_windows_alone, flag_exposures, flag_table, judge_exposures, streak_table,
+    WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures, streak_table,
 };
 
 use crate::columns::{columns, times};
@@ -410,7 +410,7 @@ impl Engine {
                     WindowTarget { exposure: Exposure { duration_s: exposure_s, ..time }, band }
                 };
                 let targets: Vec<WindowTarget> = indices.iter().map(target).collect();
-                let report = clear_windows_alone(&targets, first, last, &request).map_err(failure::request)?;
+                let report = clear_windows_without_passes(&targets, first, last, &request).map_err(failure::request)?;
                 warnings.extend(left_out(&prepared, &report.left_out, first)?);
                 for (index, target) in indices.into_iter().zip(report.by_target) {
                     found.extend(target.windows.into_iter().map(|window| (index, window)));

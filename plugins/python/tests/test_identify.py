@@ -128,7 +128,7 @@ def test_invalid_streaks_are_reported(sky, tmp_path):
         (dict(ends=ends, times=[START]), "times: 1; allowed: two"),
         (dict(ends=ends, times=[START, START]), "the second is 0 s after the first"),
         (dict(ends=ends, times=[START, START], **shutter), "times exclude start, exposure and whole_streak"),
-        (dict(ends=(ends[0], ends[0]), **shutter), "both ends of the streak are at one place"),
+        (dict(ends=(ends[0], ends[0]), **shutter), "both ends of the streak are at the same position"),
         (dict(ends=(ends[0],), **shutter), "allowed: two positions"),
         (dict(ends=((10, 80), (11, 80)), **shutter), "the streak is below the horizon of Rubin Observatory"),
         (dict(ends=ends, place_sigma=0.0, **shutter), "place_sigma 0.0 arcsec; allowed: above 0 arcsec"),
@@ -140,7 +140,7 @@ def test_invalid_streaks_are_reported(sky, tmp_path):
         (dict(pixels=((1, 2), (3, 4)), **shutter), "missing frame: pixels require it"),
         (dict(pixels=((1, 2, 3), (3, 4, 5)), frame="x.fits"), "allowed: two pairs"),
         (dict(pixels=((1, 2), (3, 4)), frame="x.fits", origin=2), "origin 2; allowed: 0, 1"),
-        (dict(region=region, **shutter), "a.reg: line 2: 'circle' is not read"),
+        (dict(region=region, **shutter), "a.reg: line 2: unsupported shape 'circle'"),
         (dict(region="missing.reg", **shutter), "missing.reg"),
         (dict(ends=ends, top=0, **shutter), "top 0; allowed: 1 or more"),
     ]

@@ -51,7 +51,7 @@ def test_a_night_shows_the_number_of_struck_exposures(model):
     flags = model.flags(TARGET, start, 30.0, scale="utc")
     svg = rendered_svg(plots.night(flags, start, 30.0, limit_mag=7.0, utc_offset=-4, scale="utc"))
     struck = int(np.sum(np.asarray(flags["n_streaks"]) > 0))
-    assert struck > 0 and f"20 exposures, {struck} struck" in svg
+    assert struck > 0 and f"20 exposures, {struck} with streaks" in svg
     assert "UTC, 2026-08-14" in svg and "local time (UTC−4), 2026-08-14" in svg
 
 
@@ -92,9 +92,9 @@ def test_a_forecast_over_the_sky_and_in_time(model, output):
 
 def test_rates_and_the_sun():
     svg = rendered_svg(plots.sky_rate(np.arange(4), [0.0, 1.0, 2.0, 0.5], nside=4, sun_azimuth_deg=250.0))
-    assert "not asked" in svg
+    assert "not computed" in svg
     svg = rendered_svg(plots.sun_altitude(-np.arange(40.0), np.ones(40), n_bright=np.zeros(40), limit_mag=7))
-    assert "40 exposures, 1.00 trails each on average" in svg and "brighter than 7 mag" in svg
+    assert "40 exposures, 1.00 trails per exposure on average" in svg and "brighter than 7 mag" in svg
 
 
 def test_invalid_charts_are_reported():

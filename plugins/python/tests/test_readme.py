@@ -1,19 +1,22 @@
-"""The README's example prints the output shown there."""
+"""Examples of the READMEs: the Python code runs and prints what the page shows."""
 
 import contextlib
 import io
 import re
 
+import pytest
 from conftest import ROOT
 
-README = ROOT / "plugins" / "python" / "README.md"
+PAGES = [ROOT / "README.md", ROOT / "plugins" / "python" / "README.md"]
 
 
-def test_the_readmes_example():
-    text = README.read_text()
-    code = re.search(r"```python\n(.*?)```", text, re.DOTALL).group(1)
-    expected = re.search(r"```text\n(.*?)```", text, re.DOTALL).group(1)
-    printed = io.StringIO()
-    with contextlib.redirect_stdout(printed):
-        exec(code, {})  # noqa: S102
-    assert printed.getvalue() == expected
+@pytest.mark.parametrize("page", PAGES, ids=["project", "wheel"])
+def test_examples_print_what_the_page_shows(page):
+    examples = re.findall(r"```python\n(.*?)```\n(?:\n```text\n(.*?)```)?", page.read_text(), re.DOTALL)
+    assert examples
+    names = {}
+    for code, shown in examples:
+        printed = io.StringIO()
+        with contextlib.redirect_stdout(printed):
+            exec(code, names)  # noqa: S102
+        assert printed.getvalue() == shown

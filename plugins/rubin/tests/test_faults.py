@@ -178,7 +178,7 @@ def test_an_unreadable_site_is_logged(ready, model, take_over, blocked, caplog):
     site = scheduler.conditions.site
 
     class Hidden:
-        """The site of rubin_scheduler without its latitude in degrees."""
+        """rubin_scheduler's site, except that reading `latitude` raises an error."""
 
         def __getattr__(self, name):
             if name == "latitude":

@@ -79,7 +79,12 @@ impl Config {
         let given = self.model_choice();
         let is_readable = given.is_ok();
         let Some(choice) = given.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };
-        let state = ElementState::of(&catalogue, &choice, now);
+        let drag = self.drag();
+        if let Err(error) = &drag {
+            let remedy = "specify --drag station-keeping or --drag published";
+            health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
+        }
+        let state = ElementState::of(&catalogue, &choice, drag.unwrap_or_default(), now);
         health.findings.extend(state.findings(&catalogue, now, source));
         if is_readable {
             health.findings.push(state.model_finding());

@@ -8,7 +8,7 @@ use super::finding::{Finding, MomentSource, Severity};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Generation, GenerationTable, Satellites};
 use crate::frames::seconds_between;
-use crate::orbit::{OrbitClass, uncertainty};
+use crate::orbit::{DragModel, OrbitClass, uncertainty};
 use crate::output::format_utc;
 use crate::passes::ModelChoice;
 
@@ -66,12 +66,15 @@ pub struct ElementState {
 
 impl ElementState {
     /// Returns the state of a catalogue with the models of `choice`.
-    pub fn of(catalogue: &Satellites, choice: &ModelChoice, now: Epoch) -> Self {
+    pub fn of(catalogue: &Satellites, choice: &ModelChoice, drag: DragModel, now: Epoch) -> Self {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
-        let sigmas: Vec<f64> =
-            sets.iter().zip(&ages).map(|(set, age)| uncertainty(OrbitClass::of(set), *age).along_track_s).collect();
+        let sigmas: Vec<f64> = sets
+            .iter()
+            .zip(&ages)
+            .map(|(set, age)| uncertainty(OrbitClass::of(set, drag), *age).along_track_s)
+            .collect();
         let table = GenerationTable::embedded();
         let mut kinds = BTreeMap::new();
         let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();

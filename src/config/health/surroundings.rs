@@ -89,7 +89,9 @@ pub(super) fn policy(config: &Config) -> Finding {
     const SUBJECT: &str = "policy";
     let policy = match config.policy() {
         Ok(policy) => policy,
-        Err(error) => return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/policy.md"),
+        Err(error) => {
+            return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/reference/configuration.md");
+        }
     };
     // In one line, as in its file.
     let keys: Vec<String> = match serde_json::to_value(&policy) {
@@ -192,7 +194,7 @@ pub(super) fn camera(config: &Config) -> Vec<Finding> {
         [("photometry", config.photometry().map(drop)), ("models", config.model_choice().map(drop))]
     {
         if let Err(error) = answer {
-            found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/models.md"));
+            found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/reference/model-files.md"));
         }
     }
     found

@@ -8,16 +8,16 @@ use super::photometry::{Photometry, in_v};
 use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
 
-/// Largest mean difference from measurements of a good model, mag. Unfiltered AB magnitudes and V (Vega) differ by 0.02 to 0.2 mag for solar
-/// colours, and single surveys of one satellite type by as much again.
+/// Largest mean difference from measurements of a good model, mag. Unfiltered AB magnitudes and V (Vega) differ by 0.02
+/// to 0.2 mag for solar colours, and surveys of one satellite type differ by the same amount.
 pub const OFFSET_TOLERANCE_MAG: f64 = 0.3;
 
-/// Largest core of a good model, in units of the sigma in its file. Sigma holds 68.3 % of single magnitudes, and so does the core of a normal
-/// distribution: 0.7 mag found for 0.6 mag stated is acceptable, twice the stated sigma is not.
+/// Largest core of a good model, in units of the sigma in its file. Sigma contains 68.3 % of single magnitudes, and so
+/// does the core of a normal distribution: 0.7 mag for a stated 0.6 mag is acceptable, twice the stated sigma is not.
 const CORE_TOLERANCE_SIGMA: f64 = 1.15;
 
-/// Largest RMS of a good model, in the same units. Flares and misidentified satellites make wings, which raise the RMS above the sigma that
-/// holds 68.3 %; above twice that sigma the wings dominate.
+/// Largest RMS of a good model, in the same units. Flares and misidentified satellites cause wings, which raise the RMS
+/// above the sigma that contains 68.3 %; above twice that sigma the wings dominate.
 const RMS_TOLERANCE_SIGMA: f64 = 2.0;
 
 /// Kind of a reference.
@@ -47,9 +47,9 @@ impl ReferenceKind {
 /// Result of a comparison.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Within the tolerances of [`compare`].
+    /// Agreement within the tolerances of [`compare`].
     Ok,
-    /// Beyond them.
+    /// Outside the tolerances.
     Off,
     /// No data to compare with.
     NoData,
@@ -65,7 +65,8 @@ impl Verdict {
     }
 }
 
-/// One model and one reference. Magnitudes are V (Vega) at 1000 km, whatever the model's own band; differences are reference minus model.
+/// One model and one reference. Magnitudes are V (Vega) at 1000 km for any band of the model; differences are reference
+/// minus model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Name of the model.
@@ -76,15 +77,15 @@ pub struct Comparison {
     pub kind: ReferenceKind,
     /// Publication of the reference; empty for none.
     pub reference: &'static str,
-    /// Geometries or measurements compared.
+    /// Number of geometries or measurements compared.
     pub n: usize,
     /// Mean of the model over them, mag.
     pub model_mean_mag: Option<f64>,
-    /// Its standard deviation over them, mag.
+    /// Standard deviation of the model over them, mag.
     pub model_sd_mag: Option<f64>,
     /// Mean of the reference: as published, or over the same geometries or measurements, mag.
     pub reference_mean_mag: Option<f64>,
-    /// Its standard deviation, mag.
+    /// Standard deviation of the reference, mag.
     pub reference_sd_mag: Option<f64>,
     /// Mean of reference minus model, mag.
     pub difference_mag: Option<f64>,
@@ -94,10 +95,10 @@ pub struct Comparison {
     pub core_mag: Option<f64>,
     /// Sigma of a single prediction in the model's file, mag.
     pub sigma_mag: f64,
-    /// Share of reference minus model within that sigma; against a mean, share of the model's magnitudes within the published standard
-    /// deviation of the published mean.
+    /// Fraction of reference minus model within that sigma; against a mean, fraction of the model's magnitudes within
+    /// the published standard deviation of the published mean.
     pub within_one_sigma: Option<f64>,
-    /// Whether the two agree.
+    /// Result of the comparison.
     pub verdict: Verdict,
 }
 
@@ -105,12 +106,12 @@ pub struct Comparison {
 ///
 /// The model's name or an alias selects the references. The model agrees
 ///
-/// * with a published mean if the means differ by no more than the standard deviation of the survey, whose geometries differ from those of
-///   the population;
-/// * with a published curve if the mean and the RMS of the differences are no more than that: the survey itself scatters as much about its curve,
-///   and a model with more angles than the phase deviates from it;
-/// * with measurements if the mean differs by no more than [`OFFSET_TOLERANCE_MAG`], the core is no more than 1.15 and the RMS no more than 2
-///   times the sigma in the model's file.
+/// * with a published mean if the means differ by no more than the standard deviation of the survey, whose geometries
+///   differ from those of the population;
+/// * with a published curve if the mean and the RMS of the differences are no more than that: the survey itself
+///   scatters as much about its curve, and a model with more angles than the phase deviates from it;
+/// * with measurements if the mean differs by no more than [`OFFSET_TOLERANCE_MAG`], the core is no more than 1.15 and
+///   the RMS no more than 2 times the sigma in the model's file.
 ///
 /// Returns at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
@@ -235,7 +236,7 @@ const COLUMNS: [Column; 15] = [
     Column::new("satellites", Kind::Text, "Satellites that the model describes; empty if its name is unknown."),
     Column::new("kind", Kind::Text, "Kind of reference: mean, phase curve, photometry, none."),
     Column::new("reference", Kind::Text, "Publication of the reference."),
-    Column::new("n", Kind::Integer, "Geometries or measurements compared."),
+    Column::new("n", Kind::Integer, "Number of geometries or measurements compared."),
     Column::real("model_mean_mag", "mag", 3, "Mean of the model over them, at 1000 km."),
     Column::real("model_sd_mag", "mag", 3, "Standard deviation of the model over them."),
     Column::real("reference_mean_mag", "mag", 3, "Mean of the reference, at 1000 km."),
@@ -248,7 +249,7 @@ const COLUMNS: [Column; 15] = [
         "within_one_sigma",
         "",
         3,
-        "Share within that sigma; against a mean, share of the model within the published standard deviation of it.",
+        "Fraction within that sigma; against a mean, fraction of the model within its published standard deviation.",
     ),
     Column::new("verdict", Kind::Text, "ok, off, or no data."),
 ];

@@ -68,7 +68,7 @@ impl DataSet {
         match self {
             Self::Pomenis => read_survey(path, Format::Pomenis, None),
             Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
-            // Without element sets: circular orbits at the height that was used in the fit.
+            // Without element sets: circular orbits at the height used in the fit.
             Self::Mmt9VisorSat => read_survey(path, Format::Mmt, Some(540.0)),
             Self::Mmt9OneWeb => read_survey(path, Format::Mmt, Some(1200.0)),
             Self::Mmt9IridiumNext => read_survey(path, Format::Mmt, Some(780.0)),
@@ -81,7 +81,7 @@ impl DataSet {
 /// One published magnitude to compare a model with.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ReferenceMeasurement {
-    /// At 1000 km, taken as V (Vega), although some surveys are unfiltered.
+    /// Magnitude at 1000 km, taken as V (Vega), although some surveys are unfiltered.
     pub magnitude: StandardMagnitude,
     /// Angle Sun-satellite-observer, [0, π], radians.
     pub phase_rad: f64,
@@ -90,7 +90,8 @@ pub struct ReferenceMeasurement {
 }
 
 impl ReferenceMeasurement {
-    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the model needs unknown angles.
+    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the
+    /// model requires unknown angles.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
@@ -98,19 +99,20 @@ impl ReferenceMeasurement {
     }
 }
 
-/// Magnitude of a model in full sunlight at 1000 km, brought from its own band to V (Vega).
+/// Magnitude of a model in full sunlight at 1000 km, converted from its own band to V (Vega).
 pub(super) fn in_v(model: &BrightnessModel, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
     let colour_mag = model.colour_to_mag(Band::V, MagSystem::Vega);
     model.standard_magnitude(geometry).map(|magnitude| StandardMagnitude(magnitude.0 + colour_mag))
 }
 
-/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to 90°, opposite beyond.
+/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to
+/// 90°, opposite beyond.
 fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     let (longitude, latitude) = if phase_rad <= FRAC_PI_2 { (0.0, -phase_rad) } else { (PI, phase_rad - PI) };
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// All rows through the survey's usual filter in full sunlight (100 km rule of the paper).
+/// All rows in the survey's usual filter in full sunlight (100 km rule of the paper).
 fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, FitError> {
     let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
     let mut reader = RecordReader::open(&[path], &options)?;
@@ -127,9 +129,9 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Ve
     Ok(points.collect())
 }
 
-/// Amateurs' standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
+/// Standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
 ///
-/// The name decides: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
+/// Selection by name: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
 fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, FitError> {
     let unreadable = |problem: String| FitError::CheckUnreadable { path: path.to_owned(), problem };
     let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
@@ -138,8 +140,8 @@ fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurem
     let table = StandardMagnitudes::from_qs_mag(&text).map_err(|error| unreadable(error.to_string()))?;
     let listed = text.lines().filter_map(|line| {
         let (id, name) = (line.get(0..5)?.trim().parse().ok()?, line.get(18..33)?);
-        let wanted = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
-        let magnitude = table.get(id).filter(|_| wanted)?;
+        let selected = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
+        let magnitude = table.get(id).filter(|_| selected)?;
         Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None })
     });
     Ok(listed.collect())
@@ -173,7 +175,7 @@ impl Photometry {
         Ok(Self { sets })
     }
 
-    /// The measurements of one set; `None` if its file was missing.
+    /// The measurements of one set; `None` if its file is missing.
     pub fn get(&self, set: DataSet) -> Option<&[ReferenceMeasurement]> {
         self.sets.get(&set).map(Vec::as_slice)
     }

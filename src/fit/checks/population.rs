@@ -5,9 +5,10 @@
 //!                         sky element     on the shell   satellites there
 //! ```
 //!
-//! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the satellite and i the
-//! inclination: a sky element covers ρ²/cos θ of the shell, and the last factor is the density of circular orbits with evenly spread nodes
-//! and satellites. Observer on a sphere of 6378.137 km; the shadow is that of the ellipsoid.
+//! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the satellite
+//! and i the inclination: a sky element covers ρ²/cos θ of the shell, and the last factor is the density of circular
+//! orbits with evenly spread nodes and satellites. Observer on a sphere of 6378.137 km; the shadow is that of the
+//! ellipsoid.
 
 use nalgebra::Vector3;
 
@@ -18,7 +19,7 @@ use crate::geometry::{ViewingGeometry, illumination};
 /// Description of the population for the provenance of tables.
 pub const POPULATION: &str = "satellites of the shell in full sunlight above 30 deg altitude, site at latitude 40 deg, equinox, \
                               Sun's altitude from -12 to -30 deg in even steps of time; magnitudes at 1000 km by sunlight";
-/// Latitude of the site, degrees; north or south is the same at the equinox.
+/// Latitude of the site, degrees; equal for north and south at the equinox.
 const SITE_LATITUDE_DEG: f64 = 40.0;
 /// Least altitude of a satellite, degrees.
 const LEAST_ALTITUDE_DEG: f64 = 30.0;
@@ -28,8 +29,8 @@ const SUN_ALTITUDES_DEG: [f64; 2] = [-12.0, -30.0];
 /// Numbers of equal steps in time, altitude and azimuth; geometries are taken at their middles.
 const STEPS: [usize; 3] = [12, 30, 72];
 
-/// Geometries of circular orbits `height_km` above 6378.137 km with this inclination, degrees, [0, 180], each with its weight: the number of
-/// satellites there, in an arbitrary unit.
+/// Geometries of circular orbits `height_km` above 6378.137 km with this inclination, degrees, [0, 180], each weighted
+/// by the number of satellites, in an arbitrary unit.
 ///
 /// Empty if no satellite is in this part of the sky, or if all are in the shadow.
 pub(super) fn shell_geometries(height_km: f64, inclination_deg: f64) -> Vec<(ViewingGeometry, f64)> {
@@ -77,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_geometries_stand_where_they_should() {
+    fn verif_geometries_are_in_the_expected_range() {
         let geometries = shell_geometries(550.0, 53.0);
         assert!(geometries.len() > 10_000, "{}", geometries.len());
         for (geometry, weight) in &geometries {
@@ -91,9 +92,9 @@ mod tests {
     }
 
     #[test]
-    fn verif_weights_add_up_to_the_satellites_there_are() {
-        // A polar shell has the density 1/cos φ: compared with a sum over cells of longitude and latitude about the Earth's axis, which
-        // knows neither altitudes nor ranges. High enough for the cone to be large.
+    fn verif_weights_sum_to_the_number_of_satellites() {
+        // A polar shell has the density 1/cos φ: compared with a sum over cells of longitude and latitude about the
+        // Earth's axis, without altitudes and ranges. The height is large so that the cone is large.
         let height_km = 20_000.0;
         let seen: f64 = shell_geometries(height_km, 90.0).iter().map(|(_, weight)| weight).sum();
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
@@ -107,12 +108,12 @@ mod tests {
             for (i, j) in (0..steps).flat_map(|i| (0..steps).map(move |j| (i, j))) {
                 let latitude = std::f64::consts::PI * ((i as f64 + 0.5) / steps as f64 - 0.5);
                 let longitude = std::f64::consts::TAU * (j as f64 + 0.5) / steps as f64;
-                let place =
+                let position =
                     Vector3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin())
                         * radius_km;
                 let up = Vector3::new(site.cos(), 0.0, site.sin());
-                let sight = (place - up * EARTH_EQUATORIAL_RADIUS_KM).normalize();
-                let lit = illumination(&Position::from_vector(place), &sun).lit_fraction() >= 1.0;
+                let sight = (position - up * EARTH_EQUATORIAL_RADIUS_KM).normalize();
+                let lit = illumination(&Position::from_vector(position), &sun).lit_fraction() >= 1.0;
                 if sight.dot(&up) > LEAST_ALTITUDE_DEG.to_radians().sin() && lit {
                     // Area r² cos φ dφ dλ times density 1/cos φ.
                     expected +=
@@ -122,7 +123,7 @@ mod tests {
         }
         let least = LEAST_ALTITUDE_DEG.to_radians();
         let element = (std::f64::consts::FRAC_PI_2 - least) / STEPS[1] as f64 * std::f64::consts::TAU / STEPS[2] as f64;
-        // The steps of both grids at the borders of the cone and of the shadow, and the density near the pole.
+        // Step sizes of both grids at the borders of the cone and of the shadow, and the density near the pole.
         const GRID_TOLERANCE: f64 = 0.01;
         assert!((seen * element / expected - 1.0).abs() < GRID_TOLERANCE, "{} {expected}", seen * element);
     }

@@ -6,7 +6,8 @@ use crate::photometry::ModelFile;
 
 use super::photometry::DataSet;
 
-/// Standard deviation assumed for a survey that states none, mag. Published values are 0.64 to 0.86, larger for satellites at many heights.
+/// Standard deviation assumed for a survey without a stated one, mag. Published values are 0.64 to 0.86, larger for
+/// satellites at many heights.
 const USUAL_SURVEY_SD_MAG: f64 = 0.7;
 
 /// Mean of a survey.
@@ -27,7 +28,7 @@ impl PublishedMean {
     }
 }
 
-/// Polynomial in the angle Sun-satellite-observer.
+/// Polynomial in the Sun-satellite-observer angle.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct PublishedCurve {
     /// Coefficients of φ⁰, φ¹, … with φ in degrees, mag.
@@ -40,7 +41,7 @@ impl PublishedCurve {
     /// Range of validity of the polynomials, degrees.
     const PHASES_DEG: [f64; 2] = [30.0, 150.0];
 
-    /// Magnitude at 1000 km; `None` outside of [`Self::PHASES_DEG`].
+    /// Magnitude at 1000 km; `None` outside [`Self::PHASES_DEG`].
     pub fn at(&self, phase_angle_rad: f64) -> Option<f64> {
         let phase = phase_angle_rad.to_degrees();
         let [least, greatest] = Self::PHASES_DEG;
@@ -67,12 +68,13 @@ pub(super) struct Subject {
 }
 
 impl Subject {
-    /// Standard deviation of single magnitudes in the survey of the curve, mag: that of the first mean, which is from the same survey.
+    /// Standard deviation of single magnitudes in the survey of the curve, mag: that of the first mean, which is from
+    /// the same survey.
     pub fn survey_sd_mag(&self) -> f64 {
         self.means.first().map_or(USUAL_SURVEY_SD_MAG, PublishedMean::survey_sd_mag)
     }
 
-    /// Satellites of a model file, by its name first and then by its aliases; the longest matching name wins.
+    /// Satellites of a model file, by its name first and then by its aliases; the longest matching name is used.
     pub fn of(file: &ModelFile) -> Option<&'static Self> {
         std::iter::once(&file.name).chain(&file.aliases).find_map(|name| Self::by_name(name))
     }
@@ -212,7 +214,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_the_longest_name_counts_and_part_of_a_word_does_not() {
+    fn verif_the_longest_name_matches_and_part_of_a_word_does_not() {
         let name = |model: &str| Subject::by_name(model).map(|subject| subject.name);
         assert_eq!(name("starlink-v1.5-phase"), Some("Starlink V1.5"));
         assert_eq!(name("v2mini-panels"), Some("Starlink V2 Mini"));
@@ -222,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_curves_end_where_they_are_no_longer_believed() {
+    fn verif_curves_end_at_their_range_of_validity() {
         let curve = SUBJECTS[1].curve.expect("VisorSat has one");
         // 5.732 + 3.0168 - 1.4337
         assert!((curve.at(90_f64.to_radians()).expect("in range") - 7.3151).abs() < 1e-9);

@@ -1,18 +1,14 @@
-//! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010, CAMCoS 5, 65).
+//! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010,
+//! CAMCoS 5, 65).
 //!
-//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on [1/a, a]; the move is
-//! accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013). Half of the walkers move at a time, so that
-//! their probabilities are computed together ([`LogProbability::of_many`]). Each walker and step has its own random numbers, so that the chain
-//! does not depend on the number of threads, and a continued chain equals an uninterrupted one.
+//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on
+//! [1/a, a]; the move is accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013).
+//! Half of the walkers move at a time, so that their probabilities are computed together ([`LogProbability::of_many`]).
+//! Each walker and step has its own random numbers, so that the chain does not depend on the number of threads, and a
+//! continued chain equals an uninterrupted one.
 //!
-//! The stretch move of Goodman and Weare (2010, CAMCoS 5, 65), as emcee makes it (Foreman-Mackey et al. 2013).
-//!
-//! A walker is moved along the line to another one of the other half: y = c + z (x - c), z drawn from g(z) ∝ 1/√z on [1/a, a],
-//! and the move accepted with the probability min(1, z^(n-1) p(y)/p(x)).
-//!
-//! How many steps of a chain make one independent draw.
-//!
-//! The integrated autocorrelation time by Sokal's windows (1989 lectures, section 3), averaged over walkers as emcee does:
+//! The integrated autocorrelation time of a chain follows Sokal's windows (1989 lectures, section 3), averaged over
+//! walkers as in emcee:
 //!
 //! ```text
 //! τ(M) = 1 + 2 Σ_{t=1..M} ρ(t),   M the least with M ≥ 5 τ(M)
@@ -25,8 +21,8 @@ use super::super::error::FitError;
 
 /// Logarithm of a probability density, up to a constant.
 pub trait LogProbability: Sync {
-    /// Values at several places; -∞ or NaN where the probability is zero.
-    fn of_many(&self, places: &[Vec<f64>]) -> Vec<f64>;
+    /// Values at several positions; -∞ or NaN where the probability is zero.
+    fn of_many(&self, positions: &[Vec<f64>]) -> Vec<f64>;
 }
 
 /// Samples of an ensemble.
@@ -35,7 +31,7 @@ pub struct Chain {
     walkers: usize,
     parameters: usize,
     /// `(n_step, n_walker, n_param)`, the last index fastest.
-    places: Vec<f64>,
+    positions: Vec<f64>,
     /// `(n_step, n_walker)`.
     log_probabilities: Vec<f64>,
     /// Accepted proposals, `(n_walker)`.
@@ -50,7 +46,7 @@ impl Chain {
     pub fn from_parts(
         walkers: usize,
         parameters: usize,
-        places: Vec<f64>,
+        positions: Vec<f64>,
         log_probabilities: Vec<f64>,
         accepted: Vec<u64>,
     ) -> Result<Self, FitError> {
@@ -58,11 +54,11 @@ impl Chain {
             && parameters > 0
             && accepted.len() == walkers
             && log_probabilities.len().is_multiple_of(walkers)
-            && places.len() == log_probabilities.len() * parameters;
+            && positions.len() == log_probabilities.len() * parameters;
         if !fits {
-            return Err(FitError::ChainShape { given: places.len(), walkers, parameters });
+            return Err(FitError::ChainShape { given: positions.len(), walkers, parameters });
         }
-        Ok(Self { walkers, parameters, places, log_probabilities, accepted })
+        Ok(Self { walkers, parameters, positions, log_probabilities, accepted })
     }
 
     /// Number of steps.
@@ -80,15 +76,15 @@ impl Chain {
         self.parameters
     }
 
-    /// Place of a walker after a step.
+    /// Position of a walker after a step.
     pub fn at(&self, step: usize, walker: usize) -> &[f64] {
         let from = (step * self.walkers + walker) * self.parameters;
-        &self.places[from..from + self.parameters]
+        &self.positions[from..from + self.parameters]
     }
 
-    /// All places, `(n_step, n_walker, n_param)`, the last index fastest.
-    pub fn places(&self) -> &[f64] {
-        &self.places
+    /// All positions, `(n_step, n_walker, n_param)`, the last index fastest.
+    pub fn positions(&self) -> &[f64] {
+        &self.positions
     }
 
     /// All log probabilities, `(n_step, n_walker)`.
@@ -101,7 +97,7 @@ impl Chain {
         &self.accepted
     }
 
-    /// Share of accepted proposals.
+    /// Fraction of accepted proposals.
     pub fn acceptance(&self) -> f64 {
         let proposals = self.log_probabilities.len().max(1);
         self.accepted.iter().sum::<u64>() as f64 / proposals as f64
@@ -109,8 +105,8 @@ impl Chain {
 
     /// Samples of one parameter after `burn_in` steps, all walkers, step by step.
     pub fn column(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
-        let from = (burn_in * self.places.len() / self.steps().max(1)).min(self.places.len());
-        self.places[from..].iter().skip(parameter).step_by(self.parameters).copied().collect()
+        let from = (burn_in * self.positions.len() / self.steps().max(1)).min(self.positions.len());
+        self.positions[from..].iter().skip(parameter).step_by(self.parameters).copied().collect()
     }
 
     /// Sorted samples of one parameter after `burn_in` steps.
@@ -153,13 +149,13 @@ pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), FitError> 
 pub(in crate::fit) struct Ensemble<'a, P> {
     posterior: &'a P,
     seed: u64,
-    places: Vec<Vec<f64>>,
+    positions: Vec<Vec<f64>>,
     log_probabilities: Vec<f64>,
     chain: Chain,
 }
 
 impl<'a, P: LogProbability> Ensemble<'a, P> {
-    /// Ensemble with one walker at each starting place.
+    /// Ensemble with one walker at each starting position.
     ///
     /// # Errors
     /// [`FitError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
@@ -174,7 +170,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
             return Err(FitError::WalkerStart { walker, place: starts[walker].clone() });
         }
         let chain = Chain { walkers, parameters, accepted: vec![0; walkers], ..Chain::default() };
-        Ok(Self { posterior, seed, places: starts, log_probabilities, chain })
+        Ok(Self { posterior, seed, positions: starts, log_probabilities, chain })
     }
 
     /// Continues a chain of the same posterior and seed.
@@ -191,7 +187,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
 
     /// Moves every walker once.
     pub fn step(&mut self) {
-        let walkers = self.places.len();
+        let walkers = self.positions.len();
         let step = self.chain.steps();
         for half in 0..2 {
             // Even walkers against odd ones, then odd against even.
@@ -202,7 +198,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
             for &walker in &moved {
                 let [uniform, other, decision] = draws(self.seed, walker, step);
                 let other = 1 - half + 2 * ((other * (walkers / 2) as f64) as usize);
-                let proposal = propose(&self.places[walker], &self.places[other], uniform);
+                let proposal = propose(&self.positions[walker], &self.positions[other], uniform);
                 factors.push(proposal.log_factor);
                 proposals.push(proposal.to);
                 decisions.push(decision);
@@ -211,13 +207,13 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
             for (k, (walker, to)) in moved.into_iter().zip(proposals).enumerate() {
                 // ln q = (n - 1) ln z + ln p(y) - ln p(x); a comparison with NaN is false
                 if decisions[k].ln() < factors[k] + values[k] - self.log_probabilities[walker] {
-                    self.places[walker] = to;
+                    self.positions[walker] = to;
                     self.log_probabilities[walker] = values[k];
                     self.chain.accepted[walker] += 1;
                 }
             }
         }
-        self.places.iter().for_each(|place| self.chain.places.extend_from_slice(place));
+        self.positions.iter().for_each(|place| self.chain.positions.extend_from_slice(place));
         self.chain.log_probabilities.extend_from_slice(&self.log_probabilities);
     }
 
@@ -253,7 +249,7 @@ struct Proposal {
     log_factor: f64,
 }
 
-/// Proposal from a walker's place and one of the other half, by a uniform number from [0, 1).
+/// Proposal from a walker's position and one of the other half, by a uniform number from [0, 1).
 fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
     // z = ((a - 1) u + 1)² / a
     let z = ((SCALE - 1.0) * uniform + 1.0).powi(2) / SCALE;
@@ -263,7 +259,7 @@ fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
 
 /// c of the window M ≥ c τ(M).
 const WINDOW: f64 = 5.0;
-/// Least number of τ in a chain whose τ is reliable.
+/// Least number of τ in a chain with a reliable τ.
 const TRUSTED: f64 = 50.0;
 
 /// Integrated autocorrelation time of one parameter.
@@ -275,8 +271,8 @@ pub struct AutocorrelationTime {
     pub is_trusted: bool,
 }
 
-/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window (1989 lectures,
-/// section 3).
+/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window
+/// (1989 lectures, section 3).
 pub fn autocorrelation_times(chain: &Chain, burn_in: usize) -> Vec<AutocorrelationTime> {
     let steps = chain.steps().saturating_sub(burn_in);
     (0..chain.parameters())

@@ -1,11 +1,13 @@
 //! Levenberg-Marquardt minimisation between bounds.
 //!
-//! Each step minimises the quadratic model of the cost, damped along its diagonal, within the bounds ([`minimise_in_box`]), so that the step
-//! itself holds unknowns at a bound or releases them. Damping follows the ratio of the actual to the predicted decrease (Nielsen 1999, IMM-REP-1999-05; Madsen, Nielsen and Tingleff 2004, eq. 3.17).
+//! Each step minimises the quadratic model of the cost, damped along its diagonal, within the bounds
+//! ([`minimise_in_box`]), so that the step itself holds unknowns at a bound or releases them. Damping follows the ratio
+//! of the actual to the predicted decrease (Nielsen 1999, IMM-REP-1999-05; Madsen, Nielsen and Tingleff 2004, eq.
+//! 3.17).
 //!
-//! The step minimises q(x) = ½ xᵀ A x - bᵀ x for least ≤ x ≤ greatest, A symmetric and positive definite, by an active-set method (Stark and
-//! Parker 1995, Computational Statistics 10, 129, on the normal equations): unknowns are held at a bound while the gradient points beyond it,
-//! and the others are solved for. It suits some ten unknowns.
+//! The step minimises q(x) = ½ xᵀ A x - bᵀ x for least ≤ x ≤ greatest, A symmetric and positive definite, by an
+//! active-set method (Stark and Parker 1995, Computational Statistics 10, 129, on the normal equations): unknowns are
+//! held at a bound while the gradient points beyond it, and the others are solved for. It suits some ten unknowns.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -20,11 +22,11 @@ pub trait NormalEquations: Sync {
 /// Stopping rules.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LeastSquares {
-    /// Most evaluations of the cost.
+    /// Largest number of evaluations of the cost.
     pub greatest_evaluations: usize,
-    /// Stops at a step whose actual and predicted decrease are less than this share of the cost.
+    /// Largest relative decrease of the cost, actual and predicted, at which the descent stops.
     pub cost_tolerance: f64,
-    /// Stops at a step shorter than this share of each unknown.
+    /// Largest relative change of each unknown at which the descent stops.
     pub step_tolerance: f64,
 }
 
@@ -83,8 +85,8 @@ pub(in crate::fit) fn minimise(
         // min ½ pᵀ (H + λ diag H) p + gᵀ p,  least - x ≤ p ≤ greatest - x
         let mut damped = curvature.clone();
         (0..n).for_each(|i| damped[(i, i)] += damping * curvature[(i, i)].max(f64::MIN_POSITIVE));
-        let room = |bound: &[f64]| bound.iter().zip(&x).map(|(bound, x)| bound - x).collect::<Vec<f64>>();
-        let Some(step) = minimise_in_box(&damped, &-&slope, &room(least), &room(greatest), &vec![0.0; n]) else {
+        let margin = |bound: &[f64]| bound.iter().zip(&x).map(|(bound, x)| bound - x).collect::<Vec<f64>>();
+        let Some(step) = minimise_in_box(&damped, &-&slope, &margin(least), &margin(greatest), &vec![0.0; n]) else {
             break Stop::Failed;
         };
         let still = |i: usize| step[i].abs() <= options.step_tolerance * (x[i].abs() + options.step_tolerance);
@@ -122,7 +124,7 @@ pub(in crate::fit) fn minimise(
 
 /// Limit of rounds, far above the usual number.
 const GREATEST_ROUNDS: usize = 200;
-/// A slope smaller than this share of its terms is a rounding error.
+/// Slope relative to its terms below which it is a rounding error.
 const SLOPE_ROUNDING: f64 = 1e-13;
 
 #[derive(Copy, Clone, PartialEq)]
@@ -134,7 +136,8 @@ enum At {
 
 /// Minimum of q, from `start` moved into the bounds.
 ///
-/// A ridge of 1e-12 of its diagonal is added to a singular A, so that one of many minima is returned. `None` if a number is not finite.
+/// A ridge of 1e-12 of its diagonal is added to a singular A, so that one of many minima is returned. `None` if a
+/// number is not finite.
 pub(in crate::fit) fn minimise_in_box(
     a: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -159,24 +162,24 @@ pub(in crate::fit) fn minimise_in_box(
     for _ in 0..GREATEST_ROUNDS {
         // 1. Solve for the free unknowns with the others held.
         let free: Vec<usize> = (0..n).filter(|&i| at[i] == At::Between).collect();
-        let wanted = solve_free(a, b, &x, &free)?;
+        let target = solve_free(a, b, &x, &free)?;
         // 2. Move towards the solution as far as the bounds allow, and hold unknowns that meet one.
-        let share = |(&i, &wanted): (&usize, &f64)| {
-            let step = wanted - x[i];
-            match wanted {
+        let share = |(&i, &target): (&usize, &f64)| {
+            let step = target - x[i];
+            match target {
                 w if w < least[i] => ((least[i] - x[i]) / step).max(0.0),
                 w if w > greatest[i] => ((greatest[i] - x[i]) / step).max(0.0),
                 _ => 1.0,
             }
         };
-        let shares: Vec<f64> = free.iter().zip(&wanted).map(share).collect();
+        let shares: Vec<f64> = free.iter().zip(&target).map(share).collect();
         let first = shares.iter().copied().fold(1.0, f64::min);
         let mut met = false;
         for (k, &i) in free.iter().enumerate() {
             if shares[k] <= first && first < 1.0 {
-                (at[i], met) = (if wanted[k] < least[i] { At::Least } else { At::Greatest }, true);
+                (at[i], met) = (if target[k] < least[i] { At::Least } else { At::Greatest }, true);
             }
-            let moved = x[i] + first * (wanted[k] - x[i]);
+            let moved = x[i] + first * (target[k] - x[i]);
             x[i] = match at[i] {
                 At::Least => least[i],
                 At::Greatest => greatest[i],
@@ -303,7 +306,8 @@ mod tests_of_minimise_in_box {
     }
 
     proptest! {
-        /// Slopes decide: 0 inside, pressing outward at a bound (the conditions of Karush, Kuhn and Tucker, enough for a convex form).
+        /// Slopes are 0 inside and point outward at a bound (Karush, Kuhn and Tucker's conditions, sufficient for a
+        /// convex form).
         #[test]
         fn verif_slopes_at_the_least_point(
             rows in prop::collection::vec(-2.0..2.0_f64, 35), b in prop::collection::vec(-3.0..3.0_f64, 5),
@@ -315,7 +319,7 @@ mod tests_of_minimise_in_box {
             let high: Vec<f64> = low.iter().zip(&wide).map(|(l, w)| l + w).collect();
             let x = minimise_in_box(&a, &b, &low, &high, &[0.0; 5]).expect("finite");
             let slope = &a * DVector::from_column_slice(&x) - &b;
-            /// Of slopes of some units, by elimination in double precision on conditions up to 1e4.
+            /// Tolerance of slopes of order one, by elimination in double precision on conditions up to 1e4.
             const SLOPE: f64 = 1e-8;
             for i in 0..5 {
                 prop_assert!(low[i] <= x[i] && x[i] <= high[i]);
@@ -327,7 +331,7 @@ mod tests_of_minimise_in_box {
 
     #[test]
     fn verif_singular_forms_and_held_unknowns() {
-        // Two unknowns that only their sum matters for, one held.
+        // Two unknowns of which only the sum matters, one held.
         let a = DMatrix::from_row_slice(3, 3, &[1.0, 1.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0, 2.0]);
         let b = DVector::from_vec(vec![1.0, 1.0, 4.0]);
         let x = minimise_in_box(&a, &b, &[0.0, 0.0, 0.5], &[1.0, 1.0, 0.5], &[0.0; 3]).expect("finite");

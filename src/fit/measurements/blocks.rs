@@ -102,8 +102,8 @@ impl Blocks {
         let mut block = std::mem::take(&mut self.rest);
         block.reserve(BLOCK);
         loop {
-            let wanted = BLOCK as u64;
-            let read = self.source.by_ref().take(wanted).read_to_end(&mut block)?;
+            let length = BLOCK as u64;
+            let read = self.source.by_ref().take(length).read_to_end(&mut block)?;
             if read == 0 {
                 self.is_at_end = true;
                 return Ok((!block.is_empty()).then_some(block));

@@ -1,7 +1,8 @@
 //! Column mapping for custom tables: contents, units and time scale of columns.
 //!
 //! ```text
-//! time=Date,time_scale=utc,magnitude=Mag,filter=Filter,distance=Range,phase=Phase,track=Track,latitude=43.65,longitude=41.43,site_height=2030
+//! time=Date,time_scale=utc,magnitude=Mag,filter=Filter,distance=Range,phase=Phase,track=Track
+//! latitude=43.65,longitude=41.43,site_height=2030
 //! ```
 //!
 //! The same as a small TOML file (`time = "Date"`), or as JSON. Keys:
@@ -143,7 +144,7 @@ impl ColumnMap {
         let unit = |allowed: &[(&str, f64)]| {
             let found = allowed.iter().find(|(name, _)| name.eq_ignore_ascii_case(value)).map(|(_, size)| *size);
             let names: Vec<_> = allowed.iter().map(|(name, _)| *name).collect();
-            found.ok_or_else(|| wrong(format!("{key} '{value}' is not one of {}", names.join(", "))))
+            found.ok_or_else(|| wrong(format!("invalid {key} '{value}': expected one of {}", names.join(", "))))
         };
         let lengths = [("km", 1.0), ("m", 1e-3)];
         match key {
@@ -152,7 +153,7 @@ impl ColumnMap {
                     "utc" => TimeScale::UTC,
                     "tai" => TimeScale::TAI,
                     "tt" => TimeScale::TT,
-                    _ => return Err(wrong(format!("time_scale '{value}' is not one of utc, tai, tt"))),
+                    _ => return Err(wrong(format!("invalid time_scale '{value}': expected utc, tai or tt"))),
                 };
                 self.time_scale = Some(scale);
             }
@@ -164,11 +165,11 @@ impl ColumnMap {
                     let known: Vec<_> = Field::ALL.iter().map(|(_, name)| *name).collect();
                     let known = known.join(", ");
                     let settings = "time_scale, angle_unit, distance_unit, height_unit";
-                    return Err(wrong(format!("unknown key '{key}'; known are {known}, {settings}")));
+                    return Err(wrong(format!("unknown key '{key}': expected one of {known}, {settings}")));
                 };
                 let column = &mut self.columns[*field as usize];
                 if column.replace(value.to_owned()).is_some() {
-                    return Err(wrong(format!("'{key}' is given twice")));
+                    return Err(wrong(format!("repeated key '{key}'")));
                 }
             }
         }
@@ -178,7 +179,7 @@ impl ColumnMap {
     fn checked(self) -> Result<Self, FitError> {
         let has = |field: Field| self.column(field).is_some();
         if !has(Field::Magnitude) {
-            return Err(wrong("no column for the magnitude".to_owned()));
+            return Err(wrong("missing key 'magnitude'".to_owned()));
         }
         if let (Some(column), None) = (self.column(Field::Time), self.time_scale) {
             return Err(FitError::NoTimeScale { column: column.to_owned() });
@@ -194,13 +195,13 @@ impl ColumnMap {
             let there = fields.iter().filter(|field| has(**field)).count();
             if there != 0 && there != fields.len() {
                 let names: Vec<_> = fields.iter().map(|field| Field::ALL[*field as usize].1).collect();
-                return Err(wrong(format!("{} belong together", names.join(", "))));
+                return Err(wrong(format!("{} must be given together", names.join(", "))));
             }
         }
         for fields in &together[3..] {
             if has(fields[1]) && !has(fields[0]) {
                 let [first, second] = [0, 1].map(|at: usize| Field::ALL[fields[at] as usize].1);
-                return Err(wrong(format!("{second} without {first}")));
+                return Err(wrong(format!("{second} requires {first}")));
             }
         }
         Ok(self)
@@ -221,7 +222,7 @@ fn pairs(text: &str) -> Result<Vec<(String, String)>, FitError> {
     let listed = |map: BTreeMap<String, serde_json::Value>| {
         let pair = |(key, value): (String, serde_json::Value)| match plain(&value) {
             Some(text) => Ok((key, text)),
-            None => Err(wrong(format!("{key} should be the name of a column or a number, not {value}"))),
+            None => Err(wrong(format!("invalid {key} {value}: expected the name of a column or a number"))),
         };
         map.into_iter().map(pair).collect()
     };
@@ -237,7 +238,7 @@ fn pairs(text: &str) -> Result<Vec<(String, String)>, FitError> {
         Some((key, value)) if !value.trim().is_empty() => {
             Ok((key.trim().to_owned(), unquoted(value.trim()).to_owned()))
         }
-        _ => Err(wrong(format!("'{word}' is not key=column"))),
+        _ => Err(wrong(format!("invalid '{word}': expected key=column"))),
     };
     words.map(pair).collect()
 }
@@ -267,21 +268,21 @@ mod tests {
     }
 
     #[test]
-    fn verif_maps_that_cannot_be() {
-        for (text, told) in [
+    fn verif_invalid_maps_are_rejected() {
+        for (text, expected) in [
             ("time=Date,magnitude=Mag", "have no scale"),
-            ("time=Date,time_scale=utc", "no column for the magnitude"),
+            ("time=Date,time_scale=utc", "missing key 'magnitude'"),
             ("magnitude=Mag,colour=B", "unknown key 'colour'"),
-            ("magnitude=Mag,magnitude=B", "twice"),
-            ("magnitude=Mag,latitude=3", "belong together"),
-            ("magnitude=Mag,phase=3", "phase without distance"),
-            ("magnitude=Mag,angle_unit=hours", "not one of deg, rad"),
-            ("magnitude=Mag,time_scale=local", "not one of utc, tai, tt"),
-            ("magnitude", "not key=column"),
-            ("{\"magnitude\": [1]}", "should be the name of a column"),
+            ("magnitude=Mag,magnitude=B", "repeated key 'magnitude'"),
+            ("magnitude=Mag,latitude=3", "must be given together"),
+            ("magnitude=Mag,phase=3", "phase requires distance"),
+            ("magnitude=Mag,angle_unit=hours", "expected one of deg, rad"),
+            ("magnitude=Mag,time_scale=local", "expected utc, tai or tt"),
+            ("magnitude", "expected key=column"),
+            ("{\"magnitude\": [1]}", "expected the name of a column"),
         ] {
             let error = ColumnMap::from_text(text).expect_err(text).to_string();
-            assert!(error.contains(told), "{text}: {error}");
+            assert!(error.contains(expected), "{text}: {error}");
         }
     }
 }

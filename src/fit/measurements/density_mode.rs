@@ -1,12 +1,12 @@
 //! Mode and interquartile range of a sample.
 //!
-//! **Half-sample mode** (Robertson and Cryer 1974, JASA 69, 1012; Bickel and Frühwirth 2006, CSDA 50, 3500): of a sorted sample the
-//! narrowest interval with half of its values, of that again the narrowest half, until three values or fewer are left. It needs no width, is
-//! robust against outliers on one side, and takes n + n/2 + n/4 … steps. It scatters more than a kernel's mode (0.2 mag for a hundred points of
-//! a normal distribution with sigma 0.4).
+//! **Half-sample mode** (Robertson and Cryer 1974, JASA 69, 1012; Bickel and Frühwirth 2006, CSDA 50, 3500): the
+//! narrowest interval with half of the values of a sorted sample, then the narrowest half of that, until three values
+//! or fewer are left. It requires no width, is robust against outliers on one side, and takes n + n/2 + n/4 … steps. It
+//! scatters more than a kernel's mode (0.2 mag for a hundred points of a normal distribution with sigma 0.4).
 //!
-//! **Kernel mode**: the maximum of a sum of normal curves at the points, with sigma by Silverman's rule (1986, eq. 3.31). Smoother, and biased
-//! towards the longer wing by about the kernel's width.
+//! **Kernel mode**: the maximum of a sum of normal curves at the points, with sigma by Silverman's rule (1986, eq.
+//! 3.31). Smoother, and biased towards the longer wing by about the kernel's width.
 
 use crate::math::quantile::quantile;
 
@@ -32,7 +32,8 @@ impl DensityMode {
 
 /// Half-sample mode of a sorted sample; NaN for an empty one.
 ///
-/// Among several narrowest halves (magnitudes are rounded) the middle one is used, or the one before the middle of an even number.
+/// Among several narrowest halves (magnitudes are rounded) the middle one is used, or the one before the middle of an
+/// even number.
 pub fn half_sample_mode(sorted: &[f64]) -> f64 {
     let mut sample = sorted;
     loop {
@@ -144,7 +145,7 @@ mod tests {
             for mode in [DensityMode::HalfSample, DensityMode::Kernel] {
                 let found = mode.of(&sample);
                 prop_assert!(sample[0] <= found && found <= sample[sample.len() - 1]);
-                // Two stretches may be equally narrow but for rounding: then either will do, and the shift decides.
+                // Two intervals may be equally narrow within rounding: either is valid, and the shift selects one.
                 if mode == DensityMode::Kernel && sample.len() > 20 {
                     prop_assert!((mode.of(&moved) - found - shift).abs() < 1e-3);
                 }

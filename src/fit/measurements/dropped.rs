@@ -10,7 +10,7 @@ use crate::output::{Column, Kind, Table};
 pub enum DropReason {
     /// A cell is invalid, or the row is truncated.
     Unparsable,
-    /// The filter is not among the wanted ones.
+    /// The filter is not among the selected ones.
     WrongFilter,
     /// The magnitude is empty, not a number, or a placeholder (outside -30 to 40, for example 99).
     NoMagnitude,
@@ -26,9 +26,9 @@ pub enum DropReason {
     NoElements,
     /// No element set near enough in time.
     StaleElements,
-    /// The element set gives no position.
+    /// SGP4 cannot compute a position from the element set.
     NoPosition,
-    /// The satellite is raising, decaying, parked, or not known to be on station.
+    /// The satellite is raising, decaying, parked, or in an unknown phase.
     OffStation,
     /// Time, distance, angles and site give no geometry, or one too close to the nadir.
     NoGeometry,

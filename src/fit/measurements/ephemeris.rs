@@ -37,17 +37,17 @@ impl Ephemeris {
 
     /// Prepares the tables for these epochs.
     pub(super) fn prepare(&mut self, epochs: impl Iterator<Item = Epoch>) {
-        let mut wanted: Vec<i64> = Vec::new();
+        let mut missing: Vec<i64> = Vec::new();
         for epoch in epochs {
             let (block, _) = block_and_seconds(epoch);
-            if wanted.last() != Some(&block) && !self.blocks.contains_key(&block) {
-                wanted.push(block);
+            if missing.last() != Some(&block) && !self.blocks.contains_key(&block) {
+                missing.push(block);
             }
         }
-        wanted.sort_unstable();
-        wanted.dedup();
+        missing.sort_unstable();
+        missing.dedup();
         let eop = &self.eop;
-        let made = wanted.into_par_iter().map(|block| {
+        let made = missing.into_par_iter().map(|block| {
             let start = Epoch::from_duration(Unit::Day * (block as f64 * BLOCK_DAYS), TimeScale::TAI);
             let end = seconds_after(start, BLOCK_DAYS * DAY_S);
             (block, (OrientationTable::new(start, end, eop), SunTable::new(start, end)))
@@ -75,20 +75,20 @@ fn block_and_seconds(epoch: Epoch) -> (i64, f64) {
 
 /// Site with its horizontal axes.
 pub(super) struct SiteAxes {
-    pub place: Position<Itrs>,
+    pub position: Position<Itrs>,
     pub horizon: Rotation<Itrs, Horizontal>,
 }
 
 impl SiteAxes {
     pub(super) fn new(site: &Site) -> Self {
-        Self { place: site.itrs(), horizon: site.horizon() }
+        Self { position: site.itrs(), horizon: site.horizon() }
     }
 
     /// Position and zenith in the GCRS.
     pub(super) fn at(&self, moment: &Moment) -> (Position<Gcrs>, Vector3<f64>) {
         let to_gcrs = &moment.orientation.itrs_to_gcrs;
         let zenith = self.horizon.matrix().row(2).transpose();
-        (*to_gcrs * self.place, to_gcrs.matrix() * zenith)
+        (*to_gcrs * self.position, to_gcrs.matrix() * zenith)
     }
 }
 

@@ -11,12 +11,12 @@ use crate::photometry::Band;
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, columns separated by blanks) or CSV. Times are UTC; the
-    /// filter is `Clear` unless others are given.
+    /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, columns separated by blanks) or
+    /// CSV. Times are UTC; the filter is `Clear` unless others are given.
     Mmt,
     /// Pomenis (Fankhauser, Tyson and Askari 2023): Starlink V1.5 from Mount Lemmon; height, altitude and azimuth.
     Pomenis,
-    /// Upload format of SCORE, the IAU CPS repository: one site, satellite and filter a row.
+    /// Upload format of SCORE, the IAU CPS repository: one site, satellite and filter per row.
     Score,
     /// Slingshot (Kandula et al. 2025): altitudes of Sun and satellite and the azimuth between them; no time.
     Slingshot,
@@ -136,11 +136,11 @@ impl Format {
 /// Numbers of rows by filter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FilterCounts {
-    /// In the order of their first rows; `None` for rows without a filter.
+    /// Counts in the order of the first rows; `None` for rows without a filter.
     counts: Vec<(Option<String>, u64)>,
 }
 
-/// Photometry that is not, or not certainly, in the band of a model.
+/// Photometry that may not be in the band of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BandMismatch {
     band: Band,
@@ -153,8 +153,8 @@ impl FilterCounts {
         self.counts.iter().map(|(filter, count)| (filter.as_deref(), *count))
     }
 
-    /// Mismatch if any row has another filter than `band` or none. Upper and lower case differ (`R` is Cousins', `r` LSST's), and a survey's own
-    /// filter (`Clear`) is no band.
+    /// Mismatch if any row has another filter than `band` or none. Case matters (`R` is Cousins', `r` LSST's), and a
+    /// survey's own filter (`Clear`) is not a band.
     pub fn mismatch(&self, band: Band) -> Option<BandMismatch> {
         let is_other = |filter: Option<&str>| filter.and_then(|name| name.parse::<Band>().ok()) != Some(band);
         self.iter().any(|(filter, _)| is_other(filter)).then(|| BandMismatch { band, seen: self.clone() })
@@ -206,8 +206,8 @@ mod tests {
             (vec![(Some("V"), 5), (Some("B"), 1)], ["mixed filters", "V (5 rows), B (1 rows)"]),
             (vec![(Some("v"), 5)], ["v (5 rows)", "taken as V"]),
         ] {
-            let said = counts(&rows).unwrap_or_default();
-            assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+            let message = counts(&rows).unwrap_or_default();
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}");
         }
     }
 }

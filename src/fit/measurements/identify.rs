@@ -75,7 +75,7 @@ const COLUMNS: [Column; 9] = [
     Column::real("range_rms_km", "km", 3, "Root mean square of the differences of range after the fit of the delay."),
     Column::real("phase_rms_deg", "deg", 3, "Root mean square of the differences of phase angle."),
     Column::real("offset_s", "s", 2, "Along-track delay; negative if the satellite is early."),
-    Column::real("element_age_days", "d", 2, "From the element set's epoch to the track."),
+    Column::real("element_age_days", "d", 2, "Age of the element set at the track."),
     Column::new("next", Kind::Integer, "NORAD number of the second best candidate."),
     Column::real("lead", "", 2, "Difference between the scores (chi square) of the second and the first candidate."),
 ];
@@ -113,13 +113,14 @@ pub struct AssociationOptions {
     pub range_sigma_km: f64,
     /// One sigma of a difference of phase, radians.
     pub phase_sigma_rad: f64,
-    /// One sigma of the delay: at the element set's epoch, s, and its growth, s per day. Without it old element sets of other satellites fit
-    /// short tracks by chance.
+    /// One sigma of the delay: at the element set's epoch, s, and its growth, s per day. Otherwise old element sets of
+    /// other satellites would fit short tracks by chance.
     pub offset_sigma_s: [f64; 2],
 }
 
 impl Default for AssociationOptions {
-    /// 120 s, 50 days, 1 km, 0.4°, 3 s and 2 s per day: Starlink satellites keep station by thrust, which element sets do not model.
+    /// 120 s, 50 days, 1 km, 0.4°, 3 s and 2 s per day: Starlink satellites keep station by thrust, which element sets
+    /// do not model.
     fn default() -> Self {
         Self {
             max_offset_s: 120.0,
@@ -144,8 +145,8 @@ pub struct Candidate {
     pub offset_s: f64,
     /// Age of the element set at the track, days.
     pub element_age_days: f64,
-    /// (range rms / sigma)² + (phase rms / sigma)² + (delay / sigma)² + 2 ln(sigma of the delay / that at epoch); the best candidate has the
-    /// least. The last term penalises old element sets, whose positions are hardly known.
+    /// (range rms / sigma)² + (phase rms / sigma)² + (delay / sigma)² + 2 ln(sigma of the delay / that at epoch); the
+    /// best candidate has the least. The last term penalises old element sets with uncertain positions.
     pub score: f64,
 }
 
@@ -154,9 +155,9 @@ const RANGE_MARGIN_KM: f64 = 50.0;
 
 /// Candidates for a track, best first, at most one per satellite, with the best of its element sets.
 ///
-/// The rows should belong to one track, in time order, with ranges. A first comparison rejects satellites whose range in the middle of the
-/// track cannot be the recorded one for any allowed delay, since the range changes no faster than the satellite moves. Empty if no row has
-/// time, site and range.
+/// The rows should belong to one track, in order of time, with ranges. A first comparison rejects satellites that
+/// cannot have the recorded range in the middle of the track for any allowed delay, since the range changes no faster
+/// than the satellite moves. Empty if no row has time, site and range.
 pub fn associate(
     track: &[Record],
     sites: &[Site],

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::super::error::FitError;
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::placement::{OrbitRadius, Place, Placement, Placer};
+use super::placement::{OrbitRadius, Placement, Placer, PositionSource};
 use super::record::{Record, RecordSource};
 use super::selection::{Selection, Stations};
 use crate::elements::NoradId;
@@ -41,15 +41,16 @@ pub struct Measurements {
     pub dropped: DropCounts,
 }
 
-pub(super) const SUN: Column = Column::real("sun_latitude_deg", "deg", 5, "Sun above the plane of the chassis.");
+pub(super) const SUN: Column =
+    Column::real("sun_latitude_deg", "deg", 5, "Latitude of the Sun above the chassis plane.");
 pub(super) const LONGITUDE: Column = Column::real(
     "observer_longitude_deg",
     "deg",
     5,
-    "Observer in the satellite's frame, from the Sun's azimuth, right-handed about the satellite's zenith.",
+    "Longitude of the observer from the Sun's azimuth, right-handed about the satellite's zenith.",
 );
 pub(super) const LATITUDE: Column =
-    Column::real("observer_latitude_deg", "deg", 5, "Observer above the plane of the chassis; -90 is straight below.");
+    Column::real("observer_latitude_deg", "deg", 5, "Observer above the chassis plane; -90 is straight below.");
 pub(super) const HEIGHT: Column =
     Column::real("height_km", "km", 3, "Satellite's distance from the Earth's centre less 6378.137 km.");
 
@@ -99,8 +100,8 @@ pub fn measure(
     Ok(Measurements { points, groups: source.groups().to_vec(), dropped })
 }
 
-/// Passes measurements to `take` chunk by chunk, in the order of the source, so that memory does not grow with their number; returns the counts
-/// of dropped rows. Groups are those of the source.
+/// Passes measurements to `take` chunk by chunk, in the order of the source, so that memory does not grow with their
+/// number; returns the counts of dropped rows. Groups are those of the source.
 ///
 /// # Errors
 /// * those of the source: an unreadable or invalid file, mixed filters;
@@ -119,7 +120,7 @@ pub fn measure_each(
         (Some(_), None) => return Err(FitError::NoHistory { what: "the rule of on-station satellites" }),
         (None, _) => None,
     };
-    let whole_tracks = matches!(placement.place, Place::Elements { fit_offset_s: Some(_) });
+    let whole_tracks = matches!(placement.source, PositionSource::Elements { fit_offset_s: Some(_) });
     let mut placer = Placer::new(placement);
     let mut dropped = DropCounts::default();
     let mut held_back: Vec<Record> = Vec::new();
@@ -154,16 +155,16 @@ fn check(placement: &Placement) -> Result<(), FitError> {
         if is_sound { Ok(()) } else { Err(FitError::Setting { name, given: value.to_string(), allowed }) }
     };
     positive("max_element_age_days", placement.max_element_age_days, "more than 0 days")?;
-    match placement.place {
-        Place::Elements { fit_offset_s: Some(limit) } if !(limit > 0.0 && limit <= 600.0) => {
+    match placement.source {
+        PositionSource::Elements { fit_offset_s: Some(limit) } if !(limit > 0.0 && limit <= 600.0) => {
             Err(FitError::Setting { name: "fit_offset_s", given: limit.to_string(), allowed: "more than 0, to 600 s" })
         }
-        Place::Elements { .. } | Place::Recorded { radius: Some(OrbitRadius::Elements) }
+        PositionSource::Elements { .. } | PositionSource::Recorded { radius: Some(OrbitRadius::Elements) }
             if placement.history.is_none() =>
         {
             Err(FitError::NoHistory { what: "geometry by element sets" })
         }
-        Place::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
+        PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
             positive("height_km", height, "more than 0 km")
         }
         _ => Ok(()),

@@ -25,7 +25,7 @@
 //! let dropped = measure_each(&mut reader, &placement, &Selection::default(), |points| reducer.add(points))?;
 //! assert_eq!(reducer.finish().kept().count(), 1);
 //! assert_eq!(dropped.total(), 1);
-//! # Ok::<(), streakcast::fit::measurements::FitError>(())
+//! # Ok::<(), streakcast::fit::FitError>(())
 //! ```
 
 mod blocks;
@@ -54,7 +54,7 @@ pub use identify::{
     identify_tracks,
 };
 pub use measure::{Measurement, Measurements, measure, measure_each};
-pub use placement::{OrbitRadius, Place, Placed, Placement, Placer};
+pub use placement::{OrbitRadius, Placed, Placement, Placer, PositionSource};
 pub use reader::{PhotometryOptions, RecordReader};
 pub use record::{Record, RecordSource, Records, RecordsSource, Sighting};
 pub use reduce::{Pixel, ReduceOptions, Reducer, Reduction, reduce};

@@ -23,7 +23,7 @@ pub(super) struct Offset {
     pub range_rms_km: f64,
 }
 
-/// Most points of a track that are compared; more do not improve the fit.
+/// Largest number of compared points of a track; more do not improve the fit.
 const POINTS: usize = 12;
 /// Grid step of the delay, s. The range curves on the scale of distance over speed, half a minute or more.
 const STEP_S: f64 = 5.0;
@@ -66,7 +66,8 @@ fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f6
     (sum / points.len() as f64).sqrt()
 }
 
-/// Delay within ± `limit_s` with the least differences of range: the best node of a grid of 5 s, refined. `None` without points or positions.
+/// Delay within ± `limit_s` with the least differences of range: the best node of a grid of 5 s, refined. `None`
+/// without points or positions.
 pub(super) fn fitted_offset_s(propagator: &Propagator, points: &[Ranged], limit_s: f64) -> Option<Offset> {
     if points.is_empty() {
         return None;

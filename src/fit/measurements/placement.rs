@@ -23,14 +23,14 @@ const MEAN_RADIUS_KM: f64 = 6371.0;
 
 /// Source of a satellite's position.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Place {
+pub enum PositionSource {
     /// SGP4 with the element set nearest in time.
     Elements {
-        /// Largest along-track delay fitted to the recorded ranges of each track, either way, s (10 is usual). `None`: no fit. Tracks without
-        /// ranges are not shifted.
+        /// Largest along-track delay fitted to the recorded ranges of each track, either way, s (10 is usual). `None`:
+        /// no fit. Tracks without ranges are not shifted.
         fit_offset_s: Option<f64>,
     },
-    /// Quantities of the row; distance and phase alone need the radius of the orbit.
+    /// Quantities of the row; records with distance and phase only require the radius of the orbit.
     Recorded {
         /// `None`: rows with only distance and phase have no geometry.
         radius: Option<OrbitRadius>,
@@ -40,10 +40,11 @@ pub enum Place {
 /// Distance from the Earth's centre to a satellite with recorded distance and phase.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum OrbitRadius {
-    /// Circular orbit at this height above 6378.137 km. The error of the J2 short-period term, ±10 km in low orbits, moves α by 13° at the 90th
-    /// percentile.
+    /// Circular orbit at this height above 6378.137 km. The error of the J2 short-period term, ±10 km in low orbits,
+    /// moves α by 13° at the 90th percentile.
     HeightKm(f64),
-    /// From SGP4 at the row's time, including short-period terms; nearly right even if the satellite is a minute late.
+    /// Radius from SGP4 at the row's time, including short-period terms; nearly right even if the satellite is a minute
+    /// late.
     Elements,
 }
 
@@ -51,10 +52,11 @@ pub enum OrbitRadius {
 #[derive(Clone, Debug)]
 pub struct Placement<'a> {
     /// Source of the satellites' positions.
-    pub place: Place,
+    pub source: PositionSource,
     /// Element sets of all satellites over time.
     pub history: Option<&'a History>,
-    /// Satellites of groups whose rows name none, as found by [`identify_tracks`](super::identify_tracks).
+    /// Satellites of groups without a catalogue number in their rows, as found by
+    /// [`identify_tracks`](super::identify_tracks).
     pub identified: HashMap<String, NoradId>,
     /// Largest age of an element set, either way, days.
     pub max_element_age_days: f64,
@@ -65,9 +67,9 @@ pub struct Placement<'a> {
 impl Placement<'_> {
     /// Geometry by recorded quantities; distance and phase on circular orbits at this height above 6378.137 km.
     pub fn recorded(height_km: Option<f64>) -> Placement<'static> {
-        let place = Place::Recorded { radius: height_km.map(OrbitRadius::HeightKm) };
+        let source = PositionSource::Recorded { radius: height_km.map(OrbitRadius::HeightKm) };
         Placement {
-            place,
+            source,
             history: None,
             identified: HashMap::new(),
             max_element_age_days: 14.0,
@@ -78,7 +80,7 @@ impl Placement<'_> {
     /// Geometry by element sets at most two weeks away, without a fit of delays.
     pub fn elements(history: &History) -> Placement<'_> {
         Placement {
-            place: Place::Elements { fit_offset_s: None },
+            source: PositionSource::Elements { fit_offset_s: None },
             history: Some(history),
             identified: HashMap::new(),
             max_element_age_days: 14.0,
@@ -131,7 +133,8 @@ impl<'a> Placer<'a> {
 
     /// Computes the geometry of each record in parallel; returns the reason for records without geometry.
     ///
-    /// If delays are fitted, the rows of a track should be in one chunk; parts in different chunks are fitted separately.
+    /// If delays are fitted, the rows of a track should be in one chunk; parts in different chunks are fitted
+    /// separately.
     pub fn place(&mut self, source: &impl RecordSource, records: &[Record]) -> Vec<Result<Placed, DropReason>> {
         self.ephemeris.prepare(records.iter().filter_map(|record| record.epoch));
         let sites: Vec<SiteAxes> = source.sites().iter().map(SiteAxes::new).collect();
@@ -149,7 +152,7 @@ impl<'a> Placer<'a> {
     }
 }
 
-/// Everything needed to place the records of one chunk.
+/// Data required to place the records of one chunk.
 struct ChunkPlacer<'a> {
     placement: &'a Placement<'a>,
     ephemeris: &'a Ephemeris,
@@ -165,20 +168,20 @@ impl<'a> ChunkPlacer<'a> {
         offsets_s: &HashMap<u32, f64>,
     ) -> Result<Placed, DropReason> {
         let norad_id = self.placement.norad_of(record, self.groups);
-        let placed = match self.placement.place {
-            Place::Elements { .. } => {
+        let placed = match self.placement.source {
+            PositionSource::Elements { .. } => {
                 let offset_s = offsets_s.get(&record.group).copied().unwrap_or(0.0);
                 let (moment, site) = self.moment_and_observer(record).ok_or(DropReason::NoGeometry)?;
                 let satellite = self.satellite(record, norad_id, offset_s, &moment, orbit)?;
                 placed_at(&satellite, &moment, site)
             }
-            Place::Recorded { radius } => match record.sighting {
+            PositionSource::Recorded { radius } => match record.sighting {
                 Sighting::Horizontal { altitude_rad, azimuth_rad, height_km } => {
                     self.moment_and_observer(record).and_then(|(moment, site)| {
                         let sight = Direction::<Horizontal>::from_lon_lat_rad(azimuth_rad, altitude_rad);
                         let sight = site.horizon.inverse() * sight;
-                        let range_km = range_to_height_km(site.place.vector(), sight.vector(), height_km);
-                        let satellite = moment.orientation.itrs_to_gcrs * (site.place + sight.at_range(range_km));
+                        let range_km = range_to_height_km(site.position.vector(), sight.vector(), height_km);
+                        let satellite = moment.orientation.itrs_to_gcrs * (site.position + sight.at_range(range_km));
                         placed_at(&satellite, &moment, site)
                     })
                 }
@@ -253,8 +256,8 @@ impl<'a> ChunkPlacer<'a> {
 
     /// Fitted delay of each group of a chunk.
     fn offsets_s(&self, records: &[Record]) -> HashMap<u32, f64> {
-        let (Place::Elements { fit_offset_s: Some(limit_s) }, Some(history)) =
-            (&self.placement.place, self.placement.history)
+        let (PositionSource::Elements { fit_offset_s: Some(limit_s) }, Some(history)) =
+            (&self.placement.source, self.placement.history)
         else {
             return HashMap::new();
         };
@@ -292,8 +295,8 @@ fn sun_relative(sun_altitude: f64, altitude_rad: f64, azimuth: f64, height_km: f
     };
     let sight = towards(altitude_rad, azimuth);
     let range_km = range_to_height_km(&site, &sight, height_km);
-    let places = [site + sight * range_km, site, towards(sun_altitude, 0.0) * AU_KM];
-    let [satellite, observer, sun] = places.map(Position::<Gcrs>::from_vector);
+    let positions = [site + sight * range_km, site, towards(sun_altitude, 0.0) * AU_KM];
+    let [satellite, observer, sun] = positions.map(Position::<Gcrs>::from_vector);
     let geometry = ViewingGeometry::new(&satellite, &observer, &sun)?;
     Some(Placed { geometry, satellite_and_sun: None, altitude_rad: Some(altitude_rad), norad_id: None })
 }
@@ -305,7 +308,7 @@ fn range_to_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f
     -rise + (rise * rise + radius * radius - site * site).sqrt()
 }
 
-/// Element set nearest in time, kept between rows, since neighbouring rows mostly need the same one.
+/// Element set nearest in time, kept between rows, since neighbouring rows mostly have the same one.
 struct NearestOrbit {
     norad_id: NoradId,
     /// Minutes from its epoch between which no other element set is nearer.

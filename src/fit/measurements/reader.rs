@@ -25,9 +25,9 @@ pub struct PhotometryOptions {
     pub columns: Option<ColumnMap>,
     /// Site of all rows; `None`: that of the format or the columns.
     pub site: Option<Site>,
-    /// Wanted filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
+    /// Selected filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
     pub filters: Vec<String>,
-    /// Keeps rows whose cells equal those of an earlier row.
+    /// Keeps rows with the same cells as an earlier row.
     pub keep_duplicates: bool,
 }
 
@@ -67,8 +67,8 @@ struct OpenFile {
 
 /// Reader of the records of several files, in their order.
 ///
-/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if they are kept), and the
-/// names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
+/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if
+/// they are kept), and the names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
 pub struct RecordReader {
     queue: VecDeque<PathBuf>,
     open: Option<OpenFile>,
@@ -144,7 +144,7 @@ impl RecordReader {
                 return Err(FitError::ColumnMap { problem });
             }
             (None, Some(Format::Csv)) => {
-                let problem = "csv needs a column map".to_owned();
+                let problem = "csv requires a column map".to_owned();
                 return Err(FitError::ColumnMap { problem });
             }
             (None, Some(format)) => (format, format.columns()),

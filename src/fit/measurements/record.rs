@@ -13,7 +13,7 @@ use crate::photometry::Magnitude;
 pub enum Sighting {
     /// Distance and phase angle.
     Distance {
-        /// Observer to satellite, km.
+        /// Distance from observer to satellite, km.
         range_km: f64,
         /// Angle Sun-satellite-observer, [0, π], if recorded.
         phase_rad: Option<f64>,
@@ -44,10 +44,10 @@ pub enum Sighting {
         right_ascension_rad: f64,
         /// Declination, ICRS, astrometric topocentric.
         declination_rad: f64,
-        /// Observer to satellite, km.
+        /// Distance from observer to satellite, km.
         range_km: f64,
     },
-    /// No position; element sets are needed.
+    /// No position; element sets are required.
     Nothing,
 }
 

@@ -1,5 +1,5 @@
-//! Reduction to pixels: layers of the Sun's latitude, HEALPix cells of the observer's direction, and the mode of the magnitudes in each
-//! (Lu 2024, section 3).
+//! Reduction to pixels: layers of the Sun's latitude, HEALPix cells of the observer's direction, and the mode of the
+//! magnitudes in each (Lu 2024, section 3).
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -21,10 +21,10 @@ const PIXELS: [Column; 12] = [
     LONGITUDE,
     LATITUDE,
     HEIGHT,
-    Column::real("mode_mag", "mag", 4, "Densest magnitude at 1000 km."),
+    Column::real("mode_mag", "mag", 4, "Mode of the magnitude at 1000 km."),
     Column::real("median_mag", "mag", 4, "Median magnitude at 1000 km."),
     Column::real("iqr_mag", "mag", 4, "Interquartile range."),
-    Column::new("count", Kind::Integer, "Points in the cell."),
+    Column::new("count", Kind::Integer, "Number of points in the cell."),
     Column::new("tracks", Kind::Integer, "Number of tracks (or satellites, nights, files) of these points."),
     Column::new(
         "kept",
@@ -46,8 +46,9 @@ pub struct ReduceOptions {
     pub mode: DensityMode,
     /// Least number of points of a kept cell.
     pub least_count: u32,
-    /// Least number of tracks (or other groups) of a kept cell. The points of a single track do not reveal a misidentification or the
-    /// differences among satellites; their spread is small, so that such a cell would have a large weight.
+    /// Least number of tracks (or other groups) of a kept cell. The points of a single track do not reveal a
+    /// misidentification or the differences among satellites; their spread is small, so that such a cell would have a
+    /// large weight.
     pub least_tracks: u32,
     /// Largest interquartile range of a kept cell, mag.
     pub most_iqr_mag: f64,

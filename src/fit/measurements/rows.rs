@@ -21,14 +21,14 @@ use crate::photometry::Magnitude;
 pub(super) struct Layout {
     map: ColumnMap,
     /// Index of the column of each field.
-    places: [Option<usize>; FIELDS],
+    columns: [Option<usize>; FIELDS],
     /// Numbers given instead of a column.
     constants: [Option<f64>; FIELDS],
     delimiter: Delimiter,
     norad_id: Option<NoradId>,
     /// Site of all rows, if it is not given in columns.
     site: Option<Site>,
-    /// Wanted filters in lower case; empty if the only filter of the file is accepted.
+    /// Selected filters in lower case; empty if the only filter of the file is accepted.
     filters: Vec<String>,
     file: String,
 }
@@ -58,26 +58,26 @@ impl Layout {
         filters: &[String],
         file: &str,
     ) -> Result<Self, FitError> {
-        let (mut places, mut constants) = ([None; FIELDS], [None; FIELDS]);
+        let (mut columns, mut constants) = ([None; FIELDS], [None; FIELDS]);
         for (field, _) in Field::ALL {
             let Some(column) = map.column(field) else { continue };
-            let place = head.header.iter().position(|header| header == column);
+            let index = head.header.iter().position(|header| header == column);
             let can_be_number = matches!(field, Field::Latitude | Field::Longitude | Field::SiteHeight);
             let number = column.parse::<f64>().ok().filter(|_| can_be_number);
-            if place.is_none() && number.is_none() && !map.optional.contains(&field) {
+            if index.is_none() && number.is_none() && !map.optional.contains(&field) {
                 return Err(FitError::Column { file: file.to_owned(), column: column.to_owned() });
             }
-            places[field as usize] = place;
-            constants[field as usize] = number.filter(|_| place.is_none());
+            columns[field as usize] = index;
+            constants[field as usize] = number.filter(|_| index.is_none());
         }
-        if !filters.is_empty() && places[Field::Filter as usize].is_none() && !map.optional.contains(&Field::Filter) {
+        if !filters.is_empty() && columns[Field::Filter as usize].is_none() && !map.optional.contains(&Field::Filter) {
             return Err(FitError::ColumnMap {
                 problem: format!("filters are selected, but {file} has no column of filters"),
             });
         }
         let filters = filters.iter().map(|filter| filter.to_ascii_lowercase()).collect();
         let (delimiter, norad_id) = (head.delimiter, head.norad_id);
-        Ok(Self { map, places, constants, delimiter, norad_id, site, filters, file: file.to_owned() })
+        Ok(Self { map, columns, constants, delimiter, norad_id, site, filters, file: file.to_owned() })
     }
 
     /// Parses all rows of a block; `file` is the number of the file.
@@ -94,7 +94,7 @@ impl Layout {
                 let mut record = csv::ByteRecord::new();
                 // Reading bytes from memory cannot fail.
                 while reader.read_byte_record(&mut record).unwrap_or(false) {
-                    rows.push(&|place| record.get(place), record.iter());
+                    rows.push(&|index| record.get(index), record.iter());
                 }
             }
             Delimiter::Blanks => {
@@ -106,7 +106,7 @@ impl Layout {
                     ends.extend(words.map(|word| (word.as_ptr() as usize - start, word.len())));
                     if !ends.is_empty() && line[ends[0].0] != b'#' {
                         let cell = |&(at, length): &(usize, usize)| &line[at..at + length];
-                        rows.push(&|place| ends.get(place).map(cell), ends.iter().map(cell));
+                        rows.push(&|index| ends.get(index).map(cell), ends.iter().map(cell));
                     }
                 }
             }
@@ -202,14 +202,14 @@ impl<'l> Rows<'l> {
     fn check_filter(&mut self, filter: &str) -> Result<(), RejectedCell> {
         let layout = self.layout;
         if !layout.filters.is_empty() {
-            let is_wanted = layout.filters.iter().any(|wanted| wanted.eq_ignore_ascii_case(filter));
-            return if is_wanted {
+            let is_selected = layout.filters.iter().any(|selected| selected.eq_ignore_ascii_case(filter));
+            return if is_selected {
                 Ok(())
             } else {
                 Err(RejectedCell {
                     reason: DropReason::WrongFilter,
                     field: Field::Filter,
-                    expected: "a filter that is wanted",
+                    expected: "one of the selected filters",
                 })
             };
         }
@@ -246,14 +246,15 @@ impl<'l> Rows<'l> {
         }
         let name = format!("{latitude} {longitude}");
         let site = Site::new_deg(&name, latitude, longitude, height)
-            .map_err(|_| rejected(Field::Latitude, "a place on the Earth"))?;
+            .map_err(|_| rejected(Field::Latitude, "a position on the Earth"))?;
         let number = self.parsed.sites.len() as u32;
         self.parsed.sites.push(site);
         self.site_of.insert(key, number);
         Ok(Some(number))
     }
 
-    /// Number within the block of the track, else the satellite, the night, the degree of the Sun's altitude, or the file.
+    /// Number within the block of the track, else the satellite, the night, the degree of the Sun's altitude, or the
+    /// file.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
             // Rows of a track are mostly consecutive.
@@ -312,7 +313,7 @@ fn rejected(field: Field, expected: &'static str) -> RejectedCell {
 impl Layout {
     /// Text in a column; `None` for a missing column or an empty cell.
     fn text<'a>(&self, cell: Cell<'a>, field: Field) -> Option<&'a str> {
-        let bytes = cell(self.places[field as usize]?)?.trim_ascii();
+        let bytes = cell(self.columns[field as usize]?)?.trim_ascii();
         // Invalid Unicode is neither a number nor a time nor a known name.
         (!bytes.is_empty()).then(|| std::str::from_utf8(bytes).unwrap_or("?"))
     }
@@ -330,7 +331,7 @@ impl Layout {
         number.map(Some).ok_or_else(|| rejected(field, expected))
     }
 
-    /// As `number`, converted to kilometres.
+    /// Same as `number`, converted to kilometres.
     fn length(
         &self,
         cell: Cell,
@@ -343,7 +344,7 @@ impl Layout {
         Ok(length.map(|length| length * unit_km))
     }
 
-    /// As `number`, converted to radians; bounds in degrees.
+    /// Same as `number`, converted to radians; bounds in degrees.
     fn angle(
         &self,
         cell: Cell,
@@ -356,10 +357,10 @@ impl Layout {
     }
 
     fn time(&self, cell: Cell) -> Result<Option<Epoch>, RejectedCell> {
-        let (Some(_), Some(scale)) = (self.places[Field::Time as usize], self.map.time_scale) else { return Ok(None) };
+        let (Some(_), Some(scale)) = (self.columns[Field::Time as usize], self.map.time_scale) else { return Ok(None) };
         let wrong = || rejected(Field::Time, "a time from 1957 to 2100 as ISO 8601, MJD or JD");
         let date = self.text(cell, Field::Time).ok_or_else(wrong)?;
-        let epoch = match self.places[Field::TimeOfDay as usize] {
+        let epoch = match self.columns[Field::TimeOfDay as usize] {
             Some(_) => {
                 let time = self.text(cell, Field::TimeOfDay).ok_or_else(wrong)?;
                 of_clock(clocked(&format!("{date} {time}")), scale)

@@ -1,4 +1,5 @@
-//! Selection of placed records as in Lu (2024), section 3, with every threshold as an option, and on-station intervals of satellites.
+//! Selection of placed records as in Lu (2024), section 3, with every threshold as an option, and on-station intervals
+//! of satellites.
 
 use std::collections::HashMap;
 
@@ -13,14 +14,16 @@ use crate::elements::{ElementSet, History, NoradId, OrbitPhase, StationRule, orb
 use crate::geometry::{KARMAN_LINE_KM, grazing_height_km};
 use crate::photometry::StandardMagnitude;
 
-/// Thresholds for the use of records. Filters are selected on reading ([`PhotometryOptions::filters`](super::PhotometryOptions::filters)).
+/// Thresholds for the use of records. Filters are selected on reading
+/// ([`PhotometryOptions::filters`](super::PhotometryOptions::filters)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
     /// Drops records that the survey flags as in the penumbra.
     pub drop_penumbra_flag: bool,
     /// Least height of the line from satellite to Sun above the ground, km; `None`: no limit.
     ///
-    /// For records of distance and phase alone the ground is a sphere of 6378.137 km, which is stricter by up to 21 km at the poles.
+    /// For records with distance and phase only, the ground is a sphere of 6378.137 km, which is stricter by up to 21
+    /// km at the poles.
     pub least_grazing_height_km: Option<f64>,
     /// Least altitude at the site, radians; a lower satellite cannot be the observed one. `None`: no limit.
     pub least_altitude_rad: Option<f64>,
@@ -35,8 +38,8 @@ pub struct Selection {
 }
 
 impl Default for Selection {
-    /// Lu (2024), section 3: no penumbra flags, 100 km, above the horizon, on station or not. The range, which the paper does not check, may
-    /// differ by 100 km.
+    /// Lu (2024), section 3: no penumbra flags, 100 km, above the horizon, on station or not. The range, which the
+    /// paper does not check, may differ by 100 km.
     fn default() -> Self {
         Self {
             drop_penumbra_flag: true,
@@ -115,7 +118,8 @@ impl Selection {
         if let Some(least) = self.least_grazing_height_km {
             let height_km = match &placed.satellite_and_sun {
                 Some((satellite, sun)) => grazing_height_km(satellite, sun),
-                // Distance of the line to the Sun from the Earth's centre: R cos δ_sun for a Sun below the horizontal plane.
+                // Distance of the line to the Sun from the Earth's centre: R cos δ_sun for a Sun below the horizontal
+                // plane.
                 None => (geometry.sun_latitude_rad < 0.0).then(|| {
                     let radius_km = EARTH_EQUATORIAL_RADIUS_KM + geometry.height_km;
                     radius_km * geometry.sun_latitude_rad.cos() - EARTH_EQUATORIAL_RADIUS_KM
@@ -172,7 +176,8 @@ impl Stations {
         Self { phases: history.objects().map(of_one).collect() }
     }
 
-    /// Phase of a satellite at an epoch, taken from its element set nearest in time; [`OrbitPhase::Unknown`] without element sets.
+    /// Phase of a satellite at an epoch, taken from its element set nearest in time; [`OrbitPhase::Unknown`] without
+    /// element sets.
     pub fn phase_at(&self, norad_id: NoradId, epoch: Epoch) -> OrbitPhase {
         let Some(phases) = self.phases.get(&norad_id) else { return OrbitPhase::Unknown };
         let after = phases.partition_point(|(at, _)| *at <= epoch);

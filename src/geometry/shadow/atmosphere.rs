@@ -1,23 +1,25 @@
-//! What the air does to light that grazes the Earth: it bends it, spreads it, scatters and absorbs it.
+//! Refraction, spreading, scattering and absorption of sunlight that grazes the Earth.
 //!
-//! For a ray whose lowest point is h above the ground: β(h), the angle by which it is bent, and τ(h), its optical depth in V. Both are integrated
-//! once along the bent ray through the atmosphere below and kept in a table of 1 km.
+//! The bending angle β(h) and the optical depth τ(h) in V of a ray with its lowest point h above the ground are
+//! integrated once along the bent ray, and tabulated in steps of 1 km, with this atmosphere:
 //!
-//! | what | number | source |
-//! |---|---|---|
-//! | density | seven layers, 1.225 kg/m³ at the ground | U.S. Standard Atmosphere 1976 |
-//! | refractivity at the ground, 550 nm | 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa | Ciddor (1996), Applied Optics 35, 1566 |
-//! | Rayleigh, vertical | τ = 0.008569 λ⁻⁴ (1 + 0.0113 λ⁻² + 0.00013 λ⁻⁴), λ in µm: 0.0973 at 550 nm | Hansen & Travis (1974), Space Sci. Rev. 16, 527, eq. 2.30 |
-//! | ozone, column above h | 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) | form of Lacis & Hansen (1974), J. Atmos. Sci. 31, 118, eq. 17; 300 Dobson units are assumed |
-//! | ozone, absorption | 3.3·10⁻²¹ cm² at 550 nm and 233 K, times 300 · 2.687·10¹⁶ cm⁻²: τ = 0.0266 vertical | Serdyuchenko et al. (2014), Atmos. Meas. Tech. 7, 625, in bins of 10 nm (3.09 below, 3.50 above 550 nm: Bruneton 2017, Precomputed Atmospheric Scattering) |
-//! | aerosol of the troposphere | τ = 0.13 vertical | Remer et al. (2008), J. Geophys. Res. 113, D14S07, abstract (MODIS Aqua, mean over oceans; over land 0.19) |
-//! | its scale height | 2 km | assumed; rays that low bring no light |
-//! | aerosol of the stratosphere | τ = 0.0057 vertical: 0.008 in 2006-2015, of which eruptions had added 40 % | Friberg et al. (2018), Atmos. Chem. Phys. 18, 11149, abstract |
-//! | its layer | logistic about 18 km, 3 km wide | assumed |
+//! - density: seven layers, 1.225 kg/m³ at the ground (U.S. Standard Atmosphere 1976)
+//! - refractivity at the ground at 550 nm: 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa (Ciddor 1996, Applied Optics 35, 1566)
+//! - Rayleigh scattering, vertical: τ = 0.008569 λ⁻⁴ (1 + 0.0113 λ⁻² + 0.00013 λ⁻⁴), λ in µm: 0.0973 at 550 nm (Hansen
+//!   & Travis 1974, Space Sci. Rev. 16, 527, eq. 2.30)
+//! - ozone column above h: 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) (form of Lacis & Hansen 1974, J. Atmos. Sci.
+//!   31, 118, eq. 17; 300 Dobson units are assumed)
+//! - ozone absorption: 3.3·10⁻²¹ cm² at 550 nm and 233 K, times 300 · 2.687·10¹⁶ cm⁻²: τ = 0.0266 vertical
+//!   (Serdyuchenko et al. 2014, Atmos. Meas. Tech. 7, 625, in bins of 10 nm: 3.09 below, 3.50 above 550 nm in Bruneton
+//!   2017, Precomputed Atmospheric Scattering)
+//! - tropospheric aerosol: τ = 0.13 vertical (Remer et al. 2008, J. Geophys. Res. 113, D14S07, abstract: MODIS Aqua,
+//!   mean over oceans; 0.19 over land); scale height 2 km (assumed; rays that low are dark)
+//! - stratospheric aerosol: τ = 0.0057 vertical: 0.008 in 2006-2015, of which eruptions had added 40 % (Friberg et al.
+//!   2018, Atmos. Chem. Phys. 18, 11149, abstract); logistic layer about 18 km, 3 km wide (assumed)
 //!
-//! What is left out: clouds, which cut off most of what passes below some 8 km (a thousandth of the Sun's light by then); colours within V;
-//! volcanic years, which move half light up by several kilometres; weather, season and latitude, which move it by one or two; light scattered by
-//! the twilight sky into the satellite's shadow.
+//! Neglected: clouds, which block most of the light below some 8 km (a thousandth of the Sun's light by then); colours
+//! within V; volcanic years, which raise the half-light height by several kilometres; weather, season and latitude,
+//! which shift it by one or two; light scattered by the twilight sky into the satellite's shadow.
 
 use std::sync::LazyLock;
 
@@ -25,9 +27,9 @@ use super::disk::strip;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::math::quadrature::gauss_legendre;
 
-/// Above this no ray is bent or dimmed by as much as 10⁻⁵ of anything, km.
+/// Height above which bending and dimming are below 10⁻⁵, km.
 pub(super) const TOP_KM: f64 = 100.0;
-/// Farther than this the shadow is no longer wide against the Sun and rays from all around meet, km.
+/// Distance beyond which the shadow is not wide compared with the Sun and rays from all sides overlap, km.
 pub(super) const FARTHEST_KM: f64 = 400_000.0;
 
 const REFRACTIVITY: f64 = 2.7784e-4;
@@ -37,7 +39,7 @@ const AEROSOL_VERTICAL: f64 = 0.13;
 const AEROSOL_HEIGHT_KM: f64 = 2.0;
 const STRATOSPHERE_VERTICAL: f64 = 0.0057;
 
-/// Layers of the standard: lower border (geopotential km), temperature there (K), its gradient (K/km).
+/// Layers of the standard: lower boundary (geopotential km), temperature there (K), its gradient (K/km).
 const LAYERS: [(f64, f64, f64); 8] = [
     (0.0, 288.15, -6.5),
     (11.0, 216.65, 0.0),
@@ -52,10 +54,10 @@ const LAYERS: [(f64, f64, f64); 8] = [
 const HYDROSTATIC_K_KM: f64 = 34.163_195;
 /// The Earth's radius of the standard, km.
 const STANDARD_RADIUS_KM: f64 = 6356.766;
-/// Column of air above the ground as a length of ground density, km: p₀ / (g₀ ρ₀).
+/// Column of air above the ground as a length of air at ground density, km: p₀ / (g₀ ρ₀).
 const COLUMN_KM: f64 = 8.434_5;
 
-/// Bottom density of each layer against that of the ground.
+/// Density at the bottom of each layer relative to the ground.
 static LAYER_DENSITY: LazyLock<[f64; 8]> = LazyLock::new(|| {
     let mut densities = [1.0; 8];
     for layer in 1..8 {
@@ -64,7 +66,7 @@ static LAYER_DENSITY: LazyLock<[f64; 8]> = LazyLock::new(|| {
     densities
 });
 
-/// Density against that at the bottom of the layer.
+/// Density relative to the bottom of the layer.
 fn fall(layer: usize, geopotential_km: f64) -> f64 {
     let (base_km, base_k, gradient) = LAYERS[layer];
     let above_km = geopotential_km - base_km;
@@ -76,7 +78,7 @@ fn fall(layer: usize, geopotential_km: f64) -> f64 {
     }
 }
 
-/// Density against that of the ground, and its change per km.
+/// Returns the density relative to the ground, and its change per km.
 fn density(height_km: f64) -> (f64, f64) {
     let scale = STANDARD_RADIUS_KM / (STANDARD_RADIUS_KM + height_km);
     let geopotential_km = height_km * scale;
@@ -87,7 +89,7 @@ fn density(height_km: f64) -> (f64, f64) {
     (density, -density * (HYDROSTATIC_K_KM + gradient) / temperature_k * scale * scale)
 }
 
-/// Extinction in V, per km.
+/// Returns the extinction in V, per km.
 fn extinction_km(height_km: f64, density: f64) -> f64 {
     let logistic = |centre_km: f64, width_km: f64| {
         let e = ((height_km - centre_km) / width_km).exp();
@@ -99,9 +101,10 @@ fn extinction_km(height_km: f64, density: f64) -> f64 {
         + AEROSOL_VERTICAL * (-height_km / AEROSOL_HEIGHT_KM).exp() / AEROSOL_HEIGHT_KM
 }
 
-/// Bending (radians) and optical depth of the ray whose lowest point is at this height.
+/// Returns the bending (radians) and optical depth of the ray with this lowest height.
 ///
-/// β = -2 p ∫ (dn/dr)/n dr / √(n²r² - p²),  τ = 2 ∫ k n r dr / √(n²r² - p²),  p = n(r₀) r₀; with r = r₀ + s² the root at r₀ goes.
+/// β = -2 p ∫ (dn/dr)/n dr / √(n²r² - p²),  τ = 2 ∫ k n r dr / √(n²r² - p²),  p = n(r₀) r₀;
+/// the substitution r = r₀ + s² removes the root at r₀.
 fn ray(height_km: f64) -> (f64, f64) {
     const STEPS: usize = 150;
     let radius = EARTH_EQUATORIAL_RADIUS_KM;
@@ -123,7 +126,7 @@ fn ray(height_km: f64) -> (f64, f64) {
     (bending, depth)
 }
 
-/// Logarithms of bending and optical depth at 0, 1, ... km, and one node more on either side of what is asked for.
+/// Logarithms of bending and optical depth at 0, 1, ... km, with one more node on either side.
 static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     (0..=TOP_KM as usize + 2)
         .map(|height_km| {
@@ -133,7 +136,8 @@ static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Bending (radians) and optical depth in V of a ray whose lowest point is 0 to 100 km high: cubics through the table.
+/// Returns bending (radians) and optical depth in V of a ray with a lowest height of 0 to 100 km, by cubic
+/// interpolation.
 fn bending_and_depth(height_km: f64) -> (f64, f64) {
     let table = &*TABLE;
     let first = ((height_km - 1.0).max(0.0) as usize).min(table.len() - 4);
@@ -147,35 +151,37 @@ fn bending_and_depth(height_km: f64) -> (f64, f64) {
 static AIR_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(48));
 static FREE_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
 
-/// The share of the Sun's light in V that comes past the Earth and through its air, [0, 1].
+/// Returns the fraction of the Sun's light in V that passes the Earth and its atmosphere, [0, 1].
 ///
-/// `radius_km` is the satellite's distance from the Earth's centre (on the sphere), `separation_rad` the angle there between the Earth's centre
-/// and the Sun's, `sun_rad` the Sun's radius. A ray that passes at h meets the satellite at the angle θ' = asin(p/r) from the Earth's centre
-/// and comes from the part of the Sun at θ = θ' - β(h). What the satellite sees is an image as bright per area as the Sun, less extinction, flattened
-/// by dθ'/dθ (the spreading of light by refraction) and stretched sideways by sin θ'/sin θ (its focusing):
+/// `radius_km` is the satellite's distance from the Earth's centre (on the sphere), `separation_rad` the angle at the
+/// satellite between the centres of Earth and Sun, `sun_rad` the Sun's angular radius. A ray with lowest height h meets
+/// the satellite at the angle θ' = asin(p/r) from the Earth's centre and comes from the part of the Sun at θ = θ' -
+/// β(h). The satellite sees an image with the surface brightness of the Sun, less extinction, flattened by dθ'/dθ
+/// (spreading by refraction) and stretched sideways by sin θ'/sin θ (focusing):
 ///
 /// F = ∫ w((θ - σ)/α) e^-τ sin θ' / √(sin θ sin σ) dθ'/α
 ///
-/// with w the light of a strip of the disk. Arcs about the Earth's centre stand for strips with √(sin θ/sin σ), which is exact to (α/8 sin σ)².
+/// with w the light of a strip of the disk. Strips are approximated by arcs about the Earth's centre, corrected by
+/// √(sin θ/sin σ); the error is (α/8 sin σ)².
 pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) -> f64 {
     let ground_km = EARTH_EQUATORIAL_RADIUS_KM;
-    // Below its own height a satellite has no air under it to look through.
+    // A satellite within the atmosphere has no air below it on the line of sight.
     let top_km = TOP_KM.min(radius_km - ground_km - 1e-3);
     let sine_separation = separation_rad.sin().max(1e-6);
-    // Angle of arrival, and place on the disk, of the ray at this height.
+    // Angle of arrival, and position on the disk, of the ray at this height.
     let image = |height_km: f64, bending_rad: f64| {
         let (density, _) = density(height_km);
         let impact_km = (1.0 + REFRACTIVITY * density) * (ground_km + height_km);
         let arrival_rad = (impact_km / radius_km).min(1.0).asin();
         (arrival_rad, impact_km, (arrival_rad - bending_rad - separation_rad) / sun_rad)
     };
-    let place = |height_km: f64| image(height_km, bending_and_depth(height_km).0).2;
+    let disk_position = |height_km: f64| image(height_km, bending_and_depth(height_km).0).2;
     let mut lit = 0.0;
     if top_km > 0.0 {
-        let (low, high) = (height_where(&place, -1.0, top_km), height_where(&place, 1.0, top_km));
+        let (low, high) = (height_where(&disk_position, -1.0, top_km), height_where(&disk_position, 1.0, top_km));
         if high > low {
             for &(s, weight) in AIR_RULE.iter() {
-                // h = low + (high - low) sin²(πs/2) takes the roots out of the ends of the disk.
+                // The substitution h = low + (high - low) sin²(πs/2) removes the roots at the ends of the disk.
                 let (sin, cos) = (std::f64::consts::FRAC_PI_2 * s).sin_cos();
                 let height_km = low + (high - low) * sin * sin;
                 let dh = std::f64::consts::PI * (high - low) * sin * cos * weight;
@@ -191,8 +197,8 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
             }
         }
     }
-    // The part of the disk that is seen above the air.
-    let edge = if top_km > 0.0 { place(top_km).clamp(-1.0, 1.0) } else { -1.0 };
+    // The part of the disk above the atmosphere.
+    let edge = if top_km > 0.0 { disk_position(top_km).clamp(-1.0, 1.0) } else { -1.0 };
     let turn = edge.acos();
     for &(s, weight) in FREE_RULE.iter() {
         let (sin, cos) = (turn * s).sin_cos();
@@ -202,7 +208,7 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
     lit.clamp(0.0, 1.0)
 }
 
-/// The height in [0, `top_km`] at which a growing function reaches a value, or the end nearest to it; to 0.1 m.
+/// Returns the height in [0, `top_km`] at which an increasing function reaches a value, or the nearest end; to 0.1 m.
 fn height_where(function: &impl Fn(f64) -> f64, value: f64, top_km: f64) -> f64 {
     let (mut low, mut high) = (0.0, top_km);
     if function(low) >= value {
@@ -252,7 +258,7 @@ mod tests {
         }
     }
 
-    /// The constants from the formulas of the papers named above.
+    /// The constants computed from the formulas of the cited papers.
     #[test]
     fn valid_constants_against_their_formulas() {
         let wavenumber2 = 0.55_f64.powi(-2);
@@ -268,16 +274,19 @@ mod tests {
         assert!((COLUMN_KM - 101.325 / (9.806_65 * 1.225)).abs() < 2e-4);
     }
 
-    /// A grazing ray is bent by twice the refraction at the horizon, 34' to 35' for the standard atmosphere; a half of the air lies above 5.5 km.
+    /// A grazing ray is bent by twice the horizontal refraction, 34' to 35' for the standard atmosphere; half of the
+    /// air lies above 5.5 km.
     #[test]
     fn valid_bending_against_refraction_at_the_horizon() {
         let minutes = |height_km: f64| ray(height_km).0.to_degrees() * 60.0;
         assert!((66.0..70.0).contains(&minutes(0.0)), "{}", minutes(0.0));
-        // Without the curving of the ray itself: β ≈ ν √(2πR/H), an exponential atmosphere of the scale height there (6.34 km at 216.65 K).
+        // Without the curvature of the ray itself: β ≈ ν √(2πR/H), for an exponential atmosphere of the local scale
+        // height (6.34 km at 216.65 K).
         let density_15 = density(15.0).0;
         let expected = REFRACTIVITY * density_15 * (2.0 * PI * 6393.0 / 6.37).sqrt();
         assert!((ray(15.0).0 / expected - 1.0).abs() < 0.02, "{} {expected}", ray(15.0).0);
-        // The airmass at the horizon is some 38, through the whole grazing path twice that: Rayleigh alone makes 7 optical depths of 0.0973.
+        // The airmass at the horizon is some 38, twice that along the whole grazing path: Rayleigh scattering alone
+        // gives an optical depth of 7, with 0.0973 vertical.
         let rayleigh = 0.0973 * 2.0 * 38.0;
         assert!(ray(0.0).1 > rayleigh && ray(0.0).1 < 40.0, "{}", ray(0.0).1);
         for height_km in [0.4, 3.3, 11.5, 20.2, 33.3, 47.5, 72.9, 99.5] {
@@ -286,7 +295,7 @@ mod tests {
         }
     }
 
-    /// The Sun's disk cut into patches, each with the ray that comes from it, found by bisection, and its flattening by differences.
+    /// Sums over patches of the Sun's disk: the ray of each patch is found by bisection, its flattening by differences.
     #[test]
     fn verif_against_rays_from_every_part_of_the_disk() {
         const TOLERANCE: f64 = 2e-5;
@@ -337,12 +346,12 @@ mod tests {
         model.illumination(&Position::new(-radius_km * cos, radius_km * sin, 0.0), &sun).lit_fraction()
     }
 
-    /// Value, slope and order, from full light to none.
+    /// Continuity, slope and monotony, from full light to none.
     #[test]
     fn fading_is_smooth_and_one_way() {
         for radius_km in [6728.0, 6928.0, 7578.0, 26_560.0, 42_164.0] {
             let limb = (EARTH_EQUATORIAL_RADIUS_KM / radius_km).asin();
-            // The air reaches 100 km up, some degrees for a low orbit.
+            // The air reaches up to 100 km, some degrees for a low orbit.
             let from = ((EARTH_EQUATORIAL_RADIUS_KM + 110.0) / radius_km).asin() + 0.006;
             let to = limb - 0.035;
             let steps = 8000;
@@ -354,7 +363,7 @@ mod tests {
             assert!(values[0] == 1.0 && values[steps as usize] == 0.0);
             let step_rad = (from - to) / f64::from(steps);
             let steepest = disk_slope(&values);
-            // No slope is steeper than without air, and none changes by more than a few steps of its own scale.
+            // Slopes are not steeper than without air and change smoothly.
             assert!(steepest < 0.8 / 0.00465 * step_rad, "{radius_km}: {steepest}");
             for (number, triple) in values.windows(3).enumerate() {
                 assert!(triple[1] <= triple[0] + 1e-7, "{radius_km} {number}: {triple:?}");
@@ -368,8 +377,7 @@ mod tests {
         values.windows(2).map(|pair| pair[0] - pair[1]).fold(0.0, f64::max)
     }
 
-    /// How far outside of the place where the solid Earth leaves one half of the light the air leaves this share, as the height of the ray to the
-    /// Sun's centre above the ground, km.
+    /// Returns the height above the ground of the line to the Sun's centre where this share of the light remains, km.
     fn ray_height_km(share: f64, radius_km: f64, model: ShadowModel) -> f64 {
         let (mut dark, mut bright) = (0.9, 1.5);
         if radius_km > 20_000.0 {
@@ -383,7 +391,8 @@ mod tests {
         radius_km * dark.sin() - EARTH_EQUATORIAL_RADIUS_KM
     }
 
-    /// Observers of satellites found that shadow entries fit a dark atmosphere of 15 to 20 km (Molczan and Matson, SeeSat-L, January 1997).
+    /// Observed shadow entries of satellites fit a dark atmosphere of 15 to 20 km (Molczan and Matson, SeeSat-L,
+    /// January 1997).
     #[test]
     fn valid_half_light_against_the_height_that_observers_found() {
         for radius_km in [6728.0, 6928.0, 7578.0] {
@@ -391,12 +400,12 @@ mod tests {
                 [0.5, 0.1, 0.9].map(|share| ray_height_km(share, radius_km, ShadowModel::Atmosphere));
             let solid = ray_height_km(0.5, radius_km, ShadowModel::Geometric);
             assert!(solid.abs() < 0.2, "{solid}");
-            // What an eye calls the entry lies between half of the light and a tenth.
+            // Visual observers report the entry between half and a tenth of the light.
             assert!(tenth < 15.0 && half > 20.0 && half < 30.0 && ninth < 60.0, "{tenth} {half} {ninth}");
         }
     }
 
-    /// A trace in the geometric umbra, and none deep inside.
+    /// Little light in the outer geometric umbra, and none deep inside.
     #[test]
     fn light_is_bent_into_the_umbra() {
         let sun_rad = SUN_RADIUS_KM / AU_KM;
@@ -406,7 +415,7 @@ mod tests {
         assert!(inside > 1e-4 && inside < 0.05, "{inside}");
         assert_eq!(lit(ShadowModel::Atmosphere, limb - 0.05, 6928.0), 0.0);
         let sun = Position::<Gcrs>::new(AU_KM, 0.0, 0.0);
-        // Inside the air and beyond the Moon the shadow is geometric.
+        // Inside the atmosphere and beyond the Moon the shadow is geometric.
         let near = Position::new(-100.0, 6400.0, 0.0);
         assert_eq!(ShadowModel::Atmosphere.illumination(&near, &sun), ShadowModel::Geometric.illumination(&near, &sun));
         assert_eq!(ShadowModel::Atmosphere.illumination(&Position::new(-6928.0, 0.0, 0.0), &sun), Illumination::Umbra);

@@ -1,7 +1,8 @@
-//! The Sun's disk in V, darker towards its limb, and what of it stands above the limb of the Earth.
+//! The limb-darkened solar disk in V, and its fraction above the Earth's limb.
 //!
-//! Limb darkening is P₅(μ) of Neckel (2005, Solar Physics 229, 13), third range, at 550 nm; μ = √(1 - r²), r in solar radii. The disk's mean
-//! is 0.80 of its centre. Other wavelengths of the visible change a lit fraction by less than 0.01.
+//! Limb darkening is P₅(μ) of Neckel (2005, Solar Physics 229, 13), third range, at 550 nm; μ = √(1 - r²), r in solar
+//! radii. The mean of the disk is 0.80 of its centre. Other visible wavelengths change a lit fraction by less than
+//! 0.01.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
@@ -14,16 +15,16 @@ const DARKENING: [f64; 6] = [0.269_80, 1.340_25, -1.642_88, 2.082_24, -1.473_53,
 /// ∫ (1 - v²)^(n/2) dv over [-1, 1], n = 0 to 5.
 const CHORD: [f64; 6] = [2.0, FRAC_PI_2, 4.0 / 3.0, 3.0 * PI / 8.0, 16.0 / 15.0, 5.0 * PI / 16.0];
 
-/// Enough for 10⁻⁵ of the disk's light.
+/// Quadrature rule, accurate to 10⁻⁵ of the disk's light.
 static RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(24));
 
-/// Intensity at `r` solar radii from the centre of the disk, 1 there.
+/// Returns the intensity at `r` solar radii from the centre of the disk, relative to the centre.
 fn intensity(r: f64) -> f64 {
     let mu = (1.0 - r * r).max(0.0).sqrt();
     DARKENING.iter().rev().fold(0.0, |sum, coefficient| sum * mu + coefficient)
 }
 
-/// Light within `r` solar radii of the centre: ∫ 2π r I dr = 2π Σ aₙ (1 - μⁿ⁺²)/(n + 2).
+/// Returns the light within `r` solar radii of the centre: ∫ 2π r I dr = 2π Σ aₙ (1 - μⁿ⁺²)/(n + 2).
 fn light_within(r: f64) -> f64 {
     let mu = (1.0 - r * r).max(0.0).sqrt();
     let mut power = mu;
@@ -35,7 +36,8 @@ fn light_within(r: f64) -> f64 {
     2.0 * PI * sum
 }
 
-/// Light of the straight strip at `u` solar radii from the centre, a share of the disk's light per solar radius.
+/// Returns the light of the straight strip at `u` solar radii from the centre, as a fraction of the disk's light per
+/// solar radius.
 ///
 /// w(u) = Σ aₙ ∫ (1 - u² - v²)^(n/2) dv = Σ aₙ kₙ c^(n+1), c = √(1 - u²).
 pub(super) fn strip(u: f64) -> f64 {
@@ -44,19 +46,21 @@ pub(super) fn strip(u: f64) -> f64 {
     sum / light_within(1.0)
 }
 
-/// The share of the Sun's light that a limb leaves: the Sun's centre `above` solar radii outside of the edge of a disk of radius `limb`, both in
-/// solar radii. Within 5·10⁻⁵ of the plain sum over the disk.
+/// Returns the fraction of the Sun's light above a limb: the Sun's centre is `above` solar radii outside the edge of a
+/// disk of radius `limb` (solar radii). Within 5·10⁻⁵ of a direct sum over the disk.
 ///
-/// A circle of radius r about the Sun's centre is covered over the half angle β(r), with d = R + x the distance of the centres:
+/// A circle of radius r about the Sun's centre is covered over the half angle β(r); d = R + x is the distance of the
+/// centres:
 ///
 /// cos β = (x (2R + x) + r²) / (2 d r),  covered = ∫ 2 r β(r) I(r) dr
 ///
-/// β is 0 or π below r = |x|; from there to the rim (or the far side of a small limb) r = a + (b - a) sin²(πs/2) takes the roots out of both ends.
+/// β is 0 or π below r = |x|; from there to the rim (or the far side of a small limb) the substitution r = a + (b - a)
+/// sin²(πs/2) removes the roots at both ends.
 pub(super) fn lit_fraction(above: f64, limb: f64) -> f64 {
     if above >= 1.0 {
         return 1.0;
     }
-    // Centres are no nearer than nothing.
+    // The distance of the centres is at least 0.
     let x = above.max(-limb);
     let d = limb + x;
     if d + 1.0 <= limb {
@@ -80,13 +84,14 @@ pub(super) fn lit_fraction(above: f64, limb: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// The fraction is exact to this against the plain sum over the disk, whose cells make most of the difference.
+    /// Agreement with the direct sum over the disk; the cell size of the sum dominates the difference.
     const TOLERANCE: f64 = 5e-5;
 
     #[test]
     fn the_law_is_that_of_the_source() {
         assert!((DARKENING.iter().sum::<f64>() - 1.0).abs() < 1e-9);
-        // Pierce & Slaughter (1977), Neckel & Labs (1994) near 550 nm: 0.96-0.97 at r = 0.3, about 0.80 at 0.75, 0.45-0.5 at 0.98.
+        // Pierce & Slaughter (1977), Neckel & Labs (1994) near 550 nm: 0.96-0.97 at r = 0.3, about 0.80 at 0.75,
+        // 0.45-0.5 at 0.98.
         for (r, low, high) in [(0.3, 0.96, 0.98), (0.75, 0.78, 0.83), (0.98, 0.42, 0.52)] {
             assert!((low..high).contains(&intensity(r)), "{r}: {}", intensity(r));
         }
@@ -103,7 +108,7 @@ mod tests {
             })
             .sum();
         assert!((sum - 1.0).abs() < 1e-7, "{sum}");
-        // A straight limb leaves what the strips above it hold.
+        // A straight limb leaves the sum of the strips above it.
         let above = 0.37_f64;
         let part: f64 = (0..steps)
             .map(|step| {
@@ -114,7 +119,7 @@ mod tests {
         assert!((lit_fraction(above, 1e7) - part).abs() < 1e-6, "{part}");
     }
 
-    /// The disk cut into a million cells, each seen or not.
+    /// Sums a million cells of the disk, each visible or hidden.
     #[test]
     fn verif_against_the_plain_sum() {
         for (above, limb) in
@@ -124,7 +129,7 @@ mod tests {
             let cells = 20_000;
             for row in 0..cells {
                 let x = (f64::from(row) + 0.5) / f64::from(cells) * 2.0 - 1.0;
-                // Along a row the border is exact: the part of the row that the limb covers.
+                // Along a row the boundary is exact: the covered part of the row.
                 let (half, reach) = ((1.0 - x * x).sqrt(), limb * limb - (x + limb + above).powi(2));
                 let edge = reach.max(0.0).sqrt().min(half);
                 for cell in 0..64 {

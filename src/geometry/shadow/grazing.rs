@@ -1,4 +1,4 @@
-//! How high above the ground the line from the Sun to a satellite passes: the paper's rule for selecting data.
+//! Height of the line from the Sun to a satellite above the ground: the paper's rule for selecting data.
 
 use nalgebra::Vector3;
 
@@ -8,27 +8,28 @@ use crate::frames::{Gcrs, Position};
 /// Lines that pass below this count as shaded in Lu (2024), section 3.1: the Kármán line, km.
 pub const KARMAN_LINE_KM: f64 = 100.0;
 
-/// Height above the WGS84 ellipsoid at which the straight line from the Sun's centre to a satellite passes, km; negative where it runs through
-/// the Earth. `None` where it has no lowest point on the way: the satellite itself is the lowest, the Earth is behind it.
+/// Returns the lowest height above the WGS84 ellipsoid, km, of the straight line from the Sun's centre to a satellite;
+/// negative where the line crosses the Earth. `None` where the satellite itself is the lowest point, with the Earth
+/// behind it.
 ///
-/// The height is that of the ellipsoid's similar shells, within 0.4 % of the geodetic one at 100 km.
+/// Heights are those of similar ellipsoidal shells, within 0.4 % of the geodetic height at 100 km.
 pub fn grazing_height_km(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Option<f64> {
     let stretch = |v: &Vector3<f64>| Vector3::new(v.x, v.y, v.z / (1.0 - EARTH_FLATTENING));
-    let place = stretch(satellite.vector());
-    let to_sun = stretch(sun.vector()) - place;
-    // Lowest at t = -r·s/s² along the line, if that lies ahead.
-    let ahead = -place.dot(&to_sun) / to_sun.norm_squared();
+    let position = stretch(satellite.vector());
+    let to_sun = stretch(sun.vector()) - position;
+    // Lowest at t = -r·s/s² along the line, if t is positive.
+    let ahead = -position.dot(&to_sun) / to_sun.norm_squared();
     (0.0..=1.0).contains(&ahead).then(|| {
-        let lowest = place + to_sun * ahead;
+        let lowest = position + to_sun * ahead;
         let equatorial_km = lowest.norm() - EARTH_EQUATORIAL_RADIUS_KM;
-        // Back to the scale of the place: radii shrink by the flattening towards the poles.
+        // Scale back: radii shrink towards the poles by the flattening.
         let sine = lowest.z / lowest.norm();
         equatorial_km * (1.0 - EARTH_FLATTENING * sine * sine)
     })
 }
 
-/// True where the line from the Sun's centre to the satellite passes above 100 km (or does not dip at all): the rule by which the paper keeps
-/// photometry. Sharp, without the Sun's disk, and meant for the selection of data only.
+/// Returns true where the line from the Sun's centre to the satellite passes above 100 km or has no lowest point: the
+/// rule by which the paper selects photometry. It ignores the Sun's disk; use it for the selection of data only.
 pub fn sunlit_by_100_km_rule(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> bool {
     grazing_height_km(satellite, sun).is_none_or(|height_km| height_km >= KARMAN_LINE_KM)
 }
@@ -39,19 +40,19 @@ mod tests {
     use crate::constants::AU_KM;
 
     #[test]
-    fn lines_over_equator_and_pole_clear_what_they_should() {
+    fn lines_over_equator_and_pole_have_their_clearance() {
         let sun = Position::new(AU_KM, 0.0, 0.0);
         let polar = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING);
         for (axis, radius) in
             [(Vector3::y(), EARTH_EQUATORIAL_RADIUS_KM), (Vector3::z(), polar), (-Vector3::z(), polar)]
         {
             for height_km in [-20.0, 0.0, 99.0, 101.0, 400.0] {
-                // Behind the Earth, on the line that leaves the Sun's centre and touches this height.
+                // Behind the Earth, on the line from the Sun's centre tangent to this height.
                 let touch = axis * (radius + height_km);
                 let from_sun = touch - sun.vector();
                 let satellite = Position::from_vector(touch + from_sun.normalize() * 2600.0);
                 let found = grazing_height_km(&satellite, &sun).expect("a lowest point");
-                // The lowest point lies 0.3 km from the one above the pole, and the scale of heights is good to 0.4 %.
+                // The lowest point is 0.3 km from the one above the pole, and heights are accurate to 0.4 %.
                 assert!((found - height_km).abs() < 0.01 + 0.004 * height_km.abs(), "{axis} {height_km}: {found}");
                 assert_eq!(sunlit_by_100_km_rule(&satellite, &sun), height_km > 100.0);
             }

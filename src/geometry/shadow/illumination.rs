@@ -1,24 +1,26 @@
-//! How much of the Sun's light reaches a satellite past the Earth.
+//! Fraction of the Sun's light that reaches a satellite past the Earth.
 //!
 //! ```text
 //!                       penumbra
 //!   Sun         _____.------------------
-//!  (disk)  ___/ Earth    umbra      ....      at the satellite: disk of the Sun, radius α, its centre x above the limb of the
-//!             \_(oblate)________....          Earth;  x ≥ α sunlit,  x ≤ -α umbra,  between them the lit fraction of the disk
+//!  (disk)  ___/ Earth    umbra      ....      at the satellite: disk of the Sun of radius α, its centre x above the
+//!             \_(oblate)________....          Earth's limb; x ≥ α sunlit, x ≤ -α umbra, else a lit fraction
 //!                    `------------------
 //! ```
 //!
-//! The Earth is the WGS84 ellipsoid. Stretching z by 1/(1 - f) makes it a sphere and keeps straight lines straight, so that the limb is found exactly
-//! for each point of the Sun; the Sun's disk becomes an ellipse by the same stretching, of which the radius across the limb counts. The lit fraction is
-//! that of the Sun's light in V, its disk darkening towards the limb; it is within 10⁻⁴ of the sum over rays to all points of the disk.
+//! The Earth is the WGS84 ellipsoid. Stretching z by 1/(1 - f) makes it a sphere and keeps lines straight, so that the
+//! limb is exact for each point of the Sun; the Sun's disk becomes an ellipse, of which the radius across the limb is
+//! used. The lit fraction is that of the Sun's light in V with limb darkening, within 10⁻⁴ of the sum over rays to all
+//! points of the disk.
 //!
-//! What is left out of the geometric shadow, for a satellite at 550 km that sinks through the penumbra (25 km deep there) at up to 3 km/s, in
-//! 8 s and more: the Earth's axis taken as z of GCRS (0.15° off in 2026: borders within 60 m, 0.02 s), and the air. [`ShadowModel::Atmosphere`] has the air:
-//! half of the light is gone
-//! where the line to the Sun's centre still passes 27 km above the ground, a tenth where it passes at 41 km, and a tenth is left at 12 km (satellite at
-//! 550 km); a trace reddens on inside the umbra. At 3 km/s downwards the half light comes 9 s before that of the solid Earth.
+//! Neglected in the geometric shadow: the tilt of the Earth's axis against z of GCRS (0.15° in 2026: boundaries within
+//! 60 m, 0.02 s) and the air. A satellite at 550 km crosses the penumbra (25 km deep) at up to 3 km/s, in 8 s or more.
+//! With [`ShadowModel::Atmosphere`] half of the light is lost where the line to the Sun's centre passes 27 km above the
+//! ground, a tenth at 41 km, nine tenths at 12 km; a little light remains inside the umbra. Half light comes 9 s
+//! earlier than for the solid Earth at a descent of 3 km/s.
 //!
-//! Heavens-Above's moments of entry are those of the first geometric dimming: 15 passes agree within 0.8 s, their rounding included.
+//! Entry times of Heavens-Above are those of the first geometric dimming: 15 passes agree within 0.8 s, rounding
+//! included.
 
 use nalgebra::Vector3;
 
@@ -26,22 +28,22 @@ use super::{atmosphere, disk};
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, SUN_RADIUS_KM};
 use crate::frames::{Gcrs, Position};
 
-/// Sunlit, in the half shadow, or dark.
+/// Illumination of a satellite: sunlit, penumbra or umbra.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Illumination {
-    /// The whole disk of the Sun is seen, above all air where air is asked for.
+    /// The whole disk of the Sun is visible, and above the air in [`ShadowModel::Atmosphere`].
     Sunlit,
     /// A part of the Sun's light is missing.
     Penumbra {
-        /// The part of the Sun's light in V that arrives, (0, 1).
+        /// Fraction of the Sun's light in V that arrives, (0, 1).
         lit_fraction: f64,
     },
-    /// Nothing of the Sun is seen; with air, less than a millionth of its light.
+    /// No part of the Sun is visible; with air, less than a millionth of its light arrives.
     Umbra,
 }
 
 impl Illumination {
-    /// The part of the Sun's light in V that arrives, [0, 1].
+    /// Returns the fraction of the Sun's light in V that arrives, [0, 1].
     pub fn lit_fraction(&self) -> f64 {
         match *self {
             Self::Sunlit => 1.0,
@@ -50,7 +52,7 @@ impl Illumination {
         }
     }
 
-    /// `sunlit`, `penumbra` or `umbra`.
+    /// Returns `sunlit`, `penumbra` or `umbra`.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Sunlit => "sunlit",
@@ -60,26 +62,26 @@ impl Illumination {
     }
 }
 
-/// What casts the shadow.
+/// Model of the Earth's shadow.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum ShadowModel {
     /// The solid Earth alone.
     #[default]
     Geometric,
-    /// The Earth and its air: rays near the limb are bent, spread, scattered and absorbed.
+    /// The Earth and its atmosphere: rays near the limb are bent, spread, scattered and absorbed.
     ///
-    /// `Penumbra` then reaches from rays that pass at 100 km to a millionth of the Sun's light, well into the geometric umbra. For satellites above 100 km
-    /// and up to the Moon's distance; others get the geometric shadow.
+    /// `Penumbra` then extends from rays that pass at 100 km to a millionth of the Sun's light, well into the geometric
+    /// umbra. Valid for satellites from 100 km up to the Moon's distance; others get the geometric shadow.
     Atmosphere,
 }
 
 impl ShadowModel {
-    /// By name: `geometric` or `atmosphere`.
+    /// Parses a name: `geometric` or `atmosphere`.
     pub fn by_name(name: &str) -> Option<Self> {
         [Self::Geometric, Self::Atmosphere].into_iter().find(|model| model.name() == name)
     }
 
-    /// `geometric` or `atmosphere`.
+    /// Returns `geometric` or `atmosphere`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Geometric => "geometric",
@@ -87,41 +89,45 @@ impl ShadowModel {
         }
     }
 
-    /// A cone about the direction away from the Sun in which all is [`Illumination::Umbra`]: its radius at the Earth's centre, km, and by how much it
-    /// becomes narrower, km per km of depth. For satellites above 100 km and up to the Moon's distance.
+    /// Returns a cone about the anti-solar direction inside which everything is [`Illumination::Umbra`]: its radius at
+    /// the Earth's centre, km, and its narrowing, km per km of depth. Valid for satellites from 100 km up to the Moon's
+    /// distance.
     pub fn dark_core(self) -> (f64, f64) {
-        // sin = (R_sun - R) / d at perihelion is 0.00469; air bends rays at the ground by twice 35' = 0.0204 at most.
+        // sin = (R_sun - R) / d at perihelion is 0.00469; rays at the ground are bent by twice 35' = 0.0204 at most.
         let narrowing = if self == Self::Atmosphere { 0.026 } else { 0.0048 };
-        // No limb is nearer to the centre than a pole.
+        // The poles are the nearest points of the limb.
         (EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING), narrowing)
     }
 
-    /// How a satellite is lit, both places geocentric, km. A place below the Earth's surface is lit as one on the surface above it would be.
+    /// Returns the illumination of a satellite; both positions are geocentric, km. A position below the Earth's surface
+    /// is treated as the surface point above it.
     ///
-    /// Far from the shadow's border a few products decide; near it a sum over two dozen rings of the Sun's disk, or five dozen rays through the air.
+    /// Far from the shadow's boundary a few products suffice; near it the sum covers two dozen rings of the Sun's disk,
+    /// or five dozen rays through the air.
     pub fn illumination(self, satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
         let radius = EARTH_EQUATORIAL_RADIUS_KM;
-        let place = stretch(satellite.vector());
-        let to_sun = stretch(sun.vector()) - place;
-        let height_km = place.norm() - radius;
+        let position = stretch(satellite.vector());
+        let to_sun = stretch(sun.vector()) - position;
+        let height_km = position.norm() - radius;
         let airy = self == Self::Atmosphere
             && height_km > atmosphere::TOP_KM
-            && place.norm_squared() < atmosphere::FARTHEST_KM * atmosphere::FARTHEST_KM;
+            && position.norm_squared() < atmosphere::FARTHEST_KM * atmosphere::FARTHEST_KM;
         let edge_km = if airy { radius + atmosphere::TOP_KM } else { radius };
 
-        // Behind the terminator plane, and within the cone of the penumbra (half angle at most 0.0048 rad; the Earth's radius at the terminator)?
-        let behind_km = -place.dot(&to_sun) / to_sun.norm();
-        let across_km2 = place.norm_squared() - behind_km * behind_km;
+        // Behind the terminator plane, and within the cone of the penumbra (half angle at most 0.0048 rad, the Earth's
+        // radius at the terminator).
+        let behind_km = -position.dot(&to_sun) / to_sun.norm();
+        let across_km2 = position.norm_squared() - behind_km * behind_km;
         let cone_km = edge_km * 1.0002 + 0.005 * behind_km;
-        if behind_km < 0.0 && place.norm_squared() > (edge_km * 1.0002).powi(2)
+        if behind_km < 0.0 && position.norm_squared() > (edge_km * 1.0002).powi(2)
             || behind_km >= 0.0 && across_km2 > cone_km * cone_km
         {
             return Illumination::Sunlit;
         }
 
-        let limb = Limb::new(&place, &to_sun);
+        let limb = Limb::new(&position, &to_sun);
         if airy {
-            let lit_fraction = atmosphere::lit_fraction(place.norm(), limb.separation_rad, limb.sun_across_rad);
+            let lit_fraction = atmosphere::lit_fraction(position.norm(), limb.separation_rad, limb.sun_across_rad);
             return match lit_fraction {
                 lit if lit < LEAST_LIT => Illumination::Umbra,
                 lit if lit > 1.0 - LEAST_LIT => Illumination::Sunlit,
@@ -141,22 +147,22 @@ impl ShadowModel {
     }
 }
 
-/// How a satellite is lit past the solid Earth: [`ShadowModel::illumination`] of [`ShadowModel::Geometric`].
+/// Returns the illumination of a satellite by [`ShadowModel::Geometric`].
 pub fn illumination(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
     ShadowModel::Geometric.illumination(satellite, sun)
 }
 
-/// Through air, less of the Sun's light than this is darkness: 15 mag.
+/// Fraction of the Sun's light below which a satellite behind air counts as dark: 15 mag.
 const LEAST_LIT: f64 = 1e-6;
 
-/// Two directions, one of which any third is well away from.
+/// Two directions; any third direction is well away from at least one of them.
 const AXES: [Vector3<f64>; 2] = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 0.0)];
 
 fn stretch(v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z / (1.0 - EARTH_FLATTENING))
 }
 
-/// Earth and Sun as a satellite sees them where the Earth is a sphere.
+/// Earth and Sun seen from a satellite, in the space where the Earth is a sphere.
 struct Limb {
     /// Angle between the Earth's centre and the Sun's, radians.
     separation_rad: f64,
@@ -168,16 +174,18 @@ struct Limb {
 }
 
 impl Limb {
-    fn new(place: &Vector3<f64>, to_sun: &Vector3<f64>) -> Self {
-        let to_earth = -place;
+    fn new(position: &Vector3<f64>, to_sun: &Vector3<f64>) -> Self {
+        let to_earth = -position;
         let normal = to_earth.cross(to_sun);
         let separation_rad = normal.norm().atan2(to_earth.dot(to_sun));
-        let earth_rad = (EARTH_EQUATORIAL_RADIUS_KM / place.norm()).min(1.0).asin();
-        // A plane with unit normal n' in the stretched space has the normal S n' in the true one: the Sun's sphere reaches |S n'| R to its sides.
+        let earth_rad = (EARTH_EQUATORIAL_RADIUS_KM / position.norm()).min(1.0).asin();
+        // A plane with unit normal n' in the stretched space has the normal S n' in the true one: the Sun's sphere
+        // extends |S n'| R to its sides.
         let centre = to_earth.normalize();
-        let beside = centre.cross(if centre.z.abs() < 0.9 { &AXES[0] } else { &AXES[1] });
-        // With the Sun right behind the Earth any side is as good.
-        let towards = (to_sun - centre * centre.dot(to_sun)).try_normalize(1e-9).unwrap_or_else(|| beside.normalize());
+        let perpendicular = centre.cross(if centre.z.abs() < 0.9 { &AXES[0] } else { &AXES[1] });
+        // With the Sun exactly behind the Earth any side may be chosen.
+        let towards =
+            (to_sun - centre * centre.dot(to_sun)).try_normalize(1e-9).unwrap_or_else(|| perpendicular.normalize());
         let (sin, cos) = earth_rad.sin_cos();
         let across = towards * cos - centre * sin;
         let along = centre.cross(&towards);
@@ -185,12 +193,12 @@ impl Limb {
         Self { separation_rad, earth_rad, sun_across_rad: reach_rad(across), sun_along_rad: reach_rad(along) }
     }
 
-    /// Radius to which the limb is bent where the Sun's disk is round with radius 1.
+    /// Returns the limb's radius of curvature in units where the Sun's disk is round with radius 1.
     ///
-    /// On the sphere the limb is a small circle, bent like a plane circle of radius tan(earth_rad). Making the ellipse of the Sun round scales lengths
-    /// along the limb by the ratio of its axes, and the radius by its square.
+    /// On the sphere the limb is a small circle with the curvature of a plane circle of radius tan(earth_rad). Making
+    /// the Sun's ellipse round scales lengths along the limb by the ratio of its axes, and the radius by its square.
     fn bend_radii(&self) -> f64 {
-        // Beyond 10⁴ (on the very surface) the limb is straight to one part in 10⁶.
+        // Beyond 10⁴ (at the surface itself) the limb is straight to one part in 10⁶.
         self.earth_rad.tan().clamp(0.0, 1e4) / self.sun_across_rad * (self.sun_across_rad / self.sun_along_rad).powi(2)
     }
 }
@@ -219,11 +227,12 @@ mod tests {
 
     #[test]
     fn umbra_ends_where_the_cone_does() {
-        // The umbral cone closes at R D/(Rs - R) = 1.384 million km; beyond it the Earth is a ring's core.
+        // The umbral cone ends at R D/(Rs - R) = 1.384 million km; beyond it the Earth covers the centre of a ring.
         let tip_km = EARTH_EQUATORIAL_RADIUS_KM * AU_KM / (SUN_RADIUS_KM - EARTH_EQUATORIAL_RADIUS_KM);
-        // Over the poles, which are 0.34 % nearer to the axis, it closes earlier.
+        // Over the poles, where the radius is 0.34 % smaller, it ends earlier.
         assert_eq!(lit_at(0.0, tip_km * 0.99), Illumination::Umbra);
-        // What is left is a ring at the Sun's rim, darker than the mean of the disk (and the Earth's disk no circle, which counts here).
+        // The remaining light is a ring at the Sun's rim, darker than the mean of the disk (and the Earth's outline is
+        // not a circle, which matters here).
         let lit = lit_at(0.0, tip_km * 1.01).lit_fraction();
         let ratio = EARTH_EQUATORIAL_RADIUS_KM / (tip_km * 1.01) / (SUN_RADIUS_KM / (AU_KM + tip_km * 1.01));
         let area = 1.0 - ratio * ratio;
@@ -233,7 +242,7 @@ mod tests {
     #[test]
     fn entry_is_continuous_and_monotone() {
         for radius_km in [6578.0, 6928.0, 7578.0, 26_560.0, 42_164.0, 384_400.0] {
-            // The limb stands at this angle from the anti-solar direction.
+            // Angle of the limb from the anti-solar direction.
             let limb = (EARTH_EQUATORIAL_RADIUS_KM / radius_km).asin();
             let steps = 20_000;
             let mut previous = 1.0;
@@ -253,7 +262,7 @@ mod tests {
                 previous = fraction;
             }
             assert!(kinds.iter().all(|&count| count > 100), "{radius_km}: {kinds:?}");
-            // The steepest slope is that at the middle: w(0) = 0.74 a solar radius.
+            // The steepest slope is in the middle: w(0) = 0.74 per solar radius.
             assert!(
                 largest_step < 1.1 * disk::strip(0.0) / 0.00465 * 0.012 / f64::from(steps),
                 "{radius_km}: {largest_step}"
@@ -261,19 +270,19 @@ mod tests {
         }
     }
 
-    /// The light of the Sun's disk by rays from the satellite against the ellipsoid, without any stretching: along each ring the crossings of the limb are
-    /// interpolated between the rays.
+    /// Sums the light of the Sun's disk by rays from the satellite against the ellipsoid, without stretching: along
+    /// each ring the crossings of the limb are interpolated between the rays.
     fn lit_by_rays(satellite: &Vector3<f64>, sun: &Vector3<f64>) -> f64 {
         let axis = (sun - satellite).normalize();
         let side = axis.cross(&Vector3::z()).normalize();
         let up = axis.cross(&side);
-        // The limb of the Sun's sphere is a circle a little nearer than its centre.
+        // The visible limb of the Sun's sphere is a circle slightly nearer than its centre.
         let half = (SUN_RADIUS_KM / (sun - satellite).norm()).asin();
         let (rings, spokes) = (1500, 120);
         let (a, b) = (EARTH_EQUATORIAL_RADIUS_KM, EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING));
         let inverse = Vector3::new(1.0 / (a * a), 1.0 / (a * a), 1.0 / (b * b));
         let qc = satellite.dot(&satellite.component_mul(&inverse)) - 1.0;
-        // Positive where the ray misses.
+        // Positive where the ray misses the Earth.
         let miss = |rho: f64, turn: f64| {
             let ray = axis + (side * turn.cos() + up * turn.sin()) * (half * rho).tan();
             let (qa, qb) = (ray.dot(&ray.component_mul(&inverse)), ray.dot(&satellite.component_mul(&inverse)));
@@ -281,7 +290,7 @@ mod tests {
         };
         let (mut lit, mut all) = (0.0, 0.0);
         for ring in 0..rings {
-            // Denser towards the rim, where the brightness falls like a root.
+            // Denser towards the rim, where the intensity falls as a square root.
             let t = (f64::from(ring) + 0.5) / f64::from(rings) * PI / 2.0;
             let (rho, weight) = (t.sin(), t.sin() * t.cos());
             let mu = t.cos();
@@ -306,14 +315,14 @@ mod tests {
 
     #[test]
     fn verif_against_rays_to_the_ellipsoid() {
-        /// Promised in the docs; half of it is the sum's own.
+        /// Tolerance stated in the docs; half of it is the error of the sum.
         const TOLERANCE: f64 = 1e-4;
         let (mut checked, mut worst) = (0, 0.0_f64);
         for (sun_declination, latitude) in [(0.0, 0.2), (0.4, -0.9), (-0.4, 1.2), (0.3, 0.0), (-0.2, -1.4)] {
             let (sin, cos) = f64::sin_cos(sun_declination);
             let sun = Vector3::new(cos, 0.0, sin) * AU_KM;
             for radius_km in [6900.0, 7600.0, 42_164.0] {
-                // A path from midnight to the terminator at this slant, around the limb.
+                // A path from midnight to the terminator at this inclination, around the limb.
                 let up = Vector3::new(-sin, 0.0, cos) * f64::sin(latitude) + Vector3::y() * f64::cos(latitude);
                 let limb = f64::asin(EARTH_EQUATORIAL_RADIUS_KM / radius_km);
                 for step in 0..16 {
@@ -339,14 +348,15 @@ mod tests {
             // The nearest Sun, overhead at both tropics and at the equator.
             for declination_rad in [-0.409_f64, 0.0, 0.409] {
                 let toward = Vector3::new(declination_rad.cos(), 0.0, declination_rad.sin());
-                let beside = [Vector3::new(-toward.z, 0.0, toward.x), Vector3::y()];
+                let perpendicular = [Vector3::new(-toward.z, 0.0, toward.x), Vector3::y()];
                 let sun = Position::from_vector(toward * (0.9832 * AU_KM));
                 for depth_km in [1300.0, 2000.0, 3000.0, 7000.0, 20_000.0, 42_000.0, 100_000.0, 200_000.0] {
                     let across_km = radius_km - narrowing * depth_km;
                     for step in 0..12 {
                         let (sin, cos) = (PI * f64::from(step) / 6.0).sin_cos();
-                        let place = -toward * depth_km + (beside[0] * cos + beside[1] * sin) * (0.999 * across_km);
-                        let found = model.illumination(&Position::from_vector(place), &sun);
+                        let position = -toward * depth_km
+                            + (perpendicular[0] * cos + perpendicular[1] * sin) * (0.999 * across_km);
+                        let found = model.illumination(&Position::from_vector(position), &sun);
                         assert_eq!(found, Illumination::Umbra, "{model:?} {declination_rad} {depth_km} {step}");
                     }
                 }

@@ -1,5 +1,5 @@
-//! The Earth's shadow: `illumination` (the limb and the Sun before it), `disk` (how bright the Sun's disk is), `atmosphere` (what air does to light
-//! that grazes the Earth), `grazing` (how high a ray passes).
+//! The Earth's shadow: `illumination` (limb and Sun), `disk` (limb darkening), `atmosphere` (refraction and extinction
+//! of grazing light), `grazing` (height of a ray).
 
 mod atmosphere;
 mod disk;

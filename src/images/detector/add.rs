@@ -1,4 +1,4 @@
-//! Light added to a frame that exists.
+//! Light added to an existing frame.
 
 use rayon::prelude::*;
 
@@ -9,7 +9,7 @@ use super::error::DetectorError;
 use super::saturation::{Bleeding, Saturated, Saturation};
 use super::settings::Detector;
 
-/// A pixel's new charge on top of what it has, electrons.
+/// Charge added to a pixel, electrons.
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct Change {
     row: usize,
@@ -17,26 +17,28 @@ struct Change {
     e: f32,
 }
 
-/// What light makes of one pixel of a frame.
+/// Effect of light on one pixel of a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AddedLight {
     /// Row, counted from 0.
     pub row: usize,
     /// Column, counted from 0.
     pub column: usize,
-    /// The signal before the converter, counts: whole ones only by chance. Below 0 for ghosts of a negative coefficient.
+    /// Signal before the analogue-to-digital converter, counts, in general not whole. Below 0 for ghosts with a
+    /// negative coefficient.
     pub signal_adu: f32,
-    /// What is added to the pixel's count: the signal, or the step of whole counts within the converter's range that was drawn for it.
+    /// Change of the pixel's count: the signal, or a random whole number of counts with this mean, within the
+    /// converter's range.
     pub change_adu: f32,
 }
 
 impl Detector {
-    /// Adds light to a frame in counts: what [`light_on`](Detector::light_on) finds, in single precision.
+    /// Adds light to a frame in counts, in single precision, as computed by [`added_light`](Detector::added_light).
     ///
     /// # Errors
-    /// As [`light_on`](Detector::light_on).
+    /// As [`added_light`](Detector::added_light).
     pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, DetectorError> {
-        let (added, saturated) = self.light_on(frame, patches, seed)?;
+        let (added, saturated) = self.added_light(frame, patches, seed)?;
         for light in added {
             let pixel = &mut frame.row_mut(light.row)[light.column];
             *pixel = (f64::from(*pixel) + f64::from(light.change_adu)) as f32;
@@ -44,20 +46,24 @@ impl Detector {
         Ok(saturated)
     }
 
-    /// What light makes of a frame in counts, pixel by pixel in order, and what saturated; the patches hold expected electrons before vignetting and were drawn for the frame's shape.
+    /// Computes the effect of light on a frame in counts, pixel by pixel in order, and the saturation.
     ///
-    /// What the frame shows already stays as it is: only the added light gets photon noise, vignetting and ghosts by crosstalk, and there is no
-    /// new read noise. Full wells hold the sum of both: what does not fit bleeds, and a pixel that shows more than its well holds
-    /// keeps that. Counts become electrons by gain, bias and the inverse of the non-linearity, and back. Where counts are whole, the
-    /// fraction that the converter cut off is drawn at random first, so that light of less than a count is not lost. Pixels without new charge are not
-    /// among the answers, nor are those that are not a number; what is beyond the converter's range already stays.
+    /// The patches contain expected electrons before vignetting, for the shape of the frame. The light already in the
+    /// frame is not changed: photon noise, vignetting and crosstalk ghosts apply to the added light only, and no read
+    /// noise is added. Full wells apply to the sum of both: the excess bleeds, and a pixel that already exceeds its
+    /// full well keeps its charge. Counts are converted to electrons by gain, bias and the inverse of the
+    /// non-linearity, and back. If counts are whole, the fraction lost to the converter is drawn at random first, so
+    /// that light of less than a count is kept on average. Pixels without new charge and pixels that are NaN are not
+    /// returned; counts beyond the converter's range are kept.
     ///
-    /// Changes are found as such and not as differences of counts, which of a frame of 10⁹ counts would hold no light of less than 64.
-    /// With `shot_noise = false` and nothing else the light is simply added. The same seed gives the same frame on any number of threads.
+    /// Changes are computed directly, not as differences of counts: in single precision a frame of 10⁹ counts does not
+    /// resolve less than 64. With `shot_noise = false` and no other stage the light is simply added. The result depends
+    /// on the seed, but not on the number of threads.
     ///
     /// # Errors
-    /// As [`Detector::validate`]; [`DetectorError::Shape`] where a patch is for another frame; [`DetectorError::AmplifierOutside`].
-    pub fn light_on(
+    /// The errors of [`Detector::validate`]; [`DetectorError::Shape`] if a patch is for a frame of another shape;
+    /// [`DetectorError::AmplifierOutside`].
+    pub fn added_light(
         &self,
         frame: &Plane,
         patches: &[Patch],
@@ -86,7 +92,7 @@ impl Detector {
         }
         let mut all = measured;
         all.append(&mut ghosts);
-        // Stable: sums do not depend on anything but the order of amplifiers.
+        // The sort is stable, so sums depend only on the order of the amplifiers.
         all.sort_by_key(|change| (change.row, change.column));
         let mut added = Vec::with_capacity(all.len());
         for of_row in all.chunk_by(|a, b| a.row == b.row) {
@@ -112,12 +118,12 @@ impl Detector {
         Ok((added, saturated))
     }
 
-    /// Charge that the light of all patches makes in one row.
+    /// Returns the charge from the light of all patches in one row.
     fn light_of_row(&self, frame: &Plane, patches: &[Patch], seed: u64, row: usize) -> Vec<Change> {
         let mut spans: Vec<_> =
             patches.iter().map(|patch| patch.row(row)).filter(|span| !span.values.is_empty()).collect();
         spans.sort_by_key(|span| span.first_column);
-        // Spans that touch become one, so that each pixel gets one number from the row's stream.
+        // Adjacent spans are merged, so that each pixel takes one number from the random stream of the row.
         let mut merged: Vec<(usize, Vec<f32>)> = Vec::new();
         for span in spans {
             let end = span.first_column + span.values.len();
@@ -148,13 +154,13 @@ impl Detector {
         changes
     }
 
-    /// Electrons that a count stands for.
+    /// Returns the electrons of a count.
     fn charge_of(&self, count: f32) -> f64 {
         let measured = (f64::from(count) - self.bias_adu) * self.gain_e_adu;
         self.non_linearity.as_ref().map_or(measured, |non_linearity| non_linearity.true_e(measured))
     }
 
-    /// What is measured of a change of charge.
+    /// Returns the measured signal of a change of charge.
     fn signal_of(&self, frame: &Plane, change: Change) -> Change {
         let Some(non_linearity) = &self.non_linearity else { return change };
         let before = self.charge_of(frame.row(change.row)[change.column]);
@@ -162,7 +168,7 @@ impl Detector {
         Change { e: e as f32, ..change }
     }
 
-    /// Cuts changes to what pixels hold, and adds those of the pixels that the rest bleeds into.
+    /// Limits changes to the capacity of the pixels, and adds changes of the pixels into which the excess bleeds.
     fn fill_wells(&self, frame: &Plane, saturation: &Saturation, changes: &mut Vec<Change>) -> Saturated {
         let full = saturation.full_well_e;
         let overflows =
@@ -173,25 +179,25 @@ impl Detector {
         else {
             return Saturated::default();
         };
-        // Charge stays in its columns or rows: only those that overflow are looked at.
+        // Charge stays in its columns or rows, so only those with an excess are processed.
         let (columns, rows) = match saturation.bleeding {
             Bleeding::Columns => (first..last + 1, 0..frame.rows()),
             Bleeding::Rows | Bleeding::Off => (0..frame.columns(), over[0].row..over[over.len() - 1].row + 1),
         };
-        let mut room = Plane::zeros(rows.len(), columns.len());
+        let mut capacity = Plane::zeros(rows.len(), columns.len());
         for (number, row) in rows.clone().enumerate() {
-            for (room, count) in room.row_mut(number).iter_mut().zip(&frame.row(row)[columns.clone()]) {
-                *room = (full - self.charge_of(*count)).max(0.0) as f32;
+            for (capacity, count) in capacity.row_mut(number).iter_mut().zip(&frame.row(row)[columns.clone()]) {
+                *capacity = (full - self.charge_of(*count)).max(0.0) as f32;
             }
         }
         let mut added = Plane::zeros(rows.len(), columns.len());
         let is_inside = |change: &Change| columns.contains(&change.column) && rows.contains(&change.row);
-        // Pixels without a value hold nothing and let nothing bleed.
+        // Pixels without a value have no charge and do not bleed.
         let holds = |change: &&Change| is_inside(change) && !frame.row(change.row)[change.column].is_nan();
         for change in changes.iter().filter(holds) {
             added.row_mut(change.row - rows.start)[change.column - columns.start] += change.e;
         }
-        let saturated = saturation.apply(&mut added, Some(&room));
+        let saturated = saturation.apply(&mut added, Some(&capacity));
         changes.retain(|change| !is_inside(change));
         for (number, row) in rows.enumerate() {
             let of_row = added.row(number).iter().zip(columns.clone());

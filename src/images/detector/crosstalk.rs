@@ -1,10 +1,10 @@
-//! Ghosts of bright pixels in what other amplifiers read at the same moment.
+//! Ghosts of bright pixels in the pixels that other amplifiers read at the same time.
 
 use serde::Deserialize;
 
 use super::error::DetectorError;
 
-/// Where an amplifier's first pixel lies, by rows and columns counted from 0.
+/// Position of an amplifier's first pixel to be read, with rows and columns counted from 0.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ReadoutCorner {
@@ -31,19 +31,19 @@ pub struct Amplifier {
     pub first_column: usize,
     /// Number of columns.
     pub columns: usize,
-    /// Which pixel is read first.
+    /// Pixel that is read first.
     #[serde(default)]
     pub corner: ReadoutCorner,
 }
 
-/// Amplifiers of one size that are read together, and what each hears of the others.
+/// Amplifiers of one size that are read together, and the crosstalk between them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Crosstalk {
-    /// The amplifiers, all of one size, without common pixels.
+    /// Amplifiers, all of one size, without common pixels.
     pub amplifiers: Vec<Amplifier>,
-    /// `(victim, source)`: the share of the source's signal that is added to the victim's pixel read at the same moment, \[-0.1, 0.1\]; 0 on
-    /// the diagonal.
+    /// `(victim, source)`: fraction of the source's signal that is added to the victim's pixel read at the same time,
+    /// \[-0.1, 0.1\]; 0 on the diagonal.
     pub coefficients: Vec<Vec<f64>>,
 }
 
@@ -56,7 +56,7 @@ impl Amplifier {
         self.first_column.saturating_add(self.columns)
     }
 
-    fn holds(&self, row: usize, column: usize) -> bool {
+    fn contains(&self, row: usize, column: usize) -> bool {
         (self.first_row..self.end_row()).contains(&row) && (self.first_column..self.end_column()).contains(&column)
     }
 
@@ -68,14 +68,14 @@ impl Amplifier {
         !apart
     }
 
-    /// From a pixel to its place in the order of reading, and back: the same turn.
-    fn turned(&self, line: usize, place: usize) -> (usize, usize) {
-        let (last_line, last_place) = (self.rows - 1, self.columns - 1);
+    /// Converts the position of a pixel to the order of readout, or back; the conversion is its own inverse.
+    fn readout_order(&self, line: usize, pixel: usize) -> (usize, usize) {
+        let (last_line, last_pixel) = (self.rows - 1, self.columns - 1);
         match self.corner {
-            ReadoutCorner::FirstRowFirstColumn => (line, place),
-            ReadoutCorner::FirstRowLastColumn => (line, last_place - place),
-            ReadoutCorner::LastRowFirstColumn => (last_line - line, place),
-            ReadoutCorner::LastRowLastColumn => (last_line - line, last_place - place),
+            ReadoutCorner::FirstRowFirstColumn => (line, pixel),
+            ReadoutCorner::FirstRowLastColumn => (line, last_pixel - pixel),
+            ReadoutCorner::LastRowFirstColumn => (last_line - line, pixel),
+            ReadoutCorner::LastRowLastColumn => (last_line - line, last_pixel - pixel),
         }
     }
 }
@@ -85,24 +85,24 @@ impl Crosstalk {
         let list = |message: String| DetectorError::List { key: "crosstalk", message };
         let count = self.amplifiers.len();
         if count < 2 {
-            return Err(list(format!("{count} amplifiers, at least 2 are needed")));
+            return Err(list(format!("{count} amplifiers; at least 2 are required")));
         }
         for (number, amplifier) in self.amplifiers.iter().enumerate() {
             if amplifier.rows == 0 || amplifier.columns == 0 {
                 return Err(list(format!("amplifier {number} has no pixels")));
             }
             if (amplifier.rows, amplifier.columns) != (self.amplifiers[0].rows, self.amplifiers[0].columns) {
-                return Err(list(format!("amplifier {number} is not of the size of amplifier 0")));
+                return Err(list(format!("amplifier {number} differs in size from amplifier 0")));
             }
             if let Some(other) = self.amplifiers[..number].iter().position(|other| other.overlaps(amplifier)) {
-                return Err(list(format!("amplifiers {other} and {number} have pixels in common")));
+                return Err(list(format!("amplifiers {other} and {number} overlap")));
             }
         }
         if self.coefficients.len() != count || self.coefficients.iter().any(|row| row.len() != count) {
             return Err(list(format!("coefficients must be {count} rows of {count} numbers")));
         }
         for (victim, row) in self.coefficients.iter().enumerate() {
-            row.iter().try_for_each(|c| DetectorError::hold("crosstalk.coefficients", *c, -0.1, 0.1))?;
+            row.iter().try_for_each(|c| DetectorError::check_range("crosstalk.coefficients", *c, -0.1, 0.1))?;
             if row[victim] != 0.0 {
                 return Err(list(format!("the coefficient of amplifier {victim} on itself must be 0")));
             }
@@ -110,8 +110,10 @@ impl Crosstalk {
         Ok(())
     }
 
+    /// Checks that all amplifiers lie within a frame of this shape.
+    ///
     /// # Errors
-    /// [`DetectorError::AmplifierOutside`] where an amplifier reads what a frame of this shape does not have.
+    /// [`DetectorError::AmplifierOutside`] for an amplifier outside the frame.
     pub(super) fn check_shape(&self, rows: usize, columns: usize) -> Result<(), DetectorError> {
         for (number, amplifier) in self.amplifiers.iter().enumerate() {
             if amplifier.end_row() > rows || amplifier.end_column() > columns {
@@ -129,15 +131,15 @@ impl Crosstalk {
         Ok(())
     }
 
-    /// What a signal in one pixel adds elsewhere: calls `add(row, column, signal)` for each victim.
+    /// Computes the ghosts of a signal in one pixel: calls `add(row, column, signal)` for each victim.
     pub(super) fn spread(&self, row: usize, column: usize, signal: f32, mut add: impl FnMut(usize, usize, f32)) {
-        let Some(source) = self.amplifiers.iter().position(|amplifier| amplifier.holds(row, column)) else { return };
+        let Some(source) = self.amplifiers.iter().position(|amplifier| amplifier.contains(row, column)) else { return };
         let own = &self.amplifiers[source];
-        let (line, place) = own.turned(row - own.first_row, column - own.first_column);
+        let (line, pixel) = own.readout_order(row - own.first_row, column - own.first_column);
         for (victim, coefficients) in self.amplifiers.iter().zip(&self.coefficients) {
             if coefficients[source] != 0.0 {
-                let (line, place) = victim.turned(line, place);
-                add(victim.first_row + line, victim.first_column + place, signal * coefficients[source] as f32);
+                let (line, pixel) = victim.readout_order(line, pixel);
+                add(victim.first_row + line, victim.first_column + pixel, signal * coefficients[source] as f32);
             }
         }
     }

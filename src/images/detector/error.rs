@@ -1,64 +1,64 @@
-//! What can be wrong with a detector.
+//! Errors of detectors.
 
 use thiserror::Error;
 
-/// Why a detector cannot be had, or not be used on a frame.
+/// Error in the settings of a detector, or in applying it to a frame.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum DetectorError {
-    /// Not TOML, a key missing, unknown or of the wrong type; the message names key and line.
+    /// Invalid TOML, or a key that is missing, unknown or of the wrong type; the message names key and line.
     #[error("detector: {message}")]
     Toml {
-        /// What and where.
+        /// Description and position of the error.
         message: String,
     },
     /// A number outside its range, or not finite.
-    #[error("detector: {key} is {given}, allowed is {least} to {greatest}")]
+    #[error("detector: {key} is {given}; allowed: {least} to {greatest}")]
     OutOfRange {
         /// The key.
         key: &'static str,
-        /// As given.
+        /// Given value.
         given: f64,
         /// Least allowed value.
         least: f64,
         /// Greatest allowed value.
         greatest: f64,
     },
-    /// Lists that do not go together, or numbers in the wrong order.
+    /// Lists of inconsistent lengths, or numbers in the wrong order.
     #[error("detector: {key}: {message}")]
     List {
         /// The key.
         key: &'static str,
-        /// What is wrong.
+        /// Description of the error.
         message: String,
     },
-    /// Light for another frame.
+    /// Light computed for a frame of another shape.
     #[error(
-        "light for a frame of {light_rows} rows by {light_columns} columns was given to one of {rows} by {columns}"
+        "light of {light_rows} rows by {light_columns} columns does not match the frame of {rows} rows by {columns} columns"
     )]
     Shape {
-        /// Rows that the light was drawn for.
+        /// Rows for which the light was computed.
         light_rows: usize,
-        /// Columns that the light was drawn for.
+        /// Columns for which the light was computed.
         light_columns: usize,
         /// Rows of the frame.
         rows: usize,
         /// Columns of the frame.
         columns: usize,
     },
-    /// An amplifier that reads pixels that are not there.
+    /// An amplifier outside the frame.
     #[error(
-        "amplifier {number} reads rows {first_row} to {end_row} and columns {first_column} to {end_column} of a frame of {rows} rows by {columns} columns"
+        "amplifier {number} reads rows {first_row} to {end_row} and columns {first_column} to {end_column}, but the frame has {rows} rows and {columns} columns"
     )]
     AmplifierOutside {
-        /// Its number, from 0.
+        /// Number of the amplifier, from 0.
         number: usize,
-        /// Its first row.
+        /// First row of the amplifier.
         first_row: usize,
-        /// The row after its last.
+        /// Row after the last one of the amplifier.
         end_row: usize,
-        /// Its first column.
+        /// First column of the amplifier.
         first_column: usize,
-        /// The column after its last.
+        /// Column after the last one of the amplifier.
         end_column: usize,
         /// Rows of the frame.
         rows: usize,
@@ -68,8 +68,8 @@ pub enum DetectorError {
 }
 
 impl DetectorError {
-    /// Holds a number to its range.
-    pub(super) fn hold(key: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
+    /// Checks that a number is in its range.
+    pub(super) fn check_range(key: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
         if (least..=greatest).contains(&given) {
             return Ok(());
         }

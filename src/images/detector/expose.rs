@@ -1,4 +1,4 @@
-//! A synthetic frame: all light through all stages.
+//! Synthetic frame: all light through all stages of the detector.
 
 use rayon::prelude::*;
 
@@ -10,11 +10,12 @@ use super::saturation::Saturated;
 use super::settings::Detector;
 
 impl Detector {
-    /// What the detector makes of light: counts, from the expected electrons of each pixel (sky, stars, streaks, all together, before
-    /// vignetting). The same seed gives the same frame on any number of threads.
+    /// Converts light to a frame in counts. The light is the expected electrons of each pixel (sky, stars and streaks
+    /// together) before vignetting. The result depends on the seed, but not on the number of threads.
     ///
     /// # Errors
-    /// As [`Detector::validate`], and [`DetectorError::AmplifierOutside`] where amplifiers read more than the frame has.
+    /// The errors of [`Detector::validate`], and [`DetectorError::AmplifierOutside`] if an amplifier lies outside the
+    /// frame.
     pub fn expose(&self, light: &Plane, seed: u64) -> Result<(Plane, Saturated), DetectorError> {
         let (rows, columns) = (light.rows(), light.columns());
         self.validate_for(rows, columns)?;

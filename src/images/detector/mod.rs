@@ -1,5 +1,6 @@
-//! Effects of a detector on light: `vignetting`, `saturation` with bleeding, `non_linearity`, `crosstalk`, `conversion` (gain,
-//! bias, whole numbers, noise); `settings` (the stages in use), `expose` (a synthetic frame), `add` (light added to a frame that exists).
+//! Effects of a detector on light: `vignetting`, `saturation` with bleeding, `non_linearity`, `crosstalk`, `conversion`
+//! (gain, bias, quantisation, noise); `settings` (the stages in use), `expose` (a synthetic frame), `add` (light added
+//! to an existing frame).
 
 mod add;
 mod conversion;

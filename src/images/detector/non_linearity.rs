@@ -1,14 +1,15 @@
-//! Signals that do not grow as the light does.
+//! Signals that are not proportional to the light.
 
 use serde::Deserialize;
 
 use super::error::DetectorError;
 
-/// What is measured of `e` electrons: e (1 + c₀ s + c₁ s² + ...), s = e / scale; along its tangent above the scale, e itself below 0.
+/// Measured signal of `e` electrons: e (1 + c₀ s + c₁ s² + ...), s = e / scale; along its tangent above the scale, e
+/// itself below 0.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NonLinearity {
-    /// Where s is 1, electrons, \[1, 1e9\]: as a rule the full well.
+    /// Charge at which s is 1, electrons, \[1, 1e9\]; usually the full well.
     pub scale_e: f64,
     /// c₀, c₁, ..., at least one, each \[-1, 1\]; the signal must grow with the light up to the scale.
     pub coefficients: Vec<f64>,
@@ -16,20 +17,22 @@ pub struct NonLinearity {
 
 impl NonLinearity {
     pub(super) fn validate(&self) -> Result<(), DetectorError> {
-        DetectorError::hold("non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
-        self.coefficients.iter().try_for_each(|c| DetectorError::hold("non_linearity.coefficients", *c, -1.0, 1.0))?;
+        DetectorError::check_range("non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
+        self.coefficients
+            .iter()
+            .try_for_each(|c| DetectorError::check_range("non_linearity.coefficients", *c, -1.0, 1.0))?;
         let list = |message: &str| DetectorError::List { key: "non_linearity", message: message.to_owned() };
         if self.coefficients.is_empty() {
-            return Err(list("at least one coefficient is needed"));
+            return Err(list("at least one coefficient is required"));
         }
-        // Slopes below a hundredth could not be turned round.
+        // Slopes below 0.01 cannot be inverted.
         if (0..=1000).any(|step| self.value_and_slope(f64::from(step) / 1000.0).1 < 0.01) {
             return Err(list("the signal does not grow with the light up to scale_e"));
         }
         Ok(())
     }
 
-    /// Of s = e / scale from 0 to 1, in units of the scale.
+    /// Returns the signal and its slope at s = e / scale from 0 to 1, in units of the scale.
     fn value_and_slope(&self, s: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);
         for coefficient in self.coefficients.iter().rev() {
@@ -40,7 +43,7 @@ impl NonLinearity {
         (s * (1.0 + s * value), 1.0 + 2.0 * s * value + s * s * slope)
     }
 
-    /// Electrons measured of `e` electrons.
+    /// Returns the measured electrons of `e` electrons.
     pub(super) fn measured(&self, e: f64) -> f64 {
         let s = e / self.scale_e;
         if s <= 0.0 {
@@ -50,7 +53,7 @@ impl NonLinearity {
         self.scale_e * (value + slope * (s - 1.0).max(0.0))
     }
 
-    /// Electrons that gave what was measured: the inverse.
+    /// Returns the electrons of a measured signal, the inverse of [`measured`](Self::measured).
     pub(super) fn true_e(&self, measured_e: f64) -> f64 {
         let target = measured_e / self.scale_e;
         let (end, end_slope) = self.value_and_slope(1.0);
@@ -60,7 +63,7 @@ impl NonLinearity {
         if target >= end {
             return self.scale_e * (1.0 + (target - end) / end_slope);
         }
-        // Newton's method, held between bounds that close in.
+        // Newton's method, within bounds that shrink.
         let (mut bounds, mut s) = ([0.0, 1.0], target.min(1.0));
         for _ in 0..50 {
             let (value, slope) = self.value_and_slope(s);

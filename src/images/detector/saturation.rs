@@ -1,4 +1,4 @@
-//! Full wells, and where the charge goes that they cannot hold.
+//! Full wells, and bleeding of the charge beyond them.
 
 use serde::Deserialize;
 
@@ -6,34 +6,35 @@ use crate::images::Plane;
 
 use super::error::DetectorError;
 
-/// How much a pixel holds.
+/// Full well of the pixels, and what happens to the charge beyond it.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saturation {
-    /// Greatest charge of a pixel, electrons, \[1, 1e9\].
+    /// Full well, electrons, \[1, 1e9\].
     pub full_well_e: f64,
-    /// What happens to the rest.
+    /// Destination of the charge beyond the full well.
     #[serde(default)]
     pub bleeding: Bleeding,
 }
 
-/// Where charge goes that its pixel cannot hold.
+/// Destination of charge beyond the full well.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bleeding {
-    /// Into the pixels above and below, half each way, on to the next with room; what comes to the frame's edge leaves it.
+    /// Along the columns: half of the charge upwards and half downwards, to the next pixels with free capacity. Charge
+    /// that reaches the edge of the frame is lost.
     #[default]
     Columns,
-    /// The same to the left and right: detectors read along their rows.
+    /// Along the rows, for detectors read along their rows.
     Rows,
-    /// Nowhere: it is lost (drains against blooming, most CMOS detectors).
+    /// Lost (anti-blooming drains, most CMOS detectors).
     Off,
 }
 
-/// What saturated.
+/// Number of saturated pixels and lost charge.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Saturated {
-    /// Pixels that got more charge than they hold from light alone, before bleeding.
+    /// Pixels with more charge from light than their full well, before bleeding.
     pub pixels: usize,
     /// Charge that left the frame at its edges or was drained, electrons.
     pub lost_e: f64,
@@ -41,22 +42,22 @@ pub struct Saturated {
 
 impl Saturation {
     pub(super) fn validate(&self) -> Result<(), DetectorError> {
-        DetectorError::hold("saturation.full_well_e", self.full_well_e, 1.0, 1e9)
+        DetectorError::check_range("saturation.full_well_e", self.full_well_e, 1.0, 1e9)
     }
 
-    /// Cuts all pixels to what they hold and lets the rest bleed.
+    /// Limits all pixels to their capacity and distributes the excess by bleeding.
     ///
-    /// `room` is what is left of each pixel's well where the charge comes on top of what a frame shows already, 0 or more. It has the shape of the charge;
-    /// left out, wells are empty.
-    pub(super) fn apply(&self, charge: &mut Plane, room: Option<&Plane>) -> Saturated {
+    /// `capacity` is the free capacity of each pixel, 0 or more, for charge added to an existing frame; it has the
+    /// shape of the charge. If it is omitted, all wells are empty.
+    pub(super) fn apply(&self, charge: &mut Plane, capacity: Option<&Plane>) -> Saturated {
         let (rows, columns) = (charge.rows(), charge.columns());
         let full = self.full_well_e as f32;
-        let room_to = |row: usize, column: usize| room.map_or(full, |room| room.row(row)[column]);
+        let capacity_of = |row: usize, column: usize| capacity.map_or(full, |capacity| capacity.row(row)[column]);
         let mut saturated = Saturated::default();
         let mut excess: Vec<(usize, usize, f32)> = Vec::new();
         for row in 0..rows {
             for (column, value) in charge.row_mut(row).iter_mut().enumerate() {
-                let most = room_to(row, column);
+                let most = capacity_of(row, column);
                 if *value > most {
                     excess.push((row, column, *value - most));
                     *value = most;
@@ -73,43 +74,44 @@ impl Saturation {
                 return saturated;
             }
         };
-        // Lines of pixels that charge moves along, and places on them.
-        let placed = |(row, column, e): (usize, usize, f32)| {
-            let (line, place) = if is_along_rows { (row, column) } else { (column, row) };
-            (line, place, f64::from(e))
+        // Lines of pixels along which charge moves, and indices on them.
+        let positioned = |(row, column, e): (usize, usize, f32)| {
+            let (line, position) = if is_along_rows { (row, column) } else { (column, row) };
+            (line, position, f64::from(e))
         };
-        let mut excess: Vec<(usize, usize, f64)> = excess.into_iter().map(placed).collect();
-        excess.sort_by_key(|(line, place, _)| (*line, *place));
+        let mut excess: Vec<(usize, usize, f64)> = excess.into_iter().map(positioned).collect();
+        excess.sort_by_key(|(line, position, _)| (*line, *position));
         let length = if is_along_rows { columns } else { rows };
         for line in excess.chunk_by(|a, b| a.0 == b.0) {
-            let mut pour = |place: usize, carried: f64| -> f64 {
-                let (row, column) = if is_along_rows { (line[0].0, place) } else { (place, line[0].0) };
-                let room = f64::from(room_to(row, column));
+            let mut fill = |position: usize, carried: f64| -> f64 {
+                let (row, column) = if is_along_rows { (line[0].0, position) } else { (position, line[0].0) };
+                let capacity = f64::from(capacity_of(row, column));
                 let pixel = &mut charge.row_mut(row)[column];
-                let poured = carried.min((room - f64::from(*pixel)).max(0.0));
-                *pixel = (f64::from(*pixel) + poured) as f32;
-                carried - poured
+                let filled = carried.min((capacity - f64::from(*pixel)).max(0.0));
+                *pixel = (f64::from(*pixel) + filled) as f32;
+                carried - filled
             };
-            saturated.lost_e += run(line.iter().map(|(_, place, e)| (*place, *e)), 0..length, &mut pour);
-            saturated.lost_e += run(line.iter().rev().map(|(_, place, e)| (*place, *e)), (0..length).rev(), &mut pour);
+            saturated.lost_e += bleed(line.iter().map(|(_, position, e)| (*position, *e)), 0..length, &mut fill);
+            saturated.lost_e +=
+                bleed(line.iter().rev().map(|(_, position, e)| (*position, *e)), (0..length).rev(), &mut fill);
         }
         saturated
     }
 }
 
-/// Carries half of every excess on, place after place in the given order, and gives back what is left at the end.
-fn run(
+/// Moves half of each excess along the pixels in the given order, and returns the charge that remains at the end.
+fn bleed(
     excess: impl Iterator<Item = (usize, f64)>,
-    places: impl Iterator<Item = usize>,
-    pour: &mut impl FnMut(usize, f64) -> f64,
+    positions: impl Iterator<Item = usize>,
+    fill: &mut impl FnMut(usize, f64) -> f64,
 ) -> f64 {
-    let mut waiting = excess.peekable();
+    let mut sources = excess.peekable();
     let mut carried = 0.0;
-    for place in places {
+    for position in positions {
         if carried > 0.0 {
-            carried = pour(place, carried);
+            carried = fill(position, carried);
         }
-        if let Some((_, e)) = waiting.next_if(|(source, _)| *source == place) {
+        if let Some((_, e)) = sources.next_if(|(source, _)| *source == position) {
             carried += 0.5 * e;
         }
     }

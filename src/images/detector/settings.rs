@@ -1,4 +1,4 @@
-//! A detector: which of its stages there are.
+//! Settings of a detector: its stages.
 
 use serde::Deserialize;
 
@@ -9,10 +9,11 @@ use super::non_linearity::NonLinearity;
 use super::saturation::Saturation;
 use super::vignetting::Vignetting;
 
-/// A detector, as a TOML table. What is left out is not there: the default turns electrons into as many counts, with photon noise and no other.
+/// Detector, as a TOML table. Omitted stages are not applied: by default, electrons are converted to the same number of
+/// counts, with photon noise only.
 ///
-/// Stages follow one another as in the camera: vignetting, photon noise, full wells and bleeding, non-linearity, crosstalk, read noise, gain
-/// and bias, whole counts.
+/// The stages are applied in the order of a camera: vignetting, photon noise, full wells and bleeding, non-linearity,
+/// crosstalk, read noise, gain and bias, quantisation.
 ///
 /// ```
 /// let detector = streakcast::images::Detector::from_toml(
@@ -30,21 +31,21 @@ use super::vignetting::Vignetting;
 pub struct Detector {
     /// Electrons per count, \[1e-6, 1e6\].
     pub gain_e_adu: f64,
-    /// Counts without light, \[-1e6, 1e6\].
+    /// Bias, counts, \[-1e6, 1e6\].
     pub bias_adu: f64,
-    /// Sigma of the readout, electrons, \[0, 1e5\]. Only synthetic frames get it: others have it already.
+    /// Read noise (one sigma), electrons, \[0, 1e5\]. It is added to synthetic frames only: existing frames contain it.
     pub read_noise_e: f64,
-    /// Whether light comes in whole photons. Without it light is added without any noise.
+    /// Photon noise; without it light is added without any noise.
     pub shot_noise: bool,
-    /// Light lost towards the corners.
+    /// Light loss towards the corners.
     pub vignetting: Option<Vignetting>,
     /// Full wells.
     pub saturation: Option<Saturation>,
-    /// Signals against charge.
+    /// Non-linearity of the signal.
     pub non_linearity: Option<NonLinearity>,
     /// Ghosts between amplifiers.
     pub crosstalk: Option<Crosstalk>,
-    /// Whole counts.
+    /// Whole counts within a range.
     pub quantisation: Option<Quantisation>,
 }
 
@@ -65,10 +66,10 @@ impl Default for Detector {
 }
 
 impl Detector {
-    /// From the text of a TOML table.
+    /// Reads the settings from a TOML table.
     ///
     /// # Errors
-    /// [`DetectorError::Toml`] for what is not a detector, otherwise as [`Detector::validate`].
+    /// [`DetectorError::Toml`] for text that is not a detector, otherwise the errors of [`Detector::validate`].
     pub fn from_toml(text: &str) -> Result<Self, DetectorError> {
         let detector: Self = toml::from_str(text)
             .map_err(|error| DetectorError::Toml { message: error.to_string().trim().to_owned() })?;
@@ -76,14 +77,14 @@ impl Detector {
         Ok(detector)
     }
 
-    /// Holds every number to its range.
+    /// Checks the range of every number.
     ///
     /// # Errors
-    /// [`DetectorError`] with the first that is outside, not finite, or does not go with the others.
+    /// [`DetectorError`] for the first value that is out of range, not finite, or inconsistent with the others.
     pub fn validate(&self) -> Result<(), DetectorError> {
-        DetectorError::hold("gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
-        DetectorError::hold("bias_adu", self.bias_adu, -1e6, 1e6)?;
-        DetectorError::hold("read_noise_e", self.read_noise_e, 0.0, 1e5)?;
+        DetectorError::check_range("gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
+        DetectorError::check_range("bias_adu", self.bias_adu, -1e6, 1e6)?;
+        DetectorError::check_range("read_noise_e", self.read_noise_e, 0.0, 1e5)?;
         self.vignetting.as_ref().map_or(Ok(()), Vignetting::validate)?;
         self.saturation.as_ref().map_or(Ok(()), Saturation::validate)?;
         self.non_linearity.as_ref().map_or(Ok(()), NonLinearity::validate)?;
@@ -91,8 +92,11 @@ impl Detector {
         self.quantisation.as_ref().map_or(Ok(()), Quantisation::validate)
     }
 
+    /// Checks all values, and the amplifiers for a frame of this shape.
+    ///
     /// # Errors
-    /// As [`Detector::validate`], and [`DetectorError::AmplifierOutside`] for a frame smaller than what the amplifiers read.
+    /// The errors of [`Detector::validate`], and [`DetectorError::AmplifierOutside`] if an amplifier lies outside the
+    /// frame.
     pub(super) fn validate_for(&self, rows: usize, columns: usize) -> Result<(), DetectorError> {
         self.validate()?;
         self.crosstalk.as_ref().map_or(Ok(()), |crosstalk| crosstalk.check_shape(rows, columns))

@@ -1,31 +1,31 @@
-//! Light lost towards the corners.
+//! Light loss towards the corners of a frame.
 
 use serde::Deserialize;
 
 use super::error::DetectorError;
 
-/// Transmission against the distance from a centre, 1 where nothing is lost.
+/// Transmission as a function of the distance from a centre, 1 without loss.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Vignetting {
     /// 1 + c₀ ρ² + c₁ ρ⁴ + ... with ρ in units of a radius; never below 0.
     Polynomial {
-        /// Place of the centre, `[x, y]` in pixels from 0; the middle of the frame where it is left out.
+        /// Position of the centre, `[x, y]` in pixels from 0; by default the middle of the frame.
         #[serde(default)]
         centre_pix: Option<[f64; 2]>,
-        /// Where ρ is 1, pixels, above 0.
+        /// Radius at which ρ is 1, pixels, above 0.
         radius_pix: f64,
         /// c₀, c₁, ..., at least one, each \[-10, 10\].
         coefficients: Vec<f64>,
     },
-    /// Linear between given radii, level beyond the last.
+    /// Linear between given radii, constant beyond the last.
     Table {
-        /// Place of the centre, `[x, y]` in pixels from 0; the middle of the frame where it is left out.
+        /// Position of the centre, `[x, y]` in pixels from 0; by default the middle of the frame.
         #[serde(default)]
         centre_pix: Option<[f64; 2]>,
-        /// From 0 outwards, pixels.
+        /// Radii from 0 outwards, pixels.
         radii_pix: Vec<f64>,
-        /// Transmission at each, \[0, 2\].
+        /// Transmission at each radius, \[0, 2\].
         transmission: Vec<f64>,
     },
 }
@@ -35,33 +35,35 @@ impl Vignetting {
         let centre = match self {
             Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. } => centre_pix,
         };
-        for place in centre.iter().flatten() {
-            DetectorError::hold("vignetting.centre_pix", *place, -1e6, 1e6)?;
+        for coordinate in centre.iter().flatten() {
+            DetectorError::check_range("vignetting.centre_pix", *coordinate, -1e6, 1e6)?;
         }
         let list = |message: &str| DetectorError::List { key: "vignetting", message: message.to_owned() };
         match self {
             Self::Polynomial { radius_pix, coefficients, .. } => {
-                DetectorError::hold("vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
+                DetectorError::check_range("vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
                 if coefficients.is_empty() {
-                    return Err(list("a polynomial needs at least one coefficient"));
+                    return Err(list("a polynomial requires at least one coefficient"));
                 }
-                coefficients.iter().try_for_each(|c| DetectorError::hold("vignetting.coefficients", *c, -10.0, 10.0))
+                coefficients
+                    .iter()
+                    .try_for_each(|c| DetectorError::check_range("vignetting.coefficients", *c, -10.0, 10.0))
             }
             Self::Table { radii_pix, transmission, .. } => {
                 if radii_pix.len() != transmission.len() || radii_pix.first() != Some(&0.0) {
-                    return Err(list(
-                        "radii_pix and transmission must be as long as one another and begin at radius 0",
-                    ));
+                    return Err(list("radii_pix and transmission must have the same length and begin at radius 0"));
                 }
                 if radii_pix.windows(2).any(|pair| !(pair[1] > pair[0] && pair[1].is_finite())) {
                     return Err(list("radii_pix must increase"));
                 }
-                transmission.iter().try_for_each(|t| DetectorError::hold("vignetting.transmission", *t, 0.0, 2.0))
+                transmission
+                    .iter()
+                    .try_for_each(|t| DetectorError::check_range("vignetting.transmission", *t, 0.0, 2.0))
             }
         }
     }
 
-    /// Transmission of pixels of one row, from `first_column` on, in a frame of `rows` by `columns`.
+    /// Multiplies pixels of one row, from `first_column` on, by their transmission in a frame of `rows` by `columns`.
     pub(super) fn apply(&self, rows: usize, columns: usize, row: usize, first_column: usize, light: &mut [f32]) {
         let middle = [0.5 * (columns as f64 - 1.0), 0.5 * (rows as f64 - 1.0)];
         let (Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. }) = self;

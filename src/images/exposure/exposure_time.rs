@@ -1,4 +1,4 @@
-//! Start and length of an exposure, from the spellings of many observatories.
+//! Start and length of an exposure, from the keywords of many observatories.
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
@@ -8,70 +8,70 @@ use super::super::header::Header;
 use super::moment::{DateText, at, parse_date, parse_time};
 use super::moment::{Keywords, resolution};
 
-/// Keywords with date and time of the beginning, in the order in which they count.
+/// Keywords with date and time of the start, in order of precedence.
 const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
 
-/// Keywords with the time of the beginning, beside a date alone.
+/// Keywords with the time of the start, used together with a date.
 const TIMES: &[&str] =
     &["TIME-BEG", "UTC-OBS", "TIME-OBS", "UT-OBS", "UTSTART", "UT-STR", "UTC-STR", "UTSHUT", "TAIHMS"];
 
-/// The same, but some observatories mean another moment by them: used where nothing better is there.
+/// Keywords of a time that some observatories use for another time than the start; used if no better one is found.
 const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
 
-/// Days since 1858-11-17 of the beginning.
+/// Keywords with the modified Julian date of the start.
 const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJDSTART"];
 
-/// Julian dates of the beginning.
+/// Keywords with the Julian date of the start.
 const JULIAN_DATES: &[&str] = &["JDSTART", "JD-BEG", "JD-STR", "JD-OBS"];
 
-/// Dates of which the comment alone says whether they are of the beginning, the middle or the end.
+/// Keywords of dates with a comment that states whether they refer to the start, the middle or the end.
 const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 
-/// Middle and end.
+/// Keywords of the middle and the end.
 const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID"];
 const ENDS: &[&str] = &["DATE-END", "MJD-END", "JDEND"];
 
-/// Keywords of the length, in the order in which they count.
+/// Keywords of the length, in order of precedence.
 const LENGTHS: &[&str] =
     &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INTTIME", "ELAPTIME", "SHUTTIME"];
 
-/// Moments that differ by more than this, beyond the digits they are given with, contradict one another, s.
+/// Largest difference of consistent start times, in addition to their rounding, s.
 const START_SLACK_S: f64 = 1.0;
 
-/// Shutters and overheads shift the middle: this part of the length is allowed.
+/// Allowed shift of the middle by shutters and overheads, as a fraction of the length.
 const MIDDLE_SLACK: f64 = 0.1;
 
-/// Lengths that differ by more contradict one another: this part, and seconds.
+/// Largest difference of consistent lengths: a fraction, and seconds.
 const LENGTH_SLACK: f64 = 0.01;
 const LENGTH_SLACK_S: f64 = 0.1;
 
-/// When the shutter opened, and how long it was open.
+/// Start and length of an exposure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureTime {
-    /// When the shutter opened.
+    /// Shutter opening.
     pub start: Epoch,
-    /// How long it was open, s.
+    /// Time for which the shutter was open, s.
     pub duration_s: f64,
-    /// The keywords that said when (`DATE-OBS`, `DATE-OBS + TIME-OBS`, ...).
+    /// Keywords of the start (`DATE-OBS`, `DATE-OBS + TIME-OBS`, ...).
     pub start_from: String,
-    /// The keyword that said how long.
+    /// Keyword of the length.
     pub duration_from: String,
 }
 
 /// Longest exposure, s: 115 days, beyond any sum of exposures.
 const LONGEST_S: f64 = 1e7;
 
-/// A header that does not say when its exposure was, or says it twice and differently.
+/// Errors of the exposure time in a header: missing, invalid or contradictory keywords.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExposureError {
-    /// Nothing that says when.
+    /// No keyword gives the start.
     #[error(
-        "no start of the exposure (looked for DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ...); say it: --start"
+        "missing start of the exposure (no DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ...); specify --start"
     )]
     NoStart,
     /// A date without a time.
     #[error(
-        "{keyword} is the date {value} without a time, and no other keyword has it (TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS); say it: --start"
+        "{keyword} is the date {value} without a time, and no other keyword gives the time (TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS); specify --start"
     )]
     NoTime {
         /// The keyword.
@@ -79,67 +79,69 @@ pub enum ExposureError {
         /// Its value.
         value: String,
     },
-    /// A date that can be read in several ways.
-    #[error(
-        "{keyword} is {value:?}: a year of two digits, or no yyyy-mm-dd, is not guessed at; say the start: --start"
-    )]
+    /// A date that is ambiguous.
+    #[error("{keyword} is the ambiguous date {value:?}; expected yyyy-mm-dd, or specify --start")]
     UnclearDate {
         /// The keyword.
         keyword: String,
         /// Its value.
         value: String,
     },
-    /// Something that is no date, time or number.
-    #[error("{keyword} is {value:?}: {allowed}")]
+    /// A value that is not a date, time or number.
+    #[error("{keyword} is {value:?}; allowed: {allowed}")]
     Unreadable {
         /// The keyword.
         keyword: String,
         /// Its value.
         value: String,
-        /// What may stand there.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// Two keywords that contradict one another.
     #[error(
-        "{first} says that the exposure began at {first_start}, {second} says {second_start}: {difference_s:.1} s apart; say which: --start"
+        "{first} gives the start {first_start}, {second} gives {second_start}: {difference_s:.1} s apart; specify --start"
     )]
     StartConflict {
-        /// One keyword, with what was reckoned from it.
+        /// First keyword, with the computation of the start.
         first: String,
-        /// Its start.
+        /// Start from the first keyword.
         first_start: Epoch,
-        /// The other one.
+        /// Second keyword.
         second: String,
-        /// Its start.
+        /// Start from the second keyword.
         second_start: Epoch,
-        /// Second minus first, s.
+        /// Second less first start, s.
         difference_s: f64,
     },
-    /// Nothing that says how long.
-    #[error("no length of the exposure (looked for EXPTIME, XPOSURE, EXPOSURE, ITIME, ...); say it: --exposure 30s")]
+    /// No keyword gives the length.
+    #[error(
+        "missing length of the exposure (no EXPTIME, XPOSURE, EXPOSURE, ITIME, ...); specify it, for example --exposure 30s"
+    )]
     NoLength,
     /// Two lengths that contradict one another.
-    #[error("{first} says {first_s} s of exposure, {second} says {second_s} s; say which: --exposure 30s")]
+    #[error(
+        "{first} gives an exposure of {first_s} s, {second} gives {second_s} s; specify it, for example --exposure 30s"
+    )]
     LengthConflict {
-        /// One keyword.
+        /// First keyword.
         first: String,
-        /// Its length, s.
+        /// Length from the first keyword, s.
         first_s: f64,
-        /// The other one.
+        /// Second keyword.
         second: String,
-        /// Its length, s.
+        /// Length from the second keyword, s.
         second_s: f64,
     },
-    /// A length of more than 1e7 s.
-    #[error("{keyword} is {seconds} s: allowed are exposures of at most {LONGEST_S} s")]
+    /// The length is above 1e7 s.
+    #[error("{keyword} is {seconds} s; allowed: above 0 s, at most {LONGEST_S} s")]
     TooLong {
         /// The keyword.
         keyword: String,
         /// The length, s.
         seconds: f64,
     },
-    /// A length of nothing or less.
-    #[error("{keyword} is {seconds} s: a streak needs an exposure longer than 0 s (a bias frame?)")]
+    /// The length is not above 0.
+    #[error("{keyword} is {seconds} s; allowed: above 0 s (a bias frame has no exposure)")]
     NotPositive {
         /// The keyword.
         keyword: String,
@@ -148,7 +150,7 @@ pub enum ExposureError {
     },
 }
 
-/// A start and the keyword it came from, with how far off the digits allow it to be.
+/// Start with its keyword and the rounding error of its digits.
 struct Start {
     epoch: Epoch,
     from: String,
@@ -156,13 +158,15 @@ struct Start {
 }
 
 impl ExposureTime {
-    /// From the headers of a frame in the order in which they count: that of the image, then the primary one.
+    /// Reads the exposure from the headers of a frame in order of precedence: that of the image, then the primary one.
     ///
-    /// Dates are in the scale of TIMESYS (UTC where there is none). Of several spellings the first is taken (dates with times before numbers of days);
-    /// the others must agree to a second and to the digits that they are given with, the middle (DATE-AVG) to a tenth of the length.
+    /// Dates are in the scale of TIMESYS (by default UTC). Of several keywords the first is used (dates with times
+    /// before Julian dates); the others must agree within a second and their rounding, the middle (DATE-AVG) within a
+    /// tenth of the length.
     ///
     /// # Errors
-    /// [`ExposureError`]: nothing there, not readable, a year of two digits, two keywords that contradict one another, a length of 0 or less.
+    /// [`ExposureError`]: missing or invalid keywords, a year of two digits, two contradictory keywords, a length of 0
+    /// or less.
     pub fn from_headers(headers: &[&Header]) -> Result<Self, ExposureError> {
         let keywords = Keywords(headers);
         let (duration_s, duration_from) = duration(keywords)?;
@@ -170,24 +174,25 @@ impl ExposureTime {
         Ok(Self { start: start.epoch, duration_s, start_from: start.from, duration_from })
     }
 
-    /// The length alone, s: for frames whose start is known from elsewhere.
+    /// Reads the length only, s, for frames with a start from another source.
     ///
     /// # Errors
-    /// As [`from_headers`](ExposureTime::from_headers), of the length.
+    /// The errors of [`from_headers`](ExposureTime::from_headers) for the length.
     pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, ExposureError> {
         duration(Keywords(headers)).map(|(seconds, _)| seconds)
     }
 
-    /// The start alone, of an exposure of a length known from elsewhere, s (a header may give the middle or the end alone).
+    /// Reads the start only, for an exposure with a length from another source, s (the header may give only the middle
+    /// or the end).
     ///
     /// # Errors
-    /// As [`from_headers`](ExposureTime::from_headers), of the start.
+    /// The errors of [`from_headers`](ExposureTime::from_headers) for the start.
     pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, ExposureError> {
         start(Keywords(headers), duration_s).map(|start| start.epoch)
     }
 }
 
-/// The length and its keyword.
+/// Returns the length and its keyword.
 fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ExposureError> {
     let mut lengths = Vec::new();
     for keyword in LENGTHS {
@@ -214,20 +219,20 @@ fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ExposureError> {
     }
 }
 
-/// Seconds in the unit that a comment names, else 1.
+/// Returns the seconds in the unit given in a comment; by default 1.
 fn unit_s(comment: &str) -> f64 {
     let comment = comment.to_ascii_lowercase();
-    let says = |words: &[&str]| words.iter().any(|word| comment.contains(word));
-    if says(&["[ms]", "millisec", "msec"]) {
+    let contains_any = |words: &[&str]| words.iter().any(|word| comment.contains(word));
+    if contains_any(&["[ms]", "millisec", "msec"]) {
         1e-3
-    } else if says(&["[min]", "minutes", "[minute"]) {
+    } else if contains_any(&["[min]", "minutes", "[minute"]) {
         60.0
     } else {
         1.0
     }
 }
 
-/// The scale of dates: TIMESYS.
+/// Returns the time scale of dates (TIMESYS).
 fn scale(keywords: Keywords<'_>) -> Result<TimeScale, ExposureError> {
     let Some((keyword, value)) = keywords.text(&["TIMESYS"]) else { return Ok(TimeScale::UTC) };
     let name = value.to_ascii_uppercase();
@@ -242,7 +247,7 @@ fn scale(keywords: Keywords<'_>) -> Result<TimeScale, ExposureError> {
     }
 }
 
-/// All starts that are said, the one that counts first; then whether they agree.
+/// Returns the start with the highest precedence, after checking that all starts in the header agree.
 fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError> {
     let scale = scale(keywords)?;
     let mut starts = Vec::new();
@@ -258,7 +263,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
             },
             DateText::Unclear => unclear = unclear.or(Some(ExposureError::UnclearDate { keyword: name, value })),
             DateText::Unreadable => {
-                let allowed = "a date as 2024-08-14T00:30:00.5, or 2024-08-14 with a time in another keyword";
+                let allowed = "a date such as 2024-08-14T00:30:00.5, or 2024-08-14 with a time in another keyword";
                 return Err(ExposureError::Unreadable { keyword: name, value, allowed });
             }
         }
@@ -273,17 +278,17 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
         let epoch = epoch_from_mjd(seconds / crate::constants::DAY_S, TimeScale::TAI).ok();
         starts.extend(epoch.map(|epoch| Start { epoch, from: name, slack_s: 0.01 }));
     }
-    let middles = reckoned(keywords, MIDDLES, duration_s / 2.0, "half of the exposure", scale)?;
+    let middles = starts_before(keywords, MIDDLES, duration_s / 2.0, "half of the exposure", scale)?;
     let Some(first) = starts.first() else {
         if let Some(error) = unclear {
             return Err(error);
         }
         let mut loose = Vec::new();
         for keyword in LOOSE_DATES {
-            loose.extend(loose_day(keywords, keyword, duration_s, scale)?);
+            loose.extend(start_by_comment(keywords, keyword, duration_s, scale)?);
         }
         loose.extend(middles);
-        loose.extend(reckoned(keywords, ENDS, duration_s, "the exposure", scale)?);
+        loose.extend(starts_before(keywords, ENDS, duration_s, "the exposure", scale)?);
         let nothing =
             day_alone.map_or(ExposureError::NoStart, |(keyword, value)| ExposureError::NoTime { keyword, value });
         return loose.into_iter().next().ok_or(nothing);
@@ -307,7 +312,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
     starts.into_iter().next().ok_or(ExposureError::NoStart)
 }
 
-/// A date alone with the time of another keyword.
+/// Combines a date with the time of another keyword.
 fn time_of(
     keywords: Keywords<'_>,
     day: [u32; 3],
@@ -316,17 +321,17 @@ fn time_of(
 ) -> Result<Option<Start>, ExposureError> {
     let Some((name, value)) = keywords.text(TIMES).or_else(|| keywords.text(LOOSE_TIMES)) else { return Ok(None) };
     let scale = if name == "TAIHMS" { TimeScale::TAI } else { scale };
-    // Some write the whole moment here.
+    // Some observatories write date and time here.
     if let DateText::Moment(epoch) = parse_date(&value, scale) {
         return Ok(Some(Start { epoch, from: name, slack_s: 0.0 }));
     }
     let epoch = parse_time(&value).and_then(|(clock, seconds)| at(day, clock, seconds, scale));
-    let allowed = "a time as 00:30:00.5";
+    let allowed = "a time such as 00:30:00.5";
     let epoch = epoch.ok_or_else(|| ExposureError::Unreadable { keyword: name.clone(), value, allowed })?;
     Ok(Some(Start { epoch, from: format!("{date} + {name}"), slack_s: 0.0 }))
 }
 
-/// A start from a number of days.
+/// Returns a start from a Julian date.
 fn days(
     keywords: Keywords<'_>,
     keyword: &str,
@@ -350,8 +355,8 @@ fn days(
     Ok(Some(Start { epoch, from: name, slack_s }))
 }
 
-/// MJD and JD without a word: their comment says what they are of.
-fn loose_day(
+/// Returns a start from MJD or JD; the comment states to which time of the exposure they refer.
+fn start_by_comment(
     keywords: Keywords<'_>,
     keyword: &str,
     duration_s: f64,
@@ -374,8 +379,8 @@ fn loose_day(
     }))
 }
 
-/// Starts reckoned back from later moments.
-fn reckoned(
+/// Returns starts computed from the middle or the end.
+fn starts_before(
     keywords: Keywords<'_>,
     names: &[&str],
     back_s: f64,

@@ -1,4 +1,4 @@
-//! Times and their keywords in headers.
+//! Keywords in headers, and parsing of dates and times.
 
 use hifitime::{Epoch, TimeScale};
 
@@ -6,20 +6,20 @@ use crate::frames::seconds_after;
 use crate::images::card::Card;
 use crate::images::header::Header;
 
-/// What a text that should be a date turned out to be.
+/// Result of parsing a date.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum DateText {
     /// A date with a time.
     Moment(Epoch),
-    /// A date alone: year, month, day.
+    /// A date without a time: year, month, day.
     Day([u32; 3]),
-    /// A year of two digits, or numbers in an order that is not said.
+    /// A year of two digits, or numbers in an ambiguous order.
     Unclear,
-    /// Nothing of that.
+    /// Not a date.
     Unreadable,
 }
 
-/// Reads `2020-03-06`, `2020-03-06T00:04:15.41`, with a blank for the T and slashes for the hyphens.
+/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`; a blank may replace the T, and slashes the hyphens.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     let text = text.trim().trim_end_matches('Z').trim_end_matches("+00:00");
     let (day, time) = match text.split_once(['T', ' ']) {
@@ -47,7 +47,7 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     }
 }
 
-/// Hours and minutes, and seconds with their fraction, of `hh:mm:ss.sss`.
+/// Parses `hh:mm:ss.sss` into hours and minutes, and seconds with their fraction.
 pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
     let parts: Vec<&str> = text.trim().trim_end_matches('Z').split(':').collect();
     let [hours, minutes, ref rest @ ..] = parts[..] else { return None };
@@ -60,7 +60,7 @@ pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
     (clock[0] < 24 && clock[1] < 60 && (0.0..61.0).contains(&seconds)).then_some((clock, seconds))
 }
 
-/// The moment of a day and a time; `None` where the calendar has no such day.
+/// Returns the epoch of a date and a time; `None` for a date that does not exist.
 pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale) -> Option<Epoch> {
     let [year, month, day] = day;
     let whole = |number: u32| u8::try_from(number).ok();
@@ -78,12 +78,13 @@ pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale)
     Some(seconds_after(minute, seconds))
 }
 
-/// Headers in the order in which they count: that of the image first, then the primary one.
+/// Headers in order of precedence: that of the image first, then the primary one.
 #[derive(Copy, Clone)]
 pub(super) struct Keywords<'a>(pub &'a [&'a Header]);
 
 impl<'a> Keywords<'a> {
-    /// The first header that has a keyword with a value, and the name it has there: a hyphen may be an underscore.
+    /// Returns the first header with a value of a keyword, and the name of the keyword in it: a hyphen may be an
+    /// underscore.
     pub fn find(self, keyword: &str) -> Option<(&'a Header, String)> {
         let names = [keyword.to_owned(), keyword.replace('-', "_")];
         self.0.iter().find_map(|header| {
@@ -92,7 +93,7 @@ impl<'a> Keywords<'a> {
         })
     }
 
-    /// The number of the first of several names that is there and satisfies a condition.
+    /// Returns the first number of several keywords that satisfies a condition, with its keyword and comment.
     pub fn number(self, keywords: &[&str], allows: impl Fn(f64) -> bool) -> Option<(String, f64, String)> {
         keywords.iter().find_map(|keyword| {
             let (header, name) = self.find(keyword)?;
@@ -102,7 +103,7 @@ impl<'a> Keywords<'a> {
         })
     }
 
-    /// The text of the first of several names that is there.
+    /// Returns the first text of several keywords, with its keyword.
     pub fn text(self, keywords: &[&str]) -> Option<(String, String)> {
         keywords.iter().find_map(|keyword| {
             let (header, name) = self.find(keyword)?;
@@ -111,7 +112,7 @@ impl<'a> Keywords<'a> {
     }
 }
 
-/// Half the last digit's unit of a number as it stands in its card.
+/// Returns half a unit of the last digit of a number in its card.
 pub(super) fn resolution(card: &Card) -> f64 {
     let text = card.text();
     let field =

@@ -1,12 +1,13 @@
-//! CFITSIO through the crate `fitsio`: the one file with unsafe code.
+//! CFITSIO through the crate `fitsio`: the only file with unsafe code.
 //!
-//! `fitsio` owns the open files and writes pixels, columns and tiles. The calls below go to `fitsio-sys` because `fitsio` has none for
-//! them: opening and creating files by plain names (brackets, parentheses, `!`, `mem://` mean nothing in a name), the result of the
-//! last write, pixels with a mark for those without a value, cards as they stand (`fitsio` writes numbers with nine digits), the
-//! parameters of compression, checksums, and the compaction of a heap.
+//! `fitsio` owns the open files and writes pixels, columns and tiles. The functions below call `fitsio-sys` directly
+//! because `fitsio` has no equivalent: opening and creating files by literal names (brackets, parentheses, `!`,
+//! `mem://` have no meaning in a name), the status of the last write, pixels with a mark for those without a value,
+//! literal cards (`fitsio` writes numbers with nine digits), the parameters of compression, checksums, and the
+//! compaction of a heap.
 //!
-//! Threads: the bundled CFITSIO is configured with `--enable-reentrant`, so that threads may work on files of their own. Opening and
-//! closing change tables that all files share; they are serialised by one lock.
+//! Threads: the bundled CFITSIO is configured with `--enable-reentrant`, so threads may work on different files.
+//! Opening and closing change global tables and are serialised by a lock.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_long, c_ulong, c_void};
@@ -46,29 +47,29 @@ fn lock() -> MutexGuard<'static, ()> {
     LOCK.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A floating type that CFITSIO reads pixels into and writes them from.
+/// Floating-point type of pixels that CFITSIO reads and writes.
 pub(super) trait CPixel: Copy {
     /// Code of the type in `fitsio.h`.
     const CODE: c_int;
-    /// Value of a pixel without a value.
-    const NOTHING: Self;
+    /// Number of a pixel without a value.
+    const NO_VALUE: Self;
 }
 
 impl CPixel for f32 {
     const CODE: c_int = 42;
-    const NOTHING: Self = Self::NAN;
+    const NO_VALUE: Self = Self::NAN;
 }
 
 impl CPixel for f64 {
     const CODE: c_int = 82;
-    const NOTHING: Self = Self::NAN;
+    const NO_VALUE: Self = Self::NAN;
 }
 
 /// Compression of an image by RICE.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Rice {
-    /// Steps per standard deviation of the noise, for floating pixels: 4 keeps photometry to a hundredth of the noise; 16 is finer. Whole
-    /// numbers are kept exactly.
+    /// Steps per standard deviation of the noise, for floating-point pixels: 4 preserves photometry to a hundredth of
+    /// the noise; 16 is finer. Whole numbers are stored exactly.
     pub steps_per_sigma: f32,
     /// Seed of the dither, 1 to 10000: the same frame and seed give the same file.
     pub dither_seed: u16,
@@ -80,9 +81,9 @@ impl Default for Rice {
     }
 }
 
-/// An open file. Dropping it closes it; [`close`](Handle::close) reports whether all that was written arrived.
+/// Open file. Dropping it closes it; [`close`](Handle::close) returns an error if not all data were written.
 pub(super) struct Handle<'a> {
-    /// `None` once it is closed.
+    /// `None` once the file is closed.
     file: Option<FitsFile>,
     path: &'a Path,
 }
@@ -90,7 +91,7 @@ pub(super) struct Handle<'a> {
 impl<'a> Handle<'a> {
     /// Opens a file for reading.
     pub fn open(path: &'a Path) -> Result<Self, FrameError> {
-        // SAFETY: the name ends in a zero and lives through the call; the other pointers are valid places to write to.
+        // SAFETY: the name is NUL-terminated and lives until the call returns; the other pointers are valid for writing.
         Self::begin(path, READONLY, |file, name, status| unsafe { ffdkopn(file, name, READONLY, status) })
     }
 
@@ -128,7 +129,7 @@ impl<'a> Handle<'a> {
         }
     }
 
-    /// Works on the file by the functions of `fitsio`.
+    /// Applies functions of `fitsio` to the file.
     pub fn fitsio<T>(&mut self, work: impl FnOnce(&mut FitsFile) -> Result<T, FitsioError>) -> Result<T, FrameError> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
@@ -140,62 +141,64 @@ impl<'a> Handle<'a> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
         let mut status = 0;
-        // SAFETY: the pointer is used by `work` alone, while `file` is borrowed and open.
+        // SAFETY: only `work` uses the pointer, while `file` is borrowed and open.
         work(unsafe { file.as_raw() }, &mut status);
         check(path, status)
     }
 
-    /// Writes all that is held in buffers and closes the file.
+    /// Writes all buffers and closes the file.
     pub fn close(mut self) -> Result<(), FrameError> {
-        // `fitsio` drops the status of closing; after this call there is nothing left that could fail.
+        // `fitsio` drops the status of closing; after this call closing cannot fail.
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffflus(file, status);
         })
     }
 
-    /// Goes to an HDU, counted from 0.
+    /// Moves to an HDU, counted from 0.
     pub fn go_to(&mut self, hdu: usize) -> Result<(), FrameError> {
-        // SAFETY: the file is open; CFITSIO takes a null pointer for a type that is not wanted.
+        // SAFETY: the file is open; CFITSIO accepts a null pointer for a type that is not needed.
         self.call(|file, status| unsafe {
             ffmahd(file, hdu as c_int + 1, ptr::null_mut(), status);
         })
     }
 
-    /// Reads pixels of the current image from one on, counted row after row from 0: physical values. With `is_marked` those without a
-    /// value become NaN; floating pixels that are not compressed are NaN anyway.
+    /// Reads pixels of the current image from an index on, counted row by row from 0: physical values. With
+    /// `is_marked`, pixels without a value become NaN; uncompressed floating-point pixels without a value are NaN
+    /// anyway.
     pub fn read_pixels<T: CPixel>(
         &mut self,
         first: usize,
         values: &mut [T],
         is_marked: bool,
     ) -> Result<(), FrameError> {
-        let (mut nothing, mut any) = (T::NOTHING, 0);
-        let mark = if is_marked { (&raw mut nothing).cast::<c_void>() } else { ptr::null_mut() };
+        let (mut no_value, mut any) = (T::NO_VALUE, 0);
+        let mark = if is_marked { (&raw mut no_value).cast::<c_void>() } else { ptr::null_mut() };
         let (count, values) = (values.len(), values.as_mut_ptr().cast::<c_void>());
-        // SAFETY: `values` has room for `count` numbers of the type that `T::CODE` names, `mark` points to one of them or is null.
+        // SAFETY: `values` has space for `count` numbers of the type of `T::CODE`, `mark` points to one of them or is
+        // null.
         self.call(|file, status| unsafe {
             ffgpv(file, T::CODE, first as i64 + 1, count as i64, mark, values, &mut any, status);
         })
     }
 
-    /// Adds an HDU behind all others from its whole header; the data are written after that.
+    /// Appends an HDU from its whole header; the data are written after that.
     pub fn append_hdu(&mut self, cards: &[Card]) -> Result<(), FrameError> {
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffcrhd(file, status);
         })?;
         self.append_cards(cards)?;
-        // SAFETY: the file is open; the header is read and the place of the data known from here on.
+        // SAFETY: the file is open; this reads the header and sets the position of the data.
         self.call(|file, status| unsafe {
             ffrdef(file, status);
         })
     }
 
-    /// Adds cards behind those of the current header.
+    /// Appends cards to the current header.
     pub fn append_cards(&mut self, cards: &[Card]) -> Result<(), FrameError> {
         for card in cards {
-            // Text of a card has no zeros: what is not ASCII is shown as `?`.
+            // The text of a card has no zeros: characters that are not ASCII are `?`.
             let text = CString::new(card.text()).unwrap_or_default();
             // SAFETY: the file is open and the text ends in a zero.
             self.call(|file, status| unsafe {
@@ -205,11 +208,12 @@ impl<'a> Handle<'a> {
         Ok(())
     }
 
-    /// Adds an image to be compressed by RICE, one row a tile, without a name. `bitpix` is one of `fitsio.h`.
+    /// Appends an image compressed by RICE, one row a tile, without a name. `bitpix` is one of `fitsio.h`.
     pub fn append_rice(&mut self, rice: Rice, bitpix: c_int, [rows, columns]: [usize; 2]) -> Result<(), FrameError> {
         let mut tile: [c_long; 2] = [columns as c_long, 1];
         let mut axes: [c_long; 2] = [columns as c_long, rows as c_long];
-        // SAFETY: the file is open and arrays have the two entries that are announced; each call does nothing where `status` is not 0.
+        // SAFETY: the file is open and the arrays have two entries as announced; each call does nothing if `status` is
+        // not 0.
         self.call(|file, status| unsafe {
             fits_set_compression_type(file, RICE_1, status);
             fits_set_tile_dim(file, 2, tile.as_mut_ptr(), status);
@@ -220,11 +224,11 @@ impl<'a> Handle<'a> {
         })
     }
 
-    /// Writes all pixels of the current image; those equal to `mark` get no value.
+    /// Writes all pixels of the current image; those equal to `mark` are stored without a value.
     pub fn write_marked<T: CPixel>(&mut self, values: &mut [T], mut mark: T) -> Result<(), FrameError> {
         let (count, values) = (values.len(), values.as_mut_ptr().cast::<c_void>());
         let mark = (&raw mut mark).cast::<c_void>();
-        // SAFETY: `values` holds `count` numbers of the type that `T::CODE` names, `mark` points to one more.
+        // SAFETY: `values` contains `count` numbers of the type of `T::CODE`, `mark` points to one more.
         self.call(|file, status| unsafe {
             ffppn(file, T::CODE, 1, count as i64, values, mark, status);
         })
@@ -238,10 +242,10 @@ impl<'a> Handle<'a> {
         })
     }
 
-    /// Sums of the current HDU for DATASUM and CHECKSUM: of its data, and of all of it.
+    /// Returns the sums of the current HDU for DATASUM and CHECKSUM: of its data, and of the whole HDU.
     pub fn sums(&mut self) -> Result<[c_ulong; 2], FrameError> {
         let [mut data, mut all] = [0, 0];
-        // SAFETY: the file is open, and both sums are valid places to write to.
+        // SAFETY: the file is open, and the pointers to both sums are valid for writing.
         self.call(|file, status| unsafe {
             ffgcks(file, &mut data, &mut all, status);
         })?;
@@ -257,16 +261,16 @@ impl Drop for Handle<'_> {
     }
 }
 
-/// The 16 letters and digits of CHECKSUM that bring the sum of an HDU to all ones.
+/// Returns the 16 letters and digits of CHECKSUM that complement the sum of an HDU to all ones.
 pub(super) fn checksum_text(sum: c_ulong) -> String {
     let mut text = [0; 17];
-    // SAFETY: there is room for 16 characters and a zero.
+    // SAFETY: the buffer has space for 16 characters and a zero.
     unsafe { ffesum(sum, 1, text.as_mut_ptr()) };
     text_of(&text)
 }
 
 fn c_name(path: &Path) -> Result<CString, FrameError> {
-    // A blank or a tilde at the beginning has a meaning for CFITSIO; a folder before it takes that away.
+    // CFITSIO interprets a blank or a tilde at the beginning of a name; a folder before the name prevents that.
     let path = if path.is_relative() { &Path::new(".").join(path) } else { path };
     CString::new(path.as_os_str().as_encoded_bytes()).map_err(|error| FrameError::Io {
         path: path.to_owned(),
@@ -277,7 +281,7 @@ fn c_name(path: &Path) -> Result<CString, FrameError> {
 fn of_fitsio(path: &Path, error: FitsioError) -> FrameError {
     let message = match error {
         FitsioError::Fits(error) => return failed(path, error.status),
-        FitsioError::Utf8(_) => "names of files must be UTF-8".to_owned(),
+        FitsioError::Utf8(_) => "the name of the file is not UTF-8".to_owned(),
         other => other.to_string(),
     };
     clear_messages();
@@ -288,7 +292,7 @@ fn check(path: &Path, status: c_int) -> Result<(), FrameError> {
     if status == 0 { Ok(()) } else { Err(failed(path, status)) }
 }
 
-/// The error of a status, with CFITSIO's first message.
+/// Returns the error of a status, with CFITSIO's first message.
 fn failed(path: &Path, status: c_int) -> FrameError {
     let mut buffer = [0; MESSAGE_LENGTH];
     // SAFETY: the short text of a status is at most 30 characters long.
@@ -300,19 +304,19 @@ fn failed(path: &Path, status: c_int) -> FrameError {
         message = format!("{message}: {}", text_of(&buffer).trim_end_matches(':'));
     }
     if status == WRITE_ERROR {
-        message.push_str("; is the disk full?");
+        message.push_str("; the disk may be full");
     }
     clear_messages();
     FrameError::Cfitsio { path: path.to_owned(), status, message }
 }
 
-/// Text that ends in a zero; the last character of a buffer is always one.
+/// Converts text that ends in a zero; the last character of a buffer is always one.
 fn text_of<const N: usize>(buffer: &[c_char; N]) -> String {
     // SAFETY: the buffer was all zero, and CFITSIO ends its texts with a zero within it.
     unsafe { CStr::from_ptr(buffer.as_ptr()) }.to_string_lossy().trim().to_owned()
 }
 
 fn clear_messages() {
-    // SAFETY: it takes nothing and empties CFITSIO's list of messages.
+    // SAFETY: the function has no arguments and clears CFITSIO's list of messages.
     unsafe { ffcmsg() };
 }

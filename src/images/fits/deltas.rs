@@ -3,54 +3,54 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// What is added to the pixels of an image, physical values, by the pixels' numbers row after row.
+/// Physical values to be added to the pixels of an image, by the index of the pixels, row by row.
 #[derive(Debug, Default)]
 pub(super) struct Deltas<'a> {
-    /// Stretches of neighbouring pixels.
-    stretches: Vec<Stretch<'a>>,
-    /// Pixels of the longest.
+    /// Spans of adjacent pixels.
+    spans: Vec<Span<'a>>,
+    /// Length of the longest span, pixels.
     longest: usize,
 }
 
 #[derive(Debug)]
-struct Stretch<'a> {
+struct Span<'a> {
     start: usize,
     values: Cow<'a, [f32]>,
 }
 
-impl Stretch<'_> {
+impl Span<'_> {
     fn end(&self) -> usize {
         self.start + self.values.len()
     }
 
-    /// Adds it to sums of pixels from `start` on.
+    /// Adds the span to sums of pixels from `start` on.
     fn sum_up(&self, start: usize, sums: &mut Vec<f64>) {
         let before = start.saturating_sub(self.start);
         let values = &self.values[before..];
-        let place = self.start + before - start;
-        if sums.len() < place + values.len() {
-            sums.resize(place + values.len(), 0.0);
+        let index = self.start + before - start;
+        if sums.len() < index + values.len() {
+            sums.resize(index + values.len(), 0.0);
         }
-        for (sum, value) in sums[place..].iter_mut().zip(values) {
+        for (sum, value) in sums[index..].iter_mut().zip(values) {
             *sum += f64::from(*value);
         }
     }
 }
 
 impl<'a> Deltas<'a> {
-    /// Adds to pixels from a number on.
+    /// Adds values to pixels from an index on.
     pub(super) fn add(&mut self, start: usize, values: Cow<'a, [f32]>) {
         self.longest = self.longest.max(values.len());
-        self.stretches.push(Stretch { start, values });
+        self.spans.push(Span { start, values });
     }
 
-    /// Sorts what was added by its first pixel; [`each`](Deltas::each) needs that.
+    /// Sorts the spans by their first pixel, as [`each`](Deltas::each) requires.
     pub(super) fn sort(&mut self) {
-        // The stretches of one streak are in order: merging a few such runs is quick.
-        self.stretches.sort_by_key(|stretch| stretch.start);
+        // The spans of one streak are in order, so few runs must be merged.
+        self.spans.sort_by_key(|span| span.start);
     }
 
-    /// Calls a function with each pixel of a range whose sum is not zero, in order.
+    /// Calls a function with each pixel of a range with a sum other than zero, in order.
     pub(super) fn each(&self, range: Range<usize>, mut each: impl FnMut(usize, f64)) {
         let mut sums: Vec<f64> = Vec::new();
         let mut rest = self.within(&range).peekable();
@@ -70,29 +70,29 @@ impl<'a> Deltas<'a> {
         }
     }
 
-    /// Stretches that have pixels in a range.
-    fn within(&self, range: &Range<usize>) -> impl Iterator<Item = &Stretch<'a>> {
+    /// Returns the spans with pixels in a range.
+    fn within(&self, range: &Range<usize>) -> impl Iterator<Item = &Span<'a>> {
         let (first, last) = self.reaching(range);
         let start = range.start;
-        self.stretches[first..last].iter().filter(move |stretch| stretch.end() > start)
+        self.spans[first..last].iter().filter(move |span| span.end() > start)
     }
 
-    /// Among which stretches those are that have pixels in a range.
+    /// Returns the range of spans that may have pixels in a range.
     fn reaching(&self, range: &Range<usize>) -> (usize, usize) {
-        let first = self.stretches.partition_point(|stretch| stretch.start + self.longest <= range.start);
-        let last = self.stretches.partition_point(|stretch| stretch.start < range.end);
+        let first = self.spans.partition_point(|span| span.start + self.longest <= range.start);
+        let last = self.spans.partition_point(|span| span.start < range.end);
         (first.min(last), last)
     }
 }
 
-/// Counts of pixels that were to be changed.
+/// Counts of pixels to which light was added.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changed {
-    /// Pixels whose stored number is another now.
+    /// Pixels with a changed stored number.
     pub pixels: usize,
-    /// Pixels that would have left the range of their type and are at its end.
+    /// Pixels limited to the end of the range of their type.
     pub clipped: usize,
-    /// Pixels without a value (NaN, BLANK), which stayed so.
+    /// Pixels without a value (NaN, BLANK), which were not changed.
     pub without_value: usize,
 }
 
@@ -104,17 +104,17 @@ impl std::ops::AddAssign for Changed {
     }
 }
 
-/// What became of one pixel that was set.
+/// Result of storing one pixel.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Outcome {
-    /// Its stored number is another one.
+    /// The stored number has changed.
     pub is_other: bool,
-    /// It was held within the range.
+    /// The value was limited to the range.
     pub is_clipped: bool,
 }
 
 impl Changed {
-    /// Stores a new physical value in place of an old one, where there was one and the new one is another that is finite.
+    /// Stores a new physical value, if the old one is not NaN and the new one is finite and different.
     pub(super) fn set(&mut self, old: f64, new: f64, store: impl FnOnce(f64) -> Outcome) {
         if old.is_nan() {
             self.without_value += 1;

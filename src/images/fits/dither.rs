@@ -1,11 +1,12 @@
-//! Random numbers for rounding: those of subtractive dithering in compressed images, and those of added light.
+//! Random numbers for rounding: subtractive dithering in compressed images, and rounding of added light.
 //!
-//! FITS standard 4.0, appendix I: a table of 10000 numbers by the minimal standard generator of Park and Miller (1988, Comm. ACM 31, 1192).
+//! FITS standard 4.0, appendix I: a table of 10000 numbers by the minimal standard generator of Park and Miller (1988,
+//! Comm. ACM 31, 1192).
 
-/// How many numbers there are.
+/// Length of the table.
 const COUNT: usize = 10_000;
 
-/// The table, made once for an image.
+/// Table of random numbers, computed once for an image.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Dither {
     numbers: Vec<f32>,
@@ -24,7 +25,8 @@ impl Dither {
         Self { numbers }
     }
 
-    /// The numbers for the pixels of a tile, the tile counted from 1 and the seed (ZDITHER0) added less 1.
+    /// Returns the numbers for the pixels of a tile; the argument is the tile, counted from 1, plus the seed (ZDITHER0)
+    /// less 1.
     pub fn of_tile(&self, tile_and_seed: usize) -> impl Iterator<Item = f64> + '_ {
         let mut start = (tile_and_seed + COUNT - 1) % COUNT;
         let first_of = |start: usize| (self.numbers[start] * 500.0) as usize;
@@ -41,9 +43,10 @@ impl Dither {
     }
 }
 
-/// A fraction of the step between two values that a pixel can take, from minus to plus half of it: with it light of less than half a step
-/// is not rounded away everywhere, but makes a whole step in as many pixels as it should. The same in every run, and another one for
-/// every pixel.
+/// Returns a fixed random fraction of the step between two values of a pixel, from minus to plus half of it.
+///
+/// With it, light of less than half a step is not always rounded to zero, but adds a whole step to the right fraction
+/// of pixels. It differs for each pixel, and is the same in every run.
 pub(super) fn between_steps(pixel: usize, step: f64) -> f64 {
     if step == 0.0 {
         return 0.0;
@@ -66,7 +69,7 @@ mod tests {
         let dither = Dither::new();
         assert_eq!(dither.numbers[COUNT - 1], (1_043_618_065f64 / 2_147_483_647.0) as f32);
         assert_eq!(dither.of_tile(1).next(), Some(f64::from(dither.numbers[(dither.numbers[0] * 500.0) as usize])));
-        // After the end of the table the next start is taken.
+        // The next start follows the end of the table.
         assert_eq!(dither.of_tile(3).count_up_to(20_000), 20_000);
     }
 

@@ -1,15 +1,16 @@
-//! What can go wrong with frames in files.
+//! Errors of frames in files.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A value of a header that is refused: keyword, value, and what is allowed.
-pub(super) type Refused = (String, String, String);
+/// Invalid value in a header: keyword, value, and allowed values.
+pub(super) type InvalidValue = (String, String, String);
 
-/// A file that is no frame, or cannot be read or written. Every one names the file; whatever happens, the input stays as it is and no half output appears.
+/// Errors of reading and writing FITS files. Every message names the file. The input is never changed, and no partial
+/// output remains.
 #[derive(Debug, thiserror::Error)]
 pub enum FrameError {
-    /// What the system said.
+    /// The system reported an error.
     #[error("{}: {source}", path.display())]
     Io {
         /// The file.
@@ -17,24 +18,24 @@ pub enum FrameError {
         /// The cause.
         source: io::Error,
     },
-    /// A compressed file that must be unpacked first.
-    #[error("{}: is packed with {packer}; unpack it first (FITS and the tiles of .fz are read)", path.display())]
+    /// The whole file is compressed.
+    #[error("{}: compressed with {packer}; decompress it first (FITS files and compressed tiles in .fz files are supported)", path.display())]
     Packed {
         /// The file.
         path: PathBuf,
         /// gzip, bzip2, xz, zip, compress.
         packer: &'static str,
     },
-    /// No FITS at all.
-    #[error("{}: is no FITS file (it begins with {begin:?}; FITS begins with \"SIMPLE  =\")", path.display())]
+    /// The file is not a FITS file.
+    #[error("{}: not a FITS file (it begins with {begin:?}; FITS begins with \"SIMPLE  =\")", path.display())]
     NotFits {
         /// The file.
         path: PathBuf,
         /// Its first characters.
         begin: String,
     },
-    /// The file ends too early.
-    #[error("{}: HDU {hdu} is cut off: {what} needs {needed} bytes, the file has {length}", path.display())]
+    /// The file is truncated.
+    #[error("{}: HDU {hdu} is truncated: {what} needs {needed} bytes, the file has {length}", path.display())]
     Truncated {
         /// The file.
         path: PathBuf,
@@ -47,8 +48,8 @@ pub enum FrameError {
         /// Length it has, bytes.
         length: u64,
     },
-    /// A header that says nothing usable of its data.
-    #[error("{}: HDU {hdu}: {keyword} is {value}: {allowed}", path.display())]
+    /// A header does not describe its data.
+    #[error("{}: HDU {hdu}: {keyword} is {value}; allowed: {allowed}", path.display())]
     Keyword {
         /// The file.
         path: PathBuf,
@@ -56,91 +57,91 @@ pub enum FrameError {
         hdu: usize,
         /// The keyword.
         keyword: String,
-        /// What stands there; "missing" where nothing does.
+        /// Given value; "missing" if there is none.
         value: String,
-        /// What may stand there.
+        /// Allowed values.
         allowed: String,
     },
-    /// Bytes between or behind HDUs that belong to none.
-    #[error("{}: at byte {at}, behind HDU {hdu}, no header begins ({begin:?}); are its NAXISn right?", path.display())]
+    /// Bytes between or after HDUs belong to none.
+    #[error("{}: no header begins after HDU {hdu} at byte {at} ({begin:?}); check the NAXISn of that HDU", path.display())]
     NoHeader {
         /// The file.
         path: PathBuf,
         /// Number of the HDU before, from 0.
         hdu: usize,
-        /// Where, bytes.
+        /// Position of the bytes.
         at: u64,
-        /// The first characters there.
+        /// First characters there.
         begin: String,
     },
-    /// An HDU that is not there.
-    #[error("{}: has no HDU {hdu}; it has 0 to {last}", path.display())]
+    /// The file has no such HDU.
+    #[error("{}: no HDU {hdu}; allowed: 0 to {last}", path.display())]
     NoHdu {
         /// The file.
         path: PathBuf,
-        /// The number asked for.
+        /// Requested number.
         hdu: usize,
-        /// The last number there is.
+        /// Last number in the file.
         last: usize,
     },
-    /// An HDU that holds no image of two axes.
-    #[error("{}: HDU {hdu} is {is}, no image of two axes; images are {}", path.display(), if images.is_empty() { "nowhere in it".to_owned() } else { format!("{images:?}") })]
+    /// An HDU is not an image of two axes.
+    #[error("{}: HDU {hdu} is {is}, not an image of two axes; HDUs with images: {}", path.display(), if images.is_empty() { "none".to_owned() } else { format!("{images:?}") })]
     NoImage {
         /// The file.
         path: PathBuf,
         /// Number of the HDU, from 0.
         hdu: usize,
-        /// What it is.
+        /// Description of the HDU.
         is: String,
-        /// HDUs that do hold images.
+        /// HDUs with images.
         images: Vec<usize>,
     },
-    /// Pixels outside of an image.
-    #[error("{}: HDU {hdu} has {columns} columns and {rows} rows; columns {first} to {last} of row {row} are not in it", path.display())]
+    /// Pixels are outside of an image.
+    #[error("{}: columns {first} to {last} of row {row} are outside HDU {hdu}, which has {columns} columns and {rows} rows", path.display())]
     Outside {
         /// The file.
         path: PathBuf,
         /// Number of the HDU, from 0.
         hdu: usize,
-        /// Its columns.
+        /// Columns of the image.
         columns: usize,
-        /// Its rows.
+        /// Rows of the image.
         rows: usize,
-        /// Row asked for, from 0.
+        /// Requested row, from 0.
         row: usize,
-        /// First column asked for, from 0.
+        /// First requested column, from 0.
         first: usize,
-        /// Last column asked for, from 0.
+        /// Last requested column, from 0.
         last: usize,
     },
-    /// Compressed pixels that cannot be unpacked, or not be packed again.
+    /// Compressed pixels cannot be decompressed or not be compressed again.
     #[error("{}: HDU {hdu}: {why}", path.display())]
     Tiles {
         /// The file.
         path: PathBuf,
         /// Number of the HDU, from 0.
         hdu: usize,
-        /// The cause, and what can be done.
+        /// Cause, and a remedy.
         why: String,
     },
-    /// What CFITSIO said.
+    /// CFITSIO reported an error.
     #[error("{}: CFITSIO: {message} (status {status})", path.display())]
     Cfitsio {
         /// The file.
         path: PathBuf,
-        /// Its number for it.
+        /// Status of CFITSIO.
         status: i32,
-        /// Its words.
+        /// Message of CFITSIO.
         message: String,
     },
-    /// The output would be the input.
-    #[error("{}: is the input as well; the output needs another name", path.display())]
+    /// The output is the input.
+    #[error("{}: the output is also the input; specify another output", path.display())]
     SameFile {
         /// The file.
         path: PathBuf,
     },
-    /// A table or image to be written whose parts do not fit together.
-    #[error("{name:?} cannot be written: {why}")]
+    /// The parts of a table or image to be written are inconsistent.
+    #[error("cannot write {name:?}: {why}")]
     Malformed {
         /// Name of the extension.
         name: String,
@@ -150,12 +151,12 @@ pub enum FrameError {
 }
 
 impl FrameError {
-    /// A value of a header that is not allowed.
-    pub(super) fn refused(path: &Path, hdu: usize, (keyword, value, allowed): Refused) -> Self {
+    /// Creates the error of an invalid value in a header.
+    pub(super) fn invalid_value(path: &Path, hdu: usize, (keyword, value, allowed): InvalidValue) -> Self {
         Self::Keyword { path: path.to_owned(), hdu, keyword, value, allowed }
     }
 
-    /// The same error of CFITSIO with the name of the file that was meant.
+    /// Replaces the name of the file in an error of CFITSIO.
     pub(super) fn of_file(self, path: &Path) -> Self {
         match self {
             Self::Cfitsio { status, message, .. } => Self::Cfitsio { path: path.to_owned(), status, message },
@@ -163,7 +164,7 @@ impl FrameError {
         }
     }
 
-    /// Error of the system with a file.
+    /// Returns a function that creates the error of the system for a file.
     pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
         |source| Self::Io { path: path.to_owned(), source }
     }

@@ -1,9 +1,10 @@
-//! A copy of a frame with changes.
+//! Copies of frames with changes.
 //!
-//! The copy is written in one pass: headers, changed pixels of images that are not compressed, and everything else as it is. CFITSIO
-//! changes compressed tiles (`tiles`) and makes new HDUs (`new_hdu`) in scratch files whose bytes are put in, and computes checksums.
-//! It does not edit the copy itself: for 64 MB of f32 with five streaks that takes 87 to 110 ms (32 ms for the copy, 55 to 78 ms for the
-//! pixels) and 160 ms more where a header grows by a block, against 32 ms of `cp`; and it rewrites the padding of HDUs on its way.
+//! A copy is written in one pass: headers, changed pixels of uncompressed images, and unchanged bytes. CFITSIO changes
+//! compressed tiles (`tiles`) and creates new HDUs (`new_hdu`) in scratch files that are copied in, and computes
+//! checksums. It does not edit the copy itself: for 64 MB of f32 with five streaks this takes 87 to 110 ms (32 ms for
+//! the copy, 55 to 78 ms for the pixels) and 160 ms more if a header grows by a block, compared with 32 ms for `cp`; it
+//! also rewrites the padding of HDUs.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -26,14 +27,14 @@ use super::new_hdu::{NewHdu, TableColumn, create, folder_of};
 use super::pixel_format::ImageValues;
 use super::tiles::{Repacked, repack};
 
-/// Bytes that are changed and written at once: whole pixels of every type.
+/// Bytes that are changed and written at once: a whole number of pixels of every type.
 const CHUNK: usize = 1 << 18;
 
-/// A copy of a frame in the making: every byte that is not changed is that of the input.
+/// Copy of a frame in preparation; bytes that are not changed are those of the input.
 ///
-/// Changes are gathered in memory and written by [`finish`](FrameCopy::finish). Headers keep their cards and their order; CHECKSUM and
-/// DATASUM are updated where they stand in an HDU that changed, and EXTEND = F where extensions came. Dropped without `finish`, nothing
-/// is left behind.
+/// Changes are collected in memory and written by [`finish`](FrameCopy::finish). Headers keep their cards and their
+/// order. CHECKSUM and DATASUM are updated if a changed HDU has them, and EXTEND = F if extensions are added. If the
+/// copy is dropped without `finish`, no files remain.
 #[derive(Debug)]
 pub struct FrameCopy<'a> {
     source: FrameFile,
@@ -46,10 +47,11 @@ pub struct FrameCopy<'a> {
 }
 
 impl<'a> FrameCopy<'a> {
-    /// Begins a copy that will stand at `target`.
+    /// Begins a copy that will be written to `target`.
     ///
     /// # Errors
-    /// [`FrameError::SameFile`] where the target is the input, [`FrameError::Io`] where its folder is missing or cannot be written to.
+    /// [`FrameError::SameFile`] if the target is the input, [`FrameError::Io`] if its folder is missing or not
+    /// writable.
     pub fn begin(source: &FrameFile, target: &Path) -> Result<Self, FrameError> {
         let input = File::open(source.path()).map_err(FrameError::io(source.path()))?;
         if let (Ok(here), Ok(there)) = (source.path().canonicalize(), target.canonicalize())
@@ -68,13 +70,15 @@ impl<'a> FrameCopy<'a> {
         })
     }
 
-    /// Adds light to pixels of one row, from `first_column` on: physical values. Light added several times to one pixel is summed up
-    /// and stored once, by [`finish`](FrameCopy::finish). Where pixels take certain values alone (whole numbers, quantised tiles), light
-    /// between two of them goes to one or the other, by a fraction that belongs to the pixel: its sum over many pixels is right, however
-    /// faint it is. Sums are held within the type; a pixel without a value stays so.
+    /// Adds light, physical values, to pixels of one row from `first_column` on.
     ///
-    /// In compressed images the touched tiles are packed again with the same algorithm, scale and dither: pixels that are not changed
-    /// keep their exact numbers, in lossy tiles too, and those that are get the nearest step.
+    /// Light added several times to one pixel is summed and stored once, by [`finish`](FrameCopy::finish). If pixels
+    /// are quantised (whole numbers, quantised tiles), light between two steps is rounded to one of them by a fixed
+    /// random fraction of the pixel: its sum over many pixels is right, however faint it is. Sums are limited to the
+    /// range of the type; a pixel without a value is not changed.
+    ///
+    /// In compressed images the touched tiles are compressed again with the same algorithm, scale and dither: unchanged
+    /// pixels keep their exact numbers, in lossy tiles too, and changed pixels get the nearest step.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`], [`FrameError::NoImage`], [`FrameError::Outside`].
@@ -95,7 +99,8 @@ impl<'a> FrameCopy<'a> {
         Ok(())
     }
 
-    /// Sets a keyword in the header of an HDU: in its place where it is there, else behind all others. An empty comment keeps the old one.
+    /// Sets a keyword in the header of an HDU: replaces its card, or appends one if the header has none. An empty
+    /// comment keeps the old one.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`].
@@ -104,7 +109,7 @@ impl<'a> FrameCopy<'a> {
         Ok(())
     }
 
-    /// Adds HISTORY to the header of an HDU, behind what is there of it.
+    /// Adds HISTORY to the header of an HDU, after the existing HISTORY.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`].
@@ -113,25 +118,25 @@ impl<'a> FrameCopy<'a> {
         Ok(())
     }
 
-    /// Appends an image behind all HDUs; compressed where `rice` is given.
+    /// Appends an image after all HDUs; compressed if `rice` is given.
     pub fn append_image(&mut self, name: &str, image: &ImageValues, cards: &[Card], rice: Option<Rice>) {
         self.appended.push(NewHdu::image(name, image, cards, rice).into_owned());
     }
 
-    /// Appends a table behind all HDUs.
+    /// Appends a table after all HDUs.
     ///
     /// # Errors
-    /// [`FrameError::Malformed`] where columns differ in length.
+    /// [`FrameError::Malformed`] if columns differ in length.
     pub fn append_table(&mut self, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), FrameError> {
         self.appended.push(NewHdu::table(name, columns.to_vec(), cards)?);
         Ok(())
     }
 
-    /// Writes the copy and puts it in its place; counts of the changed pixels, by HDU.
+    /// Writes the copy and renames it to its target. Returns the counts of changed pixels by HDU.
     ///
     /// # Errors
-    /// Whatever the system or CFITSIO reports, and [`FrameError::Tiles`] where tiles cannot be changed; a file that stood at the target is
-    /// then still there, and nothing else.
+    /// Errors of the system and of CFITSIO, and [`FrameError::Tiles`] if tiles cannot be changed. An existing file at
+    /// the target is then kept, and no other file remains.
     pub fn finish(mut self) -> Result<BTreeMap<usize, Changed>, FrameError> {
         let scratch = ScratchFolder::new(folder_of(self.output.path())).map_err(FrameError::io(&self.target))?;
         let (mut changed, mut repacked) = (BTreeMap::new(), BTreeMap::new());
@@ -146,7 +151,7 @@ impl<'a> FrameCopy<'a> {
                 repacked.insert(hdu, tiles);
             }
         }
-        // A primary header that denies extensions is wrong once there are some.
+        // A primary header that denies extensions is wrong once the file has some.
         if !self.appended.is_empty() && self.source.header(0)?.logical("EXTEND") == Some(false) {
             self.set_card(0, "EXTEND", &true.into(), "")?;
         }
@@ -154,21 +159,21 @@ impl<'a> FrameCopy<'a> {
         if !self.appended.is_empty() {
             create(&new, &self.appended).map_err(|error| error.of_file(&self.target))?;
         }
-        let places = self.write(&repacked, &new, &mut changed).map_err(|source| match source.kind() {
+        let headers_at = self.write(&repacked, &new, &mut changed).map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => {
-                let why = "the input became shorter while it was copied";
+                let why = "the input was truncated while it was copied";
                 FrameError::Io { path: self.source.path().to_owned(), source: io::Error::new(source.kind(), why) }
             }
             _ => FrameError::Io { path: self.target.clone(), source },
         })?;
-        for (hdu, at) in places {
+        for (hdu, at) in headers_at {
             self.sum_up(hdu, at)?;
         }
         self.output.finish_lazily().map_err(FrameError::io(&self.target))?;
         Ok(changed)
     }
 
-    /// Writes all HDUs; where the headers of those begin whose sums are to be updated.
+    /// Writes all HDUs. Returns the positions of the headers in which sums must be updated.
     fn write(
         &mut self,
         repacked: &BTreeMap<usize, Repacked>,
@@ -210,7 +215,7 @@ impl<'a> FrameCopy<'a> {
         Ok(summed)
     }
 
-    /// Updates DATASUM and CHECKSUM, those that are there, in an HDU of the output whose header begins at a byte.
+    /// Updates DATASUM and CHECKSUM, if present, in the HDU of the output with the header at a byte.
     fn sum_up(&mut self, hdu: usize, at: u64) -> Result<(), FrameError> {
         let path = self.output.path().to_owned();
         let mut output = self.output.file();
@@ -243,7 +248,7 @@ impl<'a> FrameCopy<'a> {
     }
 }
 
-/// The header of an HDU to be changed.
+/// Returns the header of an HDU for changes.
 fn entry_of<'a>(
     headers: &'a mut BTreeMap<usize, Header>,
     source: &FrameFile,
@@ -257,7 +262,7 @@ fn has_sums(header: &Header) -> bool {
     header.contains("CHECKSUM") || header.contains("DATASUM")
 }
 
-/// Writes the data of an image that is not compressed, with light added.
+/// Writes the data of an uncompressed image with light added.
 fn write_changed(input: &mut impl Read, mut output: &File, info: &HduInfo, light: &Deltas<'_>) -> io::Result<Changed> {
     let (format, size) = (info.format, info.format.bitpix.bytes());
     let mut changed = Changed::default();
@@ -270,13 +275,13 @@ fn write_changed(input: &mut impl Read, mut output: &File, info: &HduInfo, light
         let first = from / size;
         let pixels = first..first + length / size;
         if format.is_plain_single() {
-            // Several times faster than by way of any format; most reduced frames are such.
+            // Several times faster than the general path; most reduced frames have this format.
             light.each(pixels, |pixel, sum| {
-                let Some(place) = bytes[size * (pixel - first)..].first_chunk_mut() else { return };
-                let old = f32::from_be_bytes(*place);
+                let Some(stored) = bytes[size * (pixel - first)..].first_chunk_mut() else { return };
+                let old = f32::from_be_bytes(*stored);
                 changed.set(f64::from(old), f64::from(old) + sum, |new| {
                     let new = new as f32;
-                    *place = new.to_be_bytes();
+                    *stored = new.to_be_bytes();
                     Outcome { is_other: new != old, is_clipped: false }
                 });
             });

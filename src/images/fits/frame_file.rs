@@ -1,4 +1,4 @@
-//! Reading of frames.
+//! Reader of frames in FITS files.
 
 use std::fs::File;
 use std::io;
@@ -12,9 +12,9 @@ use super::hdu::{HduInfo, HduKind, scan};
 use super::tile_header::columns;
 use super::tile_table::TileTable;
 
-/// A FITS file of known structure: single images, mosaics, compressed tiles (`.fz`), tables.
+/// FITS file with its structure: single images, mosaics, compressed tiles (`.fz`), tables.
 ///
-/// Opening reads the headers alone and checks them; pixels are read by CFITSIO. The file is never written to.
+/// Opening reads and checks only the headers; pixels are read by CFITSIO. The file is never changed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameFile {
     path: PathBuf,
@@ -23,11 +23,11 @@ pub struct FrameFile {
 }
 
 impl FrameFile {
-    /// Opens a file. Its name is taken as it is: brackets and exclamation marks have no meaning.
+    /// Opens a file. Its name is used literally: brackets and exclamation marks have no special meaning.
     ///
     /// # Errors
-    /// [`FrameError`]: missing, a directory, not readable; packed; no FITS; cut off; a header that does not describe its data; bytes
-    /// behind an HDU that belong to none.
+    /// [`FrameError`]: the file is missing, a directory, not readable, compressed as a whole, not FITS or truncated; a
+    /// header does not describe its data; or bytes between HDUs belong to none.
     pub fn open(path: &Path) -> Result<Self, FrameError> {
         let io = FrameError::io(path);
         let mut file = File::open(path).map_err(&io)?;
@@ -43,17 +43,17 @@ impl FrameFile {
         &self.path
     }
 
-    /// Its HDUs, in order.
+    /// HDUs in order.
     pub fn hdus(&self) -> &[HduInfo] {
         &self.hdus
     }
 
-    /// Numbers of the HDUs that hold an image of two axes.
+    /// Numbers of the HDUs with an image of two axes.
     pub fn images(&self) -> Vec<usize> {
         self.hdus.iter().filter(|hdu| hdu.image_size().is_some()).map(|hdu| hdu.index).collect()
     }
 
-    /// One of its HDUs.
+    /// Returns one HDU.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`].
@@ -61,7 +61,7 @@ impl FrameFile {
         self.hdus.get(hdu).ok_or_else(|| FrameError::NoHdu { path: self.path.clone(), hdu, last: self.hdus.len() - 1 })
     }
 
-    /// The header of an HDU.
+    /// Returns the header of an HDU.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`].
@@ -69,7 +69,7 @@ impl FrameFile {
         self.hdu(hdu).map(|info| &self.headers[info.index])
     }
 
-    /// Rows and columns of an image of two axes.
+    /// Returns rows and columns of an image of two axes.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`], [`FrameError::NoImage`].
@@ -77,7 +77,7 @@ impl FrameFile {
         self.image(hdu).map(|(_, size)| size)
     }
 
-    /// An image's HDU, with its rows and columns.
+    /// Returns the HDU of an image, with its rows and columns.
     pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), FrameError> {
         let info = self.hdu(hdu)?;
         let size = info.image_size().ok_or_else(|| FrameError::NoImage {
@@ -89,10 +89,11 @@ impl FrameFile {
         Ok((info, size))
     }
 
-    /// All pixels of an image, physical values (BSCALE and BZERO applied), in single precision; NaN where there is none (NaN, BLANK).
+    /// Reads all pixels of an image, physical values (BSCALE and BZERO applied), in single precision; NaN for pixels
+    /// without a value (NaN, BLANK).
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], headers and tiles that are refused, and whatever CFITSIO reports.
+    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], invalid headers and tiles, and errors of CFITSIO.
     pub fn read_plane(&self, hdu: usize) -> Result<Plane, FrameError> {
         let (info, [rows, columns]) = self.image(hdu)?;
         let mut handle = self.checked(info)?;
@@ -101,10 +102,10 @@ impl FrameFile {
         Ok(plane)
     }
 
-    /// Some rows of an image, physical values in double precision, row after row; NaN where there is none.
+    /// Reads some rows of an image, physical values in double precision, row by row; NaN for pixels without a value.
     ///
     /// # Errors
-    /// As [`read_plane`](FrameFile::read_plane), and [`FrameError::Outside`] where the image has no such rows.
+    /// The errors of [`read_plane`](FrameFile::read_plane), and [`FrameError::Outside`] if the image has no such rows.
     pub fn read_rows(&self, hdu: usize, rows: impl IntoIterator<Item = usize>) -> Result<Vec<f64>, FrameError> {
         let (info, [row_count, columns]) = self.image(hdu)?;
         let rows: Vec<usize> = rows.into_iter().collect();
@@ -113,7 +114,7 @@ impl FrameFile {
             return Err(FrameError::Outside { path, hdu, columns, rows: row_count, row, first: 0, last });
         }
         let mut handle = self.checked(info)?;
-        let mut values = vec![f64::NOTHING; rows.len() * columns];
+        let mut values = vec![f64::NO_VALUE; rows.len() * columns];
         let mut rest = &mut values[..];
         for neighbours in rows.chunk_by(|row, next| row + 1 == *next) {
             let (these, others) = rest.split_at_mut(neighbours.len() * columns);
@@ -123,11 +124,12 @@ impl FrameFile {
         Ok(values)
     }
 
-    /// Opens the file for CFITSIO at an image, when all that CFITSIO reads on the way there is sound.
+    /// Opens the file in CFITSIO at an image, after checking all headers that CFITSIO reads before it.
     fn checked(&self, info: &HduInfo) -> Result<Handle<'_>, FrameError> {
         for (before, header) in self.hdus.iter().zip(&self.headers).take(info.index) {
             if before.kind == HduKind::Table {
-                columns(header).map_err(|refused| FrameError::refused(&self.path, before.index, refused))?;
+                columns(header)
+                    .map_err(|invalid_value| FrameError::invalid_value(&self.path, before.index, invalid_value))?;
             }
         }
         if let HduKind::CompressedImage(_) = info.kind {
@@ -139,7 +141,7 @@ impl FrameFile {
     }
 }
 
-/// Whether pixels without a value are marked by a number; NaN is itself.
+/// Returns true if pixels without a value are marked by a number and not by NaN.
 fn has_marks(info: &HduInfo) -> bool {
     info.kind != HduKind::Image || info.format.bitpix.is_integer()
 }

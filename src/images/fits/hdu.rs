@@ -1,4 +1,4 @@
-//! The parts of a FITS file: where each header and its data lie, and what they are.
+//! Structure of a FITS file: position and kind of each header and its data.
 
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -11,52 +11,52 @@ use super::error::FrameError;
 use super::pixel_format::{Bitpix, PixelFormat};
 use super::tile_header::check_compressed;
 
-/// FITS files are made of blocks of this many bytes.
+/// Length of a block of a FITS file, bytes.
 pub(super) const BLOCK: usize = 2880;
 
-/// A header longer than this is none, blocks.
+/// Longest accepted header, blocks.
 const LONGEST_HEADER: usize = 20_000;
 
-/// What an HDU holds.
+/// Contents of an HDU.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum HduKind {
-    /// Nothing but its header.
+    /// Only a header.
     Empty,
-    /// An image as it is.
+    /// An uncompressed image.
     Image,
     /// An image in compressed tiles, with the name of the algorithm (ZCMPTYPE).
     CompressedImage(String),
-    /// A table of bytes (BINTABLE).
+    /// A binary table (BINTABLE).
     Table,
-    /// A table of text (TABLE).
+    /// A text table (TABLE).
     TextTable,
-    /// An extension of another kind, by its name.
+    /// Another extension, by its name.
     Other(String),
 }
 
 /// One header-and-data unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HduInfo {
-    /// Its number, from 0.
+    /// Number of the HDU, from 0.
     pub index: usize,
-    /// EXTNAME, empty where it has none.
+    /// EXTNAME, empty if it has none.
     pub name: String,
-    /// What it holds.
+    /// Contents of the HDU.
     pub kind: HduKind,
     /// Lengths of the axes, NAXIS1 first; for compressed images those of the image.
     pub shape: Vec<usize>,
-    /// How its pixels are to be read; for compressed images those of the image.
+    /// Format of the stored pixels; for compressed images that of the image.
     pub format: PixelFormat,
-    /// Where its header begins, bytes.
+    /// Start of the header, bytes.
     pub(super) header_at: u64,
-    /// Where its data begin, bytes.
+    /// Start of the data, bytes.
     pub(super) data_at: u64,
-    /// Bytes of data, without the padding behind them.
+    /// Length of the data without padding, bytes.
     pub(super) data_length: u64,
 }
 
 impl HduInfo {
-    /// Rows and columns of an image of two axes (further axes of length 1 do not count); `None` for all else.
+    /// Rows and columns of an image of two axes (further axes of length 1 are ignored); `None` for other HDUs.
     pub fn image_size(&self) -> Option<[usize; 2]> {
         let is_image = matches!(self.kind, HduKind::Image | HduKind::CompressedImage(_));
         match self.shape[..] {
@@ -67,32 +67,32 @@ impl HduInfo {
         }
     }
 
-    /// What it is, in words.
+    /// Description of the HDU for messages.
     pub(super) fn words(&self) -> String {
         match &self.kind {
-            HduKind::Empty => "a header alone".to_owned(),
+            HduKind::Empty => "only a header".to_owned(),
             HduKind::Image => format!("an image of axes {:?}", self.shape),
             HduKind::CompressedImage(algorithm) => {
                 format!("an image of axes {:?} compressed by {algorithm}", self.shape)
             }
             HduKind::Table => "a table".to_owned(),
-            HduKind::TextTable => "a table of text".to_owned(),
+            HduKind::TextTable => "a text table".to_owned(),
             HduKind::Other(name) => format!("an extension {name:?}"),
         }
     }
 
-    /// Where the next HDU begins, bytes.
+    /// Start of the next HDU, bytes.
     pub(super) fn end(&self) -> u64 {
         self.data_at + padded(self.data_length)
     }
 }
 
-/// A length with the padding behind it.
+/// Returns a length including its padding.
 pub(super) fn padded(length: u64) -> u64 {
     length.div_ceil(BLOCK as u64) * BLOCK as u64
 }
 
-/// A header as it stands in a file: with END, filled up with blanks.
+/// Returns a header as stored in a file: with END, padded with blanks.
 pub(super) fn header_bytes(header: &Header) -> Vec<u8> {
     let mut bytes: Vec<u8> = header.cards().iter().flat_map(Card::bytes).copied().collect();
     bytes.extend_from_slice(b"END");
@@ -100,7 +100,7 @@ pub(super) fn header_bytes(header: &Header) -> Vec<u8> {
     bytes
 }
 
-/// Copies a range of a file to where another one stands; by the kernel where it can.
+/// Copies a range of a file to the current position of another; within the kernel where supported.
 pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>) -> io::Result<()> {
     input.seek(SeekFrom::Start(range.start))?;
     let length = range.end - range.start;
@@ -111,7 +111,7 @@ pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>)
     Ok(())
 }
 
-/// All HDUs of a file with their headers. Bytes behind the last one that are all zero or blank are let be.
+/// Finds all HDUs of a file with their headers. Zeros and blanks after the last one are ignored.
 pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, FrameError> {
     let io = FrameError::io(path);
     let length = file.metadata().map_err(&io)?.len();
@@ -172,7 +172,7 @@ fn readable(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Whether nothing but zeros or blanks follows.
+/// Returns true if only zeros or blanks follow.
 fn is_padding(file: &mut File, mut chunk: Vec<u8>) -> io::Result<bool> {
     loop {
         if chunk.iter().any(|byte| !matches!(byte, 0 | b' ')) {
@@ -206,24 +206,24 @@ fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -
             cards.push(card);
         }
     }
-    Err(FrameError::refused(path, hdu, ("END".into(), "missing".into(), "a header has its END".into())))
+    Err(FrameError::invalid_value(path, hdu, ("END".into(), "missing".into(), "a header that ends with END".into())))
 }
 
 fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, FrameError> {
-    let refused = |keyword: &str, value: String, allowed: &str| {
-        FrameError::refused(path, index, (keyword.to_owned(), value, allowed.to_owned()))
+    let invalid_value = |keyword: &str, value: String, allowed: &str| {
+        FrameError::invalid_value(path, index, (keyword.to_owned(), value, allowed.to_owned()))
     };
     let given = |keyword: &str| {
-        header.integer(keyword).map_or_else(|| "missing or no number".to_owned(), |number| number.to_string())
+        header.integer(keyword).map_or_else(|| "missing or not a number".to_owned(), |number| number.to_string())
     };
     let count = |keyword: &str, default: Option<u64>, allowed: &str| -> Result<u64, FrameError> {
         let number = header.integer(keyword).and_then(|number| u64::try_from(number).ok());
         let number = number.or(default.filter(|_| !header.contains(keyword)));
-        number.ok_or_else(|| refused(keyword, given(keyword), allowed))
+        number.ok_or_else(|| invalid_value(keyword, given(keyword), allowed))
     };
     let bitpix = |keyword: &str| -> Result<Bitpix, FrameError> {
         let known = header.integer(keyword).and_then(Bitpix::from_number);
-        known.ok_or_else(|| refused(keyword, given(keyword), "8, 16, 32, 64, -32 or -64"))
+        known.ok_or_else(|| invalid_value(keyword, given(keyword), "8, 16, 32, 64, -32 or -64"))
     };
     let stored = bitpix("BITPIX")?;
     let axes = count("NAXIS", None, "a number of axes from 0 to 999")?.min(999);
@@ -231,7 +231,7 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
         .map(|axis| count(&format!("NAXIS{axis}"), None, "a length of 0 or more").map(|length| length as usize))
         .collect::<Result<Vec<_>, _>>()?;
     let (parameters, groups) = (count("PCOUNT", Some(0), "0 or more")?, count("GCOUNT", Some(1), "0 or more")?);
-    // Random groups have a first axis of 0, which does not count.
+    // Random groups have a first axis of 0, which is ignored.
     let sides =
         if shape.first() == Some(&0) && header.logical("GROUPS") == Some(true) { &shape[1..] } else { &shape[..] };
     let pixels = sides.iter().try_fold(1u64, |product, side| product.checked_mul(*side as u64));
@@ -242,7 +242,7 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
         .and_then(|elements| elements.checked_mul(groups)?.checked_mul(stored.bytes() as u64))
         .filter(|length| *length < 1 << 56)
         .ok_or_else(|| {
-            refused("NAXISn", format!("{shape:?}"), "lengths whose product is a size that a file can have")
+            invalid_value("NAXISn", format!("{shape:?}"), "lengths with a product that is a possible size of a file")
         })?;
     let extension = header.text("XTENSION").unwrap_or_default();
     let is_compressed = extension == "BINTABLE" && header.logical("ZIMAGE") == Some(true);
@@ -262,7 +262,8 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
     };
     if is_compressed {
         format.blank = format.blank.or(header.integer("ZBLANK"));
-        [shape, _] = check_compressed(header).map_err(|refused| FrameError::refused(path, index, refused))?;
+        [shape, _] =
+            check_compressed(header).map_err(|invalid_value| FrameError::invalid_value(path, index, invalid_value))?;
         format.bitpix = bitpix("ZBITPIX")?;
     }
     if !format.bitpix.is_integer() {

@@ -1,39 +1,40 @@
-//! HDUs made from nothing: images and tables.
+//! New HDUs: images and tables.
 
 use std::borrow::Cow;
 use std::path::Path;
 
 use crate::output::{AtomicFile, ScratchFolder};
 
-use super::super::card::{Card, CardValue, plain};
+use super::super::card::{Card, CardValue, to_ascii};
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice};
 use super::error::FrameError;
 use super::pixel_format::ImageValues;
 
-/// Keywords of the structure of a file: given by the data themselves, not by a caller.
+/// Keywords of the structure of a file, which follow from the data and are not taken from a caller.
 const STRUCTURE: &[&str] = &[
     "SIMPLE", "XTENSION", "BITPIX", "NAXIS", "PCOUNT", "GCOUNT", "EXTEND", "BSCALE", "BZERO", "EXTNAME", "GROUPS",
     "END",
 ];
 
-/// An image for [`write_frame`].
+/// Image for [`write_frame`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct NewImage<'a> {
     /// EXTNAME; empty for none.
     pub name: &'a str,
-    /// Its pixels.
+    /// Pixels.
     pub values: &'a ImageValues,
-    /// Its cards; those of the structure (NAXIS, BITPIX, ...) are left out.
+    /// Cards of the header; those of the structure (NAXIS, BITPIX, ...) are ignored.
     pub cards: &'a [Card],
-    /// Its compression, if any.
+    /// Compression, if any.
     pub rice: Option<Rice>,
 }
 
-/// Writes a file of images: the first one in the primary HDU unless it is compressed, the others behind it. Each has its name and its cards.
+/// Writes a file of images with their names and cards: the first one in the primary HDU unless it is compressed, the
+/// others after it.
 ///
 /// # Errors
-/// Whatever the system or CFITSIO reports; nothing half-written stays.
+/// Errors of the system and of CFITSIO; no partial file remains.
 pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), FrameError> {
     let mut hdus: Vec<NewHdu> =
         images.iter().map(|image| NewHdu::image(image.name, image.values, image.cards, image.rice)).collect();
@@ -43,10 +44,10 @@ pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), FrameEr
     write_hdus(target, &hdus)
 }
 
-/// Writes a file of one table behind an empty primary HDU.
+/// Writes a file of one table after an empty primary HDU.
 ///
 /// # Errors
-/// As [`write_frame`], and [`FrameError::Malformed`] where columns differ in length.
+/// The errors of [`write_frame`], and [`FrameError::Malformed`] if columns differ in length.
 pub fn write_table(target: &Path, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), FrameError> {
     write_hdus(target, &[NewHdu::table(name, columns.to_vec(), cards)?])
 }
@@ -61,12 +62,12 @@ fn write_hdus(target: &Path, hdus: &[NewHdu<'_>]) -> Result<(), FrameError> {
     output.finish_lazily().map_err(&io)
 }
 
-/// Folder of a file.
+/// Returns the folder of a file.
 pub(super) fn folder_of(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Creates a file of HDUs, behind an empty primary one of one block unless the first is to be that.
+/// Creates a file of HDUs, after an empty primary HDU of one block unless the first of them is primary.
 pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), FrameError> {
     let mut handle = Handle::create(path)?;
     let mut number = 0;
@@ -81,26 +82,26 @@ pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), FrameError>
     handle.close()
 }
 
-/// A column of a table to be written.
+/// Column of a table to be written.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TableColumn {
-    /// Its name (TTYPEn).
+    /// Name (TTYPEn).
     pub name: String,
     /// Unit (TUNITn); empty for none.
     pub unit: String,
-    /// What it is, for the comment of its name.
+    /// Description, for the comment of the name.
     pub meaning: String,
-    /// Its cells.
+    /// Cells of the column.
     pub cells: Cells,
 }
 
-/// The cells of a column.
+/// Cells of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cells {
-    /// Numbers in double precision (1D); NaN where nothing is known.
+    /// Numbers in double precision (1D); NaN for missing values.
     Real(Vec<f64>),
-    /// Whole numbers of 64 bits (1K); `None` where nothing is known, which the file shows as the value of TNULLn: -1, or the least of all numbers where -1 is one of
-    /// the others.
+    /// Whole numbers of 64 bits (1K); `None` for missing values, stored as TNULLn: -1, or the least 64-bit number if -1
+    /// is one of the values.
     Integer(Vec<Option<i64>>),
     /// Text (nA), ASCII; other characters become `?`.
     Text(Vec<String>),
@@ -116,7 +117,7 @@ impl Cells {
         }
     }
 
-    /// Whether there are none.
+    /// Returns true if there are no cells.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
@@ -129,7 +130,7 @@ impl Cells {
         }
     }
 
-    /// TFORMn.
+    /// Format of the column (TFORMn).
     fn form(&self) -> String {
         match self {
             Self::Real(_) => "1D".to_owned(),
@@ -138,7 +139,7 @@ impl Cells {
         }
     }
 
-    /// What stands for nothing in a column of whole numbers that has such cells.
+    /// Returns the number stored for missing values, if a column of whole numbers has any.
     fn null(&self) -> Option<i64> {
         let Self::Integer(cells) = self else { return None };
         cells.contains(&None).then(|| if cells.contains(&Some(-1)) { i64::MIN } else { -1 })
@@ -155,7 +156,7 @@ impl Cells {
                     table.write_col(file, name, &cells)
                 }
                 Self::Text(cells) => {
-                    let cells: Vec<String> = cells.iter().map(|cell| plain(cell)).collect();
+                    let cells: Vec<String> = cells.iter().map(|cell| to_ascii(cell)).collect();
                     table.write_col(file, name, &cells)
                 }
             }
@@ -164,13 +165,13 @@ impl Cells {
     }
 }
 
-/// A header with its data, ready to be written.
+/// Header with its data, to be written.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NewHdu<'a> {
     name: String,
     cards: Vec<Card>,
     data: NewData<'a>,
-    /// Whether it is the first of its file.
+    /// True if it is the first HDU of its file.
     is_primary: bool,
 }
 
@@ -182,14 +183,14 @@ enum NewData<'a> {
 }
 
 impl<'a> NewHdu<'a> {
-    /// An image behind other HDUs.
+    /// Creates an image extension.
     pub fn image(name: &str, values: &'a ImageValues, cards: &[Card], rice: Option<Rice>) -> Self {
         let values = Cow::Borrowed(values);
         let data = rice.map_or_else(|| NewData::Image(values.clone()), |rice| NewData::Rice(values.clone(), rice));
         Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false }
     }
 
-    /// The same with pixels of its own.
+    /// Converts the HDU into one that owns its pixels.
     pub fn into_owned(self) -> NewHdu<'static> {
         let data = match self.data {
             NewData::Image(values) => NewData::Image(Cow::Owned(values.into_owned())),
@@ -199,25 +200,25 @@ impl<'a> NewHdu<'a> {
         NewHdu { name: self.name, cards: self.cards, data, is_primary: self.is_primary }
     }
 
-    /// A table.
+    /// Creates a table.
     ///
     /// # Errors
-    /// [`FrameError::Malformed`].
+    /// [`FrameError::Malformed`] if columns differ in length or are more than 999.
     pub fn table(name: &str, columns: Vec<TableColumn>, cards: &[Card]) -> Result<Self, FrameError> {
         let malformed = |why: String| FrameError::Malformed { name: name.to_owned(), why };
         let rows = columns.first().map_or(0, |column| column.cells.len());
         if let Some(column) = columns.iter().find(|column| column.cells.len() != rows) {
             let (name, count) = (&column.name, column.cells.len());
-            return Err(malformed(format!("column {name} has {count} cells, the first one {rows}")));
+            return Err(malformed(format!("column {name} has {count} cells but the first one has {rows}")));
         }
         if columns.len() > 999 {
-            return Err(malformed(format!("{} columns; a FITS table has 999 at most", columns.len())));
+            return Err(malformed(format!("{} columns; allowed: at most 999 in a FITS table", columns.len())));
         }
         let data = NewData::Table(columns);
         Ok(Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false })
     }
 
-    /// Writes it behind the HDUs of a file, as number `hdu`.
+    /// Appends the HDU to a file, as number `hdu`.
     fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), FrameError> {
         let mut header = match &self.data {
             NewData::Image(values) => image_header(values, self.is_primary),
@@ -243,7 +244,7 @@ impl<'a> NewHdu<'a> {
     }
 }
 
-/// A header alone, to stand before extensions.
+/// Returns the header of an empty primary HDU before extensions.
 pub(super) fn empty_primary() -> Header {
     let mut header = Header::default();
     header.set("SIMPLE", &true.into(), "file conforms to the FITS standard");
@@ -304,7 +305,7 @@ fn table_header(columns: &[TableColumn]) -> Header {
     header
 }
 
-/// Cards that are not of the structure: a header taken from another frame may be handed on as it is.
+/// Returns the cards outside of the structure: the header of another frame can be passed on unchanged.
 fn free_cards(cards: &[Card]) -> Vec<Card> {
     let is_structure = |card: &Card| {
         let keyword = card.keyword();

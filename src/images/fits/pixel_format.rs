@@ -1,4 +1,4 @@
-//! Stored numbers of pixels: their types and meaning, and arrays of them.
+//! Stored numbers of pixels: types, conversion to physical values, and arrays.
 
 use super::cfitsio::{CPixel, Handle, Rice};
 use super::deltas::Outcome;
@@ -6,7 +6,7 @@ use super::error::FrameError;
 use crate::images::card::Card;
 use crate::images::plane::Plane;
 
-/// What a number in a file is: BITPIX.
+/// Type of a stored number: BITPIX.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Bitpix {
     /// Unsigned, one byte (8).
@@ -24,7 +24,7 @@ pub enum Bitpix {
 }
 
 impl Bitpix {
-    /// From the number of the header.
+    /// Returns the type of a BITPIX value.
     pub fn from_number(number: i64) -> Option<Self> {
         Some(match number {
             8 => Self::U8,
@@ -37,7 +37,7 @@ impl Bitpix {
         })
     }
 
-    /// The number of the header.
+    /// BITPIX value.
     pub fn number(self) -> i64 {
         match self {
             Self::U8 => 8,
@@ -49,7 +49,7 @@ impl Bitpix {
         }
     }
 
-    /// Bytes of one pixel.
+    /// Length of one pixel, bytes.
     pub fn bytes(self) -> usize {
         match self {
             Self::U8 => 1,
@@ -59,12 +59,12 @@ impl Bitpix {
         }
     }
 
-    /// Whether pixels are whole numbers.
+    /// Returns true if pixels are whole numbers.
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    /// Smallest and largest whole number; infinite for others.
+    /// Smallest and largest whole number; infinite for floating-point types.
     fn range(self) -> (f64, f64) {
         match self {
             Self::U8 => (0.0, 255.0),
@@ -76,30 +76,30 @@ impl Bitpix {
     }
 }
 
-/// How numbers in a file become physical values: physical = BZERO + BSCALE · stored.
+/// Conversion of stored numbers to physical values: physical = BZERO + BSCALE · stored.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PixelFormat {
-    /// What is stored.
+    /// Type of the stored numbers.
     pub bitpix: Bitpix,
     /// BSCALE.
     pub scale: f64,
     /// BZERO; 32768 with 16 bits makes them unsigned.
     pub zero: f64,
-    /// BLANK: the whole number that stands for no value.
+    /// BLANK: the whole number of pixels without a value.
     pub blank: Option<i64>,
 }
 
-/// What came of a value that was to be stored.
+/// Number stored for a value.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) enum Stored {
-    /// It is there, rounded for whole numbers.
+    /// The value, rounded for whole numbers.
     Exact(f64),
-    /// It was beyond the range of its type: the nearest end is there.
+    /// The nearest end of the range, because the value was beyond it.
     Clipped(f64),
 }
 
 impl PixelFormat {
-    /// The physical value of a stored number; NaN for BLANK.
+    /// Returns the physical value of a stored number; NaN for BLANK.
     #[inline]
     pub fn physical(&self, stored: f64) -> f64 {
         if self.blank.is_some_and(|blank| self.bitpix.is_integer() && stored == blank as f64) {
@@ -108,23 +108,23 @@ impl PixelFormat {
         self.zero + self.scale * stored
     }
 
-    /// True where values are stored as they are, in single precision.
+    /// Returns true if values are stored in single precision without scaling.
     pub(super) fn is_plain_single(&self) -> bool {
         self.bitpix == Bitpix::F32 && self.scale == 1.0 && self.zero == 0.0
     }
 
-    /// How far apart stored values are; 0 for floating numbers.
+    /// Difference of adjacent stored values, physical; 0 for floating-point numbers.
     pub(super) fn step(&self) -> f64 {
         if self.bitpix.is_integer() { self.scale.abs() } else { 0.0 }
     }
 
-    /// The least and the greatest value of pixels that hold whole numbers as they are (BSCALE 1); `None` for all others.
+    /// Least and greatest value of pixels that are whole numbers without scaling (BSCALE 1); `None` for others.
     pub fn whole_range(&self) -> Option<(f64, f64)> {
         let (least, greatest) = self.bitpix.range();
         (self.bitpix.is_integer() && self.scale == 1.0).then_some((self.zero + least, self.zero + greatest))
     }
 
-    /// Stores a physical value among bytes of a file.
+    /// Stores a physical value in the bytes of a file.
     #[inline]
     pub(super) fn put(&self, bytes: &mut [u8], index: usize, physical: f64) -> Outcome {
         let (number, is_clipped) = match self.stored(physical) {
@@ -138,7 +138,8 @@ impl PixelFormat {
         Outcome { is_other, is_clipped }
     }
 
-    /// The number to be stored for a physical value: rounded half to even and held within its type, beside BLANK.
+    /// Returns the number to be stored for a physical value: rounded half to even, within the range of its type, and
+    /// different from BLANK.
     #[inline]
     pub(super) fn stored(&self, physical: f64) -> Stored {
         let number = (physical - self.zero) / self.scale;
@@ -147,7 +148,7 @@ impl PixelFormat {
         }
         let (mut low, mut high) = self.bitpix.range();
         let blank = self.blank.map(|blank| blank as f64);
-        // A value must not turn into "no value".
+        // A value must not become BLANK.
         if blank == Some(low) {
             low += 1.0;
         } else if blank == Some(high) {
@@ -163,7 +164,7 @@ impl PixelFormat {
         Stored::Exact(rounded)
     }
 
-    /// The stored number at a place. Whole numbers of 64 bits beyond 2^53 lose their last digits.
+    /// Returns the stored number at an index. Whole numbers of 64 bits beyond 2^53 lose their last digits.
     #[inline]
     pub(super) fn raw(&self, bytes: &[u8], index: usize) -> f64 {
         let size = self.bitpix.bytes();
@@ -178,26 +179,26 @@ impl PixelFormat {
         }
     }
 
-    /// Puts a stored number at a place.
+    /// Stores a number at an index.
     #[inline]
     pub(super) fn put_raw(&self, bytes: &mut [u8], index: usize, number: f64) {
         let size = self.bitpix.bytes();
-        let place = &mut bytes[index * size..(index + 1) * size];
+        let target = &mut bytes[index * size..(index + 1) * size];
         match self.bitpix {
-            Bitpix::U8 => place[0] = number as u8,
-            Bitpix::I16 => place.copy_from_slice(&(number as i16).to_be_bytes()),
-            Bitpix::I32 => place.copy_from_slice(&(number as i32).to_be_bytes()),
-            Bitpix::I64 => place.copy_from_slice(&(number as i64).to_be_bytes()),
-            Bitpix::F32 => place.copy_from_slice(&(number as f32).to_be_bytes()),
-            Bitpix::F64 => place.copy_from_slice(&number.to_be_bytes()),
+            Bitpix::U8 => target[0] = number as u8,
+            Bitpix::I16 => target.copy_from_slice(&(number as i16).to_be_bytes()),
+            Bitpix::I32 => target.copy_from_slice(&(number as i32).to_be_bytes()),
+            Bitpix::I64 => target.copy_from_slice(&(number as i64).to_be_bytes()),
+            Bitpix::F32 => target.copy_from_slice(&(number as f32).to_be_bytes()),
+            Bitpix::F64 => target.copy_from_slice(&number.to_be_bytes()),
         }
     }
 }
 
-/// CFITSIO's own mark of a floating pixel without a value: no sum of light is this number.
-const NOTHING: f32 = -9.119_129e-36;
+/// Mark of CFITSIO for a floating-point pixel without a value; no sum of light equals it.
+const NO_VALUE: f32 = -9.119_129e-36;
 
-/// Pixels row after row, and what they are stored as.
+/// Pixels row by row, with the type in which they are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
     /// Whole numbers of 8 bits, without sign.
@@ -208,13 +209,13 @@ pub enum Pixels {
     U16(Vec<u16>),
     /// Whole numbers of 32 bits.
     I32(Vec<i32>),
-    /// Single precision; NaN for no value.
+    /// Single precision; NaN for pixels without a value.
     F32(Vec<f32>),
-    /// Double precision; NaN for no value.
+    /// Double precision; NaN for pixels without a value.
     F64(Vec<f64>),
 }
 
-/// An image to be written: its pixels and the length of its rows.
+/// Image to be written: pixels and the length of its rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageValues {
     columns: usize,
@@ -228,7 +229,8 @@ impl From<Plane> for ImageValues {
 }
 
 impl ImageValues {
-    /// From pixels row after row, the row that FITS holds first at the beginning; `None` where they do not fill whole rows.
+    /// Creates an image from pixels row by row, beginning with the first row of a FITS file; `None` if they do not fill
+    /// whole rows.
     pub fn new(columns: usize, pixels: Pixels) -> Option<Self> {
         let image = Self { columns, pixels };
         let count = image.count();
@@ -240,12 +242,12 @@ impl ImageValues {
         [self.count() / self.columns.max(1), self.columns]
     }
 
-    /// The pixels, row after row.
+    /// Pixels, row by row.
     pub fn pixels(&self) -> &Pixels {
         &self.pixels
     }
 
-    /// The pixels, out of the image.
+    /// Converts the image into its pixels.
     pub fn into_pixels(self) -> Pixels {
         self.pixels
     }
@@ -261,7 +263,7 @@ impl ImageValues {
         }
     }
 
-    /// Type in the file.
+    /// Format in the file.
     pub(super) fn format(&self) -> PixelFormat {
         let (bitpix, zero) = match self.pixels {
             Pixels::U8(_) => (Bitpix::U8, 0.0),
@@ -274,7 +276,7 @@ impl ImageValues {
         PixelFormat { bitpix, scale: 1.0, zero, blank: None }
     }
 
-    /// Writes the pixels into the image that CFITSIO is at, the last of `hdu` + 1.
+    /// Writes the pixels to the current image of CFITSIO, HDU number `hdu`.
     pub(super) fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), FrameError> {
         handle.fitsio(|file| {
             let image = file.hdu(hdu)?;
@@ -289,7 +291,7 @@ impl ImageValues {
         })
     }
 
-    /// Adds the image compressed by RICE behind all HDUs of a file, the last of which becomes `hdu`.
+    /// Appends the image compressed by RICE to a file, as HDU number `hdu`.
     pub(super) fn write_rice(
         &self,
         handle: &mut Handle<'_>,
@@ -302,9 +304,9 @@ impl ImageValues {
         handle.append_rice(rice, bitpix, self.size())?;
         handle.append_cards(cards)?;
         match &self.pixels {
-            Pixels::F32(values) => handle.write_marked(&mut marked(values, NOTHING, |value| value.is_nan()), NOTHING),
+            Pixels::F32(values) => handle.write_marked(&mut marked(values, NO_VALUE, |value| value.is_nan()), NO_VALUE),
             Pixels::F64(values) => {
-                let mark = f64::from(NOTHING);
+                let mark = f64::from(NO_VALUE);
                 handle.write_marked(&mut marked(values, mark, |value| value.is_nan()), mark)
             }
             _ => self.write(handle, hdu),
@@ -312,9 +314,9 @@ impl ImageValues {
     }
 }
 
-/// Pixels with a mark in place of those without a value.
-fn marked<T: CPixel>(values: &[T], mark: T, is_nothing: impl Fn(&T) -> bool) -> Vec<T> {
-    values.iter().map(|value| if is_nothing(value) { mark } else { *value }).collect()
+/// Replaces pixels without a value by a mark.
+fn marked<T: CPixel>(values: &[T], mark: T, is_missing: impl Fn(&T) -> bool) -> Vec<T> {
+    values.iter().map(|value| if is_missing(value) { mark } else { *value }).collect()
 }
 
 #[cfg(test)]
@@ -329,7 +331,7 @@ mod tests {
         assert_eq!(format.stored(2.5), Stored::Exact(-32_766.0));
         assert_eq!(format.stored(3.5), Stored::Exact(-32_764.0));
         assert_eq!(format.stored(70_000.0), Stored::Clipped(32_767.0));
-        // 0 would be BLANK.
+        // 0 would be stored as BLANK.
         assert_eq!(format.stored(0.2), Stored::Clipped(-32_767.0));
     }
 

@@ -1,50 +1,53 @@
-//! Header of a compressed image: the columns of its table, and the checks that CFITSIO does not make.
+//! Header of a compressed image: the columns of its table, and checks that CFITSIO omits.
 //!
-//! CFITSIO divides by ZTILEn and allocates what ZNAXISn announce. These are compared with one another and with the size of the table.
+//! CFITSIO divides by ZTILEn and allocates the sizes given by ZNAXISn. These are compared with one another and with the
+//! size of the table.
 
 use super::super::header::Header;
-use super::error::Refused;
+use super::error::InvalidValue;
 
-/// Algorithms of compression.
+/// Supported compression algorithms.
 const ALGORITHMS: [&str; 7] = ["RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "PLIO_1", "HCOMPRESS_1", "NOCOMPRESS"];
 
-/// Axes of an image that CFITSIO unpacks.
+/// Largest number of axes of an image that CFITSIO decompresses.
 const MOST_AXES: u64 = 6;
 
-/// Longest side of a tile that is larger than its image.
+/// Longest allowed side of a tile that is larger than its image.
 const LONGEST_SIDE: u64 = 4096;
 
-/// Pixels of the largest tile of a small image.
+/// Largest allowed tile of a small image, pixels.
 const LARGEST_TILE: u64 = 1 << 24;
 
-/// Pixels of a byte of the heap: PLIO packs 4095 of one value into two bytes, HCOMPRESS a constant tile into some 30.
+/// Largest number of pixels per byte of the heap: PLIO stores 4095 equal pixels in two bytes, HCOMPRESS a constant tile
+/// in about 30.
 const PIXELS_PER_BYTE: u64 = 2048;
 const PIXELS_PER_BYTE_HCOMPRESS: u64 = 20_000;
 
-/// Keywords, their numbers left out, that may stand once in the header of a compressed image: CFITSIO takes any of several.
+/// Keywords, without their numbers, that must not be repeated in the header of a compressed image: CFITSIO may use any
+/// of several.
 const ONCE: [&str; 14] = [
     "NAXIS", "PCOUNT", "THEAP", "TFIELDS", "TFORM", "TTYPE", "ZIMAGE", "ZBITPIX", "ZNAXIS", "ZTILE", "ZCMPTYPE",
     "ZNAME", "ZVAL", "ZDITHER0",
 ];
 
-/// Columns that hold tiles.
+/// Columns with tiles.
 pub(super) const COMPRESSED: &str = "COMPRESSED_DATA";
 pub(super) const GZIPPED: &str = "GZIP_COMPRESSED_DATA";
 pub(super) const UNCOMPRESSED: &str = "UNCOMPRESSED_DATA";
 
-/// A column: where it is in a row and what it holds.
+/// Column: its position in a row and its type.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Column {
     pub number: usize,
     pub name: String,
     pub at: usize,
-    /// For a variable-length one: bytes of half a descriptor, and of one element.
+    /// For a variable-length column: bytes of half a descriptor, and of one element.
     pub variable: Option<(usize, usize)>,
     pub letter: char,
 }
 
-/// The columns of a binary table, whose widths fill its rows.
-pub(super) fn columns(header: &Header) -> Result<Vec<Column>, Refused> {
+/// Reads the columns of a binary table and checks that their widths fill its rows.
+pub(super) fn columns(header: &Header) -> Result<Vec<Column>, InvalidValue> {
     let count = integer(header, "TFIELDS", 0, 999)?;
     let mut columns = Vec::new();
     let mut at: usize = 0;
@@ -66,8 +69,8 @@ pub(super) fn columns(header: &Header) -> Result<Vec<Column>, Refused> {
     Ok(columns)
 }
 
-/// Checks the header of a compressed image; the lengths of its axes and of its tiles.
-pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Refused> {
+/// Checks the header of a compressed image. Returns the lengths of its axes and of its tiles.
+pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], InvalidValue> {
     for (index, card) in header.cards().iter().enumerate() {
         let keyword = card.keyword();
         let is_once = ONCE.contains(&keyword.trim_end_matches(|c: char| c.is_ascii_digit())) || keyword == "ZDITHER0";
@@ -113,12 +116,12 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Refus
     let per_byte = if algorithm == "HCOMPRESS_1" { PIXELS_PER_BYTE_HCOMPRESS } else { PIXELS_PER_BYTE };
     let heap = integer(header, "PCOUNT", 0, i64::MAX as u64)?;
     if pixels > heap.saturating_mul(per_byte) {
-        return Err(too_large("ZNAXISn", format!("no more pixels than {heap} compressed bytes can hold")));
+        return Err(too_large("ZNAXISn", format!("at most the pixels that {heap} compressed bytes can contain")));
     }
     if algorithm.starts_with("RICE") {
         integer(header, "ZVAL1", 1, 4096)?;
         let has_bytes = header.contains("ZVAL2") && header.text("ZNAME2").as_deref() != Some("NOISEBIT");
-        // Some writers give both in the other order.
+        // Some writers exchange the two parameters.
         if has_bytes && !matches!(header.integer("ZVAL2"), Some(1 | 2 | 4 | 8 | 16 | 32)) {
             return Err(("ZVAL2".into(), shown(header, "ZVAL2"), "1, 2 or 4 (bytes of a pixel)".into()));
         }
@@ -129,7 +132,7 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Refus
     let columns = columns(header)?;
     if !columns.iter().any(|column| column.name == COMPRESSED && column.variable.is_some()) {
         let allowed = format!("a column {COMPRESSED} of variable length");
-        return Err(("TTYPEn".into(), "without it".into(), allowed));
+        return Err(("TTYPEn".into(), "missing".into(), allowed));
     }
     let rows = integer(header, "NAXIS1", 0, u64::MAX >> 1)?.saturating_mul(tiles);
     if header.contains("THEAP") {
@@ -139,8 +142,8 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Refus
     Ok([sizes(sides), sizes(tile)])
 }
 
-/// A whole number of a header within a range.
-fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64, Refused> {
+/// Reads a whole number within a range.
+fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64, InvalidValue> {
     let number = header.integer(keyword).and_then(|number| u64::try_from(number).ok());
     number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
         let allowed = if most > i64::MAX as u64 >> 1 {
@@ -152,16 +155,17 @@ fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64,
     })
 }
 
-/// A value as its card gives it.
+/// Returns a value as written in its card.
 pub(super) fn shown(header: &Header, keyword: &str) -> String {
     let Some(card) = header.card(keyword) else { return "missing".to_owned() };
     card.text()[9..].split('/').next().unwrap_or_default().trim().to_owned()
 }
 
-/// A TFORMn: bytes in a row, the letter, and for a variable-length column the bytes of half a descriptor and of an element.
+/// Parsed TFORMn: bytes in a row, the letter, and for a variable-length column the bytes of half a descriptor and of an
+/// element.
 type Form = (usize, char, Option<(usize, usize)>);
 
-/// Reads a TFORMn.
+/// Parses a TFORMn.
 fn parse_form(form: &str) -> Option<Form> {
     let digits = form.len() - form.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let count: usize = if digits == 0 { 1 } else { form[..digits].parse().ok()? };

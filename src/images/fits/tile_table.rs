@@ -1,7 +1,7 @@
-//! Table with the tiles of a compressed image, and the checks of its rows that CFITSIO does not make.
+//! Table with the tiles of a compressed image, and checks of its rows that CFITSIO omits.
 //!
-//! CFITSIO allocates what the descriptors of tiles announce and writes as many pixels as a stream announces. Both are compared with the
-//! size of the file and of the tiles before it reads the table.
+//! CFITSIO allocates the lengths given by the descriptors of tiles, and writes as many pixels as a stream announces.
+//! Both are compared with the size of the file and of the tiles before CFITSIO reads the table.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -12,7 +12,7 @@ use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind};
 use super::tile_header::{COMPRESSED, Column, UNCOMPRESSED, check_compressed, columns};
 
-/// The rows of the table and the sizes of its tiles.
+/// Rows of the table and sizes of the tiles.
 #[derive(Debug)]
 pub(super) struct TileTable {
     columns: Vec<Column>,
@@ -24,15 +24,16 @@ pub(super) struct TileTable {
 }
 
 impl TileTable {
-    /// Reads the rows of a compressed image and checks that each tile lies in the heap and is as long as its pixels need.
+    /// Reads the rows of a compressed image and checks that each tile lies in the heap and has the length that its
+    /// pixels require.
     ///
     /// # Errors
-    /// [`FrameError::Keyword`], [`FrameError::Tiles`] with the number of the tile, and what the system reports.
+    /// [`FrameError::Keyword`], [`FrameError::Tiles`] with the number of the tile, and errors of the system.
     pub fn read(path: &Path, info: &HduInfo, header: &Header) -> Result<Self, FrameError> {
         let io = FrameError::io(path);
-        let refused = |refused| FrameError::refused(path, info.index, refused);
-        let [sides, tile] = check_compressed(header).map_err(refused)?;
-        let columns = columns(header).map_err(refused)?;
+        let invalid_value = |invalid_value| FrameError::invalid_value(path, info.index, invalid_value);
+        let [sides, tile] = check_compressed(header).map_err(invalid_value)?;
+        let columns = columns(header).map_err(invalid_value)?;
         let count = |keyword: &str| header.integer(keyword).map_or(0, |number| number as usize);
         let (row_length, rows) = (count("NAXIS1"), count("NAXIS2"));
         let mut file = File::open(path).map_err(&io)?;
@@ -79,7 +80,7 @@ impl TileTable {
                     _ => true,
                 };
                 if !is_sound {
-                    return Err(broken("its stream does not describe its pixels"));
+                    return Err(broken("the compressed stream does not match the pixels of the tile"));
                 }
             }
         }
@@ -91,7 +92,7 @@ impl TileTable {
         [&self.sides, &self.tile]
     }
 
-    /// Whether there is a column of this name.
+    /// Returns true if the table has a column of this name.
     pub fn has(&self, name: &str) -> bool {
         self.column(name).is_some()
     }
@@ -100,12 +101,12 @@ impl TileTable {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// Whether a column holds something of a tile.
+    /// Returns true if a column has data of a tile.
     pub fn holds(&self, name: &str, row: usize) -> bool {
         self.column(name).is_some_and(|column| column.variable.is_some() && self.length(column, row).0 > 0)
     }
 
-    /// A number of a column of fixed length.
+    /// Returns a number in a column of fixed length.
     pub fn number(&self, name: &str, row: usize) -> Option<f64> {
         let column = self.column(name)?;
         let at = row * self.row_length + column.at;
@@ -119,7 +120,7 @@ impl TileTable {
         })
     }
 
-    /// Pixels of a tile; those at the ends of axes are smaller.
+    /// Returns the number of pixels of a tile; tiles at the ends of axes are smaller.
     fn pixels(&self, number: usize) -> u64 {
         let (mut number, mut pixels) = (number, 1);
         for (side, tile) in self.sides.iter().zip(&self.tile) {
@@ -130,12 +131,12 @@ impl TileTable {
         pixels
     }
 
-    /// How many elements a variable-length column has in a row, and bytes of each.
+    /// Returns the number of elements of a variable-length column in a row, and the bytes of each.
     fn length(&self, column: &Column, row: usize) -> (u64, u64) {
         column.variable.map_or((0, 1), |(half, size)| (self.half(column, row, 0, half), size as u64))
     }
 
-    /// Where the elements begin in the heap, bytes.
+    /// Returns the offset of the elements in the heap, bytes.
     fn offset(&self, column: &Column, row: usize) -> u64 {
         column.variable.map_or(0, |(half, _)| self.half(column, row, half, half))
     }
@@ -146,7 +147,8 @@ impl TileTable {
     }
 }
 
-/// Whether a stream of HCOMPRESS holds no more pixels than its tile: magic, two lengths, scale, sum, and three numbers of bit planes.
+/// Checks that a stream of HCOMPRESS has no more pixels than its tile: magic number, two lengths, scale, sum, and three
+/// numbers of bit planes.
 fn is_sound_hcompress(begin: &[u8], pixels: u64) -> bool {
     let length = |at: usize| begin[at..at + 4].iter().fold(0, |number, byte| number << 8 | u64::from(*byte));
     begin[..2] == [0xdd, 0x99]
@@ -154,7 +156,7 @@ fn is_sound_hcompress(begin: &[u8], pixels: u64) -> bool {
         && begin[22..].iter().all(|n| *n <= 62)
 }
 
-/// Whether a line list of PLIO is as long as it says: in its third word, or in the fourth and fifth where that is not positive.
+/// Checks the length of a line list of PLIO: its third word, or the fourth and fifth if that is not positive.
 fn is_sound_plio(begin: &[u8], count: u64) -> bool {
     let word = |number: usize| i64::from(i16::from_be_bytes([begin[2 * number], begin[2 * number + 1]]));
     let (length, first) = if word(2) > 0 { (word(2), 4) } else { ((word(4) << 15) + word(3), word(1) + 1) };

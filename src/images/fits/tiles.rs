@@ -1,9 +1,10 @@
-//! Compressed images with light added: the touched tiles are unpacked and packed again by CFITSIO.
+//! Compressed images with light added: the touched tiles are decompressed and compressed again by CFITSIO.
 //!
-//! CFITSIO would quantise all pixels of a touched lossy tile anew. It is therefore given the table under another header, which declares
-//! the quantised whole numbers as the image: pixels that are not changed keep their numbers, and the others get the nearest step. Tiles
-//! that were stored without loss in a lossy image (GZIP_COMPRESSED_DATA) are edited under a second such header. The table stands alone in
-//! a scratch file, since each tile that grows would move all HDUs behind it.
+//! CFITSIO would quantise all pixels of a touched lossy tile again. It therefore reads the table with another header,
+//! which declares the quantised whole numbers as the image: unchanged pixels keep their numbers, and the others get the
+//! nearest step. Tiles of a lossy image that were stored without loss (GZIP_COMPRESSED_DATA) are edited with a second
+//! such header. The table is the only one in its scratch file, because each tile that grows would move all HDUs after
+//! it.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -33,31 +34,31 @@ use super::tile_table::TileTable;
 const QUANTISED_BLANK: f64 = -2_147_483_648.0;
 const QUANTISED_ZERO: f64 = -2_147_483_646.0;
 
-/// Quantised pixels stay between these. CFITSIO puts the least pixel of a tile ten numbers above the reserved ones, so that the lower
+/// Range of quantised pixels. CFITSIO puts the least pixel of a tile ten numbers above the reserved ones, so the lower
 /// limit is next to them.
 const QUANTISED_RANGE: (f64, f64) = (-2_147_483_645.0, 2_147_483_600.0);
 
-/// The table of an image whose touched tiles are packed again: where its bytes are.
+/// Table of an image with recompressed tiles, as a byte range of a file.
 #[derive(Debug)]
 pub(super) struct Repacked {
     pub path: PathBuf,
     pub data: Range<u64>,
 }
 
-/// A pixel to be changed: its place in its tile, its number in the image, and the light.
+/// Pixel to be changed: its index in its tile, its index in the image, and the light.
 type Touched = (usize, usize, f64);
 
-/// How floating pixels became whole numbers.
+/// Quantisation of floating-point pixels.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 enum Quantisation {
     Plain,
     Dithered { zero_is_exact: bool },
 }
 
-/// The numbers of one tile and their meaning.
+/// Format of the numbers of one tile.
 struct TileFormat {
     pixels: PixelFormat,
-    /// Scale, zero, number without a value, and the dither, of quantised pixels.
+    /// Parameters of quantised pixels.
     quantised: Option<Quantised>,
 }
 
@@ -70,10 +71,12 @@ struct Quantised {
     zero_is_exact: bool,
 }
 
-/// Adds light to a compressed image and packs the touched tiles into a file of their own at `scratch`; brings `header` up to date.
+/// Adds light to a compressed image and compresses the touched tiles into a separate file at `scratch`; updates
+/// `header`.
 ///
 /// # Errors
-/// [`FrameError::Tiles`] where tiles are broken or their algorithm is not one that is changed, and what CFITSIO and the system report.
+/// [`FrameError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and the
+/// system.
 pub(super) fn repack(
     source: &Path,
     info: &HduInfo,
@@ -84,10 +87,12 @@ pub(super) fn repack(
     let failed = |why: String| FrameError::Tiles { path: source.to_owned(), hdu: info.index, why };
     let io = FrameError::io(source);
     let table = TileTable::read(source, info, header)?;
-    let HduKind::CompressedImage(algorithm) = &info.kind else { return Err(failed("it is not compressed".to_owned())) };
+    let HduKind::CompressedImage(algorithm) = &info.kind else {
+        return Err(failed("the image is not compressed".to_owned()));
+    };
     if !["RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2"].contains(&algorithm.as_str()) {
         return Err(failed(format!(
-            "pixels compressed by {algorithm} are read but not changed (RICE_1, GZIP_1 and GZIP_2 are); unpack the file first (funpack)"
+            "pixels compressed by {algorithm} cannot be changed (supported: RICE_1, GZIP_1 and GZIP_2); unpack the file first with funpack"
         )));
     }
     let quantisation = quantisation(info, header, &table).map_err(failed)?;
@@ -98,7 +103,7 @@ pub(super) fn repack(
         } else if table.holds(GZIPPED, number) {
             lossless.insert(number, touched);
         } else {
-            return Err(failed(format!("tile {} is not compressed; unpack the file first (funpack)", number + 1)));
+            return Err(failed(format!("tile {} is not compressed; unpack the file first with funpack", number + 1)));
         }
     }
     let mut changed = Changed::default();
@@ -113,23 +118,24 @@ pub(super) fn repack(
         if tiles.is_empty() && !is_new {
             continue;
         }
-        // Sizes are those of the table as it is after the pass before.
+        // Sizes of the table after the previous pass.
         let mut view = view;
-        follow(header, &mut view);
+        copy_sizes(header, &mut view);
         write_view(source, info, &view, scratch, is_new).map_err(&io)?;
         is_new = false;
         let dither = quantisation.is_some_and(|q| q != Quantisation::Plain).then(Dither::new);
         let format_of = |number: usize| tile_format(info, header, &table, quantisation, dither.as_ref(), number);
         edit(scratch, &table, stored, &tiles, format_of, &mut changed).map_err(|error| error.of_file(source))?;
         let made = scan(scratch, &mut File::open(scratch).map_err(&io)?)?;
-        let (made, made_header) = made.get(1).ok_or_else(|| failed("its table was lost".to_owned()))?;
-        follow(made_header, header);
+        let (made, made_header) =
+            made.get(1).ok_or_else(|| failed("the scratch file has no table of tiles".to_owned()))?;
+        copy_sizes(made_header, header);
         data = made.data_at..made.data_at + made.data_length;
     }
     Ok((changed, Repacked { path: scratch.to_owned(), data }))
 }
 
-/// The pixels with light, by their tiles.
+/// Returns the pixels with light, by tile.
 fn touched_tiles(table: &TileTable, light: &Deltas<'_>) -> BTreeMap<usize, Vec<Touched>> {
     let [sides, tile] = table.sizes();
     let across = sides[0].div_ceil(tile[0]);
@@ -138,8 +144,8 @@ fn touched_tiles(table: &TileTable, light: &Deltas<'_>) -> BTreeMap<usize, Vec<T
         let (row, column) = (pixel / sides[0], pixel % sides[0]);
         let (tile_row, tile_column) = (row / tile[1], column / tile[0]);
         let width = tile[0].min(sides[0] - tile_column * tile[0]);
-        let place = row % tile[1] * width + column % tile[0];
-        touched.entry(tile_row * across + tile_column).or_default().push((place, pixel, sum));
+        let index = row % tile[1] * width + column % tile[0];
+        touched.entry(tile_row * across + tile_column).or_default().push((index, pixel, sum));
     });
     touched
 }
@@ -152,13 +158,17 @@ fn quantisation(info: &HduInfo, header: &Header, table: &TileTable) -> Result<Op
         Some("SUBTRACTIVE_DITHER_1") => Some(Quantisation::Dithered { zero_is_exact: false }),
         Some("SUBTRACTIVE_DITHER_2") => Some(Quantisation::Dithered { zero_is_exact: true }),
         None | Some("NO_DITHER") => Some(Quantisation::Plain),
-        Some(other) => return Err(format!("its quantisation {other:?} is not known")),
+        Some(other) => {
+            return Err(format!(
+                "unknown quantisation {other:?}; allowed: NONE, NO_DITHER, SUBTRACTIVE_DITHER_1, SUBTRACTIVE_DITHER_2"
+            ));
+        }
     })
 }
 
-/// Type of the numbers that are packed.
+/// Returns the type of the compressed numbers.
 fn stored_bitpix(info: &HduInfo, header: &Header, quantisation: Option<Quantisation>) -> Bitpix {
-    // RICE packs numbers of BYTEPIX bytes, whatever the image's type; 4 where it is not given.
+    // RICE compresses numbers of BYTEPIX bytes (by default 4), whatever the type of the image.
     let is_rice = matches!(&info.kind, HduKind::CompressedImage(name) if name.starts_with("RICE"));
     let bytes = if header.text("ZNAME2").as_deref() == Some("NOISEBIT") { None } else { header.integer("ZVAL2") };
     match (quantisation, bytes) {
@@ -169,13 +179,13 @@ fn stored_bitpix(info: &HduInfo, header: &Header, quantisation: Option<Quantisat
     }
 }
 
-/// The header under which CFITSIO sees the column `tiles` as an image of plain numbers: cards of scale and quantisation become comments,
-/// and other columns get names without a meaning.
+/// Returns the header with which CFITSIO reads the column `tiles` as an image of plain numbers: cards of scale and
+/// quantisation become comments, and other columns get meaningless names.
 fn view(header: &Header, bitpix: Bitpix, tiles: &str, algorithm: Option<&str>) -> Header {
-    const LEFT_OUT: [&str; 9] =
+    const OMITTED: [&str; 9] =
         ["BSCALE", "BZERO", "BLANK", "ZBLANK", "ZSCALE", "ZZERO", "ZQUANTIZ", "CHECKSUM", "DATASUM"];
     let cards = header.cards().iter().map(|card| {
-        if LEFT_OUT.contains(&card.keyword().as_str()) { Card::from_bytes(b"COMMENT") } else { card.clone() }
+        if OMITTED.contains(&card.keyword().as_str()) { Card::from_bytes(b"COMMENT") } else { card.clone() }
     });
     let mut view = Header::from_cards(cards.collect());
     view.set("ZBITPIX", &bitpix.number().into(), "");
@@ -191,8 +201,8 @@ fn view(header: &Header, bitpix: Bitpix, tiles: &str, algorithm: Option<&str>) -
     view
 }
 
-/// Takes over what packing changes in the header of a table.
-fn follow(from: &Header, to: &mut Header) {
+/// Copies the keywords that compression changes from one header to another.
+fn copy_sizes(from: &Header, to: &mut Header) {
     for card in from.cards() {
         let keyword = card.keyword();
         let is_size = keyword == "PCOUNT" || keyword == "THEAP" || keyword.starts_with("TFORM");
@@ -203,13 +213,13 @@ fn follow(from: &Header, to: &mut Header) {
     }
 }
 
-/// Writes the header of a view, and before the first one the rest of the file.
+/// Writes the header of a view, and for the first view also the rest of the file.
 fn write_view(source: &Path, info: &HduInfo, view: &Header, scratch: &Path, is_new: bool) -> io::Result<()> {
     let mut file = File::options().create(true).truncate(false).read(true).write(true).open(scratch)?;
     file.write_all(&header_bytes(&empty_primary()))?;
     let bytes = header_bytes(view);
     if !is_new {
-        // Header and table are as long as before.
+        // Header and table have the same length as before.
         return file.write_all(&bytes);
     }
     file.write_all(&bytes)?;
@@ -218,7 +228,7 @@ fn write_view(source: &Path, info: &HduInfo, view: &Header, scratch: &Path, is_n
     file.set_len(end.next_multiple_of(BLOCK as u64))
 }
 
-/// Changes the tiles of the file at `scratch`.
+/// Changes the tiles in the file at `scratch`.
 fn edit(
     scratch: &Path,
     table: &TileTable,
@@ -247,7 +257,7 @@ fn edit(
     handle.close()
 }
 
-/// Pixels of a tile along each axis.
+/// Returns the pixels of a tile along each axis.
 fn ranges(table: &TileTable, number: usize) -> Vec<Range<usize>> {
     let [sides, tile] = table.sizes();
     let mut number = number;
@@ -260,7 +270,7 @@ fn ranges(table: &TileTable, number: usize) -> Vec<Range<usize>> {
     sides.iter().zip(tile).map(along).collect()
 }
 
-/// A type of packed numbers.
+/// Type of compressed numbers.
 trait Number: Copy + WriteImage {
     fn to_f64(self) -> f64;
     fn from_f64(number: f64) -> Self;
@@ -293,16 +303,16 @@ where
 {
     let mut numbers: Vec<T> = image.read_region(file, ranges)?;
     let before = changed.pixels;
-    for &(place, pixel, sum) in touched {
-        let number = numbers[place].to_f64();
-        let old = format.physical(number, place);
+    for &(index, pixel, sum) in touched {
+        let number = numbers[index].to_f64();
+        let old = format.physical(number, index);
         changed.set(old, old + sum + between_steps(pixel, format.step()), |new| {
-            let (stored, is_clipped) = match format.stored(new, place) {
+            let (stored, is_clipped) = match format.stored(new, index) {
                 Stored::Exact(stored) => (stored, false),
                 Stored::Clipped(stored) => (stored, true),
             };
             let stored = T::from_f64(stored);
-            numbers[place] = stored;
+            numbers[index] = stored;
             Outcome { is_other: stored.to_f64() != number, is_clipped }
         });
     }
@@ -333,8 +343,8 @@ fn tile_format(
 }
 
 impl TileFormat {
-    /// Physical value of a number; NaN for none.
-    fn physical(&self, number: f64, place: usize) -> f64 {
+    /// Returns the physical value of a number; NaN for a pixel without a value.
+    fn physical(&self, number: f64, index: usize) -> f64 {
         let Some(quantised) = &self.quantised else { return self.pixels.physical(number) };
         if number == quantised.blank {
             return f64::NAN;
@@ -343,12 +353,12 @@ impl TileFormat {
             return self.pixels.physical(0.0);
         }
         // value = (number - random + 0.5) · ZSCALE + ZZERO                  FITS standard 4.0, eq. 13
-        let value = (number - quantised.offset(place)) * quantised.scale + quantised.zero;
-        // In the type of the image, as every reader has it.
+        let value = (number - quantised.offset(index)) * quantised.scale + quantised.zero;
+        // Rounded to the type of the image, as by every reader.
         self.pixels.physical(if self.pixels.bitpix == Bitpix::F32 { f64::from(value as f32) } else { value })
     }
 
-    /// How far apart the values of a pixel are, physical; 0 where they lie as close as floating numbers do.
+    /// Difference of adjacent values of a pixel, physical; 0 for floating-point numbers.
     fn step(&self) -> f64 {
         match &self.quantised {
             Some(quantised) => (self.pixels.scale * quantised.scale).abs(),
@@ -356,19 +366,19 @@ impl TileFormat {
         }
     }
 
-    /// The number for a physical value.
-    fn stored(&self, physical: f64, place: usize) -> Stored {
+    /// Returns the number for a physical value.
+    fn stored(&self, physical: f64, index: usize) -> Stored {
         let Some(quantised) = &self.quantised else { return self.pixels.stored(physical) };
         let value = (physical - self.pixels.zero) / self.pixels.scale;
-        let number = ((value - quantised.zero) / quantised.scale + quantised.offset(place)).round_ties_even();
+        let number = ((value - quantised.zero) / quantised.scale + quantised.offset(index)).round_ties_even();
         let (low, high) = QUANTISED_RANGE;
         if (low..=high).contains(&number) { Stored::Exact(number) } else { Stored::Clipped(number.clamp(low, high)) }
     }
 }
 
 impl Quantised {
-    /// Dither of a pixel, steps.
-    fn offset(&self, place: usize) -> f64 {
-        self.random.get(place).map_or(0.0, |random| random - 0.5)
+    /// Dither of a pixel, in steps.
+    fn offset(&self, index: usize) -> f64 {
+        self.random.get(index).map_or(0.0, |random| random - 0.5)
     }
 }

@@ -1,9 +1,9 @@
-//! Distortions: SIP, TPV, TNX and ZPX polynomials from pixels to the plane, and back.
+//! Distortions from pixels to the plane and within the plane: polynomials of SIP, TPV, TNX and ZPX.
 
 use super::super::header::Header;
 use super::error::WcsError;
 
-/// Powers (m, n) of (u, v) behind PVi_k of TPV, by k; `None` stands for a radius: r, r³, r⁵, r⁷.
+/// Powers (m, n) of (u, v) of PVi_k in TPV, by k; `None` for a radial term: r, r³, r⁵, r⁷.
 ///
 /// Registry of FITS conventions, "The TPV world coordinate system": u is the axis itself, v the other one.
 const TPV_POWERS: [Option<(usize, usize)>; 40] = {
@@ -17,7 +17,7 @@ const TPV_POWERS: [Option<(usize, usize)>; 40] = {
             k += 1;
             n += 1;
         }
-        // A radius stands behind the odd degrees.
+        // Odd degrees are followed by a radial term.
         if degree % 2 == 1 {
             k += 1;
         }
@@ -26,10 +26,10 @@ const TPV_POWERS: [Option<(usize, usize)>; 40] = {
     powers
 };
 
-/// Highest order that SIP and TNX are read to.
+/// Highest supported order of SIP and TNX.
 const HIGHEST_ORDER: usize = 20;
 
-/// A polynomial in shifted and stretched variables.
+/// Polynomial in shifted and scaled variables.
 #[derive(Clone, Debug, PartialEq)]
 struct Surface {
     polynomial: Polynomial,
@@ -49,17 +49,17 @@ impl Surface {
     }
 }
 
-/// A map of a plane onto itself: what a pair of surfaces gives, or adds.
+/// Map of a plane onto itself by a pair of surfaces, which give the new coordinates or their changes.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Distortion {
     surfaces: [Surface; 2],
     adds: bool,
-    /// What it is called.
+    /// Name of the distortion.
     pub kind: &'static str,
 }
 
 impl Distortion {
-    /// Both coordinates with their slopes.
+    /// Returns both coordinates with their slopes.
     pub fn at(&self, u: f64, v: f64) -> [Sloped; 2] {
         let mut at = [self.surfaces[0].at(u, v), self.surfaces[1].at(u, v)];
         if self.adds {
@@ -71,9 +71,10 @@ impl Distortion {
         at
     }
 
-    /// SIP: what A_p_q and B_p_q add to pixels from CRPIX; `None` where there is no A_ORDER.
+    /// Reads SIP with its A_p_q and B_p_q, which are added to pixels from CRPIX; `None` without A_ORDER and B_ORDER.
     ///
-    /// Shupe et al. (2005, ASP Conf. 347, 491): u' = u + Σ A_pq uᵖ v^q. AP and BP, fits to the inverse, are not used: the inverse of this is solved.
+    /// Shupe et al. (2005, ASP Conf. 347, 491): u' = u + Σ A_pq uᵖ v^q. AP and BP are approximations of the inverse and
+    /// are not used: the inverse is solved numerically.
     pub fn sip(header: &Header) -> Result<Option<Self>, WcsError> {
         if !header.contains("A_ORDER") && !header.contains("B_ORDER") {
             return Ok(None);
@@ -95,9 +96,10 @@ impl Distortion {
         Ok(Some(Self { surfaces: [surface('A')?, surface('B')?], adds: true, kind: "SIP" }))
     }
 
-    /// TPV, in degrees of the plane; `longitude_axis` is the number of the axis with right ascension, 0 or 1.
+    /// Reads TPV, in degrees of the plane; `longitude_axis` is the number of the axis of right ascension, 0 or 1.
     ///
-    /// ξ' = PV1_0 + PV1_1 ξ + PV1_2 η + PV1_3 r + PV1_4 ξ² + ..., and η' likewise with ξ and η exchanged. PVi_1 is 1 where it is not given.
+    /// ξ' = PV1_0 + PV1_1 ξ + PV1_2 η + PV1_3 r + PV1_4 ξ² + ..., and η' likewise with ξ and η exchanged. The default
+    /// of PVi_1 is 1.
     pub fn tpv(header: &Header, longitude_axis: usize) -> Self {
         let surface = |axis: usize, is_longitude: bool| {
             let mut polynomial = Polynomial::zero(1);
@@ -121,7 +123,7 @@ impl Distortion {
         Self { surfaces: [surface(longitude_axis, true), surface(latitude_axis, false)], adds: false, kind: "TPV" }
     }
 
-    /// IRAF's surfaces `lngcor` and `latcor`, added in degrees of the plane; `None` where there is neither.
+    /// Reads IRAF's surfaces `lngcor` and `latcor`, added in degrees of the plane; `None` if both are missing.
     ///
     /// F. Valdes and L. Davis, "The TNX world coordinate system" (registry of FITS conventions).
     pub fn iraf(longitude: &str, latitude: &str, kind: &'static str) -> Result<Option<Self>, WcsError> {
@@ -144,20 +146,21 @@ impl Distortion {
     }
 }
 
-/// The value of `name = value` or `name = "value"` in IRAF's attributes.
+/// Returns the value of `name = value` or `name = "value"` in IRAF's attributes.
 pub(super) fn attribute(words: &str, name: &str) -> Option<String> {
-    let place = words
+    let start = words
         .match_indices(name)
         .find(|(at, _)| words[..*at].ends_with(|c: char| c.is_whitespace() || c == '"') || *at == 0)?
         .0;
-    let rest = words[place + name.len()..].trim_start().strip_prefix('=')?.trim_start();
+    let rest = words[start + name.len()..].trim_start().strip_prefix('=')?.trim_start();
     match rest.strip_prefix('"') {
         Some(quoted) => Some(quoted.split('"').next().unwrap_or_default().trim().to_owned()),
         None => rest.split_whitespace().next().map(str::to_owned),
     }
 }
 
-/// A surface as IRAF writes it: type, orders of ξ and η, cross terms (0 none, 1 full, 2 half), limits of ξ and η, coefficients.
+/// Parses a surface in IRAF's form: type, orders of ξ and η, cross terms (0 none, 1 full, 2 half), limits of ξ and η,
+/// coefficients.
 fn surface_of(numbers: &str) -> Option<Surface> {
     let numbers: Vec<f64> = numbers.split_whitespace().map(|word| word.parse().ok()).collect::<Option<_>>()?;
     let [kind, order_u, order_v, cross, from_u, to_u, from_v, to_v, ref coefficients @ ..] = numbers[..] else {
@@ -199,7 +202,7 @@ fn surface_of(numbers: &str) -> Option<Surface> {
     Some(Surface { polynomial, centre, stretch: [2.0 / (to_u - from_u), 2.0 / (to_v - from_v)] })
 }
 
-/// Coefficients of the first polynomials of a kind, by powers: 1 Chebyshev, 2 Legendre, 3 plain powers.
+/// Returns the coefficients of the first polynomials of a kind, by powers: 1 Chebyshev, 2 Legendre, 3 plain powers.
 fn basis(kind: f64, count: usize) -> Option<Vec<Vec<f64>>> {
     let mut basis: Vec<Vec<f64>> = vec![vec![1.0], vec![0.0, 1.0]];
     for n in 1..count.saturating_sub(1) {
@@ -224,19 +227,19 @@ fn basis(kind: f64, count: usize) -> Option<Vec<Vec<f64>>> {
     [1.0, 2.0, 3.0].contains(&kind).then_some(basis)
 }
 
-/// Highest power of a radius in TPV: r, r³, r⁵, r⁷.
+/// Number of radial terms of TPV: r, r³, r⁵, r⁷.
 const RADIAL_TERMS: usize = 4;
 
-/// A sum of c·uᵐ·vⁿ, and of odd powers of the radius √(u² + v²).
+/// Sum of terms c·uᵐ·vⁿ, and of odd powers of the radius √(u² + v²).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Polynomial {
-    /// Row n holds the coefficients of uᵐ·vⁿ by m; all rows are as long as the first.
+    /// Row n contains the coefficients of uᵐ·vⁿ by m; all rows have the length of the first.
     rows: Vec<Vec<f64>>,
-    /// Coefficients of r, r³, r⁵, r⁷; empty where none is given.
+    /// Coefficients of r, r³, r⁵, r⁷; empty if none is given.
     radial: Vec<f64>,
 }
 
-/// A value and its slopes along both variables.
+/// Value with its slopes along both variables.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(super) struct Sloped {
     /// The value.
@@ -248,12 +251,12 @@ pub(super) struct Sloped {
 }
 
 impl Polynomial {
-    /// All zero, with room for powers up to `order` of each variable.
+    /// Creates a polynomial of zeros with powers up to `order` of each variable.
     pub fn zero(order: usize) -> Self {
         Self { rows: vec![vec![0.0; order + 1]; order + 1], radial: Vec::new() }
     }
 
-    /// Adds to the coefficient of uᵐ·vⁿ; powers beyond the order are added to it.
+    /// Adds to the coefficient of uᵐ·vⁿ; the order is raised if necessary.
     pub fn add(&mut self, m: usize, n: usize, coefficient: f64) {
         let order = self.rows.len().max(m + 1).max(n + 1);
         self.rows.resize(order, Vec::new());
@@ -271,7 +274,7 @@ impl Polynomial {
         }
     }
 
-    /// Value and slopes, by Horner's rule in both variables.
+    /// Returns value and slopes, by Horner's rule in both variables.
     pub fn at(&self, u: f64, v: f64) -> Sloped {
         let mut sum = Sloped::default();
         for row in self.rows.iter().rev() {
@@ -287,7 +290,8 @@ impl Polynomial {
         if !self.radial.is_empty() {
             let square = u * u + v * v;
             let r = square.sqrt();
-            // Σ c r^(2k+1), and its slope along r divided by r: Σ (2k+1) c r^(2k-1), without the first term at the centre.
+            // Σ c r^(2k+1), and its slope along r divided by r: Σ (2k+1) c r^(2k-1), without the first term at the
+            // centre.
             let (mut value, mut slope) = (0.0, 0.0);
             for (k, coefficient) in self.radial.iter().enumerate().rev() {
                 value = value * square + coefficient;
@@ -366,7 +370,7 @@ mod tests {
         let (u, v, h) = (0.7, -0.4, 1e-6);
         let at = polynomial.at(u, v);
         assert!((at.value - direct(u, v)).abs() < 1e-15);
-        // Central differences are good to h² and to rounding over h.
+        // Central differences are accurate to h² and to rounding errors over h.
         assert!((at.du - (direct(u + h, v) - direct(u - h, v)) / (2.0 * h)).abs() < 1e-9);
         assert!((at.dv - (direct(u, v + h) - direct(u, v - h)) / (2.0 * h)).abs() < 1e-9);
     }

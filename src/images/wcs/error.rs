@@ -1,40 +1,40 @@
-//! Why a header gives no places on the sky.
+//! Errors of world coordinates.
 
-/// A header whose pixels cannot be placed on the sky.
+/// Errors of world coordinates in a header.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WcsError {
-    /// No axis with right ascension and declination.
+    /// No axes of right ascension and declination.
     #[error(
-        "no world coordinates: CTYPE1 is {ctype1:?} and CTYPE2 {ctype2:?}; one RA---xxx and one DEC--xxx are needed"
+        "no world coordinates: CTYPE1 is {ctype1:?} and CTYPE2 is {ctype2:?}; expected one RA---xxx and one DEC--xxx"
     )]
     NoCelestialAxes {
-        /// Text of CTYPE1, empty where it is missing.
+        /// Text of CTYPE1, empty if it is missing.
         ctype1: String,
         /// Text of CTYPE2.
         ctype2: String,
     },
-    /// A projection that is not read.
-    #[error("projection {code:?} of {keyword} is not read; known are {}", super::header_terms::KNOWN_PROJECTIONS)]
+    /// Unsupported projection.
+    #[error("unsupported projection {code:?} of {keyword}; allowed: {}", super::header_terms::KNOWN_PROJECTIONS)]
     Projection {
-        /// Its keyword.
+        /// Keyword of the projection.
         keyword: String,
         /// The code.
         code: String,
     },
-    /// A keyword that must be there.
-    #[error("world coordinates without {keyword}")]
+    /// A required keyword is missing.
+    #[error("missing keyword {keyword} of the world coordinates")]
     Missing {
-        /// Its name.
+        /// Name of the keyword.
         keyword: String,
     },
-    /// A value that makes no sense.
-    #[error("{keyword} is {value}: {allowed}")]
+    /// A keyword has an invalid value.
+    #[error("{keyword} is {value}; allowed: {allowed}")]
     Value {
         /// The keyword.
         keyword: String,
-        /// What stands there.
+        /// Given value.
         value: String,
-        /// What may stand there.
+        /// Allowed values.
         allowed: &'static str,
     },
     /// A matrix that maps the frame onto a line or a point.
@@ -43,16 +43,18 @@ pub enum WcsError {
         /// The matrix, degrees a pixel.
         [[f64; 2]; 2],
     ),
-    /// Axes of the sky that are not those of ICRS.
+    /// Unsupported reference system.
     #[error(
-        "places in {system} are not read: ICRS is needed, or FK5 of equinox 2000, which is taken as ICRS (they differ by 0.02 arcsec)"
+        "unsupported reference system {system}; allowed: ICRS, or FK5 of equinox 2000, which is taken as ICRS (they differ by 0.02 arcsec)"
     )]
     ReferenceSystem {
-        /// What the header says: RADESYS and EQUINOX.
+        /// RADESYS and EQUINOX of the header.
         system: String,
     },
     /// A distortion that folds the frame over itself.
-    #[error("the distortion ({kind}) folds the frame over itself: its coefficients are no map of pixels to the sky")]
+    #[error(
+        "the distortion ({kind}) folds the frame over itself: several pixels would have the same position on the sky"
+    )]
     Folded {
         /// SIP, TPV, TNX, ZPX.
         kind: &'static str,

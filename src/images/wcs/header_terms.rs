@@ -1,4 +1,4 @@
-//! What a header says of its world coordinates, with the sins that occur.
+//! World coordinates of a header, including common non-standard keywords.
 
 use super::super::header::Header;
 use super::distortion::{Distortion, attribute};
@@ -6,35 +6,35 @@ use super::error::WcsError;
 use super::projection::NativePole;
 use super::projection::{Projection, Zpn};
 
-/// Codes of projections that are read.
+/// Codes of the supported projections.
 pub(super) const KNOWN_PROJECTIONS: &str = "TAN (with SIP or PVi_m), TPV, TNX, ZPX, SIN, STG, ARC, ZEA, ZPN, CAR";
 
-/// Equinoxes within this of 2000 are 2000, years.
+/// Equinoxes within this difference from 2000 are taken as 2000, years.
 const EQUINOX_SLACK: f64 = 1e-3;
 
-/// All that places pixels on the sky.
+/// Parameters of the transformation from pixels to the sky.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HeaderTerms {
-    /// Number of the axis with right ascension, 0 or 1.
+    /// Number of the axis of right ascension, 0 or 1.
     pub longitude_axis: usize,
     /// CRPIX, counted from 1.
     pub reference_pixel: [f64; 2],
     /// Pixels to degrees of the plane, (along right ascension, along declination).
     pub matrix_deg: [[f64; 2]; 2],
-    /// Added to pixels from the reference pixel.
+    /// Distortion added to pixels from the reference pixel.
     pub pixel_distortion: Option<Distortion>,
-    /// In degrees of the plane.
+    /// Distortion in degrees of the plane.
     pub plane_distortion: Option<Distortion>,
-    /// The projection.
+    /// Projection.
     pub projection: Projection,
-    /// How it lies on the sky.
+    /// Orientation of the projection on the sky.
     pub pole: NativePole,
-    /// Columns and rows, where the header knows them.
+    /// Columns and rows, if the header gives them.
     pub size: Option<[usize; 2]>,
 }
 
 impl HeaderTerms {
-    /// Reads them.
+    /// Reads the parameters from a header.
     pub fn from_header(header: &Header) -> Result<Self, WcsError> {
         let types: Vec<String> = (1..=2).map(|axis| header.text(&format!("CTYPE{axis}")).unwrap_or_default()).collect();
         let longitude_axis = match (types[0].split('-').next(), types[1].split('-').next()) {
@@ -76,7 +76,7 @@ impl HeaderTerms {
         let has_pv = (0..40).any(|m| pv(latitude_axis, m).is_some() || (m > 4 && pv(longitude_axis, m).is_some()));
         let mut plane_distortion = None;
         let projection = match projection_code {
-            // SCAMP's PVi_m beside SIP say the same again.
+            // PVi_m of SCAMP together with SIP describe the same distortion.
             "TAN" if has_pv && pixel_distortion.is_none() => {
                 plane_distortion = Some(Distortion::tpv(header, longitude_axis));
                 Projection::Tan
@@ -147,7 +147,7 @@ fn required(header: &Header, keyword: &str) -> Result<f64, WcsError> {
     }
 }
 
-/// Degrees in the unit of an axis; without CUNIT, degrees.
+/// Returns the degrees in the unit of an axis; without CUNIT, degrees.
 fn unit_deg(header: &Header, axis: usize) -> Result<f64, WcsError> {
     let keyword = format!("CUNIT{axis}");
     let unit = header.text(&keyword).unwrap_or_default();
@@ -165,13 +165,13 @@ fn unit_deg(header: &Header, axis: usize) -> Result<f64, WcsError> {
     }
 }
 
-/// CDi_j where there is one; else CDELTi with PCi_j, or with the old CROTA of the axis of declination.
+/// Returns the matrix: CDi_j if given, else CDELTi with PCi_j, or with the old CROTA of the declination axis.
 fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 2] {
     let entry = |stem: &str, i: usize, j: usize| header.number(&format!("{stem}{}_{}", i + 1, j + 1));
-    let places = [(0, 0), (0, 1), (1, 0), (1, 1)];
+    let entries = [(0, 0), (0, 1), (1, 0), (1, 1)];
     let mut matrix = [[0.0; 2]; 2];
-    if places.iter().any(|(i, j)| entry("CD", *i, *j).is_some()) {
-        for (i, j) in places {
+    if entries.iter().any(|(i, j)| entry("CD", *i, *j).is_some()) {
+        for (i, j) in entries {
             matrix[i][j] = entry("CD", i, j).unwrap_or(0.0) * units[i];
         }
         return matrix;
@@ -179,12 +179,13 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 
     let steps = [0, 1].map(|axis| header.number(&format!("CDELT{}", axis + 1)).unwrap_or(1.0) * units[axis]);
     let old_name = |i: usize, j: usize| header.number(&format!("PC{:03}{:03}", i + 1, j + 1));
     let turn = |i: usize, j: usize| entry("PC", i, j).or_else(|| old_name(i, j));
-    let is_turned = places.iter().any(|(i, j)| turn(*i, *j).is_some());
+    let is_turned = entries.iter().any(|(i, j)| turn(*i, *j).is_some());
     let rotation = header.number(&format!("CROTA{}", latitude_axis + 1)).filter(|_| !is_turned).unwrap_or(0.0);
     let (sine, cosine) = rotation.to_radians().sin_cos();
-    for (i, j) in places {
+    for (i, j) in entries {
         let unturned = if i == j { 1.0 } else { 0.0 };
-        // Paper II, eq. 191: PC = [[cos ρ, -sin ρ s₂/s₁], [sin ρ s₁/s₂, cos ρ]]; times CDELTi the other axis' step remains.
+        // Paper II, eq. 191: PC = [[cos ρ, -sin ρ s₂/s₁], [sin ρ s₁/s₂, cos ρ]]; multiplied by CDELTi, the step of the
+        // other axis remains.
         matrix[i][j] = if rotation == 0.0 {
             steps[i] * turn(i, j).unwrap_or(unturned)
         } else if i == j {
@@ -209,7 +210,7 @@ fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, WcsError> {
     })
 }
 
-/// ICRS, or FK5 of equinox 2000; what a header without RADESYS means is said by its equinox (paper II, section 3.1).
+/// Checks for ICRS, or FK5 of equinox 2000. Without RADESYS the equinox determines the system (paper II, section 3.1).
 fn check_system(header: &Header) -> Result<(), WcsError> {
     let equinox = header.number("EQUINOX").or_else(|| header.number("EPOCH"));
     let named = header.text("RADESYS").or_else(|| header.text("RADECSYS")).map(|name| name.to_ascii_uppercase());
@@ -227,7 +228,8 @@ fn check_system(header: &Header) -> Result<(), WcsError> {
     Err(WcsError::ReferenceSystem { system })
 }
 
-/// Columns and rows: of the image within a compressed one, of the image, or as astrometry.net notes them.
+/// Returns columns and rows: of the image within a compressed one, of the image, or from the keywords of
+/// astrometry.net.
 fn size(header: &Header) -> Option<[usize; 2]> {
     [["ZNAXIS1", "ZNAXIS2"], ["NAXIS1", "NAXIS2"], ["IMAGEW", "IMAGEH"]].iter().find_map(|[columns, rows]| {
         let count = |keyword: &str| {

@@ -1,16 +1,17 @@
 //! Projections of the sphere onto a plane, and rotations on the sphere.
 //!
-//! M. Calabretta and E. Greisen, Representations of celestial coordinates in FITS (2002, A&A 395, 1077), "paper II". Plane coordinates (x, y) are
-//! radians here, native directions are unit vectors whose third component points to the native pole.
+//! M. Calabretta and E. Greisen, Representations of celestial coordinates in FITS (2002, A&A 395, 1077), "paper II".
+//! Plane coordinates (x, y) are radians here; native directions are unit vectors, with the native pole along the third
+//! axis.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Steps of Newton's method for the radius of ZPN; it converges in a few or not at all.
+/// Largest number of steps of Newton's method for the radius of ZPN; it converges in a few or not at all.
 const MOST_STEPS: usize = 40;
 
-/// A projection.
+/// Projection of the sphere onto a plane.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Projection {
     /// Gnomonic: R = cot θ (paper II, eq. 54).
@@ -29,7 +30,7 @@ pub(super) enum Projection {
     Car,
 }
 
-/// The polynomial of ZPN, and how far from the pole it grows.
+/// Polynomial of ZPN, and the distance from the pole up to which it increases.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Zpn {
     coefficients: Vec<f64>,
@@ -37,10 +38,10 @@ pub(super) struct Zpn {
 }
 
 impl Zpn {
-    /// From P_0, P_1, ...; `None` where the radius does not grow from the pole on.
+    /// Creates the polynomial from P_0, P_1, ...; `None` if the radius does not increase from the pole on.
     pub fn new(coefficients: Vec<f64>) -> Option<Self> {
         let mut zpn = Self { coefficients, furthest_rad: PI };
-        // The radius is single-valued up to its first maximum.
+        // The radius is invertible up to its first maximum.
         let steps = 2000;
         let grows = |step: &usize| zpn.radius(*step as f64 * PI / steps as f64).1 > 0.0;
         let count = (0..=steps).take_while(grows).count();
@@ -48,7 +49,7 @@ impl Zpn {
         (zpn.furthest_rad > 0.0).then_some(zpn)
     }
 
-    /// Radius and its slope at a distance from the pole, radians.
+    /// Returns the radius and its slope at a distance from the pole, radians.
     fn radius(&self, distance_rad: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);
         for coefficient in self.coefficients.iter().rev() {
@@ -58,7 +59,7 @@ impl Zpn {
         (value, slope)
     }
 
-    /// Distance from the pole of a radius; `None` where no distance has it.
+    /// Returns the distance from the pole for a radius; `None` if no distance has it.
     fn distance_rad(&self, radius: f64) -> Option<f64> {
         let mut distance_rad = radius.clamp(0.0, self.furthest_rad);
         for _ in 0..MOST_STEPS {
@@ -75,17 +76,18 @@ impl Zpn {
 }
 
 impl Projection {
-    /// Whether the native pole is the centre of the projection: its reference point is (0°, 90°), else (0°, 0°).
+    /// Returns true if the native pole is the centre of the projection: the reference point is (0°, 90°), else (0°,
+    /// 0°).
     pub fn is_zenithal(&self) -> bool {
         !matches!(self, Self::Car)
     }
 
-    /// The native direction of a place in the plane; `None` outside of what the projection shows.
+    /// Returns the native direction of a position in the plane; `None` outside the range of the projection.
     pub fn to_native(&self, x: f64, y: f64) -> Option<Vector3<f64>> {
         // Zenithal: x = R sin φ, y = -R cos φ                                  paper II, eqs. 12, 13
         let radius = x.hypot(y);
         let distance_rad = match self {
-            // The direction (-y, x, 1) itself, without an angle.
+            // The direction is (-y, x, 1); no angle is needed.
             Self::Tan => return Some(Vector3::new(-y, x, 1.0).normalize()),
             Self::Sin => (radius <= 1.0).then(|| radius.asin())?,
             Self::Stg => 2.0 * (radius / 2.0).atan(),
@@ -104,7 +106,7 @@ impl Projection {
         Some(Vector3::new(-y / radius * sine, x / radius * sine, cosine))
     }
 
-    /// The place of a native direction in the plane; `None` for what the projection does not show.
+    /// Returns the position of a native direction in the plane; `None` outside the range of the projection.
     pub fn to_plane(&self, native: &Vector3<f64>) -> Option<[f64; 2]> {
         let across = native.x.hypot(native.y);
         let distance_rad = || across.atan2(native.z);
@@ -129,10 +131,10 @@ impl Projection {
     }
 }
 
-/// A sine or cosine this small is zero: a reference point at a pole.
+/// Limit below which a sine or cosine is taken as zero: a reference point at a pole.
 const TINY: f64 = 1e-10;
 
-/// What says how the native sphere lies on the sky; degrees, as in a header.
+/// Orientation of the native sphere on the sky; degrees, as in a header.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct NativePole {
     /// CRVAL of right ascension.
@@ -143,18 +145,18 @@ pub(super) struct NativePole {
     pub lonpole_deg: Option<f64>,
     /// LATPOLE, if given.
     pub latpole_deg: Option<f64>,
-    /// Whether the reference point is the native pole (zenithal projections), else the native origin.
+    /// True if the reference point is the native pole (zenithal projections), else it is the native origin.
     pub is_zenithal: bool,
 }
 
 impl NativePole {
-    /// The matrix that turns native directions into those of the sky; `None` where the header's numbers belong to no rotation.
+    /// Returns the rotation from native directions to the sky; `None` if the values of the header describe no rotation.
     ///
     /// Paper II (Calabretta and Greisen 2002), eqs. 2 and 8 to 10.
     pub fn to_sky(self) -> Option<Matrix3<f64>> {
         let declination_0 = self.declination_deg.to_radians();
         let native_latitude_deg = if self.is_zenithal { 90.0 } else { 0.0 };
-        // Where LONPOLE is not given: 0 if δ₀ ≥ θ₀, else 180°.
+        // Default of LONPOLE: 0 if δ₀ ≥ θ₀, else 180°.
         let default = if self.declination_deg >= native_latitude_deg { 0.0 } else { 180.0 };
         let phi_pole = self.lonpole_deg.unwrap_or(default).to_radians();
         let right_ascension_0 = self.right_ascension_deg.to_radians();
@@ -167,7 +169,8 @@ impl NativePole {
         let (sin_phi, cos_phi) = phi_pole.sin_cos();
         let (sin_lat, cos_lat) = pole_latitude.sin_cos();
         let (sin_lon, cos_lon) = pole_longitude.sin_cos();
-        // sin δ = sin θ sin δp + cos θ cos δp cos(φ - φp), and its two companions        paper II, eq. 2
+        // sin δ = sin θ sin δp + cos θ cos δp cos(φ - φp), and the equations of the other two components      paper II,
+        // eq. 2
         let turned = Matrix3::new(
             -sin_lat * cos_phi,
             -sin_lat * sin_phi,
@@ -183,16 +186,16 @@ impl NativePole {
         Some(about_pole * turned)
     }
 
-    /// Declination of the native pole where the reference point is the native origin (θ₀ = 0, φ₀ = 0).
+    /// Returns the declination of the native pole if the reference point is the native origin (θ₀ = 0, φ₀ = 0).
     ///
     /// δp = atan2(0, cos φp) ± arccos(sin δ₀ / |cos φp|), the one nearer to LATPOLE        paper II, eq. 8
     fn pole_latitude(self, declination_0: f64, phi_pole: f64) -> Option<f64> {
         let (sin_phi, cos_phi) = phi_pole.sin_cos();
         let across = (1.0 - sin_phi * sin_phi).sqrt();
-        let wanted = self.latpole_deg.unwrap_or(90.0).to_radians();
+        let target = self.latpole_deg.unwrap_or(90.0).to_radians();
         if across < TINY {
-            // The pole is anywhere on a circle: LATPOLE says where.
-            return (declination_0.abs() < TINY).then_some(wanted);
+            // The pole may be anywhere on a circle: LATPOLE selects it.
+            return (declination_0.abs() < TINY).then_some(target);
         }
         let ratio = declination_0.sin() / across;
         if ratio.abs() > 1.0 + TINY {
@@ -206,10 +209,11 @@ impl NativePole {
             latitude - turn * (latitude / turn).round()
         };
         let candidates = [wrapped(from + angle), wrapped(from - angle)];
-        candidates.into_iter().filter(is_latitude).min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
+        candidates.into_iter().filter(is_latitude).min_by(|a, b| (a - target).abs().total_cmp(&(b - target).abs()))
     }
 
-    /// Right ascension of the reference point minus that of the native pole (θ₀ = 0, φ₀ = 0).        paper II, eqs. 9, 10
+    /// Returns the right ascension of the reference point less that of the native pole (θ₀ = 0, φ₀ = 0; paper II, eqs.
+    /// 9, 10).
     fn longitude_from_pole(self, declination_0: f64, phi_pole: f64, pole_latitude: f64) -> f64 {
         if (pole_latitude - FRAC_PI_2).abs() < TINY {
             return std::f64::consts::PI - phi_pole;
@@ -231,7 +235,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_there_and_back() {
+    fn verif_projections_are_inverted() {
         let zpn = Zpn::new(vec![0.0, 1.0, 0.0, -50.0]).unwrap();
         // dR/dγ = 1 - 150 γ² ends at γ = 0.0816.
         assert!((zpn.furthest_rad - 150f64.powf(-0.5)).abs() < PI / 2000.0);
@@ -256,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_what_is_not_shown_has_no_place() {
+    fn verif_directions_outside_the_range_have_no_position() {
         let behind = Vector3::new(0.1, 0.0, -1.0).normalize();
         assert_eq!(Projection::Tan.to_plane(&behind), None);
         assert_eq!(Projection::Sin.to_plane(&behind), None);

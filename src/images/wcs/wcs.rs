@@ -1,4 +1,4 @@
-//! Pixels to the sky and back.
+//! Transformation between pixels and the sky.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
@@ -15,36 +15,37 @@ use crate::images::plane::PixelPosition;
 /// Arcseconds in a radian.
 const ARCSEC: f64 = 648_000.0 / std::f64::consts::PI;
 
-/// Frames are trusted this far beyond their edges in any case where the distortion allows it, pixels.
+/// Least margin around a frame in which its distortion is used, if it does not fold there, pixels.
 const LEAST_MARGIN_PIX: f64 = 1000.0;
 
-/// Size of a frame whose header does not know it, pixels.
+/// Side of a frame without a size in its header, pixels.
 const UNKNOWN_SIDE_PIX: usize = 4096;
 
-/// Points along each side of a frame at which a distortion is looked at for folds.
+/// Points along each side of a frame at which a distortion is checked for folds.
 const FOLD_GRID: usize = 13;
 
-/// How much of the slope at the centre the slopes elsewhere must keep, so that no two pixels have one place.
+/// Least slope relative to the centre for which no two pixels have the same position.
 const LEAST_SLOPE: f64 = 0.1;
 
-/// The part of the margin that is tried where the whole of it folds.
+/// Fractions of the margin that are tried in turn until the distortion does not fold.
 const MARGINS: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.03, 0.0];
 
-/// Newton's method ends here, pixels.
+/// Precision at which Newton's method ends, pixels.
 const CLOSE_PIX: f64 = 1e-11;
 
-/// Steps of Newton's method; three or four are usual.
+/// Largest number of steps of Newton's method; three or four are usual.
 const MOST_STEPS: usize = 25;
 
-/// What places the pixels of one frame on the sky: ICRS, directions as seen from the barycentre's axes ([`Gcrs`]).
+/// Transformation between pixels of one frame and the sky: ICRS directions with the axes of the barycentre ([`Gcrs`]).
 ///
-/// Read from a header by [`from_header`](Wcs::from_header) or made by [`tangent`](Wcs::tangent). FK5 of equinox 2000 is taken as ICRS: they differ
-/// by 0.02 arcsec. Where the frame is distorted by a polynomial, places are given within the frame and a margin around it alone (its own size, or 1000
-/// pixels, less where the polynomial folds): further out polynomials bend back, and a satellite far away would appear in the frame.
+/// It is read from a header by [`from_header`](Wcs::from_header) or created by [`tangent`](Wcs::tangent). FK5 of
+/// equinox 2000 is taken as ICRS: they differ by 0.02 arcsec. A frame with a polynomial distortion has positions only
+/// within the frame and a margin around it (the size of the frame, at least 1000 pixels, less if the polynomial folds):
+/// further out polynomials bend back, and a distant satellite would appear in the frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wcs {
     terms: HeaderTerms,
-    /// Pixels to degrees of the plane.
+    /// Matrix from pixels to degrees of the plane.
     matrix: Matrix2<f64>,
     inverse: Matrix2<f64>,
     to_sky: Matrix3<f64>,
@@ -52,32 +53,34 @@ pub struct Wcs {
     trusted: Option<Trusted>,
 }
 
-/// Where a distorted frame has one place for each pixel and one pixel for each place.
+/// Area of a distorted frame in which pixels and positions correspond one to one.
 #[derive(Clone, Debug, PartialEq)]
 struct Trusted {
     /// Smallest and largest coordinates, pixels from CRPIX.
     low: Vector2<f64>,
     high: Vector2<f64>,
-    /// The frame's centre, its place in the plane, and the inverse of the slopes there: where Newton's method begins.
+    /// Centre of the frame, its position in the plane, and the inverse of the slopes there: the start of Newton's
+    /// method.
     centre: Vector2<f64>,
     plane_centre: Vector2<f64>,
     inverse_slopes: Matrix2<f64>,
 }
 
 impl Wcs {
-    /// From the cards of a header.
+    /// Reads the world coordinates of a header.
     ///
     /// # Errors
-    /// [`WcsError`] where there are no celestial axes, a number is missing or impossible, the projection or the system of axes is not read, the matrix has
-    /// no inverse, or the distortion folds within the frame.
+    /// [`WcsError`] if there are no celestial axes, a number is missing or invalid, the projection or the reference
+    /// system is not supported, the matrix has no inverse, or the distortion folds within the frame.
     pub fn from_header(header: &Header) -> Result<Self, WcsError> {
         Self::from_terms(HeaderTerms::from_header(header)?)
     }
 
-    /// A gnomonic frame for what is simulated: `centre` falls on the middle of `columns` by `rows` pixels of `scale_arcsec`.
+    /// Creates a gnomonic frame for simulations: `centre` is the middle of `columns` by `rows` pixels of
+    /// `scale_arcsec`.
     ///
-    /// Without rotation north is up (rows grow northwards) and east to the left (columns grow westwards). `rotation_rad` turns the sky: the position
-    /// angle, north through east, of the direction in which rows grow.
+    /// Without rotation north is up (rows increase northwards) and east to the left (columns increase westwards).
+    /// `rotation_rad` is the position angle, north through east, of the direction in which rows increase.
     pub fn tangent(
         centre: Direction<Gcrs>,
         scale_arcsec: f64,
@@ -115,7 +118,7 @@ impl Wcs {
         let to_sky = terms.pole.to_sky().ok_or_else(|| WcsError::Value {
             keyword: "LONPOLE".to_owned(),
             value: format!("{:?} with LATPOLE {:?}", terms.pole.lonpole_deg, terms.pole.latpole_deg),
-            allowed: "a native pole that CRVAL can have",
+            allowed: "a native pole that is consistent with CRVAL",
         })?;
         let size = terms.size.unwrap_or([UNKNOWN_SIDE_PIX; 2]);
         let mut wcs = Self { terms, matrix, inverse, to_sky, size, trusted: None };
@@ -125,20 +128,21 @@ impl Wcs {
         Ok(wcs)
     }
 
-    /// The distortion's kind (SIP, TPV, TNX, ZPX), if there is one.
+    /// Kind of the distortion (SIP, TPV, TNX, ZPX), if any.
     pub fn distortion(&self) -> Option<&'static str> {
         let terms = &self.terms;
         terms.pixel_distortion.as_ref().or(terms.plane_distortion.as_ref()).map(|distortion| distortion.kind)
     }
 
-    /// Columns and rows of the frame as the header says; 4096 each where it does not.
+    /// Columns and rows of the frame from its header; 4096 each if the header does not give them.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// The direction of a place in the frame; `None` where the projection has no answer, or far outside of a distorted frame.
-    pub fn to_sky(&self, place: PixelPosition) -> Option<Direction<Gcrs>> {
-        let offset = self.offset(place);
+    /// Returns the direction of a position in the frame; `None` outside the range of the projection, or far outside a
+    /// distorted frame.
+    pub fn to_sky(&self, position: PixelPosition) -> Option<Direction<Gcrs>> {
+        let offset = self.offset(position);
         if !(offset.x.is_finite() && offset.y.is_finite()) {
             return None;
         }
@@ -152,50 +156,52 @@ impl Wcs {
         Some(Direction::from_vector(self.to_sky * native))
     }
 
-    /// The place of a direction in the frame; `None` where the projection does not show it, or far outside of a distorted frame.
+    /// Returns the position of a direction in the frame; `None` outside the range of the projection, or far outside a
+    /// distorted frame.
     ///
-    /// Undistorted frames answer far beyond their edges too, up to 90° from the centre of a gnomonic one.
+    /// Undistorted frames have positions far beyond their edges too, up to 90° from the centre of a gnomonic frame.
     pub fn to_pixel(&self, direction: Direction<Gcrs>) -> Option<PixelPosition> {
         let native = self.to_sky.tr_mul(direction.vector());
         let [x, y] = self.terms.projection.to_plane(&native)?;
         let plane = Vector2::new(x.to_degrees(), y.to_degrees());
         let offset = match &self.trusted {
             None => self.inverse * plane,
-            Some(trusted) => self.solved(trusted, &plane)?,
+            Some(trusted) => self.solve_pixel(trusted, &plane)?,
         };
         let [reference_x, reference_y] = self.terms.reference_pixel;
         Some(PixelPosition::from_fits(offset.x + reference_x, offset.y + reference_y))
     }
 
-    /// Side of a square as large as a pixel there, arcseconds: the geometric mean of the scales along both axes, by its area. NaN where
-    /// [`to_sky`](Wcs::to_sky) has no answer.
-    pub fn pixel_scale_arcsec(&self, place: PixelPosition) -> f64 {
-        self.pixel_area_arcsec2(place).sqrt()
+    /// Side of a square with the area of a pixel at a position, arcseconds: the geometric mean of the scales along both
+    /// axes. NaN where [`to_sky`](Wcs::to_sky) returns `None`.
+    pub fn pixel_scale_arcsec(&self, position: PixelPosition) -> f64 {
+        self.pixel_area_arcsec2(position).sqrt()
     }
 
-    /// Area of the sky on a pixel there, square arcseconds; NaN where [`to_sky`](Wcs::to_sky) has no answer.
-    pub fn pixel_area_arcsec2(&self, place: PixelPosition) -> f64 {
-        match self.pixel_sides(place) {
+    /// Area of a pixel at a position on the sky, square arcseconds; NaN where [`to_sky`](Wcs::to_sky) returns `None`.
+    pub fn pixel_area_arcsec2(&self, position: PixelPosition) -> f64 {
+        match self.pixel_sides(position) {
             Some([across, along]) => across.cross(&along).norm() * ARCSEC * ARCSEC,
             None => f64::NAN,
         }
     }
 
-    /// How many times as wide on the sky (along rows) as high a pixel is there; NaN where [`to_sky`](Wcs::to_sky) has no answer.
-    pub fn pixel_aspect(&self, place: PixelPosition) -> f64 {
-        self.pixel_sides(place).map_or(f64::NAN, |[across, along]| across.norm() / along.norm())
+    /// Ratio of the width (along rows) to the height of a pixel on the sky; NaN where [`to_sky`](Wcs::to_sky) returns
+    /// `None`.
+    pub fn pixel_aspect(&self, position: PixelPosition) -> f64 {
+        self.pixel_sides(position).map_or(f64::NAN, |[across, along]| across.norm() / along.norm())
     }
 
-    /// From its left to its right side, and from its lower to its upper one.
-    fn pixel_sides(&self, place: PixelPosition) -> Option<[Vector3<f64>; 2]> {
+    /// Returns the vectors from the left to the right side of a pixel, and from its lower to its upper side.
+    fn pixel_sides(&self, position: PixelPosition) -> Option<[Vector3<f64>; 2]> {
         let half = 0.5;
-        let at = |x: f64, y: f64| self.to_sky(PixelPosition { x: place.x + x, y: place.y + y });
+        let at = |x: f64, y: f64| self.to_sky(PixelPosition { x: position.x + x, y: position.y + y });
         let across = at(half, 0.0)?.vector() - at(-half, 0.0)?.vector();
         Some([across, at(0.0, half)?.vector() - at(0.0, -half)?.vector()])
     }
 
-    /// The cards that say the same, for undistorted frames of one of this library's own projections ([`tangent`](Wcs::tangent)); none for others, whose
-    /// header has them.
+    /// Returns the cards that describe an undistorted gnomonic frame ([`tangent`](Wcs::tangent)); no cards for other
+    /// frames.
     pub fn cards(&self) -> Vec<Card> {
         if self.distortion().is_some() || self.terms.projection != Projection::Tan || self.terms.longitude_axis != 0 {
             return Vec::new();
@@ -237,34 +243,36 @@ impl Wcs {
         cards
     }
 
-    /// From a place to pixels from CRPIX.
-    fn offset(&self, place: PixelPosition) -> Vector2<f64> {
-        let [x, y] = place.fits();
+    /// Converts a position to pixels from CRPIX.
+    fn offset(&self, position: PixelPosition) -> Vector2<f64> {
+        let [x, y] = position.fits();
         Vector2::new(x - self.terms.reference_pixel[0], y - self.terms.reference_pixel[1])
     }
 
-    /// The plane, degrees, and its slopes along pixels.
+    /// Returns the position in the plane, degrees, and its slopes along pixels.
     fn plane(&self, offset: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
-        let (mut place, mut slopes) = (*offset, Matrix2::identity());
+        let (mut position, mut slopes) = (*offset, Matrix2::identity());
         if let Some(distortion) = &self.terms.pixel_distortion {
-            let [u, v] = distortion.at(place.x, place.y);
-            place = Vector2::new(u.value, v.value);
+            let [u, v] = distortion.at(position.x, position.y);
+            position = Vector2::new(u.value, v.value);
             slopes = Matrix2::new(u.du, u.dv, v.du, v.dv);
         }
-        place = self.matrix * place;
+        position = self.matrix * position;
         slopes = self.matrix * slopes;
         if let Some(distortion) = &self.terms.plane_distortion {
-            let [u, v] = distortion.at(place.x, place.y);
-            place = Vector2::new(u.value, v.value);
+            let [u, v] = distortion.at(position.x, position.y);
+            position = Vector2::new(u.value, v.value);
             slopes = Matrix2::new(u.du, u.dv, v.du, v.dv) * slopes;
         }
-        (place, slopes)
+        (position, slopes)
     }
 
-    /// The frame and as much around it as has no folds; `None` where the frame itself has one.
+    /// Returns the frame with the largest margin in which the distortion does not fold; `None` if it folds within the
+    /// frame.
     ///
-    /// A map f of a convex area is one to one where (J₀⁻¹ J) + (J₀⁻¹ J)ᵀ is positive definite everywhere, J being its slopes and J₀ those at one
-    /// point: along any straight line f then moves on. It is asked at the points of a grid.
+    /// A map f of a convex area is one to one if (J₀⁻¹ J) + (J₀⁻¹ J)ᵀ is positive definite everywhere, where J are its
+    /// slopes and J₀ those at one point: f is then monotonic along any straight line. The condition is checked at the
+    /// points of a grid.
     fn trusted_area(&self) -> Option<Trusted> {
         let [columns, rows] = self.size.map(|count| count as f64);
         let corner = self.offset(PixelPosition { x: -0.5, y: -0.5 });
@@ -277,7 +285,7 @@ impl Wcs {
             let around = Vector2::from_element(margin * part);
             let (low, high) = (corner - around, corner + side + around);
             let is_plain = |index: usize| {
-                let step = |place: usize| place as f64 / (FOLD_GRID - 1) as f64;
+                let step = |position: usize| position as f64 / (FOLD_GRID - 1) as f64;
                 let at =
                     low + (high - low).component_mul(&Vector2::new(step(index % FOLD_GRID), step(index / FOLD_GRID)));
                 let relative = inverse_slopes * self.plane(&at).1;
@@ -296,16 +304,16 @@ impl Wcs {
         })
     }
 
-    /// The pixel from CRPIX whose place in the plane this is, by Newton's method.
-    fn solved(&self, trusted: &Trusted, wanted: &Vector2<f64>) -> Option<Vector2<f64>> {
-        let mut offset = trusted.centre + trusted.inverse_slopes * (wanted - trusted.plane_centre);
+    /// Returns the pixel from CRPIX with a position in the plane, by Newton's method.
+    fn solve_pixel(&self, trusted: &Trusted, target: &Vector2<f64>) -> Option<Vector2<f64>> {
+        let mut offset = trusted.centre + trusted.inverse_slopes * (target - trusted.plane_centre);
         for _ in 0..MOST_STEPS {
             if !trusted.is_near(&offset) {
                 return None;
             }
             let (plane, slopes) = self.plane(&offset);
             let determinant = slopes.m11 * slopes.m22 - slopes.m12 * slopes.m21;
-            let miss = wanted - plane;
+            let miss = target - plane;
             let step =
                 Vector2::new(slopes.m22 * miss.x - slopes.m12 * miss.y, slopes.m11 * miss.y - slopes.m21 * miss.x)
                     / determinant;
@@ -323,7 +331,7 @@ impl Trusted {
         (0..2).all(|axis| (self.low[axis]..=self.high[axis]).contains(&offset[axis]))
     }
 
-    /// Within the area or half its size around: on its way Newton's method may leave it.
+    /// Returns true within the area or half its size around it, into which Newton's method may step.
     fn is_near(&self, offset: &Vector2<f64>) -> bool {
         let around = (self.high - self.low) / 2.0;
         (0..2).all(|axis| (self.low[axis] - around[axis]..=self.high[axis] + around[axis]).contains(&offset[axis]))

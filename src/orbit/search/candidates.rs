@@ -1,6 +1,6 @@
 //! Candidate satellites for a search cone: plane test, side test and phase test over a whole window.
 
-use super::cone::{ConeTest, Cones, Inside};
+use super::cone::{ConePassage, ConeTest, Cones};
 use super::kepler::Phase;
 use super::plane::{ConeInShell, Planes};
 use super::window::{CHUNK, Chunk, Window};
@@ -13,20 +13,20 @@ const BLOCK: usize = 8;
 /// A satellite that may be inside a cone.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// Which element set.
+    /// Position of the element set in the catalogue.
     pub element_index: u32,
     /// Number of the cone.
     pub cone: u32,
-    /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time. It reaches
-    /// beyond the cone's time by the delay that the window searches.
+    /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time. It extends
+    /// beyond the cone's time by the delay that the window covers.
     pub near_s: [f32; 2],
-    /// True where it is in the given shadow all the time of this cone.
+    /// True where it is inside the given shadow during all of this cone's time.
     pub is_dark: bool,
 }
 
 impl Window {
-    /// Adds to `candidates` every satellite that may be inside one of the cones at any time of it, none missing, in no
-    /// order. About 15 µs for 14,000 satellites.
+    /// Appends to `candidates` every satellite that may be inside one of the cones during its time, in no particular
+    /// order; none is missed. About 15 µs for 14,000 satellites.
     pub fn candidates(&self, cones: &Cones<'_>, teme_to_gcrs: &Rotation<Teme, Gcrs>, candidates: &mut Vec<Candidate>) {
         let single = std::slice::from_ref(cones.whole);
         let parts = if cones.parts.is_empty() { single } else { cones.parts };
@@ -45,7 +45,7 @@ impl Window {
             let inside =
                 |test: &ConeTest<'_>| test.inside(phase, &chunk.normal_at(lane, test.fraction()), shadow.as_ref());
             let Some(in_whole) = inside(&whole) else { return };
-            let candidate = |cone: u32, Inside { near_s, is_dark }: Inside| Candidate {
+            let candidate = |cone: u32, ConePassage { near_s, is_dark }: ConePassage| Candidate {
                 element_index: phase.element_index,
                 cone,
                 near_s: near_s.map(|time_s| time_s as f32),
@@ -55,11 +55,11 @@ impl Window {
                 candidates.push(candidate(cones.first, in_whole));
             }
             // A satellite inside a part is inside the whole at the same time, whatever its delay.
-            let late_s = f64::from(phase.along_track_s);
+            let delay_s = f64::from(phase.along_track_s);
             let since_s = cones.whole.mid_s;
             let is_then = |part: &ConeTest<'_>| {
                 let [from_s, to_s] = part.interval_s().map(|time_s| time_s - since_s);
-                let is_past = from_s > in_whole.near_s[1] + late_s || to_s < in_whole.near_s[0] - late_s;
+                let is_past = from_s > in_whole.near_s[1] + delay_s || to_s < in_whole.near_s[0] - delay_s;
                 !is_past
             };
             let of_part = |(part, cone): (&ConeTest<'_>, u32)| {
@@ -85,11 +85,11 @@ impl Window {
             let far_limit = limit + far * radius_rad as f32;
             let (ends, limits) = ([near, far], [near_limit, far_limit]);
             let outside = widest(Planes { chunk, fraction: x, observer: &o, axis: &d, ends, limits });
-            // The lanes that pass are collected without a branch for each, so that their phases are then read side by
-            // side.
+            // The lanes that pass are collected without a branch for each, so that their phases are then read in
+            // sequence.
             let (mut left, mut count) = ([0_u8; CHUNK], 0);
             for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
-                // Mostly none of eight passes: one comparison for all of them.
+                // Usually none of eight passes: one comparison covers all of them.
                 if outside.iter().fold(true, |all, outside| all & (*outside > 0.0)) {
                     continue;
                 }

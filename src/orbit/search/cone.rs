@@ -10,12 +10,12 @@ use crate::frames::{Direction, Gcrs, Position, Rotation, Teme};
 /// Margin of the interval in which a satellite may be inside, seconds.
 const NEAR_MARGIN_S: f64 = 0.5;
 
-/// A field of view in time and space.
+/// A field of view over a time interval.
 #[derive(Copy, Clone, Debug)]
 pub struct Cone {
-    /// Middle of the time interval, seconds after the window's start.
+    /// Middle of the time interval, seconds after the start of the window.
     pub mid_s: f64,
-    /// Half its length, seconds; a minute or less keeps the margins small.
+    /// Half the length of the interval, seconds; a minute or less keeps the margins small.
     pub half_duration_s: f64,
     /// The observer at that time, km.
     pub observer: Position<Gcrs>,
@@ -23,14 +23,14 @@ pub struct Cone {
     pub observer_speed_km_s: f64,
     /// Axis of the cone.
     pub axis: Direction<Gcrs>,
-    /// Half its opening, radians, with a margin for aberration and light time (2e-4 is enough).
+    /// Half opening angle, radians, with a margin for aberration and light time (2e-4 is enough).
     pub radius_rad: f64,
 }
 
 /// A cone that is tested as a whole before its parts.
 #[derive(Copy, Clone, Debug)]
 pub struct Cones<'a> {
-    /// A cone that holds all parts over all of their time.
+    /// A cone that contains all parts over all of their time.
     pub whole: &'a Cone,
     /// The parts; empty where only the whole is searched.
     pub parts: &'a [Cone],
@@ -40,12 +40,12 @@ pub struct Cones<'a> {
     pub shadow: Option<&'a ShadowCone>,
 }
 
-/// How a satellite may be inside a cone.
+/// Interval and illumination of a satellite that may be inside a cone.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Inside {
+pub(super) struct ConePassage {
     /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time.
     pub near_s: [f64; 2],
-    /// True where it is in the shadow all the time.
+    /// True where it is inside the shadow all the time.
     pub is_dark: bool,
 }
 
@@ -59,7 +59,7 @@ pub(super) struct ConeTest<'a> {
 }
 
 impl<'a> ConeTest<'a> {
-    /// For a window of this length.
+    /// Transforms a cone for a window of this length.
     pub fn new(cone: &'a Cone, teme_to_gcrs: &Rotation<Teme, Gcrs>, window_span_s: f64) -> Self {
         let gcrs_to_teme = teme_to_gcrs.inverse();
         Self {
@@ -79,17 +79,17 @@ impl<'a> ConeTest<'a> {
         self.beam.axis()
     }
 
-    /// Position in the window, from 0 to 1.
+    /// Returns the position in the window, from 0 to 1.
     pub fn fraction(&self) -> f64 {
         self.fraction
     }
 
-    /// Its time interval, seconds after the window's start.
+    /// Returns the time interval, seconds after the start of the window.
     pub fn interval_s(&self) -> [f64; 2] {
         [self.cone.mid_s - self.cone.half_duration_s, self.cone.mid_s + self.cone.half_duration_s]
     }
 
-    /// How far the observer moves from the middle on.
+    /// Returns the observer's displacement between the middle and the ends of the interval, km.
     pub fn moved_km(&self) -> f64 {
         self.moved_km
     }
@@ -98,13 +98,13 @@ impl<'a> ConeTest<'a> {
         self.beam.radius_rad()
     }
 
-    /// The cap, seen from the Earth's centre, of the cone's part in orbits no lower than `lowest_km`, between two
-    /// distances from the observer; `None` where it may be the whole Earth.
+    /// Returns the cap, seen from the Earth's centre, that contains the cone's part between two distances from the
+    /// observer, in orbits no lower than `lowest_km`; `None` where it may be the whole Earth.
     pub fn cap(&self, distances_km: [f64; 2], lowest_km: f64) -> Option<Cap> {
         Cap::of(&self.observer, self.axis(), self.radius_rad(), distances_km, lowest_km)
     }
 
-    /// Side test: whether a satellite whose orbit plane fits may be over the cap during the interval.
+    /// Side test: returns whether a satellite that passed the plane test may be over the cap during the interval.
     #[inline]
     pub fn may_be_over(&self, cap: &Cap, phase: &Phase, normal: &Vector3<f64>) -> bool {
         let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
@@ -112,17 +112,22 @@ impl<'a> ConeTest<'a> {
             || cap.may_hold(phase, normal, self.cone.mid_s, half_s, f64::from(phase.slop_km) + self.moved_km)
     }
 
-    /// Phase test: how a satellite whose orbit plane fits may be inside the cone during the interval; `None` where it
-    /// cannot be.
+    /// Phase test: returns when a satellite that passed the plane test may be inside the cone during the interval;
+    /// `None` where it cannot be.
     #[inline]
-    pub fn inside(&self, phase: &Phase, normal: &Vector3<f64>, shadow: Option<&ShadowConeInTeme>) -> Option<Inside> {
+    pub fn inside(
+        &self,
+        phase: &Phase,
+        normal: &Vector3<f64>,
+        shadow: Option<&ShadowConeInTeme>,
+    ) -> Option<ConePassage> {
         let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
         if phase.only_plane {
-            return Some(Inside { near_s: [-half_s, half_s], is_dark: false });
+            return Some(ConePassage { near_s: [-half_s, half_s], is_dark: false });
         }
         let (position, velocity) = phase.state(normal, self.cone.mid_s, self.fraction);
         let sight = position - self.observer;
-        // The path leaves its tangent by at most ½ g t², g being gravity at the satellite.
+        // The path deviates from its tangent by at most ½ g t², g being gravity at the satellite.
         let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
         let near_s = self.beam.near_s(&sight, &velocity, half_s, slop_km)?;
@@ -131,11 +136,11 @@ impl<'a> ConeTest<'a> {
         let is_dark = shadow.is_some_and(|shadow| ends.iter().all(|end| shadow.holds(end, slop_km)));
         let [from_s, to_s] = near_s;
         let near_s = [from_s - NEAR_MARGIN_S, to_s + NEAR_MARGIN_S].map(|time_s| time_s.clamp(-half_s, half_s));
-        Some(Inside { near_s, is_dark })
+        Some(ConePassage { near_s, is_dark })
     }
 }
 
-/// For cones wider than this the path is bounded by a ball, radians.
+/// Cone radius beyond which the path is bounded by a ball, radians.
 const WIDE_RAD: f64 = 0.5;
 
 /// A cone of directions about an axis, in any frame.
@@ -148,23 +153,24 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// Cone about a unit vector.
+    /// Creates a cone about a unit vector.
     pub fn new(axis: Vector3<f64>, radius_rad: f64) -> Self {
         Self { axis, radius_rad, tangent: radius_rad.tan(), secant: 1.0 / radius_rad.cos() }
     }
 
-    /// The unit vector.
+    /// Returns the unit vector.
     pub fn axis(&self) -> &Vector3<f64> {
         &self.axis
     }
 
-    /// Half its opening, radians.
+    /// Returns the half opening angle, radians.
     pub fn radius_rad(&self) -> f64 {
         self.radius_rad
     }
 
-    /// Interval, seconds, in which an object may be inside that is at `sight_km` from the observer at time 0 and moves
-    /// uniformly for `half_s` before and after, with a position error of `slop_km`; `None` where it cannot be.
+    /// Returns the interval, seconds, in which an object may be inside the cone; `None` where it cannot be. The object
+    /// is at `sight_km` from the observer at time 0 and moves uniformly for `half_s` before and after, with a position
+    /// error of `slop_km`.
     ///
     /// The times are not clamped to `half_s`.
     #[inline]
@@ -182,8 +188,8 @@ impl Beam {
             let is_near = distance_km <= reach_km || angle_rad <= self.radius_rad + (reach_km / distance_km).asin();
             return is_near.then_some([-half_s, half_s]);
         }
-        // A straight line past the axis: the least distance across against the width at the greatest depth.
-        // A ball of radius s at the cone's edge touches it from s / cos ψ across.
+        // A straight line past the axis: the least distance across against the width at the greatest depth. A ball of
+        // radius s at the cone's edge touches it s / cos ψ across.
         let (depth, depth_rate) = (sight_km.dot(&self.axis), velocity_km_s.dot(&self.axis));
         let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
         if deepest_km < 0.0 {
@@ -203,10 +209,10 @@ impl Beam {
     }
 }
 
-/// A cone about the direction away from the Sun, from the Earth's centre on, in which no satellite is lit.
+/// A cone about the anti-solar direction, starting at the Earth's centre, in which no satellite is lit.
 #[derive(Copy, Clone, Debug)]
 pub struct ShadowCone {
-    /// From the Earth's centre.
+    /// Axis, from the Earth's centre.
     pub away_from_sun: Direction<Gcrs>,
     /// Radius at the Earth's centre, km.
     pub radius_km: f64,
@@ -214,7 +220,7 @@ pub struct ShadowCone {
     pub narrowing: f64,
 }
 
-/// The same in the frame of a window.
+/// The same cone in the frame of a window.
 pub(super) struct ShadowConeInTeme {
     away_from_sun: Vector3<f64>,
     radius_km: f64,
@@ -229,11 +235,11 @@ impl ShadowCone {
 }
 
 impl ShadowConeInTeme {
-    /// Whether all positions within `slop_km` of one lie inside.
-    pub fn holds(&self, place: &Vector3<f64>, slop_km: f64) -> bool {
-        let depth_km = place.dot(&self.away_from_sun);
-        let across_km = (place - self.away_from_sun * depth_km).norm();
-        // The cone's side is steeper than 45 degrees: a step along it costs less than one across.
+    /// Returns whether all positions within `slop_km` of one lie inside.
+    pub fn holds(&self, position: &Vector3<f64>, slop_km: f64) -> bool {
+        let depth_km = position.dot(&self.away_from_sun);
+        let across_km = (position - self.away_from_sun * depth_km).norm();
+        // The cone's side is steeper than 45 degrees: a step along it matters less than one across.
         depth_km > slop_km && across_km + slop_km < self.radius_km - self.narrowing * (depth_km + slop_km)
     }
 }
@@ -244,7 +250,7 @@ mod tests {
 
     #[test]
     fn lines_are_near_while_they_are_within_the_width() {
-        // 1000 km away, past the axis at 20 km, 7 km/s: the cone is 17.5 km wide there, and 10 km are allowed for.
+        // 1000 km away, past the axis at 20 km, 7 km/s: the cone is 17.5 km wide there, with 10 km of margin.
         let beam = Beam::new(Vector3::z(), 1f64.to_radians());
         let (sight, velocity) = (Vector3::new(-70.0, 20.0, 1000.0), Vector3::new(7.0, 0.0, 0.0));
         let [from_s, to_s] = beam.near_s(&sight, &velocity, 30.0, 10.0).expect("near");
@@ -252,7 +258,7 @@ mod tests {
         let half_s = (width_km * width_km - 400.0).sqrt() / 7.0;
         assert!((from_s - (10.0 - half_s)).abs() < 1e-9 && (to_s - (10.0 + half_s)).abs() < 1e-9, "{from_s} {to_s}");
         assert_eq!(beam.near_s(&sight, &velocity, 30.0, 1.0), None);
-        // It is there only 10 s from now, and not behind the observer.
+        // The object is there only 10 s later, and not behind the observer.
         assert_eq!(beam.near_s(&sight, &velocity, 4.0, 10.0), None);
         assert_eq!(beam.near_s(&-sight, &velocity, 30.0, 10.0), None);
         let wide = Beam::new(Vector3::z(), 1.0);
@@ -267,7 +273,7 @@ mod tests {
         assert!(shadow.holds(&at(3000.0, 6100.0), 50.0));
         assert!(!shadow.holds(&at(3000.0, 6100.0), 200.0));
         assert!(!shadow.holds(&at(20_000.0, 6150.0), 0.0));
-        // In front of the Earth, or nearly.
+        // On the sunlit side of the Earth's centre, or nearly.
         assert!(!shadow.holds(&at(-3000.0, 100.0), 0.0));
         assert!(!shadow.holds(&at(40.0, 100.0), 50.0));
     }

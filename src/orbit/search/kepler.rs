@@ -21,13 +21,14 @@ pub(super) struct SlowElements {
     pub semi_major_axis_km: f64,
 }
 
-/// The plane's x axis: `reference` less its part along the normal, a unit vector where the reference lies in the plane.
+/// Returns the plane's x axis: `reference` less its part along the normal, a unit vector where the reference lies in
+/// the plane.
 pub(super) fn plane_axis(reference: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     reference - normal * reference.dot(normal)
 }
 
 impl SlowElements {
-    /// Elements of a state; `None` for an orbit that is not closed.
+    /// Computes the elements of a state; `None` for an orbit that is not closed.
     pub fn of(state: &State<Teme>, reference: &Vector3<f64>) -> Option<Self> {
         let (r, v) = (state.position.vector(), state.velocity.vector());
         let radius = r.norm();
@@ -54,17 +55,17 @@ impl SlowElements {
         Some(Self { normal, mean_longitude_rad, eccentricity: [k, h], semi_major_axis_km })
     }
 
-    /// Mean motion, rad/s.
+    /// Returns the mean motion, rad/s.
     pub fn mean_motion_rad_s(&self) -> f64 {
         (WGS72_MU_KM3_S2 / self.semi_major_axis_km.powi(3)).sqrt()
     }
 }
 
-/// Position and velocity in the orbit plane, km and km/s, from mean longitude, eccentricity vector and semi-major axis;
-/// good to 10⁻⁵ of the semi-major axis and better for small eccentricities.
+/// Returns position and velocity in the orbit plane, km and km/s, from mean longitude, eccentricity vector and
+/// semi-major axis; accurate to 10⁻⁵ of the semi-major axis, and better for small eccentricities.
 pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_axis_km: f64) -> ([f64; 2], [f64; 2]) {
-    // λ = F + h cos F - k sin F, by Newton. Sine and cosine of F follow small steps by rotation, which spares their
-    // evaluation.
+    // λ = F + h cos F - k sin F, by Newton's method. Sine and cosine of F are updated by rotation for small steps,
+    // which avoids their evaluation.
     let mut f = mean_longitude_rad;
     let (mut sin_f, mut cos_f) = sin_cos(f);
     for _ in 0..12 {
@@ -80,7 +81,7 @@ pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_
         } else {
             (sin_f, cos_f) = sin_cos(f);
         }
-        // Newton converges quadratically: what is left is below e/2 · 10⁻⁵.
+        // Newton's method converges quadratically: the remaining error is below e/2 · 10⁻⁵.
         if step.abs() < 3e-3 {
             break;
         }
@@ -97,10 +98,10 @@ pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_
     ([x, y], [u, v])
 }
 
-/// Sine and cosine to 4·10⁻⁷: the first terms that are left out are x⁹/9! and x¹⁰/10!, x being π/4 at most.
+/// Returns sine and cosine to 4·10⁻⁷: the first omitted terms are x⁹/9! and x¹⁰/10!, with x at most π/4.
 #[inline(always)]
 pub(super) fn sin_cos(angle_rad: f64) -> (f64, f64) {
-    /// 1.5 · 2⁵²: a number added to it is rounded to an integer, which stands in the lowest bits.
+    /// 1.5 · 2⁵²: adding a number to it rounds the number to an integer in the lowest bits.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     let shifted = angle_rad * FRAC_2_PI + ROUND;
     let quarters = shifted - ROUND;
@@ -127,20 +128,20 @@ pub(super) struct Phase {
     pub eccentricity_change: [f32; 2],
     pub semi_major_axis_km: f32,
     pub semi_major_axis_change_km: f32,
-    /// Largest error of the interpolated position, with the reach across the track, km.
+    /// Largest error of the interpolated position, with the search distance across the track, km.
     pub slop_km: f32,
-    /// Largest delay that is searched, seconds.
+    /// Largest delay searched, seconds.
     pub along_track_s: f32,
-    /// Largest difference of true and mean longitude.
+    /// Largest difference between true and mean longitude.
     pub swing_rad: f32,
-    /// True where drag or an extreme eccentricity makes the interpolated position too poor: SGP4 decides once the plane
-    /// fits.
+    /// True where drag or an extreme eccentricity makes the interpolated position too inaccurate: SGP4 is evaluated
+    /// whenever the plane passes.
     pub only_plane: bool,
 }
 
 impl Phase {
-    /// Interpolated position and velocity in TEME, km and km/s. The reference turns with the plane by a degree or two
-    /// and is not normalised again.
+    /// Returns the interpolated position and velocity in TEME, km and km/s. The reference turns with the plane by a
+    /// degree or two and is not normalised again.
     pub fn state(&self, normal: &Vector3<f64>, time_s: f64, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
         let [rx, ry, rz] = self.reference;
         let x_axis = plane_axis(&Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz)), normal);

@@ -1,14 +1,14 @@
-//! Plane test: which orbit planes of a chunk pass a cone between the distances at which the cone crosses their shell.
+//! Plane test: orbit planes of a chunk that pass a cone between the distances at which the cone crosses their shell.
 
 use nalgebra::Vector3;
 
 use super::window::{CHUNK, Chunk};
 use crate::math::vectors::NullaryFnOnce;
 
-/// A cone seen from the Earth's centre: the distances between which it crosses a shell.
+/// A cone seen from the Earth's centre, for the distances at which it crosses a shell.
 pub(super) struct ConeInShell {
     observer_km: f64,
-    /// Cosines of the largest and least angle between zenith and the cone's directions.
+    /// Cosines of the largest and smallest angle between zenith and the cone's directions.
     cos_far: f64,
     cos_near: f64,
 }
@@ -23,10 +23,11 @@ impl ConeInShell {
         }
     }
 
-    /// Least and greatest distance at which the cone meets radii between the two; `None` where it never does.
+    /// Returns the least and greatest distance at which the cone meets radii between the two; `None` where it never
+    /// does.
     ///
     /// An observer `moved_km` away sees a point at the same distance and in the same direction at a radius that differs
-    /// by no more than that: the shell is widened by it, which holds for observers inside the shell and above it too.
+    /// by at most that length: the shell is widened by it, for observers inside and above the shell.
     pub fn distances_km(&self, lowest_km: f64, highest_km: f64, moved_km: f64) -> Option<(f64, f64)> {
         let (lowest_km, highest_km) = (lowest_km - moved_km, highest_km + moved_km);
         // ρ = -O cos z ± √(r² - O² sin² z)
@@ -36,7 +37,7 @@ impl ConeInShell {
         };
         let outside = self.observer_km > highest_km;
         let far = if outside {
-            // From above, only directions that dip to the shell meet it, the steepest of them at the lowest radius.
+            // From above, only directions that descend to the shell meet it, the steepest of them at the lowest radius.
             if self.cos_far >= 0.0 {
                 return None;
             }
@@ -71,7 +72,7 @@ pub(super) struct Planes<'a> {
 impl NullaryFnOnce for Planes<'_> {
     type Output = [f32; CHUNK];
 
-    /// Distance of each plane from the cone, km; at most 0 where it passes it.
+    /// Returns the distance of each plane from the cone, km; at most 0 where the plane passes the cone.
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { chunk, fraction, observer: o, axis: d, ends: [near, far], limits: [near_limit, far_limit] } = self;
@@ -93,7 +94,7 @@ impl NullaryFnOnce for Planes<'_> {
     }
 }
 
-/// The lesser of two numbers in one machine instruction: `f32::min` needs three because of NaN.
+/// Returns the smaller of two numbers in one machine instruction: `f32::min` requires three because of NaN.
 #[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }

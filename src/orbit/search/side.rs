@@ -1,25 +1,25 @@
-//! Side test: on which side of the Earth a satellite is. Nine in ten whose plane fits are elsewhere, and need no
-//! Kepler's equation.
+//! Side test: on which side of the Earth a satellite is. It rejects nine in ten of the satellites that pass the plane
+//! test, without Kepler's equation.
 
 use nalgebra::Vector3;
 
 use super::kepler::Phase;
 use super::kepler::sin_cos;
 
-/// True and mean longitude differ by at most so many eccentricities, for eccentricities to 0.9: 2 e + 11/48 e³ + ...
-/// for small ones.
+/// Largest difference between true and mean longitude in units of the eccentricity, for eccentricities up to 0.9: 2 e +
+/// 11/48 e³ + ... for small ones.
 pub(super) const SWING_PER_ECCENTRICITY: f64 = 2.5;
 
 /// Error of the series for sine and cosine, and of single precision, radians.
 const ROUGHNESS_RAD: f64 = 3e-3;
 
-/// Largest shortening of an interpolated normal.
+/// Largest shortening of the interpolated normal.
 const SHORTNESS: f64 = 1e-4;
 
-/// Caps wider than this, with the satellite's motion, are the whole Earth, radians.
+/// Radius beyond which a cap, with the satellite's motion, counts as the whole Earth, radians.
 const EVERYWHERE_RAD: f64 = 3.0;
 
-/// Cap, seen from the Earth's centre, that holds all of a cone's part in a shell of orbits.
+/// Cap, seen from the Earth's centre, that contains a cone's part in a shell of orbits.
 #[derive(Copy, Clone)]
 pub(super) struct Cap {
     centre: Vector3<f64>,
@@ -28,8 +28,8 @@ pub(super) struct Cap {
 }
 
 impl Cap {
-    /// Cap of a cone about a unit vector, between two distances from the observer, in orbits no lower than `lowest_km`
-    /// from the Earth's centre; `None` where it may be the whole Earth.
+    /// Returns the cap of a cone about a unit vector, between two distances from the observer, in orbits no lower than
+    /// `lowest_km` from the Earth's centre; `None` where it may be the whole Earth.
     pub fn of(
         observer: &Vector3<f64>,
         axis: &Vector3<f64>,
@@ -41,17 +41,17 @@ impl Cap {
         along.or_else(|| Self::about(observer, distances_km[1], lowest_km))
     }
 
-    /// Cap of everything within `far_km` of the observer, for cones as wide as the sky.
+    /// Returns the cap of everything within `far_km` of the observer, for cones as wide as the sky.
     fn about(observer: &Vector3<f64>, far_km: f64, lowest_km: f64) -> Option<Self> {
         let height_km = observer.norm();
-        // cos ψ = (r² + R² - ρ²) / 2rR is least at the greatest ρ, and there at r = √(R² - ρ²) or the lowest above it.
+        // cos ψ = (r² + R² - ρ²) / 2rR is smallest at the greatest ρ, at r = √(R² - ρ²) or the lowest radius above it.
         let radius_km = lowest_km.max((height_km * height_km - far_km * far_km).max(0.0).sqrt());
         let cosine = (radius_km * radius_km + height_km * height_km - far_km * far_km) / (2.0 * radius_km * height_km);
         // NaN gives no cap.
         (cosine > -1.0).then(|| Self { centre: observer / height_km, radius_rad: cosine.min(1.0).acos(), lowest_km })
     }
 
-    /// Cap of a cone about a unit vector; `None` where it is too wide.
+    /// Returns the cap of a cone about a unit vector; `None` where it is too wide.
     fn along(
         observer: &Vector3<f64>,
         axis: &Vector3<f64>,
@@ -59,7 +59,7 @@ impl Cap {
         [near_km, far_km]: [f64; 2],
         lowest_km: f64,
     ) -> Option<Self> {
-        // Farthest from the axis, and by as much nearer than the axis' own points.
+        // Largest width of the cone across its axis.
         let width_km = 2.0 * far_km * radius_rad.tan();
         if !(radius_rad < 0.5 && width_km < 0.5 * lowest_km) {
             return None;
@@ -68,7 +68,7 @@ impl Cap {
         let [first, last] = [near_km, far_km].map(|distance_km| (observer + axis * distance_km).normalize());
         let middle = first + last;
         let length = middle.norm();
-        // What the cone's points lie from the axis, and that from the Earth's centre.
+        // Largest angle, seen from the Earth's centre, between a point of the cone and the axis.
         let apart_rad = (width_km / (lowest_km - width_km)).min(1.0).asin();
         (length > 1.0).then(|| Self {
             centre: middle / length,
@@ -77,8 +77,8 @@ impl Cap {
         })
     }
 
-    /// Whether a satellite may be over the cap within `half_s` of a time of the window, with a position error of
-    /// `slop_km`.
+    /// Returns whether a satellite may be over the cap within `half_s` of a time of the window, with a position error
+    /// of `slop_km`.
     #[inline]
     pub fn may_hold(&self, phase: &Phase, normal: &Vector3<f64>, time_s: f64, half_s: f64, slop_km: f64) -> bool {
         let within_rad = self.radius_rad
@@ -86,20 +86,20 @@ impl Cap {
             + phase.mean_longitude_rate_rad_s.abs() * half_s
             + 1.1 * slop_km / self.lowest_km
             + ROUGHNESS_RAD;
-        // The whole Earth, or so far off that the inverse sine is no longer a tenth above its argument at most.
+        // The cap is the whole Earth, or the error is too large for the small-angle bound below.
         if within_rad > EVERYWHERE_RAD || slop_km > 0.3 * self.lowest_km {
             return true;
         }
-        // x = r - (r·n) n and y = n × r, as in the plane of Kepler's position; cos λ x·c + sin λ y·c is the cosine of
-        // the angle to the cap's middle.
+        // x = r - (r·n) n and y = n × r, as in the plane of Kepler's position. With the mean longitude λ and the cap's
+        // centre c, cos λ x·c + sin λ y·c is the cosine of the satellite's angle from the centre.
         let [rx, ry, rz] = phase.reference;
         let reference = Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz));
         let off_plane = reference.dot(normal);
         let x = reference.dot(&self.centre) - off_plane * normal.dot(&self.centre);
         let y = normal.cross(&reference).dot(&self.centre);
         let (sin, cos) = sin_cos(phase.mean_longitude_rad + phase.mean_longitude_rate_rad_s * time_s);
-        // The reference turns out of the plane by a degree or two: both axes are √(1 - (r·n)²) long, and with them the
-        // cosine.
+        // The reference turns out of the plane by a degree or two: both axes, and with them the cosine, are scaled by
+        // √(1 - (r·n)²).
         let cosine = sin_cos(within_rad).1 - off_plane * off_plane - SHORTNESS;
         let along = cos * x + sin * y;
         // NaN passes.
@@ -129,9 +129,9 @@ mod tests {
     }
 
     proptest! {
-        /// No place within a cone and a shell lies outside of their cap.
+        /// No position within a cone and a shell lies outside their cap.
         #[test]
-        fn verif_caps_hold_what_cones_hold(
+        fn verif_caps_contain_their_cones(
             zenith_rad in 0.0..1.6_f64,
             radius_rad in 0.001..1.5_f64,
             (first, second) in (0.0..1.0_f64, 0.0..1.0_f64),
@@ -142,11 +142,11 @@ mod tests {
             let (near_km, far_km) = (400.0 + 3000.0 * first.min(second), 400.0 + 3000.0 * first.max(second));
             let off_rad = off * radius_rad;
             let across = Vector3::y() * around.cos() + axis.cross(&Vector3::y()) * around.sin();
-            let place = observer
+            let position = observer
                 + (axis * off_rad.cos() + across * off_rad.sin()) * (near_km + depth * (far_km - near_km));
-            let lowest_km = place.norm().min(6800.0);
+            let lowest_km = position.norm().min(6800.0);
             if let Some(cap) = Cap::of(&observer, &axis, radius_rad, [near_km, far_km], lowest_km) {
-                let angle_rad = cap.centre.cross(&place).norm().atan2(cap.centre.dot(&place));
+                let angle_rad = cap.centre.cross(&position).norm().atan2(cap.centre.dot(&position));
                 prop_assert!(angle_rad <= cap.radius_rad, "{angle_rad} {}", cap.radius_rad);
             }
         }

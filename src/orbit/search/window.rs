@@ -1,20 +1,21 @@
 //! Orbit planes and phases of a whole catalogue over a few hours, for the search of satellites inside a cone.
 //!
 //! A satellite in the field of view lies on a line of sight at its own distance from the Earth's centre, so its orbit
-//! plane must pass there, and it must be there now. All tests run on numbers that change slowly (the plane's normal,
-//! the mean longitude, the eccentricity vector), taken from SGP4 at the two ends of the window and interpolated in
-//! between:
+//! plane must pass that point, and the satellite must be there at that time. All tests use quantities that change
+//! slowly (normal of the plane, mean longitude, eccentricity vector), taken from SGP4 at both ends of the window and
+//! interpolated in between:
 //!
-//! 1. **Plane.** Points of the cone at distance ρ lie within `|n·O + ρ n·d|` of the orbit plane, give or take the
-//!    cone's width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. Linear in ρ, so the ends decide.
-//!    Satellites are sorted by shell and handled in chunks that share ρ₁ and ρ₂: one or two in a hundred survive.
+//! 1. **Plane.** Points of the cone at distance ρ lie within `|n·O + ρ n·d|` of the orbit plane, plus or minus the
+//!    cone's width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. The expression is linear in ρ, so
+//!    the ends suffice. Satellites are sorted by shell and processed in chunks that share ρ₁ and ρ₂: one or two in a
+//!    hundred pass.
 //! 2. **Side.** Nine in ten of these are on another side of the Earth by their mean longitudes.
-//! 3. **Phase.** For the rest the interpolated elements give a position good to some 20 km and a velocity, and with
-//!    them the closest approach to the line of sight while the shutter is open: one or two in ten thousand survive.
-//!    Satellites low enough for strong drag, and extreme eccentricities, skip this test.
+//! 3. **Phase.** For the rest the interpolated elements give a position accurate to some 20 km and a velocity, and from
+//!    them the closest approach to the line of sight during the exposure: one or two in ten thousand pass. Satellites
+//!    low enough for strong drag, and extreme eccentricities, skip this test.
 //!
-//! Only survivors need SGP4. Every margin is on the safe side: `tests/library/crossings.rs` compares the result with
-//! brute force, and `verif_model_error_is_within_its_margin` the margins with SGP4.
+//! Only the remaining satellites need SGP4. Every margin is on the safe side: `tests/library/crossings.rs` compares the
+//! result with brute force, and `verif_model_error_is_within_its_margin` the margins with SGP4.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -27,39 +28,39 @@ use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Teme, seconds_between};
 use crate::orbit::propagator::{LeftOut, SatelliteIndex};
 
-/// Longest interval that one window may cover, seconds. Over six hours a node moves by at most 2.5° and drag bends the
-/// mean longitude of anything above 250 km by less than the margin.
+/// Longest interval of one window, seconds. Over six hours a node moves by at most 2.5°, and drag changes the mean
+/// longitude of anything above 250 km by less than the margin.
 pub const MAX_WINDOW_S: f64 = 6.0 * 3600.0;
 
-/// How far SGP4's plane (short-period terms at both nodes, 2 · 3/2 · J₂/2p² · sin I cos I, and the curvature of its
-/// precession) may lie from the interpolated one, radians.
+/// Largest angle between SGP4's plane and the interpolated one, radians: short-period terms at both nodes, 2 · 3/2 ·
+/// J₂/2p² · sin I cos I, and the curvature of the precession.
 const PLANE_SLOP_RAD: f64 = 1.2e-3;
 
-/// How far SGP4's radius may lie outside the perigee and apogee of the osculating orbits at the nodes, km: four times
-/// the short-period amplitude of a low orbit.
+/// Largest distance of SGP4's radius outside the perigee and apogee of the osculating orbits at the nodes, km: four
+/// times the short-period amplitude of a low orbit.
 const RADIUS_SLOP_KM: f64 = 35.0;
 
-/// How far SGP4's position may lie from the interpolated one, as a share of the semi-major axis for an orbit of one
-/// Earth radius; the J₂ terms that cause it fall with the square of the semi-major axis.
+/// Largest distance between SGP4's position and the interpolated one, as a fraction of the semi-major axis for an orbit
+/// of one Earth radius; the J₂ terms that cause it fall with the square of the semi-major axis.
 const POSITION_SLOP: f64 = 8.0e-3;
 
 /// The same for effects that do not fall with height (lunar and solar terms, resonances), km.
 const POSITION_SLOP_FLOOR_KM: f64 = 6.0;
 
-/// Below this perigee distance drag bends the orbit within a window: only the plane of such satellites is trusted.
+/// Perigee distance below which drag changes the orbit within a window, km: only the plane of such satellites is used.
 const DRAGGED_PERIGEE_KM: f64 = DECAYED_RADIUS_KM + 230.0;
 
-/// Above this eccentricity the interpolated position is no longer good enough near perigee: only the plane is trusted.
+/// Eccentricity above which the interpolated position is too inaccurate near perigee: only the plane is used.
 const TOO_ECCENTRIC: f64 = 0.9;
 
 /// Short-period terms in the difference of two osculating mean longitudes, and in a rate from two osculating axes.
 const LONGITUDE_NOISE_RAD: f64 = 0.02;
 const RATE_NOISE: f64 = 0.01;
 
-/// Satellites that share one shell in the plane test; a multiple of the widest vector of f32.
+/// Number of satellites that share one shell in the plane test; a multiple of the widest vector of f32.
 pub(super) const CHUNK: usize = 64;
 
-/// How far from its predicted position a satellite is still searched; zero for nominal crossings alone.
+/// Distance from the predicted position within which a satellite is searched; zero for nominal crossings only.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Reach {
     /// Along the track, seconds.
@@ -89,7 +90,7 @@ pub(super) struct Chunk {
     pub phases: Vec<Phase>,
 }
 
-/// A catalogue's planes and phases from `start` on, for at most [`MAX_WINDOW_S`].
+/// Planes and phases of a catalogue from `start` on, for at most [`MAX_WINDOW_S`].
 #[derive(Clone, Debug)]
 pub struct Window {
     start: Epoch,
@@ -102,7 +103,7 @@ pub struct Window {
     left_out: Vec<LeftOut>,
 }
 
-/// How one satellite is searched.
+/// Treatment of one satellite in the search.
 enum Kind {
     Regular(Box<Entry>),
     Always,
@@ -111,10 +112,10 @@ enum Kind {
 }
 
 impl Window {
-    /// Propagates every satellite to both ends of the window, on all threads (about 1 µs a satellite and core).
+    /// Propagates every satellite to both ends of the window, on all threads (about 1 µs per satellite and core).
     ///
-    /// `reach` gives for each element index how far from its prediction a satellite is searched. The margins hold for
-    /// windows of at most [`MAX_WINDOW_S`]; callers split longer intervals.
+    /// `reach` returns for each element index the distance from its prediction within which a satellite is searched.
+    /// The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers split longer intervals.
     pub fn new(index: &SatelliteIndex, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Self {
         let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<(f64, Kind)> = index
@@ -129,7 +130,8 @@ impl Window {
                 let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
                         .map_or(Kind::Always, |entry| Kind::Regular(Box::new(entry))),
-                    // No position at both ends: none in between. No position at one end: SGP4 decides at each time.
+                    // Without a position at both ends the satellite is left out; without one at one end, SGP4 is
+                    // evaluated at each time.
                     (Err(error), Err(_)) => Kind::LeftOut(error),
                     _ => Kind::Always,
                 };
@@ -158,7 +160,7 @@ impl Window {
                 Kind::Absent => {}
             }
         }
-        // Thin shells first, by height; thick ones (eccentric orbits) after them, by perigee, so that no chunk mixes
+        // Thin shells first, by height; thick ones (eccentric orbits) after them, by perigee, so that no chunk contains
         // both.
         let key = |entry: &Entry| ((entry.highest_km - entry.lowest_km > 200.0), entry.lowest_km);
         entries.sort_unstable_by(|a, b| {
@@ -169,29 +171,29 @@ impl Window {
         window
     }
 
-    /// Start of the window.
+    /// Returns the start of the window.
     pub fn start(&self) -> Epoch {
         self.start
     }
 
-    /// Length, seconds.
+    /// Returns the length, seconds.
     pub fn span_s(&self) -> f64 {
         self.span_s
     }
 
-    /// Minutes from a satellite's element epoch to the window's start.
+    /// Returns the minutes from a satellite's element epoch to the start of the window.
     pub fn minutes_at_start(&self, element_index: usize) -> f64 {
         self.minutes[element_index]
     }
 
-    /// Satellites without a position anywhere in the window.
+    /// Returns the satellites without a position anywhere in the window.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
 }
 
-/// Slow elements of one satellite from its states at both ends; `None` where they do not describe it: SGP4 is then
-/// always used.
+/// Computes the slow elements of one satellite from its states at both ends; `None` where they do not describe it, and
+/// SGP4 is always used.
 fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: f64, reach: Reach) -> Option<Entry> {
     let reference = first.position.vector().normalize();
     let (begin, end) = (SlowElements::of(first, &reference)?, SlowElements::of(last, &reference)?);
@@ -204,11 +206,11 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
     if dragged {
         lowest_km = DECAYED_RADIUS_KM;
     }
-    // Whole revolutions in between from the mean of both mean motions: osculating noise is 2e-3, a twentieth of a turn.
+    // The mean of both mean motions gives the whole revolutions: osculating noise is 2e-3, a twentieth of a turn.
     let expected = begin.mean_longitude_rad + 0.5 * (begin.mean_motion_rad_s() + end.mean_motion_rad_s()) * span_s;
     let turns = ((expected - end.mean_longitude_rad) / std::f64::consts::TAU).round();
     let change = end.mean_longitude_rad + turns * std::f64::consts::TAU - begin.mean_longitude_rad;
-    // Where drag terms diverge, velocity no longer is the rate of position, and nothing here holds.
+    // Where drag terms diverge, the velocity is not the derivative of the position, and the test is invalid.
     let drift = (change - (expected - begin.mean_longitude_rad)).abs();
     if drift > LONGITUDE_NOISE_RAD + RATE_NOISE * (expected - begin.mean_longitude_rad).abs() {
         return None;
@@ -236,7 +238,7 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
         },
         normal: begin.normal,
         normal_change: end.normal - begin.normal,
-        // An error across the track may point up or down.
+        // The error across the track may be radial, up or down.
         lowest_km: lowest_km - reach.cross_track_km,
         highest_km: highest_km + reach.cross_track_km,
         cross_track_km: reach.cross_track_km,
@@ -266,7 +268,7 @@ fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk
 }
 
 impl Chunk {
-    /// The interpolated normal. A chord of the arc it runs over, it is short by 1e-4 at most: 0.7 km, part of the
+    /// Returns the interpolated normal. It is the chord of an arc, too short by 1e-4 at most: 0.7 km, part of the
     /// margin.
     pub fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
         let component =
@@ -282,6 +284,7 @@ mod tests {
     use crate::constants::WGS72_MU_KM3_S2;
     use crate::elements::{ElementSet, NoradId, Origin};
     use crate::frames::seconds_after;
+    use crate::orbit::DragModel;
 
     fn element_set(norad_id: u32, altitude_km: f64, eccentricity: f64, inclination_deg: f64) -> ElementSet {
         let a = 6378.137 + altitude_km;
@@ -325,11 +328,11 @@ mod tests {
         orbits
     }
 
-    /// The three margins of the cull hold against SGP4 over a whole window, with a third of each to spare.
+    /// The three margins of the search hold against SGP4 over a whole window, with a third of each to spare.
     #[test]
     fn verif_model_error_is_within_its_margin() {
         let elements = orbits();
-        let index = SatelliteIndex::new(&elements);
+        let index = SatelliteIndex::new(&elements, DragModel::Published);
         let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);
         let window = Window::new(&index, start, seconds_after(start, MAX_WINDOW_S), &|_| Reach::default());
         let mut checked = 0;
@@ -345,15 +348,15 @@ mod tests {
                         .teme_state(window.minutes_at_start(element_index) + time_s / 60.0)
                         .expect("in orbit");
                     let normal = chunk.normal_at(lane, fraction);
-                    let (place, _) = phase.state(&normal, time_s, fraction);
+                    let (interpolated, _) = phase.state(&normal, time_s, fraction);
                     let position = truth.position.vector();
                     let radius_km = position.norm();
                     let ratios = [
                         normal.dot(position).abs() / (PLANE_SLOP_RAD * radius_km),
-                        (place - position).norm() / f64::from(phase.slop_km),
+                        (interpolated - position).norm() / f64::from(phase.slop_km),
                         (radius_km - highest(phase)).max(lowest(phase) - radius_km) / RADIUS_SLOP_KM,
                     ];
-                    // A line of sight straight up to it, and nothing but its own margin to be found by.
+                    // A line of sight straight up to the satellite, with no margin but its own.
                     let up = position.normalize();
                     let height_km = radius_km - DECAYED_RADIUS_KM;
                     let cap =
@@ -365,7 +368,7 @@ mod tests {
                     }
                     assert!(
                         ratios.iter().all(|ratio| *ratio < 0.67),
-                        "{:?} at {time_s} s: share of the margins for plane, place, radius {ratios:?}",
+                        "{:?} at {time_s} s: fraction of the margins for plane, position, radius {ratios:?}",
                         elements[element_index]
                     );
                     checked += 1;

@@ -1,4 +1,4 @@
-//! Crossings alone: which lit satellites are in a field and when, without magnitude or probability. A tenth of the work
+//! Crossings only: lit satellites in a field with their times, without magnitude or probability, in a tenth of the time
 //! of a pass.
 
 use nalgebra::Vector3;
@@ -16,16 +16,16 @@ use crate::constants::WGS72_MU_KM3_S2;
 use crate::frames::Gcrs;
 use crate::orbit::{Beam, LeftOut, OrbitError, State};
 
-/// Longest interval covered by one SGP4 position, seconds: the path leaves its tangent by 4 km.
+/// Longest interval covered by one SGP4 position, seconds: the path deviates from its tangent by 4 km.
 const LONGEST_STEP_S: f64 = 60.0;
-/// Largest disagreement of SGP4's velocity and its positions in that time, km: the tolerance of
+/// Largest difference between SGP4's velocity and its positions in that time, km: the tolerance of
 /// [`Propagator::check_step`](crate::orbit::Propagator::check_step) in half of it.
 const VELOCITY_SLOP_KM: f64 = 3.0;
 
-/// One lit satellite in one exposure.
+/// Crossing of one lit satellite in one exposure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldCrossing {
-    /// Position of its element set in the sky's catalogue.
+    /// Index of its element set in the sky's catalogue.
     pub element_index: usize,
     /// Parts of the track inside the field, seconds after the exposure's start, in time order.
     pub chords: Vec<Chord>,
@@ -34,21 +34,21 @@ pub struct FieldCrossing {
 /// Crossings by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldCrossings {
-    /// For each exposure, in its place, the crossings in order of entry.
+    /// For each exposure, in the order given, the crossings in order of entry.
     pub by_exposure: Vec<Vec<FieldCrossing>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed
-    /// while the field is below the ground.
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. While the field
+    /// is below the ground no position is computed.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
-    /// Every lit satellite that crosses the field in each exposure: the same ones as the passes of
-    /// [`Sky::field_passes`] with default options, at the same times to 10 µs. A satellite whose orbit fails far from
-    /// the field is not reported, and one that stays for hours or comes twice within minutes is lit if it is at any of
-    /// the times that it crosses, not in between.
+    /// Finds all lit satellites that cross the field in each exposure: the same ones as the passes of
+    /// [`Sky::field_passes`] with default options, at the same times to 10 µs. A satellite with an orbit that fails far
+    /// from the field is not reported. A satellite that stays for hours, or returns within minutes, counts as lit if it
+    /// is lit at any time of its crossings, not in between.
     ///
     /// # Errors
-    /// As [`Sky::field_passes`].
+    /// The errors of [`Sky::field_passes`].
     pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<FieldCrossings, SkyError> {
         let (by_exposure, left_out) = self.by_exposure(exposures, SearchScope::Nominal, |scene, exposure, seen| {
             let exposed = ExposedField::new(self, scene, exposure, field)?;
@@ -62,7 +62,7 @@ impl Sky {
 }
 
 impl ExposedField<'_> {
-    /// The crossing of one satellite; `None` where it does not cross, or is dark.
+    /// Returns the crossing of one satellite; `None` if it does not cross, or is dark.
     fn crossing(&self, interval: &CandidateInterval) -> Result<Option<FieldCrossing>, OrbitError> {
         let &CandidateInterval { element_index, start_s, end_s, near_s, .. } = interval;
         let Some(satellite) = self.satellite(element_index, 0.5 * (start_s + end_s)) else { return Ok(None) };
@@ -85,11 +85,11 @@ impl ExposedField<'_> {
     }
 }
 
-/// Intervals in which a satellite may be in a field, within one that its interpolated elements leave open: one SGP4
-/// position a minute.
+/// Returns the intervals in which a satellite may be in a field, within the interval found from its interpolated
+/// elements, by one SGP4 position a minute.
 ///
 /// # Errors
-/// [`OrbitError`] where one of the positions is missing, or velocities are not the rate of positions.
+/// [`OrbitError`] if one of the positions cannot be computed, or velocities are inconsistent with positions.
 fn intervals_near(
     [from_s, to_s]: [f64; 2],
     satellite: &NearSatellite<'_>,
@@ -118,11 +118,11 @@ fn intervals_near(
     Ok(near)
 }
 
-/// Whether a satellite with this state at a time may be in a field within `half_s` of it: along a straight line, with
-/// the largest deviation of the true path.
+/// Returns true if a satellite with this state at a time may be in a field within `half_s` of it: along a straight
+/// line, with the largest deviation of the true path.
 fn passes_by(state: &State<Gcrs>, observer: &ObserverMotion, time_s: f64, half_s: f64, field: &FieldOnSky) -> bool {
     let (there, here) = (*state.position.vector(), *observer.position(time_s).vector());
-    // Both fall by ½ g t² at most.
+    // Both fall by at most ½ g t².
     let fall_km = |position: &Vector3<f64>| 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
     let slop_km = fall_km(&there) + fall_km(&here) + VELOCITY_SLOP_KM;
     let velocity = state.velocity.vector() - observer.velocity(time_s);

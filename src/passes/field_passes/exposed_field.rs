@@ -14,7 +14,7 @@ use crate::frames::{Orientation, seconds_after, seconds_between};
 use crate::orbit::{Candidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
 use crate::photometry::PhotometryOptions;
 
-/// A field on the sky during an exposure. Times are seconds of the scene.
+/// Field on the sky during an exposure. Times are seconds of the scene.
 pub(super) struct ExposedField<'a> {
     pub sky: &'a Sky,
     pub scene: &'a Scene,
@@ -26,10 +26,10 @@ pub(super) struct ExposedField<'a> {
     pub closed_s: f64,
 }
 
-/// One satellite near one time.
+/// Satellite near one time.
 pub(super) struct NearSatellite<'a> {
     pub propagator: &'a Propagator,
-    /// From the element epoch to the scene's start.
+    /// Time from the element epoch to the scene's start.
     pub minutes: f64,
     pub orientation: Orientation,
     pub observer: ObserverMotion,
@@ -37,7 +37,7 @@ pub(super) struct NearSatellite<'a> {
 }
 
 impl NearSatellite<'_> {
-    /// Its arc between two times.
+    /// Returns the arc of the satellite between two times.
     pub fn arc(&self, from_s: f64, to_s: f64) -> Result<OrbitArc, OrbitError> {
         OrbitArc::new(self.propagator, self.minutes, from_s, to_s - from_s, &self.orientation.teme_to_gcrs)
     }
@@ -57,7 +57,7 @@ impl<'a> ExposedField<'a> {
         })
     }
 
-    /// Evaluates every candidate; the results, and the satellites without a position. `seen` is a buffer.
+    /// Evaluates all candidates; returns the results, and the satellites without a position. `seen` is a buffer.
     pub fn evaluate<T>(
         &self,
         include_dark: bool,
@@ -76,7 +76,7 @@ impl<'a> ExposedField<'a> {
         (found, left_out)
     }
 
-    /// A satellite near a time; `None` without a propagator.
+    /// Returns a satellite near a time; `None` without a propagator.
     pub fn satellite(&self, element_index: usize, mid_s: f64) -> Option<NearSatellite<'a>> {
         let propagator = self.sky.index().propagator(element_index)?;
         let orientation = self.scene.orientation.at_s(mid_s);
@@ -89,7 +89,7 @@ impl<'a> ExposedField<'a> {
         })
     }
 
-    /// Evaluator of a satellite along its line of sight.
+    /// Returns the evaluator of a satellite along its line of sight.
     pub fn evaluator<'l>(
         &'l self,
         line: &'l SightLine<'l>,

@@ -1,4 +1,5 @@
-//! Satellites that cross a field during exposures: passes with their light, crossings alone, probabilities, and counts.
+//! Satellites that cross a field during exposures: passes with their brightness, crossings only, probabilities, and
+//! counts.
 //!
 //! `query` runs a query over exposures with the `options`; `exposed_field` is one exposure with its candidates; `pass`,
 //! `crossings` and `probabilities` evaluate one candidate each; `streak_counts` counts passes.

@@ -2,12 +2,12 @@
 
 use super::super::candidates::CandidateInterval;
 use super::super::crossing::cross;
-use super::super::probability::{Delays, Lateness, REACH_SIGMAS, crossing_odds, crossing_probability_in_flight};
+use super::super::probability::{Delays, REACH_SIGMAS, crossing_odds, crossing_probability_in_flight};
 use super::super::track::{Chord, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::frames::seconds_after;
-use crate::orbit::{OrbitError, OrbitUncertainty};
+use crate::orbit::{Lateness, OrbitError, OrbitUncertainty};
 
 impl ExposedField<'_> {
     /// The pass of one satellite; `None` where it does not cross, or the options exclude it.
@@ -37,7 +37,7 @@ impl ExposedField<'_> {
         let points = [enter_s, middle_s, exit_s].map(|time_s| evaluator.point(time_s));
         let [Some(enter), Some(mid), Some(exit)] = points else { return Ok(None) };
         let cross_track_sigma_rad = sigma.cross_track_km / mid.range_km;
-        let lateness = Lateness::gaussian(sigma.along_track_s);
+        let lateness = sigma.lateness;
         if crossing.chords.is_empty() && is_in_flight && !self.may_cross(&line, interval, &lateness, &sigma) {
             return Ok(None);
         }

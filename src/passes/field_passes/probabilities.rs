@@ -23,7 +23,7 @@ use super::super::error::SkyError;
 use super::super::evaluator::LOWEST_ALTITUDE_RAD;
 use super::super::exposure::Exposure;
 use super::super::field::Field;
-use super::super::probability::{Delays, Lateness, REACH_SIGMAS, crossing_odds};
+use super::super::probability::{Delays, REACH_SIGMAS, crossing_odds};
 use super::super::scene::SearchScope;
 use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, Pass, SightLine};
@@ -37,8 +37,8 @@ use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
 const PIECE_S: f64 = 10.0;
 /// Pieces are searched together over this time, seconds.
 const SEARCHED_S: f64 = 60.0;
-/// Below this error along the track the exposure is not cut into pieces, seconds.
-const ON_TIME_S: f64 = 3.0;
+/// Where all delays that are searched are shorter, the exposure is not cut into pieces, seconds.
+const ON_TIME_S: f64 = 10.5;
 /// Steps along a path in the search for light.
 const LIGHT_STEPS: u32 = 24;
 /// Least probability of the near misses that are summed for a telescope in orbit.
@@ -137,7 +137,7 @@ impl Sky {
                     probability: pass.probability,
                     streak_length_rad: pass.probability * length_rad(pass, exposure),
                     range_km: pass.mid.range_km,
-                    is_lower_limit: Lateness::gaussian(pass.along_track_sigma_s).is_cut(),
+                    is_lower_limit: self.uncertainty(pass.element_index, pass.element_age_days).lateness.is_cut(),
                 })
                 .collect();
             found.sort_by_key(|one| one.element_index);
@@ -188,7 +188,7 @@ impl ExposedField<'_> {
                 let mid_s = parts[candidate.cone as usize].mid_s();
                 candidate.near_s.map(|time_s| mid_s + f64::from(time_s))
             };
-            if sigma.along_track_s < ON_TIME_S {
+            if sigma.lateness.reach_s() < ON_TIME_S {
                 let all_s =
                     candidates.iter().map(near_s).reduce(|one, next| [one[0].min(next[0]), one[1].max(next[1])]);
                 return self.probability_in(std::slice::from_ref(&whole), observer, element_index, all_s?, sigma);
@@ -225,7 +225,7 @@ impl ExposedField<'_> {
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let teme_to_gcrs = &pieces[pieces.len() / 2].orientation.teme_to_gcrs;
         let arc = OrbitArc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs).ok()?;
-        let is_late = sigma.along_track_s >= ON_TIME_S;
+        let is_late = sigma.lateness.reach_s() >= ON_TIME_S;
         let of = |piece: &Piece| {
             let still =
                 if is_late { piece.site.still_outside(piece.mid_s(), piece.mid_s()) } else { piece.site.clone() };
@@ -248,12 +248,12 @@ impl ExposedField<'_> {
             let carried = if is_late {
                 let sight = aspect.direction.vector();
                 let across = state.velocity.vector() - sight * state.velocity.vector().dot(sight);
-                line.observer.velocity(piece.mid_s()).dot(&across) / across.norm_squared()
+                line.observer.velocity(piece.mid_s()).dot(&across) / across.norm_squared().max(1e-12)
             } else {
                 0.0
             };
             let half_s = 0.5 * (piece.end_s - piece.start_s) * (1.0 - carried).abs();
-            let lateness = Lateness::gaussian(sigma.along_track_s);
+            let lateness = sigma.lateness;
             let delays = Delays {
                 start_s: piece.mid_s() - half_s,
                 end_s: piece.mid_s() + half_s,

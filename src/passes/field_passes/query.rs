@@ -1,4 +1,4 @@
-//! Run of a field query over many exposures, and its results.
+//! Field query over many exposures, and its results.
 
 use rayon::prelude::*;
 
@@ -16,23 +16,23 @@ use crate::orbit::{Candidate, LeftOut};
 /// Passes by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Passes {
-    /// For each exposure, in its place, the passes in order of entry.
+    /// For each exposure, in the order given, the passes in order of entry.
     pub by_exposure: Vec<Vec<Pass>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed
-    /// while the field is below the ground.
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. While the field
+    /// is below the ground no position is computed.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
-    /// Every satellite that crosses the field in each exposure, on all threads of the current pool.
+    /// Finds all satellites that cross the field in each exposure, on all threads of the current pool.
     ///
-    /// Exposures may come in any order and last from nothing to days; those of one night share their preparation. The
-    /// result does not depend on the number of threads. A satellite that comes back after leaving (an exposure of
-    /// hours) is a pass of its own each time.
+    /// Exposures may be in any order and last from zero to days; those of one night share their preparation. The result
+    /// does not depend on the number of threads. A satellite that returns to the field (in an exposure of hours) has a
+    /// separate pass each time.
     ///
     /// # Errors
-    /// [`SkyError`] where an exposure has no finite direction or length, or lies outside the years of the Sun's
-    /// ephemeris; where the telescope is in orbit and its own elements give no position.
+    /// [`SkyError`] if an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris,
+    /// or if the elements of a telescope in orbit give no position.
     pub fn field_passes(
         &self,
         exposures: &[Exposure],
@@ -50,12 +50,12 @@ impl Sky {
         Ok(Passes { by_exposure, left_out })
     }
 
-    /// As [`Sky::field_passes`], without the search: SGP4 is evaluated for every satellite over all of the time. The
-    /// reference of the search; thousands of times slower. Near misses of fields below the ground are included here
-    /// alone.
+    /// Computes the passes of [`Sky::field_passes`] without the search: SGP4 is evaluated for every satellite over the
+    /// whole time. This is the reference for the search, thousands of times slower. Only here near misses of fields
+    /// below the ground are included.
     ///
     /// # Errors
-    /// As [`Sky::field_passes`].
+    /// The errors of [`Sky::field_passes`].
     pub fn field_passes_by_brute_force(
         &self,
         exposures: &[Exposure],
@@ -81,8 +81,8 @@ impl Sky {
             .collect()
     }
 
-    /// Evaluates each exposure with the scene of its group, on all threads: the results by exposure, and the satellites
-    /// without a position.
+    /// Evaluates each exposure with the scene of its group, on all threads. Returns the results by exposure, and the
+    /// satellites without a position.
     pub(super) fn by_exposure<T: Send>(
         &self,
         exposures: &[Exposure],

@@ -1,4 +1,4 @@
-//! Number of streaks in exposures at given horizontal directions of a site, at several times.
+//! Numbers of streaks in exposures at given horizontal directions of a site, at several times.
 
 use hifitime::Epoch;
 
@@ -13,38 +13,38 @@ use crate::frames::{Direction, Horizontal, seconds_after};
 use crate::orbit::LeftOut;
 use crate::photometry::PhotometryOptions;
 
-/// Exposures of one length through one field, to be counted.
+/// Exposures of one length through one field in which streaks are counted.
 #[derive(Clone, Debug)]
 pub struct CountRequest<'a> {
-    /// Azimuths and altitudes of the field's centre as the shutter opens; it then follows the stars.
+    /// Azimuths and altitudes of the field's centre at shutter opening; it then tracks the stars.
     pub directions: &'a [Direction<Horizontal>],
     /// Shutter openings.
     pub moments: &'a [Epoch],
     /// Length of an exposure, seconds.
     pub duration_s: f64,
-    /// The field, its y axis to the north.
+    /// Field, with its y axis to the north.
     pub field: &'a Field,
     /// Band and system of the magnitudes.
     pub photometry: PhotometryOptions,
-    /// Streaks that reach this magnitude are also counted separately.
+    /// Magnitude limit of streaks that are also counted separately.
     pub limit_mag: Option<f64>,
 }
 
-/// Streaks of one exposure.
+/// Numbers of streaks in one exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct StreakCount {
-    /// Lit satellites whose nominal tracks cross.
+    /// Number of lit satellites with nominal tracks that cross.
     pub streaks: usize,
-    /// Number of them that are brighter than the limit; 0 without one.
+    /// Number of these that are brighter than the limit; 0 without a limit.
     pub bright: usize,
 }
 
-/// Counts, and the positions of the Sun.
+/// Counts with the positions of the Sun.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counts {
-    /// By moment, then by direction.
+    /// Counts by time, then by direction.
     pub by_moment: Vec<Vec<StreakCount>>,
-    /// The Sun's centre in the middle of the exposures of each time, without refraction.
+    /// Sun's centre at the middle of the exposures of each time, without refraction.
     pub sun: Vec<AltAz>,
     /// Satellites without a position for at least one of the exposures.
     pub left_out: Vec<LeftOut>,
@@ -54,7 +54,7 @@ impl Sky {
     /// Counts the streaks of an exposure at every time in every direction.
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit; otherwise as [`Sky::field_passes`].
+    /// [`SkyError::NoHorizon`] for an observer in orbit; otherwise the errors of [`Sky::field_passes`].
     pub fn streak_counts(&self, request: &CountRequest<'_>) -> Result<Counts, SkyError> {
         let mut counts = Counts::default();
         let options = PassOptions { photometry: request.photometry, ..PassOptions::default() };
@@ -72,7 +72,7 @@ impl Sky {
             let middle = seconds_after(start, request.duration_s / 2.0);
             counts.sun.push(self.sun_altaz(middle)?);
         }
-        // All in one query, so that exposures near in time share their preparation.
+        // All exposures in one query, so that those near in time share their preparation.
         let passes = self.field_passes(&exposures, request.field, &options)?;
         let peak = |pass: &Pass| {
             pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)

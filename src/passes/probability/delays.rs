@@ -4,7 +4,7 @@
 //! if it was predicted in it during the chord [a, b] and start - b ≤ δ ≤ end - a.
 
 use super::super::track::Chord;
-use super::lateness::Lateness;
+use crate::orbit::Lateness;
 
 /// Expectation for one satellite in one exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]

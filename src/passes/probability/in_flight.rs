@@ -4,8 +4,8 @@
 use super::super::crossing::{cross, cross_samples, sample};
 use super::super::field::FieldOnSky;
 use super::super::track::Sight;
-use super::lateness::Lateness;
 use super::odds::{GAUSS_HERMITE, shifted_across};
+use crate::orbit::Lateness;
 
 /// Delays that are tried for an observer in orbit.
 const TRIED_DELAYS: usize = 81;

@@ -1,14 +1,12 @@
 //! Probability of a crossing, given the error of the prediction along the track and across it.
 //!
-//! `lateness` is the distribution of the delay, `delays` integrates it over the chords of one track, `odds` averages
+//! `delays` integrates the distribution of the delay over the chords of one track, `odds` averages
 //! over the shifts across the track for a site, and `in_flight` does the same for an observer in orbit.
 
 mod delays;
 mod in_flight;
-mod lateness;
 mod odds;
 
 pub(super) use delays::Delays;
 pub(super) use in_flight::crossing_probability_in_flight;
-pub(super) use lateness::Lateness;
 pub(super) use odds::{REACH_SIGMAS, crossing_odds};

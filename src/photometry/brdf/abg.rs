@@ -1,14 +1,14 @@
-//! The ABg law of stray-light work: a lobe about the mirror direction with a shoulder and a power-law wing.
+//! The ABg law of stray-light analysis: a lobe about the mirror direction with a shoulder and a power-law wing.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
 //! | `a` | sr⁻¹ | 0 and up | height: the peak is A/B |
-//! | `b` | 1 | more than 0 | where the flat top ends, x^g = B |
+//! | `b` | 1 | more than 0 | end of the flat top, x^g = B |
 //! | `g` | 1 | 0 and up | slope of the wing |
 //!
-//! x is the distance between the observer and the mirror direction after both are laid on the surface (the "direction
-//! sines" that scattering by small roughness depends on), so the law is reciprocal and does not change with the angle
-//! of incidence. Used for polished and painted surfaces; Fankhauser et al. fit it to satellite materials.
+//! x is the distance between the projections of the observer and of the mirror direction onto the surface (the
+//! "direction sines" of scattering by small roughness), so the law is reciprocal and independent of the angle of
+//! incidence. Used for polished and painted surfaces; Fankhauser et al. fit it to satellite materials.
 //!
 //! Reference: Pfisterer (2011), *Approximated scatter models for stray light analysis*, Optics & Photonics News 22(10);
 //! Fankhauser, Tyson and Askari (2023, AJ 166, 59).

@@ -1,12 +1,12 @@
-//! Laws of reflection as one enum.
+//! Reflection laws as one enum.
 
 use super::law::{Brdf, Incidence};
 use super::{Abg, Binomial, Facets, Gaussian, Lambert, Phong, Retro, Straight};
 
-/// A law of reflection.
+/// A reflection law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Law {
-    /// Every direction sees the same radiance.
+    /// Equal radiance in every direction.
     Lambert(Lambert),
     /// A lobe that is a power of a cosine.
     Phong(Phong),
@@ -14,9 +14,9 @@ pub enum Law {
     Abg(Abg),
     /// A bell-shaped lobe.
     Gaussian(Gaussian),
-    /// A logarithm expanded in reciprocal quantities.
+    /// The logarithm expanded in reciprocal quantities.
     Binomial(Binomial),
-    /// A lobe about the continued ray.
+    /// A lobe about the transmitted direction.
     Straight(Straight),
     /// A lobe about the direction back to the source.
     Retro(Retro),
@@ -25,26 +25,27 @@ pub enum Law {
 }
 
 impl Law {
-    /// Exponent of the Phong lobe of the same width, for the sampling of wide sources.
+    /// Returns the exponent of the Phong lobe of the same width, for the sampling of extended sources.
     pub fn equivalent_exponent(&self) -> f64 {
-        /// Binomials may hold lobes of any width; the narrowest that the rule for the Earth is tested for.
+        /// Exponent for binomials, whose lobes may have any width: the narrowest for which the rule for the Earth is
+        /// tested.
         const SHARP: f64 = 200.0;
         // cosⁿθ falls to half at θ² ≈ 2 ln 2 / n
         let of_half_width = |theta: f64| 2.0 * std::f64::consts::LN_2 / theta.powi(2);
         let exponent = match self {
             Self::Lambert(_) => 1.0,
-            // As wide, whatever they stand about.
+            // The width counts, not the direction of the lobe.
             Self::Phong(Phong { exponent, .. })
             | Self::Straight(Straight { exponent, .. })
             | Self::Retro(Retro { exponent, .. }) => *exponent,
-            // A facet tilted by β across the plane of incidence turns light by θ = 2β cos φ_i, β at 60°, as slant as a
-            // satellite's horizon is to its nadir panels: e^(-tan²β/2w²) ≈ e^(-θ²/2w²), and cosⁿθ ≈ e^(-nθ²/2). Under
-            // light along the normal the lobe is twice as wide, 2w. Slopes below 0.07 need more than SHARP: for 0.04
-            // the Earth's light then errs by up to 0.04 mag near the horizon, 0.002 mag elsewhere.
+            // A facet tilted by β across the plane of incidence deflects light by θ = 2β cos φ_i, that is by β at 60°,
+            // as oblique as a satellite's horizon is to its nadir panels: e^(-tan²β/2w²) ≈ e^(-θ²/2w²), and cosⁿθ ≈
+            // e^(-nθ²/2). For light along the normal the lobe is twice as wide, 2w. Slopes below 0.07 would need more
+            // than SHARP: for 0.04 the error of earthshine is up to 0.04 mag near the horizon, 0.002 mag elsewhere.
             Self::Facets(law) => law.slope.powi(-2),
             // e^((cos θ - 1)/w) ≈ e^(-θ²/2w)
             Self::Gaussian(law) => 1.0 / law.width,
-            // Half at x^g = B.
+            // Half maximum at x^g = B.
             Self::Abg(law) => of_half_width(law.b.powf(1.0 / law.g.max(0.1))),
             Self::Binomial(_) => SHARP,
         };
@@ -73,7 +74,7 @@ mod tests {
     use nalgebra::Vector3;
 
     #[test]
-    fn verif_facets_are_as_wide_as_their_exponent_says() {
+    fn verif_facets_have_the_width_of_their_exponent() {
         let facets = Facets { weight: 1.0, slope: 0.08 };
         let exponent = Law::Facets(facets).equivalent_exponent();
         let (light, mirror) = (Vector3::new(0.75_f64.sqrt(), 0.0, 0.5), Vector3::new(-(0.75_f64.sqrt()), 0.0, 0.5));
@@ -82,7 +83,7 @@ mod tests {
             facets.value_per_sr(&Incidence::new(&Vector3::z(), &light, &(mirror * cos + Vector3::y() * sin)))
         };
         for degrees in [2.0_f64, 4.0, 6.0, 8.0] {
-            // To the order of a few θ².
+            // Within a few θ².
             let ratio = across(degrees) / across(0.0) / degrees.to_radians().cos().powf(exponent);
             assert!((ratio - 1.0).abs() < 0.05, "{degrees}°: {ratio}");
         }

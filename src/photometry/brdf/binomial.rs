@@ -7,11 +7,11 @@
 //! | `d` | 1 | more than 0 | ratio of the widths of successive lobes |
 //! | `first` | 1 | any integer | l, the index of the widest lobe |
 //!
-//! D is the distance between observer and mirror direction after both are laid on the surface, V the scalar product of
-//! those two; both stay the same when light and eye change places, so every set of coefficients is reciprocal. It is a
-//! fit to laboratory data without an energy balance: `reflected_share` computes the share that a set reflects.
+//! D is the distance between the projections of observer and mirror direction onto the surface, V their scalar product;
+//! both are unchanged if source and observer are exchanged, so every set of coefficients is reciprocal. The law is a
+//! fit to laboratory data without energy conservation: `reflected_share` computes the fraction that a set reflects.
 //!
-//! Reference: Greynolds (2015, Proc. SPIE 9577, 95770A); Fankhauser, Tyson and Askari (2023, AJ 166, 59), who fit it to
+//! Reference: Greynolds (2015, Proc. SPIE 9577, 95770A); Fankhauser, Tyson and Askari (2023, AJ 166, 59), with fits to
 //! a satellite's chassis and solar array.
 
 use super::law::{Brdf, Incidence};
@@ -21,7 +21,7 @@ use super::law::{Brdf, Incidence};
 pub struct Binomial {
     /// `(n_k, n_i)`.
     pub b: Vec<Vec<f64>>,
-    /// `(n_k, n_j)`; as many rows as `b` has.
+    /// `(n_k, n_j)`; as many rows as `b`.
     pub c: Vec<Vec<f64>>,
     /// Ratio of successive widths.
     pub d: f64,
@@ -63,15 +63,15 @@ mod tests {
 
     #[test]
     fn valid_binomial_against_numbers_worked_by_hand() {
-        // Normal z, light 30° from it, eye 30° on the other side (the mirror): D = 0, V = sin² 30° = 1/4, so
+        // Normal z, source 30° from it, observer 30° on the other side (the mirror): D = 0, V = sin² 30° = 1/4, so
         // log₁₀ f = -0.6 + 0.2/4 = -0.55.
         let normal = Vector3::z();
         let (sin, cos) = 30f64.to_radians().sin_cos();
         let (light, mirror) = (Vector3::new(sin, 0.0, cos), Vector3::new(-sin, 0.0, cos));
         let at = |eye: &Vector3<f64>| law().value_per_sr(&Incidence::new(&normal, &light, eye));
-        // D² is 0 to rounding, D to its root.
+        // D² is 0 within rounding, D within its square root.
         assert!((at(&mirror).log10() + 0.55).abs() < 1e-7);
-        // Eye along the normal: D = 1/2, V = 0, log₁₀ f = -0.6 - 0.15 + ½ (-0.4 log(1 + 0.2/4) - 0.5 log(1 + 1/4)
+        // Observer along the normal: D = 1/2, V = 0, log₁₀ f = -0.6 - 0.15 + ½ (-0.4 log(1 + 0.2/4) - 0.5 log(1 + 1/4)
         // - 0.1 log(1 + 5/4)).
         let expected: f64 = -0.75 + 0.5 * (-0.4 * 1.05_f64.log10() - 0.5 * 1.25_f64.log10() - 0.1 * 2.25_f64.log10());
         assert!((at(&normal).log10() - expected).abs() < 1e-12);

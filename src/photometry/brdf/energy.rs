@@ -1,4 +1,4 @@
-//! Share of the incident light that leaves a surface again.
+//! Fraction of the incident light that a surface reflects or transmits.
 
 use std::f64::consts::{PI, TAU};
 
@@ -6,32 +6,33 @@ use nalgebra::Vector3;
 
 use super::law::{Brdf, Incidence};
 
-/// Nodes in azimuth and in the distance from the lobe's middle; enough for lobes down to a degree wide, to 1e-3.
+/// Nodes in azimuth and in the distance from the centre of the lobe; accurate to 1e-3 for lobes down to a degree wide.
 const AZIMUTHS: usize = 64;
 const RINGS: usize = 512;
 
-/// Share of the incident power that a law sends back into the hemisphere, for light at this cosine from the normal:
-/// ∫ f cos φ_r dω.
+/// Returns the fraction of the incident power that a law reflects into the hemisphere of the source, for light at this
+/// cosine from the normal: ∫ f cos φ_r dω.
 ///
-/// Two rules share the work, one about the mirror direction and one about the source, with rings that crowd around
-/// them, since that is where the lobes are. The error is below 1e-3 of the share for lobes wider than a degree.
+/// The sum of two rules, one about the mirror direction and one about the source, with rings that are denser near these
+/// directions, where the lobes are. The error is below 1e-3 of the fraction for lobes wider than a degree.
 pub fn reflected_share(law: &(impl Brdf + ?Sized), cos_in: f64) -> f64 {
     share(law, cos_in, 1.0)
 }
 
-/// Share of the incident power that a law sends on into the hemisphere behind, if it is one of light that comes through:
-/// ∫ f |cos φ_r| dω, as exact as [`reflected_share`] for lobes about the continued ray.
+/// Returns the fraction of the incident power that a transmission law sends into the hemisphere behind: ∫ f |cos φ_r|
+/// dω, with the accuracy of [`reflected_share`] for lobes about the transmitted direction.
 pub fn transmitted_share(law: &(impl Brdf + ?Sized), cos_in: f64) -> f64 {
     share(law, cos_in, -1.0)
 }
 
-/// Into the hemisphere of the source (`side` 1) or the other (-1).
+/// Integrates over the hemisphere of the source (`side` 1) or the other (-1).
 fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
     let cos_in = cos_in.clamp(0.0, 1.0);
     let sin_in = (1.0 - cos_in * cos_in).sqrt();
     let normal = Vector3::z();
     let to_source = Vector3::new(sin_in, 0.0, cos_in);
-    // Mirror direction and source, or, behind, the continued ray and what the plane mirrors of the source.
+    // Mirror direction and source; for transmission, the transmitted direction and the mirror image of the source in
+    // the plane.
     let poles = [Vector3::new(-sin_in, 0.0, side * cos_in), Vector3::new(sin_in, 0.0, side * cos_in)];
     let mut share = 0.0;
     for (pole, other) in [(poles[0], poles[1]), (poles[1], poles[0])] {
@@ -46,8 +47,8 @@ fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
                 let to_eye = pole * theta.cos() + (east * psi.cos() + north * psi.sin()) * theta.sin();
                 let incidence = Incidence::new(&normal, &to_source, &to_eye);
                 if incidence.cos_out * side > 0.0 {
-                    // Each direction belongs to both rules, the more to that of the nearer pole; to either by half where
-                    // the poles are one.
+                    // Each direction belongs to both rules, with the larger weight for the nearer pole, and with half
+                    // the weight for each where the poles coincide.
                     let (near, far) = ((to_eye - pole).norm_squared(), (to_eye - other).norm_squared());
                     let part = if near + far > 0.0 { far / (near + far) } else { 0.5 };
                     share += law.value_per_sr(&incidence) * incidence.cos_out.abs() * weight * part;
@@ -58,7 +59,7 @@ fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
     share
 }
 
-/// Checks reciprocity, and values that are finite and not negative for every incidence.
+/// Checks reciprocity and finite, non-negative values for every incidence.
 #[cfg(test)]
 pub(super) fn check_law(law: &impl Brdf) {
     let normal = Vector3::z();
@@ -74,7 +75,7 @@ pub(super) fn check_law(law: &impl Brdf) {
     };
     for _ in 0..2000 {
         let (light, eye) = (up(), up());
-        // On the light's side, behind, and opposite to it.
+        // On the side of the source, behind the surface, and opposite.
         for eye in [eye, -eye, -light] {
             let there = law.value_per_sr(&Incidence::new(&normal, &light, &eye));
             let back = law.value_per_sr(&Incidence::new(&normal, &eye, &light));
@@ -87,7 +88,7 @@ pub(super) fn check_law(law: &impl Brdf) {
             let grazing = law.value_per_sr(&Incidence::new(&normal, &along, &eye));
             assert!(grazing >= 0.0 && grazing.is_finite(), "{grazing} for {along:?} {eye:?}");
         }
-        // In the mirror itself, and along the normal, no root of a negative number.
+        // At the mirror direction itself, and along the normal, no root of a negative number.
         let mirror = Vector3::new(-light.x, -light.y, light.z);
         assert!(law.value_per_sr(&Incidence::new(&normal, &light, &mirror)).is_finite());
         assert!(law.value_per_sr(&Incidence::new(&normal, &normal, &normal)).is_finite());
@@ -108,7 +109,7 @@ mod tests {
             let share = transmitted_share(&Lambert { albedo: 0.3 }, cos_in);
             assert!((share - 0.3).abs() < 3e-4, "{cos_in}: {share} behind");
         }
-        // Phong's lobe its weight under light along the normal, and less at a slant.
+        // Phong's lobe reflects its weight for light along the normal, and less at oblique incidence.
         for exponent in [1.0, 22.0, 300.0, 5000.0] {
             let law = Phong { weight: 0.7, exponent };
             assert!((reflected_share(&law, 1.0) - 0.7).abs() < 7e-4, "{exponent}");

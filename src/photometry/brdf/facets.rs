@@ -1,18 +1,18 @@
-//! A rough mirror of small facets with Gaussian slopes, which mask and shadow one another.
+//! A rough mirror of small facets with Gaussian slopes, which mask and shadow each other.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
-//! | `weight` | 1 | 0 and up | what a facet reflects, the same at every angle; 1 loses no light at a facet |
+//! | `weight` | 1 | 0 and up | reflectance of a facet, the same at every angle; 1 is lossless |
 //! | `slope` | 1 | 0.001 to 1 | rms slope of the facets along one axis: 0.1 tilts them by 5.7° |
 //!
 //! Each facet is a small mirror; light reaches the observer from those whose normal is the half vector of source and
-//! observer. Where Phong's lobe keeps its width, this one grows long towards grazing incidence and its peak moves beyond
-//! the mirror direction (to 65° for one of 60° and a slope of 0.1); it loses only the light that would meet a second
-//! facet. What leaves is at most `weight` at every incidence, nearly all of it for slopes below 0.1 away from grazing.
-//! The law is reciprocal, and dark where source or observer stand behind.
+//! observer. Unlike Phong's lobe, this one becomes elongated towards grazing incidence and its peak moves beyond the
+//! mirror direction (to 65° for one of 60° and a slope of 0.1); only light that would meet a second facet is lost. The
+//! reflected fraction is at most `weight` at every incidence, and nearly `weight` for slopes below 0.1 away from
+//! grazing. The law is reciprocal, and 0 where source or observer is behind.
 //!
-//! No Fresnel rise: `weight` stands for the reflectance of a metal, which changes little with angle. No light of second
-//! facets, no diffraction.
+//! Fresnel's increase is omitted: `weight` is the reflectance of a metal, which changes little with angle. Light from
+//! second facets and diffraction are omitted.
 //!
 //! Reference: Torrance and Sparrow (1967), J. Opt. Soc. Am. 57, 1105; slopes of Beckmann and Spizzichino (1963), *The
 //! scattering of electromagnetic waves from rough surfaces*; masking of Smith (1967), IEEE Trans. Antennas Propag. 15,
@@ -23,8 +23,8 @@ use std::f64::consts::{FRAC_2_PI, SQRT_2, TAU};
 
 use super::law::{Brdf, Incidence};
 
-/// Facets steeper than this do not exist for any slope of the allowed range: their share, e^(-tan²β/2w²), is 0 in double
-/// precision; below it h is not defined where source and observer stand opposite.
+/// Cosine squared below which no facet of the allowed slopes exists: the density e^(-tan²β/2w²) is 0 in double
+/// precision, and h is undefined where source and observer are opposite.
 const LEAST_COS_SQUARED: f64 = 1e-6;
 
 /// A rough mirror.
@@ -37,7 +37,8 @@ pub struct Facets {
 }
 
 impl Facets {
-    /// Facets per solid angle of their normals, sr⁻¹, for cos² β of a normal with the panel's own.
+    /// Returns the density of facets per solid angle of their normals, sr⁻¹, for cos² β between a facet's and the
+    /// panel's normal.
     fn density_per_sr(&self, cos_squared: f64) -> f64 {
         if cos_squared < LEAST_COS_SQUARED {
             return 0.0;
@@ -47,8 +48,8 @@ impl Facets {
         (-0.5 * tan_squared / variance).exp() / (TAU * variance * cos_squared * cos_squared)
     }
 
-    /// The share of facets that is seen from (or lit from) a direction, over that direction's cosine with the normal, in
-    /// [0, 1]: finite at grazing, where both are 0.
+    /// Returns the fraction of facets visible (or lit) from a direction over that direction's cosine with the normal,
+    /// in [0, 1]; finite at grazing incidence, where both are 0.
     fn seen_per_cosine(&self, cosine: f64) -> f64 {
         // G₁ = 2 / (1 + erf a + e^(-a²) / (a √π)), a = cot θ / (√2 w)    Walter et al. (2007), eq. 26
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
@@ -86,7 +87,7 @@ mod tests {
         Vector3::new(sin * longitude.cos(), sin * longitude.sin(), cos)
     }
 
-    /// The facets seen from a direction cover what the panel covers seen from there: ∫ D G₁ (o · m)⁺ dω_m = cos φ_r.
+    /// The facets visible from a direction cover the projected panel: ∫ D G₁ (o · m)⁺ dω_m = cos φ_r.
     #[test]
     fn verif_facets_seen_cover_the_panel() {
         for slope in SLOPES {
@@ -108,7 +109,7 @@ mod tests {
                         .sum();
                     sum += law.density_per_sr(cos * cos) * ring * cos.powi(3) * t * step * TAU / f64::from(n_azimuth);
                 }
-                // Midpoint rule in 4000 rings with a kink where facets turn away.
+                // Midpoint rule in 4000 rings, with a kink where facets turn away.
                 let covered = sum * law.seen_per_cosine(eye.z);
                 assert!((covered - 1.0).abs() < 1e-4, "slope {slope}, {zenith}°: {covered}");
             }
@@ -138,12 +139,12 @@ mod tests {
         // c / (8π w²)
         let peak = 0.5 / (4.0 * TAU * 1e-4);
         assert!((at(0.0) / peak - 1.0).abs() < 1e-12);
-        // Half where the facet is tilted by √(2 ln 2) w: the light by twice that.
+        // Half maximum where the facet is tilted by √(2 ln 2) w, the light by twice that.
         let half = (2.0 * 0.01 * (2.0 * std::f64::consts::LN_2).sqrt()).to_degrees();
         assert!((at(half) / peak - 0.5).abs() < 1e-3, "{}", at(half) / peak);
     }
 
-    /// What Torrance and Sparrow set out to explain: 65.1° for a mirror direction of 60°.
+    /// The off-specular peak explained by Torrance and Sparrow: 65.1° for a mirror direction of 60°.
     #[test]
     fn verif_peak_lies_beyond_the_mirror_direction_at_slant_incidence() {
         let law = Facets { weight: 1.0, slope: 0.1 };
@@ -166,7 +167,7 @@ mod tests {
             for (light, eye) in [(100.0, 30.0), (30.0, 100.0), (150.0, 120.0)] {
                 assert_eq!(at(light, eye), 0.0);
             }
-            // Down to the surface the mirror direction gets brighter, without end in sight but never without a number.
+            // The mirror direction becomes brighter down to the surface, without bound but always finite.
             let mirror: Vec<f64> = [0.0, 45.0, 80.0, 89.0, 89.9].map(|zenith| at(zenith, zenith)).to_vec();
             assert!(mirror.windows(2).all(|pair| pair[1] >= pair[0] * 0.999 && pair[1].is_finite()), "{mirror:?}");
         }

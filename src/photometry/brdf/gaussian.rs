@@ -3,10 +3,10 @@
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
 //! | `peak_per_sr` | sr⁻¹ | 0 and up | height in the mirror direction |
-//! | `width` | 1 | more than 0 | the lobe falls to 1/e at cos θ = 1 - width; about √(2 width) radians where that is small |
+//! | `width` | 1 | more than 0 | 1/e of the peak at cos θ = 1 - width; about √(2 width) rad if small |
 //!
-//! θ is the angle between the mirror direction and the observer. The law is reciprocal, and like Phong's loses energy
-//! below the surface at slant incidence.
+//! θ is the angle between the mirror direction and the observer. The law is reciprocal and, like Phong's, loses energy
+//! below the surface at oblique incidence.
 //!
 //! Reference: Fankhauser, Tyson and Askari (2023, AJ 166, 59), the form of their published code.
 
@@ -15,9 +15,9 @@ use super::law::{Brdf, Incidence};
 /// A bell-shaped lobe.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Gaussian {
-    /// Height, sr⁻¹.
+    /// Peak value, sr⁻¹.
     pub peak_per_sr: f64,
-    /// 1 - cos θ where it has fallen to 1/e.
+    /// 1 - cos θ at 1/e of the peak.
     pub width: f64,
 }
 

@@ -1,12 +1,11 @@
-//! Lambert's law: every direction sees the same radiance.
+//! Lambert's law: equal radiance in every direction.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
-//! | `albedo` | 1 | 0 and up, at most 1 where energy is conserved | share of the incident power that leaves again |
+//! | `albedo` | 1 | 0 and up, at most 1 where energy is conserved | fraction of the incident power that is reflected |
 //!
-//! A rough surface that scatters many times forgets where the light came from. The paper uses it for the diffuse
-//! part of both panels and for the light that leaks through the sail's gaps. It is not a good law near grazing
-//! incidence.
+//! Valid for a rough surface with multiple scattering. The paper uses it for the diffuse part of both panels and for
+//! the light that leaks through the sail's gaps. It is inaccurate near grazing incidence.
 //!
 //! Reference: Lu (2024), eqs. 3, 4 and 6; Lambert, *Photometria* (1760).
 
@@ -17,7 +16,7 @@ use super::law::{Brdf, Incidence};
 /// A Lambertian surface.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Lambert {
-    /// Share of the incident power that leaves again.
+    /// Fraction of the incident power that is reflected.
     pub albedo: f64,
 }
 

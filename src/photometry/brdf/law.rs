@@ -1,4 +1,4 @@
-//! The trait of all laws of reflection, the cosines that they depend on, and the lobe that three of them share.
+//! The trait of all reflection laws, the cosines that they depend on, and the lobe that three of them share.
 
 use std::f64::consts::TAU;
 
@@ -7,26 +7,26 @@ use nalgebra::Vector3;
 /// A bidirectional reflectance distribution function.
 ///
 /// Conventions for all laws: the value is in sr⁻¹ and does *not* contain the cosines of projection (a panel multiplies
-/// them and its area); light comes from and leaves to the same side of the surface; all the direction a law may depend
-/// on is in [`Incidence`]. The value is defined for any incidence, lit or not: panels leave out what is dark.
+/// by them and by its area); light arrives and leaves on the same side of the surface; a law depends on direction only
+/// through [`Incidence`]. The value is defined for any incidence, lit or not: panels skip dark faces.
 pub trait Brdf {
-    /// Reflectance for this incidence, sr⁻¹, at least 0.
+    /// Returns the reflectance for this incidence, sr⁻¹, at least 0.
     fn value_per_sr(&self, incidence: &Incidence) -> f64;
 }
 
-/// The cosines that laws of reflection and projection depend on.
+/// The cosines on which reflection laws and projection depend.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Incidence {
-    /// Between the normal and the source; negative where the source stands behind.
+    /// Cosine between the normal and the source; negative if the source is behind.
     pub cos_in: f64,
-    /// Between the normal and the observer; negative where it stands behind.
+    /// Cosine between the normal and the observer; negative if the observer is behind.
     pub cos_out: f64,
-    /// Between the observer and the mirror direction of the source, cos θ of the paper.
+    /// Cosine between the observer and the mirror direction of the source, cos θ of the paper.
     pub cos_mirror: f64,
 }
 
 impl Incidence {
-    /// From unit vectors in one frame, both pointing away from the panel.
+    /// Computes the cosines from unit vectors in one frame, both pointing away from the panel.
     pub fn new(normal: &Vector3<f64>, to_source: &Vector3<f64>, to_observer: &Vector3<f64>) -> Self {
         let cos_in = normal.dot(to_source);
         let cos_out = normal.dot(to_observer);
@@ -34,45 +34,46 @@ impl Incidence {
         Self { cos_in, cos_out, cos_mirror: 2.0 * cos_in * cos_out - to_source.dot(to_observer) }
     }
 
-    /// Between the source and the observer: the cosine of the phase angle, s · o.
+    /// Returns the cosine of the phase angle, s · o, between source and observer.
     pub fn cos_phase(&self) -> f64 {
         // cos θ = 2 cos φ_i cos φ_r - s · o
         2.0 * self.cos_in * self.cos_out - self.cos_mirror
     }
 
-    /// ρ·ρ₀ of observer and mirror direction laid on the surface, in [-1, 1]: with s and o the sources' and observer's
-    /// unit vectors and t their parts along the surface, ρ₀ = -s_t and ρ = o_t.
+    /// Returns ρ·ρ₀ of observer and mirror direction projected onto the surface, in [-1, 1]: with s_t and o_t the parts
+    /// of the unit vectors to source and observer along the surface, ρ₀ = -s_t and ρ = o_t.
     pub fn sine_product(&self) -> f64 {
         // s · o = s_t · o_t + cos φ_i cos φ_r and cos θ = 2 cos φ_i cos φ_r - s · o
         self.cos_mirror - self.cos_in * self.cos_out
     }
 
-    /// |ρ - ρ₀|² of observer and mirror direction laid on the surface, in [0, 4]: 0 in the mirror direction.
+    /// Returns |ρ - ρ₀|² of observer and mirror direction projected onto the surface, in [0, 4]: 0 in the mirror
+    /// direction.
     pub fn sine_distance_squared(&self) -> f64 {
         // |ρ|² + |ρ₀|² - 2 ρ·ρ₀; rounding must not make it negative
         (2.0 - self.cos_in.powi(2) - self.cos_out.powi(2) - 2.0 * self.sine_product()).max(0.0)
     }
 
-    /// The same panel seen as if its back were its front.
+    /// Returns the incidence with front and back of the panel exchanged.
     pub fn from_behind(&self) -> Self {
         Self { cos_in: -self.cos_in, cos_out: -self.cos_out, cos_mirror: self.cos_mirror }
     }
 
-    /// cos φ_i cos φ_r of a face that is lit and seen from the front; 0 where either stands behind.
+    /// Returns cos φ_i cos φ_r of a face that is lit and seen from the front; 0 if source or observer is behind.
     pub fn front(&self) -> f64 {
         self.cos_in.max(0.0) * self.cos_out.max(0.0)
     }
 }
 
-/// Height of the lobe of Phong's law, `straight` and `retro`, sr⁻¹; they differ in the direction that it stands about.
+/// Returns the peak of the lobe of Phong's law, `straight` and `retro`, sr⁻¹; they differ in the axis of the lobe.
 pub(super) fn lobe_peak_per_sr(weight: f64, exponent: f64) -> f64 {
     // c (n + 2) / 2π                                                     Lu (2024), eq. 2
     weight * (exponent + 2.0) / TAU
 }
 
-/// Value of the lobe for the cosine with its middle, sr⁻¹; 0 beyond 90°.
+/// Returns the value of the lobe for the cosine with its axis, sr⁻¹; 0 beyond 90°.
 pub(super) fn lobe_per_sr(weight: f64, exponent: f64, cosine: f64) -> f64 {
-    // A lobe of no weight costs nothing, and 0 · 0⁰ is 0.
+    // Shortcut for zero weight; 0 · 0⁰ is 0.
     if weight == 0.0 || cosine <= 0.0 {
         return 0.0;
     }
@@ -93,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_front_is_dark_where_source_or_observer_stand_behind() {
+    fn verif_front_is_dark_where_source_or_observer_is_behind() {
         let (above, below) = (Vector3::new(0.6, 0.0, 0.8), Vector3::new(0.6, 0.0, -0.8));
         let front = |to_sun, to_observer| Incidence::new(&Vector3::z(), &to_sun, &to_observer).front();
         assert!((front(above, above) - 0.64).abs() < 1e-15);

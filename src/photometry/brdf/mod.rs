@@ -1,4 +1,4 @@
-//! Laws of reflection, one a file, behind one trait.
+//! Reflection laws, one per file, behind one trait.
 
 mod abg;
 mod any;

@@ -2,15 +2,15 @@
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
-//! | `weight` | 1 | 0 and up | share of the incident power in the lobe, for light along the normal |
-//! | `exponent` | 1 | 0 and up | narrowness: the lobe is down to half at acos(2^(-1/n)), 14.3° for n = 22 |
+//! | `weight` | 1 | 0 and up | fraction of the incident power in the lobe, for light along the normal |
+//! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
-//! θ is the angle between the mirror direction of the incident light and the observer; where it exceeds 90° the lobe
-//! is 0. With (n+2)/2π the power that leaves under light along the normal is `weight` (the projection's cosine is
-//! part of the integral); at slant incidence part of the lobe lies below the surface and less leaves. The law is
-//! reciprocal, since θ does not change when light and eye change places.
+//! θ is the angle between the mirror direction of the incident light and the observer; beyond 90° the lobe is 0. With
+//! (n+2)/2π the reflected power for light along the normal is `weight` (the projection's cosine is part of the
+//! integral); at oblique incidence part of the lobe is below the surface and less is reflected. The law is reciprocal,
+//! since θ is unchanged if source and observer are exchanged.
 //!
-//! It is empirical: no Fresnel rise towards grazing, no masking, and no microscopic picture behind the exponent.
+//! It is empirical: no Fresnel increase towards grazing incidence, no masking, and no physical meaning of the exponent.
 //!
 //! Reference: Lu (2024), eqs. 2 and 5; Phong (1975), CACM 18, 311.
 
@@ -19,7 +19,7 @@ use super::law::{Brdf, Incidence, lobe_per_sr};
 /// A glossy lobe.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Phong {
-    /// Share of the power in the lobe under light along the normal.
+    /// Fraction of the power in the lobe for light along the normal.
     pub weight: f64,
     /// Narrowness of the lobe.
     pub exponent: f64,

@@ -2,24 +2,24 @@
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
-//! | `weight` | 1 | 0 and up | share of the incident power in the lobe, for light along the normal |
-//! | `exponent` | 1 | 0 and up | narrowness: the lobe is down to half at acos(2^(-1/n)), 14.3° for n = 22 |
+//! | `weight` | 1 | 0 and up | fraction of the incident power in the lobe, for light along the normal |
+//! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
-//! For surfaces that are brightest when the Sun stands behind the observer: crumpled foil, corners, rough ground that
-//! hides its own shadows. It is Phong's lobe turned by half a turn about the normal, so it shares Phong's budget: under
-//! light along the normal `weight` leaves, at slant incidence part of the lobe lies below the surface and less leaves.
-//! The lobe depends on the phase angle alone: it is reciprocal, and dark at phase angles beyond 90°.
+//! For surfaces that are brightest with the Sun behind the observer: crumpled foil, corners, rough ground whose shadows
+//! are hidden. It is Phong's lobe rotated by half a turn about the normal, with the same energy: for light along the
+//! normal `weight` is reflected, at oblique incidence part of the lobe is below the surface and less is reflected. The
+//! lobe depends on the phase angle only: it is reciprocal, and 0 at phase angles beyond 90°.
 //!
-//! It is empirical: fits to measured satellites need light there.
+//! It is empirical: fits to measured satellites require light in this direction.
 //!
-//! Reference: the lobe is that of Lu (2024), eq. 2, turned to the other direction.
+//! Reference: the lobe of Lu (2024), eq. 2, about the other direction.
 
 use super::law::{Brdf, Incidence, lobe_per_sr};
 
 /// A lobe about the direction back to the source.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Retro {
-    /// Share of the power in the lobe under light along the normal.
+    /// Fraction of the power in the lobe for light along the normal.
     pub weight: f64,
     /// Narrowness of the lobe.
     pub exponent: f64,
@@ -44,7 +44,7 @@ mod tests {
         for exponent in [0.0, 1.0, 22.0, 300.0, 5000.0] {
             let law = Retro { weight: 0.7, exponent };
             assert!((reflected_share(&law, 1.0) - 0.7).abs() < 7e-4, "{exponent}");
-            // Phong's budget at every slant, down to grazing.
+            // Phong's energy at every incidence, down to grazing.
             let turned = Phong { weight: 0.7, exponent };
             for cos_in in [1.0, 0.6, 0.2, 0.0] {
                 let (back, forth) = (reflected_share(&law, cos_in), reflected_share(&turned, cos_in));

@@ -1,28 +1,27 @@
-//! A lobe about the continued ray: light that goes through a panel and is little turned.
+//! A lobe about the transmitted direction: light that passes through a panel with little deflection.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
-//! | `weight` | 1 | 0 and up | share of the incident power in the lobe, for light along the normal |
-//! | `exponent` | 1 | 0 and up | narrowness: the lobe is down to half at acos(2^(-1/n)), 14.3° for n = 22 |
+//! | `weight` | 1 | 0 and up | fraction of the incident power in the lobe, for light along the normal |
+//! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
 //! For light that leaks forward through a solar array, between its cells and through thin blankets: a law for the face
-//! `through`, lit from the front and seen from behind. It stands where Phong's lobe stands after the panel's plane has
-//! mirrored it, so it shares Phong's budget: under light along the normal `weight` leaves on the far side, at slant
-//! incidence part of the lobe lies on the lit side, where `through` sends nothing, and less leaves; at grazing
-//! incidence half of the lobe is lost and the rest lies in the plane. The lobe depends on the angle between Sun and
-//! observer alone: it is reciprocal, and dark where they stand less than 90° apart. On a `front` it gives what lies
-//! above the plane, some light near grazing.
+//! `through`, lit from the front and seen from behind. It is Phong's lobe mirrored in the panel's plane, with the same
+//! energy: for light along the normal `weight` is transmitted; at oblique incidence part of the lobe is on the lit
+//! side, where `through` has no light, and less is transmitted; at grazing incidence half of the lobe is lost and the
+//! rest lies in the plane. The lobe depends on the angle between Sun and observer only: it is reciprocal, and 0 for
+//! angles below 90°. On a `front` it gives the part above the plane, some light near grazing incidence.
 //!
-//! It is empirical: fits to measured satellites need light there.
+//! It is empirical: fits to measured satellites require light in this direction.
 //!
-//! Reference: the lobe is that of Lu (2024), eq. 2, turned to the other direction.
+//! Reference: the lobe of Lu (2024), eq. 2, about the other direction.
 
 use super::law::{Brdf, Incidence, lobe_per_sr};
 
-/// A lobe about the continued ray.
+/// A lobe about the transmitted direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Straight {
-    /// Share of the power in the lobe under light along the normal.
+    /// Fraction of the power in the lobe for light along the normal.
     pub weight: f64,
     /// Narrowness of the lobe.
     pub exponent: f64,
@@ -47,14 +46,14 @@ mod tests {
         for exponent in [0.0, 1.0, 22.0, 300.0] {
             let law = Straight { weight: 0.7, exponent };
             assert!((transmitted_share(&law, 1.0) - 0.7).abs() < 7e-4, "{exponent}");
-            // Phong's budget at every slant, down to grazing.
+            // Phong's energy at every incidence, down to grazing.
             let mirrored = Phong { weight: 0.7, exponent };
             for cos_in in [1.0, 0.6, 0.2, 0.0] {
                 let (far, near) = (transmitted_share(&law, cos_in), reflected_share(&mirrored, cos_in));
                 assert!((far - near).abs() < 1e-12 && far < 0.7007, "{exponent} {cos_in}: {far} {near}");
             }
         }
-        // Nearly nothing on the lit side, and the two sides share a narrow lobe at grazing.
+        // Almost no light on the lit side; a narrow lobe at grazing incidence is shared between both sides.
         let narrow = Straight { weight: 1.0, exponent: 300.0 };
         assert!(reflected_share(&narrow, 1.0) < 1e-12);
         let (far, lit) = (transmitted_share(&narrow, 0.0), reflected_share(&narrow, 0.0));

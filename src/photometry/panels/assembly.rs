@@ -1,8 +1,8 @@
-//! The light of a satellite made of panels and spheres.
+//! Light of a satellite composed of panels and spheres.
 //!
-//! Each panel reflects by the laws of the face that is lit and seen: its front, its back, or through from the front to
-//! the back. What other panels shade or hide of it is cut out exactly; light that goes from panel to panel is left out,
-//! as in the paper. Spheres add their light and are never hidden.
+//! A panel uses the laws `front` (lit and seen from the front), `back` (lit and seen from behind) or `through` (lit from
+//! the front, seen from behind). The parts that other panels shade or hide are removed exactly; light reflected between panels is
+//! neglected, as in the paper. Spheres add their light and are never hidden.
 
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ use crate::geometry::ViewingGeometry;
 use crate::photometry::brdf::{Brdf, Incidence, Law};
 use crate::photometry::earthshine::LitEarth;
 
-/// Way of the light at a panel.
+/// Light path at a panel.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Face {
     /// Lit and seen from the front.
@@ -30,57 +30,57 @@ pub enum Face {
 pub(super) struct AssembledPanel {
     /// Name in the file.
     pub name: String,
-    /// The point u = v = 0, in the body frame, m.
+    /// Position of u = v = 0, in the body frame, m.
     pub anchor_m: Vector3<f64>,
     /// Extent along u, m.
     pub u_m: [f64; 2],
     /// Extent along v, m.
     pub v_m: [f64; 2],
-    /// Law of its attitude.
+    /// Attitude law.
     pub attitude: Attitude,
     /// Laws of the front.
     pub front: Vec<Law>,
     /// Laws of the back.
     pub back: Vec<Law>,
-    /// Laws of light that comes through.
+    /// Laws of transmitted light.
     pub through: Vec<Law>,
-    /// True where earthshine falls on the front.
+    /// True if earthshine falls on the front.
     pub earthshine: bool,
-    /// Panels that may shade or hide it, by number; at most [`MOST_BLOCKERS`].
+    /// Indices of panels that may shade or hide it; at most [`MOST_BLOCKERS`].
     pub blockers: Vec<usize>,
 }
 
 /// A face that is lit and seen: the incidence for its laws, and the factor of their values.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LitFace {
-    /// Number of the panel.
+    /// Index of the panel.
     pub panel: usize,
     /// Face of the panel.
     pub face: Face,
-    /// Counted from the lit side: from behind for the back, from the front for light that comes through.
+    /// Incidence on the lit side: from behind for the back, from the front for transmitted light.
     pub incidence: Incidence,
-    /// |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ sends f times this, m² sr⁻¹.
+    /// |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ contributes f times this, m² sr⁻¹.
     pub open_m2: f64,
-    /// BF, the share of the panel that is lost to shadow or hidden, [0, 1].
+    /// BF, the fraction of the panel that is shaded or hidden, [0, 1].
     pub blocked: f64,
 }
 
 /// Light of one law of one panel.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Part {
-    /// Number of the panel.
+    /// Index of the panel.
     pub panel: usize,
-    /// Its face.
+    /// Face of the panel.
     pub face: Face,
-    /// Number of the law on that face.
+    /// Index of the law on that face.
     pub law: usize,
-    /// Cosines, area and obstruction included.
+    /// Light, m² sr⁻¹, including cosines, area and obstruction.
     pub m2_sr: f64,
-    /// Share of the panel that is lost to shadow or hidden, [0, 1].
+    /// Fraction of the panel that is shaded or hidden, [0, 1].
     pub blocked: f64,
 }
 
-/// Any number of panels and spheres.
+/// A satellite of any number of panels and spheres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PanelAssembly {
     panels: Vec<AssembledPanel>,
@@ -88,7 +88,7 @@ pub struct PanelAssembly {
 }
 
 impl PanelAssembly {
-    /// Numbers in `blockers` beyond the panels, and blockers beyond [`MOST_BLOCKERS`], are errors of model files.
+    /// Creates an assembly; invalid indices in `blockers` and more than [`MOST_BLOCKERS`] are rejected in model files.
     pub(super) fn new(panels: Vec<AssembledPanel>, spheres: Vec<Sphere>) -> Self {
         Self { panels, spheres }
     }
@@ -97,67 +97,67 @@ impl PanelAssembly {
         &self.panels
     }
 
-    /// Names of the panels, in the order of their numbers.
+    /// Returns the names of the panels, in the order of their indices.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.panels.iter().map(|panel| panel.name.as_str())
     }
 
-    /// Positions of the panels for a direction of the Sun (unit vector in the body frame, y = 0).
+    /// Returns the positions of the panels for a direction of the Sun (unit vector in the body frame, y = 0).
     pub fn placed(&self, to_sun: &Vector3<f64>) -> Vec<PlacedRectangle> {
         self.panels.iter().map(|panel| panel.placed(to_sun)).collect()
     }
 
-    /// Reflected sunlight, m² sr⁻¹, for unit vectors to Sun (y = 0) and observer in the body frame.
+    /// Returns the reflected sunlight, m² sr⁻¹, for unit vectors to Sun (y = 0) and observer in the body frame.
     pub fn b_total_m2_sr(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
         let mut total = self.sphere_parts(to_sun, to_observer).sum();
         self.each_part(to_sun, to_observer, |part| total += part.m2_sr);
         total
     }
 
-    /// Light of the panels: one entry for each law of each face that is lit and seen. With [`Self::sphere_parts`] they
-    /// add up to the whole.
+    /// Returns the light of the panels: one entry for each law of each face that is lit and seen. Together with
+    /// [`Self::sphere_parts`] they sum to the total.
     pub fn parts(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<Part> {
         let mut parts = Vec::new();
         self.each_part(to_sun, to_observer, |part| parts.push(part));
         parts
     }
 
-    /// Each face that is lit, seen and has a law, in the order of the panels.
+    /// Returns each face that is lit, seen and has a law, in the order of the panels.
     ///
-    /// They depend on no coefficient of any law: a fit keeps them and takes [`Self::laws`] from each new assembly. Light
-    /// of the panels is the sum of f · `open_m2` over these faces and their laws; [`Self::spheres`] add theirs, which
-    /// depends on the phase angle alone.
+    /// They are independent of the coefficients of the laws: a fit keeps them and takes [`Self::laws`] from each new
+    /// assembly. The light of the panels is the sum of f · `open_m2` over these faces and their laws; [`Self::spheres`]
+    /// add theirs, which depends on the phase angle only.
     pub fn lit_faces(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<LitFace> {
         let mut faces = Vec::new();
         self.each_lit_face(to_sun, to_observer, |lit| faces.push(lit));
         faces
     }
 
-    /// Laws of one face, in the order of the file; none for a number beyond the panels.
+    /// Returns the laws of one face, in the order of the file; empty for an invalid index.
     pub fn laws(&self, panel: usize, face: Face) -> &[Law] {
         self.panels.get(panel).map_or(&[], |panel| panel.laws(face))
     }
 
-    /// The spheres, in the order of the file.
+    /// Returns the spheres, in the order of the file.
     pub fn spheres(&self) -> &[Sphere] {
         &self.spheres
     }
 
-    /// Light of each sphere, in the order of the file, m² sr⁻¹.
+    /// Returns the light of each sphere, in the order of the file, m² sr⁻¹.
     pub fn sphere_parts(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> impl Iterator<Item = f64> {
         let cos_phase = to_sun.dot(to_observer).clamp(-1.0, 1.0);
         self.spheres.iter().map(move |sphere| sphere.m2_sr(cos_phase.acos()))
     }
 
-    /// Share of a panel's area that other panels shade or hide, [0, 1].
+    /// Returns the fraction of a panel's area that other panels shade or hide, [0, 1].
     pub fn blocked(&self, panel: usize, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
         let Some(of) = self.panels.get(panel) else { return 0.0 };
         self.share_blocked(of, &of.placed(to_sun), to_sun, &[to_sun, to_observer])
     }
 
-    /// Earthshine reflected by the fronts that receive it, m² sr⁻¹.
+    /// Returns the earthshine reflected by the fronts that receive it, m² sr⁻¹.
     ///
-    /// What others hide of a panel is cut out; what they shade of the wide Earth is not. Spheres receive none.
+    /// Hidden parts of a panel are removed; the shading of the extended Earth is not. Spheres receive none.
     pub fn earthshine_m2_sr(&self, geometry: &ViewingGeometry) -> f64 {
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
         let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
@@ -209,14 +209,14 @@ impl PanelAssembly {
                 continue;
             }
             let blocked = self.share_blocked(panel, &placed, to_sun, &[to_sun, to_observer]);
-            // The same cosines whichever side they are counted from.
+            // The cosines are the same for both sides.
             let incidence = if face == Face::Back { incidence.from_behind() } else { incidence };
             let open_m2 = projection * placed.area_m2() * (1.0 - blocked);
             take(LitFace { panel: number, face, incidence, open_m2, blocked });
         }
     }
 
-    /// Share of a panel that the others block on the way to any of at most two directions.
+    /// Returns the fraction of a panel that the others block in any of at most two directions.
     fn share_blocked(
         &self,
         panel: &AssembledPanel,
@@ -240,7 +240,7 @@ impl PanelAssembly {
     }
 }
 
-/// Σ dE f cos φ_i cos φ_r of sources that light the front of a panel, sr⁻¹.
+/// Returns Σ dE f cos φ_i cos φ_r of sources that light the front of a panel, sr⁻¹.
 fn reflected_per_sr(
     sources: &[(Vector3<f64>, f64)],
     normal: &Vector3<f64>,
@@ -250,7 +250,7 @@ fn reflected_per_sr(
     let reflected = |(to_source, irradiance): &(Vector3<f64>, f64)| {
         let incidence = Incidence::new(normal, to_source, to_observer);
         let projection = incidence.front();
-        // Laws of dark panels need not be evaluated.
+        // Laws of dark panels are not evaluated.
         if projection > 0.0 { irradiance * law.value_per_sr(&incidence) * projection } else { 0.0 }
     };
     sources.iter().map(reflected).sum()

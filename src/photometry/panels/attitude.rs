@@ -2,8 +2,8 @@
 //!
 //! The body frame has z to the zenith and the Sun in the half plane y = 0, x > 0 (Lu 2024, section 2.2), so "towards
 //! the Sun's azimuth" is x by construction. A panel's own axes are u and v in its plane and the normal n of its front,
-//! right-handed. Attitudes that depend on the direction of flight cannot be expressed in this frame: brightness is a
-//! function of Sun and observer alone here.
+//! right-handed. Attitudes that depend on the direction of flight cannot be expressed in this frame, since brightness
+//! here is a function of Sun and observer only.
 
 use nalgebra::Vector3;
 
@@ -12,12 +12,13 @@ use nalgebra::Vector3;
 pub enum PanelOffset {
     /// Constant, radians.
     Constant(f64),
-    /// Straight lines between (Sun's latitude, offset) in radians, constant beyond the ends; in order of latitude.
+    /// Linear interpolation between (Sun's latitude, offset) in radians, constant beyond the ends; in order of
+    /// latitude.
     Table(Vec<[f64; 2]>),
 }
 
 impl PanelOffset {
-    /// The offset at a latitude of the Sun, radians.
+    /// Returns the offset at a latitude of the Sun, radians.
     pub fn at_rad(&self, sun_latitude_rad: f64) -> f64 {
         let table = match self {
             Self::Constant(offset_rad) => return *offset_rad,
@@ -33,21 +34,21 @@ impl PanelOffset {
     }
 }
 
-/// A law of attitude.
+/// An attitude law.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attitude {
     /// Front facing straight down, v towards the Sun's azimuth.
     Nadir,
-    /// The normal in the half plane of the Sun, this far above the chassis plane: n = (cos POA, 0, sin POA). At 0 the
-    /// panel stands upright and follows the Sun in azimuth alone (the paper's sail).
+    /// Normal in the half plane of the Sun, at this angle above the chassis plane: n = (cos POA, 0, sin POA). At 0 the
+    /// panel is upright and follows the Sun in azimuth only (the paper's sail).
     SunAzimuth(PanelOffset),
-    /// The normal in the half plane of the Sun, this far above the Sun itself: at 0 the panel faces the Sun.
+    /// Normal in the half plane of the Sun, at this angle above the Sun: at 0 the panel faces the Sun.
     SunTracking(PanelOffset),
     /// Fixed in the body frame: unit normal and unit v, at right angles.
     Fixed {
-        /// Of the front.
+        /// Normal of the front.
         normal: Vector3<f64>,
-        /// Of the edge v.
+        /// Direction of the edge v.
         v: Vector3<f64>,
     },
 }
@@ -64,7 +65,7 @@ pub struct Axes {
 }
 
 impl Attitude {
-    /// Axes for a direction of the Sun (unit vector in the body frame, y = 0).
+    /// Returns the axes for a direction of the Sun (unit vector in the body frame, y = 0).
     pub fn axes(&self, to_sun: &Vector3<f64>) -> Axes {
         let sun_latitude_rad = to_sun.z.atan2(to_sun.x);
         let leaning = |elevation_rad: f64| {
@@ -86,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_axes_are_right_handed_and_look_where_they_should() {
+    fn verif_axes_are_right_handed_with_the_expected_directions() {
         let to_sun = Vector3::new(0.9_f64.cos(), 0.0, -(0.9_f64.sin()));
         let fixed = Attitude::Fixed { normal: Vector3::new(0.0, 0.6, 0.8), v: Vector3::x() };
         let all = [

@@ -1,4 +1,4 @@
-//! Validation of the panels of a file, and the assembly made of them.
+//! Validation of the panels of a file, and the assembly built from them.
 
 use nalgebra::Vector3;
 
@@ -14,40 +14,40 @@ use crate::photometry::brdf::{
 };
 use crate::photometry::error::Check;
 
-/// Cosines of incidence at which the energy of a face is checked.
+/// Cosines of incidence at which the energy conservation of a face is checked.
 const HELD_AT_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
 /// Error of the numerical integral of the reflected power.
 const ENERGY_SLACK: f64 = 2e-3;
 
 impl PanelsSpec {
-    /// Checks every number against its range, and that every name is that of a panel or parameter.
+    /// Checks every number against its range, and every reference against the names of panels and parameters.
     pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
         check.count("panels.panels", self.panels.len(), 1, 32)?;
         check.count("panels.parameters", self.parameters.len(), 0, 64)?;
-        for (place, parameter) in self.parameters.iter().enumerate() {
-            if self.parameters[..place].iter().any(|earlier| earlier.name == parameter.name) {
-                return Err(check.reference("panels.parameters", &parameter.name, "names that differ".to_owned()));
+        for (index, parameter) in self.parameters.iter().enumerate() {
+            if self.parameters[..index].iter().any(|earlier| earlier.name == parameter.name) {
+                return Err(check.reference("panels.parameters", &parameter.name, "unique names".to_owned()));
             }
             let key = format!("panels.parameters.{}", parameter.name);
             check.range(&key, parameter.value, -10_000.0, 10_000.0)?;
         }
         let names: Vec<&str> = self.panels.iter().map(|panel| panel.name.as_str()).collect();
-        for (place, panel) in self.panels.iter().enumerate() {
-            if panel.name.is_empty() || names[..place].contains(&panel.name.as_str()) {
-                return Err(check.reference("panels.panels", &panel.name, "names that differ".to_owned()));
+        for (index, panel) in self.panels.iter().enumerate() {
+            if panel.name.is_empty() || names[..index].contains(&panel.name.as_str()) {
+                return Err(check.reference("panels.panels", &panel.name, "unique names".to_owned()));
             }
             panel.validate(check, self)?;
         }
         check.count("panels.spheres", self.spheres.len(), 0, 16)?;
-        for (place, sphere) in self.spheres.iter().enumerate() {
-            if sphere.name.is_empty() || self.spheres[..place].iter().any(|earlier| earlier.name == sphere.name) {
-                return Err(check.reference("panels.spheres", &sphere.name, "names that differ".to_owned()));
+        for (index, sphere) in self.spheres.iter().enumerate() {
+            if sphere.name.is_empty() || self.spheres[..index].iter().any(|earlier| earlier.name == sphere.name) {
+                return Err(check.reference("panels.spheres", &sphere.name, "unique names".to_owned()));
             }
             sphere.validate(check, self)?;
         }
         for PanelParameter { name, .. } in &self.parameters {
             if self.terms_of(name).next().is_none() {
-                let allowed = "names that a law or a sphere refers to";
+                let allowed = "names used by a law or a sphere";
                 return Err(check.reference("panels.parameters", name, allowed.to_owned()));
             }
         }
@@ -55,10 +55,10 @@ impl PanelsSpec {
         self.validate_energy(check)
     }
 
-    /// The panels with these values of the parameters, in their order; those of the file where `values` is short.
+    /// Builds the panels with these values of the parameters, in their order; missing values are taken from the file.
     ///
-    /// For the content of a validated file ([`ModelFile::validate`](crate::photometry::ModelFile::validate)): values are
-    /// not checked here, a coefficient of an unknown name is 0, and a blocker of an unknown name blocks nothing.
+    /// Requires a validated file ([`ModelFile::validate`](crate::photometry::ModelFile::validate)): values are not
+    /// checked here, a coefficient with an unknown name is 0, and a blocker with an unknown name blocks nothing.
     pub fn assemble(&self, values: &[f64]) -> PanelAssembly {
         let number_of = |name: &str| self.panels.iter().position(|panel| panel.name == name);
         let value_of = |coefficient: &Coefficient| self.value(coefficient, values).unwrap_or(0.0);
@@ -84,9 +84,9 @@ impl PanelsSpec {
         PanelAssembly::new(panels.collect(), spheres.collect())
     }
 
-    /// Least and greatest value of each parameter in fits: the common range of all coefficients that refer to it
-    /// (albedos and weights 0 to 1, exponents 0.5 to 200, …). Narrower than in files, so a value of the file may lie
-    /// outside.
+    /// Returns the least and greatest value of each parameter in fits: the common range of all coefficients that refer
+    /// to it (albedos and weights 0 to 1, exponents 0.5 to 200, …). Narrower than in files, so a value of the file may
+    /// be outside.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
         let of = |PanelParameter { name, .. }: &PanelParameter| {
             self.terms_of(name).fold([-10_000.0_f64, 10_000.0_f64], |[least, greatest], term| {
@@ -96,15 +96,15 @@ impl PanelsSpec {
         self.parameters.iter().map(of).collect()
     }
 
-    /// True where the light of every law and sphere that refers to a parameter (by index) is proportional to it: albedos,
-    /// weights, the Gaussian's peak, the ABg law's a.
+    /// Returns true if the light of every law and sphere that refers to a parameter (by index) is proportional to it:
+    /// albedos, weights, the Gaussian's peak, the ABg law's a.
     pub fn is_linear(&self, parameter: usize) -> bool {
         self.parameters
             .get(parameter)
             .is_some_and(|parameter| self.terms_of(&parameter.name).all(|term| term.is_linear))
     }
 
-    /// Coefficients that refer to a parameter.
+    /// Returns the coefficients that refer to a parameter.
     fn terms_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = Term<'a>> {
         let terms = self.panels.iter().flat_map(PanelSpec::laws).flat_map(|(_, law)| law.terms());
         let terms = terms.chain(self.spheres.iter().map(SphereSpec::term));
@@ -115,13 +115,13 @@ impl PanelsSpec {
         self.blocking.iter().filter(move |blocking| blocking.panel == name)
     }
 
-    /// Value of a coefficient; `None` for an unknown parameter.
+    /// Returns the value of a coefficient; `None` for an unknown parameter.
     fn value(&self, coefficient: &Coefficient, values: &[f64]) -> Option<f64> {
         match coefficient {
             Coefficient::Number(value) => Some(*value),
             Coefficient::Parameter(name) => {
-                let place = self.parameters.iter().position(|parameter| parameter.name == *name)?;
-                Some(values.get(place).copied().unwrap_or(self.parameters[place].value))
+                let index = self.parameters.iter().position(|parameter| parameter.name == *name)?;
+                Some(values.get(index).copied().unwrap_or(self.parameters[index].value))
             }
         }
     }
@@ -154,13 +154,13 @@ impl PanelsSpec {
                 for cos_in in HELD_AT_COSINES {
                     let share: f64 = reflect.iter().map(|law| reflected_share(law, cos_in)).sum::<f64>()
                         + transmit.iter().map(|law| transmitted_share(law, cos_in)).sum::<f64>();
-                    let key = format!("panels.{} ({face}, light at cosine {cos_in}): reflected share", panel.name);
+                    let key = format!("panels.{} ({face}, light at cosine {cos_in}): reflected fraction", panel.name);
                     check.range(&key, share, 0.0, 1.0 + ENERGY_SLACK)?;
                 }
             }
         }
         for sphere in assembly.spheres() {
-            let key = format!("panels.spheres.{}: reflected share", sphere.name);
+            let key = format!("panels.spheres.{}: reflected fraction", sphere.name);
             check.range(&key, sphere.albedo, 0.0, 1.0)?;
         }
         Ok(())
@@ -180,7 +180,7 @@ impl SphereSpec {
 }
 
 impl PanelSpec {
-    /// Every law with its face.
+    /// Returns every law with its face.
     fn laws(&self) -> impl Iterator<Item = (&'static str, &LawSpec)> {
         let front = self.front.iter().map(|law| ("front", law));
         let back = self.back.iter().map(|law| ("back", law));
@@ -249,7 +249,7 @@ impl AttitudeSpec {
             Self::Fixed { normal, v } => {
                 let normal = Vector3::from(*normal).normalize();
                 let v = Vector3::from(*v);
-                // Right angles to the last digit.
+                // Orthogonal to full precision.
                 Attitude::Fixed { normal, v: (v - normal * normal.dot(&v)).normalize() }
             }
         }
@@ -260,11 +260,11 @@ impl AttitudeSpec {
 pub(crate) struct Term<'a> {
     key: &'static str,
     pub(crate) coefficient: &'a Coefficient,
-    /// Range in files.
+    /// Allowed range in files.
     allowed: [f64; 2],
-    /// Range in fits.
+    /// Allowed range in fits.
     fitted: [f64; 2],
-    /// True where light is proportional to the coefficient.
+    /// True if the light is proportional to the coefficient.
     pub(crate) is_linear: bool,
 }
 
@@ -291,7 +291,7 @@ impl<'a> Term<'a> {
 }
 
 impl LawSpec {
-    /// Coefficients that may be parameters.
+    /// Returns the coefficients that may be parameters.
     pub(crate) fn terms(&self) -> Vec<Term<'_>> {
         match self {
             Self::Lambert { albedo } => vec![Term::new("albedo", albedo, [0.0, 10.0], [0.0, 1.0]).proportional()],

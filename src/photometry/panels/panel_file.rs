@@ -1,4 +1,4 @@
-//! Panels as they stand in a model file.
+//! Content of the `panels` key of a model file.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,7 +8,7 @@ use super::shapes::SpherePhase;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelsSpec {
-    /// Numbers with names, which laws and spheres refer to; their order is that of the covariance.
+    /// Named numbers to which laws and spheres refer, in the order of the covariance.
     pub parameters: Vec<PanelParameter>,
     /// The panels.
     pub panels: Vec<PanelSpec>,
@@ -18,18 +18,18 @@ pub struct PanelsSpec {
     /// Pairs of panels of which one may shade or hide the other.
     #[serde(default)]
     pub blocking: Vec<BlockingSpec>,
-    /// True where the laws of every face are checked to reflect no more than they receive.
+    /// True if the laws of every face are checked to reflect no more than they receive.
     #[serde(default)]
     pub conserves_energy: bool,
 }
 
-/// A number with a name.
+/// A named number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelParameter {
     /// Name used by laws.
     pub name: String,
-    /// Its value.
+    /// Value.
     pub value: f64,
 }
 
@@ -37,17 +37,17 @@ pub struct PanelParameter {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelSpec {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// The point u = v = 0 in the body frame (x towards the Sun's azimuth, z to the zenith), m.
+    /// Position of u = v = 0 in the body frame (x towards the Sun's azimuth, z to the zenith), m.
     pub anchor_m: [f64; 3],
     /// Extent along the edge u, m.
     pub u_m: [f64; 2],
     /// Extent along the edge v, m.
     pub v_m: [f64; 2],
-    /// Law of its attitude.
+    /// Attitude law.
     pub attitude: AttitudeSpec,
-    /// Laws of the front; their light adds up.
+    /// Laws of the front; their light is summed.
     #[serde(default)]
     pub front: Vec<LawSpec>,
     /// Laws of the back.
@@ -56,7 +56,7 @@ pub struct PanelSpec {
     /// Laws of light that falls on the front and is seen from behind.
     #[serde(default)]
     pub through: Vec<LawSpec>,
-    /// True where earthshine falls on the front.
+    /// True if earthshine falls on the front.
     #[serde(default)]
     pub earthshine: bool,
 }
@@ -65,13 +65,13 @@ pub struct PanelSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereSpec {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// Cross-section, m².
     pub area_m2: f64,
-    /// Share of the incident power that leaves again.
+    /// Fraction of the incident power that is reflected.
     pub albedo: Coefficient,
-    /// Dependence of its light on the phase angle.
+    /// Dependence of the light on the phase angle.
     pub phase: SpherePhase,
 }
 
@@ -85,7 +85,7 @@ pub struct BlockingSpec {
     pub by: String,
 }
 
-/// A law of attitude.
+/// An attitude law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
 pub enum AttitudeSpec {
@@ -93,30 +93,31 @@ pub enum AttitudeSpec {
     Nadir {},
     /// Upright and turned to the Sun's azimuth, leaning back by the offset.
     SunAzimuth {
-        /// Degrees above the chassis plane that the normal points to.
+        /// Angle of the normal above the chassis plane, degrees.
         offset_deg: OffsetSpec,
     },
-    /// Facing the Sun, or this far above it.
+    /// Facing the Sun, or a direction above it.
     SunTracking {
-        /// Degrees above the Sun that the normal points to.
+        /// Angle of the normal above the Sun, degrees.
         offset_deg: OffsetSpec,
     },
     /// Fixed in the body frame.
     Fixed {
-        /// Direction of the normal, of any length.
+        /// Normal, of any length.
         normal: [f64; 3],
-        /// Direction of the edge v, of any length, at right angles to the normal.
+        /// Edge v, of any length, at right angles to the normal.
         v: [f64; 3],
     },
 }
 
-/// An angle, constant or against the Sun's latitude.
+/// An angle, constant or as a function of the Sun's latitude.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "degrees, or rows of [Sun's latitude, offset] in degrees")]
 pub enum OffsetSpec {
     /// Degrees.
     Constant(f64),
-    /// Rows of (Sun's latitude, offset), degrees, latitudes rising; straight lines between, constant beyond.
+    /// Rows of (Sun's latitude, offset), degrees, by increasing latitude; linear interpolation, constant beyond the
+    /// ends.
     Table(Vec<[f64; 2]>),
 }
 
@@ -130,20 +131,20 @@ pub enum Coefficient {
     Parameter(String),
 }
 
-/// A law of reflection with its coefficients.
+/// A reflection law with its coefficients.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
 pub enum LawSpec {
     /// Lambert's law.
     Lambert {
-        /// Share of the incident power that leaves again.
+        /// Fraction of the incident power that is reflected.
         albedo: Coefficient,
     },
     /// Phong's lobe.
     Phong {
-        /// Share of the power in the lobe.
+        /// Fraction of the power in the lobe.
         weight: Coefficient,
-        /// Narrowness.
+        /// Narrowness of the lobe.
         exponent: Coefficient,
     },
     /// The ABg law.
@@ -157,23 +158,23 @@ pub enum LawSpec {
     },
     /// A Gaussian-like lobe.
     Gaussian {
-        /// Height, sr⁻¹.
+        /// Peak value, sr⁻¹.
         peak_per_sr: Coefficient,
-        /// 1 - cos θ where it has fallen to 1/e.
+        /// 1 - cos θ at 1/e of the peak.
         width: Coefficient,
     },
-    /// A lobe about the continued ray.
+    /// A lobe about the transmitted direction.
     Straight {
-        /// Share of the power in the lobe.
+        /// Fraction of the power in the lobe.
         weight: Coefficient,
-        /// Narrowness.
+        /// Narrowness of the lobe.
         exponent: Coefficient,
     },
     /// A lobe about the direction back to the Sun.
     Retro {
-        /// Share of the power in the lobe.
+        /// Fraction of the power in the lobe.
         weight: Coefficient,
-        /// Narrowness.
+        /// Narrowness of the lobe.
         exponent: Coefficient,
     },
     /// A rough mirror of small facets.

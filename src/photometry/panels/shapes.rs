@@ -1,6 +1,6 @@
 //! Shapes of panels: polygons, rectangles and spheres.
 //!
-//! They are never shaded or hidden, shade nothing, and receive no earthshine.
+//! They are never shaded or hidden, cast no shadow, and receive no earthshine.
 
 use std::f64::consts::PI;
 
@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::attitude::Axes;
 use crate::photometry::phase::lambert_sphere;
 
-/// Capacity: eight quadrilaterals, each cut by a plane and by the panel, have no more corners in common.
+/// Capacity: the intersection of eight quadrilaterals, each cut by a plane and by the panel, has no more corners.
 const MAX_CORNERS: usize = 48;
 
 /// A convex polygon of at most 48 corners in the plane of a panel (u and v along its edges), metres.
@@ -27,29 +27,29 @@ impl Default for PanelPolygon {
 }
 
 impl PanelPolygon {
-    /// Takes corners in order; those beyond the capacity are dropped.
+    /// Creates a polygon from corners in order; those beyond the capacity are dropped.
     pub fn new(corners: &[[f64; 2]]) -> Self {
         let mut polygon = Self::default();
         corners.iter().for_each(|&corner| polygon.push(corner));
         polygon
     }
 
-    /// The corners in order; empty where nothing is left.
+    /// Returns the corners in order; empty for an empty polygon.
     pub fn corners(&self) -> &[[f64; 2]] {
         &self.corners[..self.len]
     }
 
-    /// Enclosed area, m².
+    /// Returns the enclosed area, m².
     pub fn area_m2(&self) -> f64 {
         self.signed_area_m2().abs()
     }
 
-    /// Part within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
+    /// Returns the part within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
     pub fn clipped_to_rectangle(&self, u: [f64; 2], v: [f64; 2]) -> Self {
         self.clipped(|p| p[0] - u[0]).clipped(|p| u[1] - p[0]).clipped(|p| p[1] - v[0]).clipped(|p| v[1] - p[1])
     }
 
-    /// Intersection with another convex polygon.
+    /// Returns the intersection with another convex polygon.
     pub fn clipped_to(&self, other: &Self) -> Self {
         let turn = other.signed_area_m2().signum();
         let corners = other.corners();
@@ -58,7 +58,7 @@ impl PanelPolygon {
         }
         let edges = corners.iter().zip(corners.iter().cycle().skip(1));
         edges.fold(*self, |kept, (a, b)| {
-            // Left of each edge, for corners that run against the clock.
+            // Left of each edge, for anticlockwise corners.
             kept.clipped(|p| turn * ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])))
         })
     }
@@ -73,13 +73,13 @@ impl PanelPolygon {
 
     fn signed_area_m2(&self) -> f64 {
         let corners = self.corners();
-        // Shoelace.
+        // Shoelace formula.
         let doubled: f64 =
             corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
         0.5 * doubled
     }
 
-    /// The part where a linear function is not negative.
+    /// Returns the part where a linear function is not negative.
     fn clipped(&self, inside: impl Fn([f64; 2]) -> f64) -> Self {
         let mut kept = Self::default();
         let corners = self.corners();
@@ -97,22 +97,23 @@ impl PanelPolygon {
     }
 }
 
-/// Panels that may stand in the way of one panel; each throws a shadow and hides a part.
+/// Largest number of panels that may block one panel; each casts a shadow and hides a part.
 pub const MOST_BLOCKERS: usize = 4;
 
-/// Area of the union of convex shapes, m²: |A ∪ B ∪ …| = Σ|A| - Σ|A ∩ B| + …, with empty intersections left out early.
+/// Returns the area of the union of convex shapes, m²: |A ∪ B ∪ …| = Σ|A| - Σ|A ∩ B| + …; empty intersections are
+/// skipped early.
 pub fn union_area_m2(shapes: &[PanelPolygon]) -> f64 {
     signed(shapes, None)
 }
 
-/// Σ over non-empty subsets, of alternating sign, of the area that all of the subset and `within` share.
+/// Returns Σ over non-empty subsets, with alternating sign, of the area common to the subset and `within`.
 fn signed(shapes: &[PanelPolygon], within: Option<&PanelPolygon>) -> f64 {
     let mut sum = 0.0;
-    for (place, shape) in shapes.iter().enumerate() {
+    for (index, shape) in shapes.iter().enumerate() {
         let shared = within.map_or(*shape, |within| within.clipped_to(shape));
         let area_m2 = shared.area_m2();
         if area_m2 > 0.0 {
-            sum += area_m2 - signed(&shapes[place + 1..], Some(&shared));
+            sum += area_m2 - signed(&shapes[index + 1..], Some(&shared));
         }
     }
     sum
@@ -121,9 +122,9 @@ fn signed(shapes: &[PanelPolygon], within: Option<&PanelPolygon>) -> f64 {
 /// A rectangle in the body frame: a point of its plane, its axes, and its extent along them, metres.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PlacedRectangle {
-    /// The point u = v = 0, in the body frame.
+    /// Position of u = v = 0, in the body frame.
     pub anchor_m: Vector3<f64>,
-    /// Directions of its edges and of its normal.
+    /// Directions of the edges and of the normal.
     pub axes: Axes,
     /// Extent along u.
     pub u_m: [f64; 2],
@@ -132,26 +133,26 @@ pub struct PlacedRectangle {
 }
 
 impl PlacedRectangle {
-    /// Area, m².
+    /// Returns the area, m².
     pub fn area_m2(&self) -> f64 {
         (self.u_m[1] - self.u_m[0]) * (self.v_m[1] - self.v_m[0])
     }
 
-    /// The four corners in the body frame, in order.
+    /// Returns the four corners in the body frame, in order.
     pub fn corners_m(&self) -> [Vector3<f64>; 4] {
         let [u0, u1] = self.u_m;
         let [v0, v1] = self.v_m;
         [(u0, v0), (u1, v0), (u1, v1), (u0, v1)].map(|(u, v)| self.anchor_m + self.axes.u * u + self.axes.v * v)
     }
 
-    /// Part of this rectangle from which another blocks light from or to `direction` (unit vector, away from the
-    /// satellite), in u and v of this one; empty where nothing is blocked.
+    /// Returns the part of this rectangle from which another blocks light from or to `direction` (unit vector, away
+    /// from the satellite), in u and v of this one; empty if nothing is blocked.
     ///
-    /// Exact for flat rectangles: only the part of the other on the side of this plane that `direction` points to can
-    /// block anything, and it is projected along `direction` on the plane.
+    /// Exact for flat rectangles: only the part of the other on the side of this plane to which `direction` points can
+    /// block, and it is projected along `direction` onto the plane.
     pub fn stopped_by(&self, other: &Self, direction: &Vector3<f64>) -> PanelPolygon {
         let along = self.axes.normal.dot(direction);
-        // Edge-on there is no light to lose.
+        // Edge-on there is no light to block.
         if along.abs() < 1e-12 {
             return PanelPolygon::default();
         }
@@ -163,8 +164,8 @@ impl PlacedRectangle {
         });
         let mut shape = PanelPolygon::default();
         // Q = B - w (n·B)/(n·w): along the ray to the plane
-        let mut project = |height: f64, place: Vector3<f64>| {
-            let on_plane = place - direction * (height / along.abs());
+        let mut project = |height: f64, position: Vector3<f64>| {
+            let on_plane = position - direction * (height / along.abs());
             shape.push([on_plane.dot(&self.axes.u), on_plane.dot(&self.axes.v)]);
         };
         for (&(from_height, from), &(to_height, to)) in heights.iter().zip(heights.iter().cycle().skip(1)) {
@@ -183,27 +184,27 @@ impl PlacedRectangle {
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpherePhase {
-    /// A ball that reflects by Lambert's law.
+    /// A sphere that reflects by Lambert's law.
     Lambert,
-    /// The same in every direction.
+    /// Equal light in every direction.
     Isotropic,
 }
 
-/// A sphere, or many parts that shine like one.
+/// A sphere, or many parts with the light of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sphere {
     /// Name in the file.
     pub name: String,
     /// Cross-section, m².
     pub area_m2: f64,
-    /// Share of the incident power that leaves again, into all directions together.
+    /// Fraction of the incident power that is reflected, in all directions together.
     pub albedo: f64,
     /// Dependence on the phase angle.
     pub phase: SpherePhase,
 }
 
 impl Sphere {
-    /// Reflected sunlight at a phase angle in [0, π], m² sr⁻¹.
+    /// Returns the reflected sunlight at a phase angle in [0, π], m² sr⁻¹.
     pub fn m2_sr(&self, phase_angle_rad: f64) -> f64 {
         let per_m2 = match self.phase {
             // 2/3, the geometric albedo of a white Lambertian sphere, and its phase function, 1 at full phase:
@@ -227,8 +228,7 @@ mod tests {
 
     #[test]
     fn verif_triangle_cut_by_a_square() {
-        // The triangle (0,0) (2,0) (0,2) within the unit square is the whole square; within (0..1, 0..0.5) a half of
-        // it.
+        // The triangle (0,0) (2,0) (0,2) within the unit square is the whole square; within (0..1, 0..0.5) half of it.
         let triangle = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
         let cut = |u, v| triangle.clipped_to_rectangle(u, v);
         assert!((triangle.area_m2() - 2.0).abs() < 1e-15);
@@ -241,7 +241,7 @@ mod tests {
     #[test]
     fn verif_triangles_cut_by_one_another() {
         let one = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
-        // The same triangle turned by half a turn about (0.5, 0.5), run through the other way: they share a hexagon.
+        // The same triangle rotated by half a turn about (0.5, 0.5), in reverse order: they share a hexagon.
         let other = PanelPolygon::new(&[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]]);
         let shared = one.clipped_to(&other);
         assert!((shared.area_m2() - other.clipped_to(&one).area_m2()).abs() < 1e-15);
@@ -262,13 +262,13 @@ mod tests {
         assert!((union_area_m2(&squares) - 8.0).abs() < 1e-14, "{}", union_area_m2(&squares));
         assert_eq!(union_area_m2(&[]), 0.0);
         assert!((union_area_m2(&[square(0.0, 0.0), square(5.0, 5.0)]) - 8.0).abs() < 1e-14);
-        // Corners in either sense.
+        // Corners in either order.
         let mut turned = PanelPolygon::default();
         [[0.0, 0.0], [0.0, 2.0], [2.0, 2.0], [2.0, 0.0]].into_iter().for_each(|corner| turned.push(corner));
         assert!((union_area_m2(&[turned, square(1.0, 1.0)]) - 7.0).abs() < 1e-14);
     }
 
-    /// A unit square in z = 0 looking up, and one of the same size above it.
+    /// A unit square in z = 0 facing up, and one of the same size above it.
     fn pair(height_m: f64) -> (PlacedRectangle, PlacedRectangle) {
         let axes = Attitude::Fixed { normal: Vector3::z(), v: Vector3::y() }.axes(&Vector3::x());
         let below = PlacedRectangle { anchor_m: Vector3::zeros(), axes, u_m: [0.0, 1.0], v_m: [0.0, 1.0] };
@@ -276,13 +276,13 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_square_above_another_throws_a_shifted_square() {
+    fn verif_a_square_above_another_casts_a_shifted_square() {
         let (below, above) = pair(0.5);
-        // Light from 45° along x: the shadow moves by half a side, half of it stays.
+        // Light from 45° along x: the shadow moves by half a side, and half of it remains.
         let slant = Vector3::new(-1.0, 0.0, 1.0).normalize();
         assert!((below.stopped_by(&above, &slant).area_m2() - 0.5).abs() < 1e-15);
         assert!((below.stopped_by(&above, &Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
-        // From below it stands behind; and the lower one hides the upper one's back.
+        // From below it is behind; and the lower one hides the back of the upper one.
         assert_eq!(below.stopped_by(&above, &-Vector3::z()).area_m2(), 0.0);
         assert!((above.stopped_by(&below, &-Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
         assert_eq!(below.stopped_by(&above, &Vector3::x()).area_m2(), 0.0);
@@ -327,7 +327,7 @@ mod tests {
                     sum += law.value_per_sr(&incidence) * incidence.front() * cell_m2;
                 }
             }
-            // Cells of 1/400 at the border between light and dark.
+            // Cells of 1/400 at the terminator.
             assert!((sum - sphere.m2_sr(angle)).abs() < 1e-5, "{angle}: {sum} {}", sphere.m2_sr(angle));
         }
     }

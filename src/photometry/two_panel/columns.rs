@@ -6,7 +6,7 @@ use crate::math::vectors::{Kernel, widest_fused};
 use super::equations::{Directions, magnitudes};
 use super::satellite::SatelliteModel;
 
-/// Directions of Sun and observer in the body frame as columns, radians; the shortest column counts.
+/// Directions of Sun and observer in the body frame as columns, radians; the shortest column determines the number.
 #[derive(Copy, Clone, Debug)]
 pub struct BodyAngles<'a> {
     /// Latitude of the Sun above the chassis plane.
@@ -17,7 +17,8 @@ pub struct BodyAngles<'a> {
     pub observer_latitude_rad: &'a [f64],
 }
 
-/// Positions of satellites as columns, in the same geocentric axes as observer and Sun, km; the shortest column counts.
+/// Positions of satellites as columns, in the same geocentric axes as observer and Sun, km; the shortest column
+/// determines the number.
 #[derive(Copy, Clone, Debug)]
 pub struct SatellitePositions<'a> {
     /// First coordinate of each satellite.
@@ -39,13 +40,13 @@ pub(in crate::photometry) enum Columns<'a> {
     Positions(&'a SatellitePositions<'a>),
 }
 
-/// Geometries that are evaluated together: their intermediate numbers, some 7 kB, stay in the nearest cache.
+/// Number of geometries evaluated together: their intermediate values, some 7 kB, stay in the first-level cache.
 const BLOCK: usize = 32;
 
-/// Least light that has a magnitude, m² sr⁻¹.
+/// Least light with a magnitude, m² sr⁻¹.
 const LEAST_M2_SR: f64 = 1e-300;
 
-/// Writes magnitudes at 1000 km into `out`; not a number where nothing lit is seen. `zero_mag` is that of 1 m² sr⁻¹.
+/// Writes magnitudes at 1000 km into `out`; NaN where no lit surface is visible. `zero_mag` is that of 1 m² sr⁻¹.
 pub(in crate::photometry) fn standard_magnitudes(
     model: &SatelliteModel,
     zero_mag: f64,
@@ -98,7 +99,7 @@ impl Kernel for StandardMagnitudes<'_> {
     }
 }
 
-/// From latitude of the Sun, longitude and latitude of the observer.
+/// Computes directions from the latitude of the Sun and longitude and latitude of the observer.
 #[inline(always)]
 fn of_angles<const F: bool>(angles: &[[f64; BLOCK]; 3]) -> Directions<BLOCK> {
     let [mut sun_x, mut sun_z, mut eye_x, mut eye_y, mut eye_z] = [[0.0; BLOCK]; 5];
@@ -117,7 +118,7 @@ fn of_angles<const F: bool>(angles: &[[f64; BLOCK]; 3]) -> Directions<BLOCK> {
     Directions { sun: [sun_x, sun_z], observer: [eye_x, eye_y, eye_z] }
 }
 
-/// From positions of satellites, as [`crate::geometry::ViewingGeometry::new`].
+/// Computes directions from positions of satellites, as [`crate::geometry::ViewingGeometry::new`].
 #[inline(always)]
 fn of_positions<const F: bool>(positions: &[[f64; BLOCK]; 3], observer: [f64; 3], sun: [f64; 3]) -> Directions<BLOCK> {
     let [mut sun_x, mut sun_z, mut eye_x, mut eye_y, mut eye_z] = [[0.0; BLOCK]; 5];
@@ -132,7 +133,7 @@ fn of_positions<const F: bool>(positions: &[[f64; BLOCK]; 3], observer: [f64; 3]
         let per_place_km = 1.0 / norm::<F>(p);
         let per_place_sun = per_place_km / norm::<F>(s);
         let per_eye_km = 1.0 / norm::<F>(e);
-        // With the Sun in the zenith azimuths mean nothing: the observer is then taken at an azimuth of 90°.
+        // With the Sun in the zenith azimuths are undefined: the observer is then taken at an azimuth of 90°.
         let per_across_eye = per_eye_km / greater(across_km2, f64::MIN_POSITIVE);
         sun_x[lane] = across_km2 * per_place_sun;
         sun_z[lane] = dot::<F>(p, s) * per_place_sun;

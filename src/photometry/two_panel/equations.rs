@@ -1,12 +1,12 @@
 //! The equations of the two-panel model (Lu 2024, sections 2.1 and 2.3) for N geometries at once.
 //!
-//! Single magnitudes take N = 1; columns and fits take blocks, whose loops the compiler turns into vectors. `F` is true
-//! where the machine has fused multiply-add ([`crate::math::vectors::widest_fused`]).
+//! Single magnitudes use N = 1; columns and fits use blocks, whose loops the compiler vectorises. `F` is true on
+//! machines with fused multiply-add ([`crate::math::vectors::widest_fused`]).
 //!
 //! # Shadow and obstruction by the chassis
 //!
-//! The sail stands on the chassis edge that looks away from the Sun, a hinge along y. In the plane of the sail u runs
-//! along the hinge from its middle and v up the sail; in the body frame a point of it is
+//! The sail is mounted on the chassis edge that faces away from the Sun, a hinge along y. In the plane of the sail u
+//! runs along the hinge from its middle and v up the sail; in the body frame a point of it is
 //!
 //! ```text
 //! P(u, v) = (-v sin POA, u, v cos POA)        normal n = (cos POA, 0, sin POA)
@@ -19,20 +19,20 @@
 //! x = v (n·w)/(-w_z)        y = u + v cos POA w_y/(-w_z)
 //! ```
 //!
-//! so it is stopped where n·w > 0 (else it leaves the other way), v ≤ h, and |y| ≤ w_base/2, with
+//! so it is blocked where n·w > 0 (otherwise it leaves in the other direction), v ≤ h, and |y| ≤ w_base/2, with
 //!
 //! ```text
 //! h = l_base (-w_z)/(n·w)
 //! ```
 //!
-//! That is a parallelogram standing on the hinge, sheared sideways; for the Sun w_y = 0 and it is a rectangle. With
-//! w the Sun h is that of the paper's eq. 15, with w the observer it is y_p. **The paper's eq. 17 prints sin² δ_sun
-//! where this derivation (and casting rays) gives sin² δ_obs**; the printed form errs by up to 0.74 in the blocked
-//! fraction. The condition to be hidden is n·w > 0, not cos α > 0: with POA = -3° the latter is wrong by up to 0.86.
+//! That is a parallelogram on the hinge, sheared sideways; for the Sun w_y = 0 and it is a rectangle. With w the Sun h
+//! is that of the paper's eq. 15, with w the observer it is y_p. **The paper's eq. 17 prints sin² δ_sun where this
+//! derivation (and ray casting) gives sin² δ_obs**; the printed form is wrong by up to 0.74 in the blocked fraction.
+//! The condition for obstruction is n·w > 0, not cos α > 0: with POA = -3° the latter is wrong by up to 0.86.
 //!
-//! The part of the sail that is lost is the area of shadow ∪ view, cut to the sail. At each height v the three shapes
-//! are intervals in u, so the area is the integral of interval lengths that are piecewise linear in v, taken in closed
-//! form. Tests compare it with clipped polygons and with rays cast one by one.
+//! The lost part of the sail is the area of shadow ∪ view, cut to the sail. At each height v the three shapes are
+//! intervals in u, so the area is the integral of interval lengths that are piecewise linear in v, in closed form.
+//! Tests compare it with clipped polygons and with single rays.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, LN_10, TAU};
 
@@ -44,7 +44,7 @@ use crate::photometry::model_file::SatelliteShape;
 /// Logarithm of a mirror cosine that is not positive: every power of it is 0.
 const NO_LOBE: f64 = -1e5;
 
-/// Stands for a cosine of 0 as a divisor.
+/// Replaces a cosine of 0 as a divisor.
 const TINY: f64 = 1e-60;
 
 /// A rectangular sail hinged to the edge of a rectangular chassis.
@@ -64,12 +64,12 @@ pub struct ChassisAndSail {
     half_both_m: f64,
 }
 
-/// Shares of the sail's area that are lost to light.
+/// Fractions of the sail's area without light.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Blocked {
-    /// In the shadow of the chassis or hidden behind it: BF of the paper, [0, 1].
+    /// Fraction shaded by the chassis or hidden behind it: BF of the paper, [0, 1].
     pub shadow_or_hidden: f64,
-    /// In the shadow of the chassis: BF' of the paper, [0, 1].
+    /// Fraction shaded by the chassis: BF' of the paper, [0, 1].
     pub shadow: f64,
 }
 
@@ -80,7 +80,7 @@ pub(crate) struct Directions<const N: usize> {
     pub observer: [[f64; N]; 3],
 }
 
-/// Area of the sail that the Sun lights, and the part of it that the observer sees too, m².
+/// Area of the sail lit by the Sun, and the part of it visible to the observer, m².
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(crate) struct OpenSail<const N: usize> {
     pub lit_m2: [f64; N],
@@ -109,7 +109,7 @@ impl Directions<1> {
 }
 
 impl ChassisAndSail {
-    /// Returns `None` unless all lengths are positive and finite and the panel offset lies within ±90°.
+    /// Returns `None` unless all lengths are positive and finite and the panel offset is within ±90°.
     pub fn new(shape: &SatelliteShape) -> Option<Self> {
         let lengths = [shape.sail_length_m, shape.sail_width_m, shape.base_length_m, shape.base_width_m];
         let panel_offset_rad = shape.panel_offset_deg.to_radians();
@@ -129,12 +129,13 @@ impl ChassisAndSail {
         })
     }
 
-    /// Area of the chassis, m².
+    /// Returns the area of the chassis, m².
     pub(crate) fn base_m2(&self) -> f64 {
         self.base_m2
     }
 
-    /// Lost shares of the sail for unit vectors to Sun and observer in the body frame (the Sun's y is taken as 0).
+    /// Returns the blocked fractions of the sail for unit vectors to Sun and observer in the body frame (the Sun's y is
+    /// taken as 0).
     pub fn blocked(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Blocked {
         self.blocked_of(&self.open_sail::<false, 1>(&Directions::new(to_sun, to_observer)))
     }
@@ -144,13 +145,13 @@ impl ChassisAndSail {
         Blocked { shadow_or_hidden: lost(open.lit_and_seen_m2), shadow: lost(open.lit_m2) }
     }
 
-    /// Sail of which nothing is shaded or hidden.
+    /// Returns a sail without shadow or obstruction.
     #[cfg(feature = "fit")]
     pub(crate) fn whole_sail<const N: usize>(&self) -> OpenSail<N> {
         OpenSail { lit_m2: [self.sail_m2; N], lit_and_seen_m2: [self.sail_m2; N] }
     }
 
-    /// Parts of the sail that the chassis neither shades nor hides.
+    /// Returns the parts of the sail that the chassis neither shades nor hides.
     #[inline(always)]
     pub(crate) fn open_sail<const F: bool, const N: usize>(&self, directions: &Directions<N>) -> OpenSail<N> {
         let [sun_x, sun_z] = &directions.sun;
@@ -175,7 +176,7 @@ impl ChassisAndSail {
         OpenSail { lit_m2, lit_and_seen_m2 }
     }
 
-    /// Height up the sail, m, below which the chassis stops light to or from a direction of this x and z.
+    /// Returns the height up the sail, m, below which the chassis blocks light to or from a direction of this x and z.
     #[inline(always)]
     fn height_m<const F: bool>(&self, x: f64, z: f64) -> f64 {
         // h = l_base (-sin δ) / (n · w)                                  Lu (2024), eqs. 15 and 17 (corrected)
@@ -184,13 +185,13 @@ impl ChassisAndSail {
         if z < 0.0 && facing > 0.0 { height_m } else { 0.0 }
     }
 
-    /// Projected areas and mirror angles; logarithms only of the lobes (sail, chassis) that are `wanted`.
+    /// Computes projected areas and mirror angles; logarithms only of the lobes (sail, chassis) that are `selected`.
     #[inline(always)]
     pub(crate) fn lit<const F: bool, const N: usize>(
         &self,
         directions: &Directions<N>,
         open: &OpenSail<N>,
-        wanted: [bool; 2],
+        selected: [bool; 2],
     ) -> LitPanels<N> {
         let [sun_x, sun_z] = &directions.sun;
         let [eye_x, _, eye_z] = &directions.observer;
@@ -208,8 +209,8 @@ impl ChassisAndSail {
             cos_sail[lane] = fused::<F>(2.0 * sail_in, sail_out, -sun_eye);
             cos_base[lane] = fused::<F>(2.0 * sun_z, eye_z, -sun_eye);
         }
-        for (cosines, wanted) in [(&mut cos_sail, wanted[0]), (&mut cos_base, wanted[1])] {
-            if wanted {
+        for (cosines, selected) in [(&mut cos_sail, selected[0]), (&mut cos_base, selected[1])] {
+            if selected {
                 for cosine in cosines.iter_mut() {
                     let logarithm = ln::<F>(greater(*cosine, f64::MIN_POSITIVE));
                     *cosine = if *cosine > 0.0 { logarithm } else { NO_LOBE };
@@ -221,7 +222,8 @@ impl ChassisAndSail {
 }
 
 impl<const N: usize> LitPanels<N> {
-    /// B_total is Σ c_k times these five, in the order c1 to c5, m² sr⁻¹; lobes without an exponent are 0.
+    /// Returns five terms, in the order c1 to c5, m² sr⁻¹: B_total is Σ c_k times these; lobes without an exponent are
+    /// 0.
     #[inline(always)]
     pub(crate) fn basis<const F: bool>(&self, exponents: [Option<f64>; 2]) -> [[f64; N]; 5] {
         let mut basis = [[0.0; N]; 5];
@@ -233,7 +235,7 @@ impl<const N: usize> LitPanels<N> {
         basis
     }
 
-    /// B_total by sunlight, m² sr⁻¹, without storing its parts.
+    /// Returns B_total in sunlight, m² sr⁻¹, without storing its parts.
     #[inline(always)]
     pub(crate) fn light<const F: bool>(&self, c: &[f64; 5], exponents: [Option<f64>; 2]) -> [f64; N] {
         let mut light = [0.0; N];
@@ -257,7 +259,7 @@ impl<const N: usize> LitPanels<N> {
     }
 }
 
-/// Lobe of weight 1, sr⁻¹.
+/// Returns a lobe of weight 1, sr⁻¹.
 #[inline(always)]
 fn lobe<const F: bool>(exponent: Option<f64>, ln_cosine: f64) -> f64 {
     let Some(n) = exponent else { return 0.0 };
@@ -266,21 +268,21 @@ fn lobe<const F: bool>(exponent: Option<f64>, ln_cosine: f64) -> f64 {
     if ln_cosine > NO_LOBE { value } else { 0.0 }
 }
 
-/// Derivative by the exponent of a lobe of which value and exponent are given.
+/// Returns the derivative by the exponent of a lobe with known value and exponent.
 #[inline(always)]
 pub(crate) fn slope_of_lobe(lobe: f64, exponent: f64, ln_cosine: f64) -> f64 {
     // ∂/∂n of (n + 2)/2π cosⁿθ: itself times 1/(n + 2) + ln cos θ
     lobe * (1.0 / (exponent + 2.0) + ln_cosine)
 }
 
-/// Σ c_k b_k.
+/// Returns Σ c_k b_k.
 #[inline(always)]
 fn weighted<const F: bool>(c: &[f64; 5], basis: [f64; 5]) -> f64 {
     let diffuse = fused::<F>(c[1], basis[1], fused::<F>(c[2], basis[2], c[4] * basis[4]));
     fused::<F>(c[0], basis[0], fused::<F>(c[3], basis[3], diffuse))
 }
 
-/// Σ c_k b_k, lane by lane.
+/// Returns Σ c_k b_k, lane by lane.
 #[inline(always)]
 pub(crate) fn weighted_sum<const F: bool, const N: usize>(c: &[f64; 5], basis: &[[f64; N]; 5]) -> [f64; N] {
     let mut sum = [0.0; N];
@@ -290,7 +292,8 @@ pub(crate) fn weighted_sum<const F: bool, const N: usize>(c: &[f64; 5], basis: &
     sum
 }
 
-/// Magnitudes of reflected light; `zero_mag` is the magnitude of 1 m² sr⁻¹, and light counts as at least `least_m2_sr`.
+/// Computes magnitudes of reflected light; `zero_mag` is the magnitude of 1 m² sr⁻¹, and light is at least
+/// `least_m2_sr`.
 #[inline(always)]
 pub(crate) fn magnitudes<const F: bool, const N: usize>(
     light_m2_sr: &[f64; N],
@@ -299,13 +302,14 @@ pub(crate) fn magnitudes<const F: bool, const N: usize>(
 ) -> [f64; N] {
     let mut magnitudes = [0.0; N];
     for lane in 0..N {
-        // m = -2.5 log₁₀ B + zero                                        Lu (2024), eq. 19
+        // m = -2.5 log₁₀ B + zero                                        Lu (2024), eq. 21
         magnitudes[lane] = fused::<F>(-2.5 / LN_10, ln::<F>(greater(light_m2_sr[lane], least_m2_sr)), zero_mag);
     }
     magnitudes
 }
 
-/// ∫ clamp(reach - slope v, 0, flat) dv over 0 ≤ v ≤ height: the area that two strips share, one of which leans.
+/// Returns ∫ clamp(reach - slope v, 0, flat) dv over 0 ≤ v ≤ height: the common area of two strips, one of them
+/// inclined.
 ///
 /// `reach` is half the sum of their widths and at least the smaller width `flat`.
 #[inline(always)]

@@ -1,4 +1,4 @@
-//! Chassis and sail of Lu (2024): the equations once, for single geometries, for columns of them, and for fits.
+//! Chassis and sail of Lu (2024): one set of equations for single geometries, columns of them, and fits.
 
 mod columns;
 mod equations;

@@ -1,8 +1,8 @@
 //! Chassis and sail with coefficients: five terms of reflected sunlight and two of earthshine.
 //!
-//! B_total = glossy + diffuse of the sail's front, light leaking through its back, glossy + diffuse of the chassis
-//! (Lu 2024, section 2.1). The sail is kept turned to the Sun about the zenith and stands on the chassis, leaning by
-//! the panel offset angle; the chassis looks straight down. Earthshine falls on the chassis alone (section 2.4).
+//! B_total = glossy + diffuse of the sail's front, light leaking through its back, glossy + diffuse of the chassis (Lu
+//! 2024, section 2.1). The sail follows the Sun about the zenith and is mounted on the chassis, inclined by the panel
+//! offset angle; the chassis faces straight down. Earthshine falls on the chassis only (section 2.4).
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -15,7 +15,7 @@ use crate::photometry::model_file::{Coefficients, SatelliteShape};
 
 use super::equations::{Blocked, ChassisAndSail, Directions, LitPanels, OpenSail, slope_of_lobe, weighted_sum};
 
-/// Reflected light term by term, m² sr⁻¹, cosines and areas included, and the blocked shares of the sail.
+/// Reflected light by term, m² sr⁻¹, including cosines and areas, and the blocked fractions of the sail.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Terms {
     /// Glossy lobe of the sail's front (c1, n_sail), eq. 2.
@@ -28,26 +28,26 @@ pub struct Terms {
     pub base_glossy_m2_sr: f64,
     /// Diffuse light of the chassis (c5), eq. 6.
     pub base_diffuse_m2_sr: f64,
-    /// Earthshine in the glossy lobe of the chassis (c4, n_base), section 2.4; 0 where it is off.
+    /// Earthshine in the glossy lobe of the chassis (c4, n_base), section 2.4; 0 if off.
     pub earth_glossy_m2_sr: f64,
-    /// Earthshine as diffuse light of the chassis (c5); 0 where it is off.
+    /// Earthshine as diffuse light of the chassis (c5); 0 if off.
     pub earth_diffuse_m2_sr: f64,
-    /// Shares of the sail that the chassis hides or shades.
+    /// Fractions of the sail that the chassis hides or shades.
     pub blocked: Blocked,
 }
 
 impl Terms {
-    /// Sum of all terms, m² sr⁻¹; eq. 1 and earthshine.
+    /// Returns the sum of all terms, m² sr⁻¹; eq. 1 and earthshine.
     pub fn b_total_m2_sr(&self) -> f64 {
         self.sunlight_m2_sr() + self.earthshine_m2_sr()
     }
 
-    /// The two terms of earthshine.
+    /// Returns the sum of the two terms of earthshine.
     pub fn earthshine_m2_sr(&self) -> f64 {
         self.earth_glossy_m2_sr + self.earth_diffuse_m2_sr
     }
 
-    /// The five terms of light straight from the Sun; eq. 1.
+    /// Returns the sum of the five terms of direct sunlight; eq. 1.
     pub fn sunlight_m2_sr(&self) -> f64 {
         self.sail_glossy_m2_sr
             + self.sail_diffuse_m2_sr
@@ -57,7 +57,7 @@ impl Terms {
     }
 }
 
-/// A satellite of two panels with its coefficients; evaluating it allocates nothing.
+/// A satellite of two panels with its coefficients; evaluated without allocation.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SatelliteModel {
     pub(super) panels: ChassisAndSail,
@@ -67,13 +67,13 @@ pub struct SatelliteModel {
 }
 
 impl SatelliteModel {
-    /// Returns `None` where a length is not positive or the panel offset is not within ±90°.
+    /// Returns `None` if a length is not positive or the panel offset is not within ±90°.
     pub fn new(shape: &SatelliteShape, coefficients: &Coefficients) -> Option<Self> {
         let Coefficients { c1, c2, c3, c4, c5, n_sail, n_base } = *coefficients;
         Some(Self { panels: ChassisAndSail::new(shape)?, c: [c1, c2, c3, c4, c5], n_sail, n_base })
     }
 
-    /// All seven terms for full sunlight, or five where earthshine is off.
+    /// Returns all seven terms in full sunlight, or five with earthshine off.
     pub fn terms_with(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> Terms {
         let mut terms = self.terms(geometry);
         if earthshine == Earthshine::Computed {
@@ -82,12 +82,12 @@ impl SatelliteModel {
         terms
     }
 
-    /// The five terms of full sunlight.
+    /// Returns the five terms in full sunlight.
     pub fn terms(&self, geometry: &ViewingGeometry) -> Terms {
         self.terms_of_directions(geometry.to_sun().vector(), geometry.to_observer().vector())
     }
 
-    /// The five terms of sunlight from unit vectors to Sun (its y is 0) and observer, in the body frame.
+    /// Returns the five terms of sunlight from unit vectors to Sun (with y = 0) and observer, in the body frame.
     pub fn terms_of_directions(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Terms {
         let exponents = self.exponents();
         let (open, lit) = self.lit(to_sun, to_observer, exponents);
@@ -106,7 +106,7 @@ impl SatelliteModel {
         }
     }
 
-    /// Derivatives of B_total by c1, c2, c3, c4, c5, n_sail, n_base, and B_total itself, m² sr⁻¹.
+    /// Returns the derivatives of B_total by c1, c2, c3, c4, c5, n_sail, n_base, and B_total itself, m² sr⁻¹.
     pub fn gradient(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> ([f64; 7], f64) {
         let exponents = [Some(self.n_sail), Some(self.n_base)];
         let (_, lit) = self.lit(to_sun, to_observer, exponents);
@@ -118,17 +118,17 @@ impl SatelliteModel {
         (gradient, weighted_sum::<false, 1>(&self.c, &basis)[0])
     }
 
-    /// Glossy and diffuse earthshine of the chassis, m² sr⁻¹: 1 to 5 µs at n_base = 22, 0 where no ground in view is
-    /// lit.
+    /// Returns glossy and diffuse earthshine of the chassis, m² sr⁻¹: 1 to 5 µs at n_base = 22; 0 if no ground in view
+    /// is lit.
     pub(crate) fn earthshine_m2_sr(&self, geometry: &ViewingGeometry) -> [f64; 2] {
-        /// Where there is no lobe the fewest nodes serve.
+        /// Without a lobe the smallest number of nodes suffices.
         const BROAD_EXPONENT: f64 = 4.0;
         let exponent = if self.c[3] > 0.0 { self.n_base } else { BROAD_EXPONENT };
         let [glossy, diffuse] = chassis_earthshine(self.panels.base_m2(), geometry, exponent);
         [self.c[3] * glossy, self.c[4] * diffuse]
     }
 
-    /// Exponents of the lobes that have a weight.
+    /// Returns the exponents of the lobes with a weight.
     pub(super) fn exponents(&self) -> [Option<f64>; 2] {
         [(self.c[0] != 0.0).then_some(self.n_sail), (self.c[3] != 0.0).then_some(self.n_base)]
     }
@@ -145,7 +145,7 @@ impl SatelliteModel {
     }
 }
 
-/// Glossy and diffuse earthshine of a chassis with c4 = c5 = 1, m² sr⁻¹.
+/// Returns glossy and diffuse earthshine of a chassis with c4 = c5 = 1, m² sr⁻¹.
 pub(crate) fn chassis_earthshine(base_m2: f64, geometry: &ViewingGeometry, exponent: f64) -> [f64; 2] {
     let (to_observer, down) = (geometry.to_observer(), -Vector3::z());
     let seen_m2 = base_m2 * down.dot(to_observer.vector());
@@ -154,6 +154,6 @@ pub(crate) fn chassis_earthshine(base_m2: f64, geometry: &ViewingGeometry, expon
     }
     let Some(earth) = LitEarth::new(geometry.sun_latitude_rad, geometry.height_km) else { return [0.0; 2] };
     let shine = earth.shine(&down, to_observer.vector(), exponent);
-    // The laws of section 2.1, light from each part of the Earth in place of the Sun's.
+    // The laws of section 2.1, with light from each part of the Earth instead of the Sun.
     [(exponent + 2.0) / TAU * shine.lobe * seen_m2, FRAC_1_PI * shine.irradiance * seen_m2]
 }

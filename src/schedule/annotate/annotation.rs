@@ -48,7 +48,7 @@ impl Annotation<'_> {
     /// Returns the indices of the columns of an earlier annotation.
     ///
     /// # Errors
-    /// There are such columns, and they must not be replaced.
+    /// Such columns exist and may not be replaced.
     pub(super) fn earlier_columns(
         &self,
         input: &Path,
@@ -70,7 +70,7 @@ pub(super) fn read_text(input: &Path) -> Result<String, ScheduleError> {
     std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
 }
 
-/// Insertions into a text and removals from it; all other bytes stay.
+/// Insertions into a text and removals from it; all other bytes are kept.
 #[derive(Default)]
 pub(super) struct Edits(Vec<(Range<usize>, String)>);
 
@@ -87,7 +87,7 @@ impl Edits {
 
     /// Returns the edited text.
     pub fn apply(mut self, text: &str) -> String {
-        // A removal may end where an insertion stands: the removal comes first. One that starts there comes after it.
+        // A removal that ends at the position of an insertion is applied first, one that starts there after it.
         self.0.sort_by_key(|(range, _)| (range.start, range.end));
         let mut out = String::with_capacity(text.len() * 2);
         let mut written = 0;

@@ -1,4 +1,5 @@
-//! Annotation of CSV and ECSV: flags appended to each line, streaks in a file beside it. All original bytes stay.
+//! Annotation of CSV and ECSV: flags are appended to each line, streaks go to a second file. All original bytes are
+//! kept.
 
 use std::io;
 use std::ops::Range;
@@ -15,7 +16,7 @@ pub(super) fn annotate_csv(
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, ScheduleError> {
     let text = read_text(input)?;
-    // The byte order mark stays, but does not belong to the first name.
+    // The byte order mark is kept, but is not part of the first name.
     let (mark, body) = match text.strip_prefix('\u{feff}') {
         Some(body) => ("\u{feff}", body),
         None => ("", text.as_str()),
@@ -30,11 +31,11 @@ pub(super) fn annotate_csv(
     let mut start = layout.header_end;
     for (row, (&end, cells)) in layout.row_ends.iter().zip(&layout.rows).enumerate() {
         if !annotation.is_kept(row) {
-            // Comments before a row that is removed stay.
+            // Comments before a removed row are kept.
             lines.edits.remove(start + before_record(&body[start..end]).len()..end);
         } else {
-            // A row of another length than the header has no cells of an earlier annotation. A short row is filled up,
-            // so that the flags stand below their names.
+            // A row whose length differs from the header has no cells of an earlier annotation. A short row is padded
+            // so that the flags are aligned with their names.
             let earlier = if cells.len() == width { lines.earlier } else { 0 };
             lines.append_flags(start..end, earlier, (width - lines.earlier).saturating_sub(cells.len()))?;
         }
@@ -68,7 +69,7 @@ pub(super) fn annotate_ecsv(
             lines.edits.remove(start..end);
         }
     }
-    // Nothing is inserted into a header without a list of columns.
+    // A header without a list of columns is not changed.
     if layout.header_lines.iter().any(|(_, end)| *end == layout.datatype_end) {
         let line_end = if text.contains("\r\n") { "\r\n" } else { "\n" };
         let mut entries = String::new();
@@ -109,11 +110,11 @@ fn trailing_columns(
         return Ok(earlier.len());
     }
     let earlier: Vec<&str> = earlier.iter().map(|&index| names[index].as_str()).collect();
-    let what = format!("columns among its own {}", earlier.join(", "));
+    let what = format!("columns {}, which are not the last ones", earlier.join(", "));
     Err(ScheduleError::AlreadyThere { path: display(input), what })
 }
 
-/// Lines with the flags as their last cells, in the place of those of an earlier annotation.
+/// Lines with the flags as their last cells, replacing those of an earlier annotation.
 struct Lines<'a> {
     text: &'a str,
     delimiter: u8,
@@ -154,8 +155,8 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Returns the comments and blank lines before a record, in a text that ends with the record; without the line end that belongs
-/// to the record.
+/// Returns the comments and blank lines before a record, in a text that ends with the record; without the line end that
+/// precedes the record.
 fn before_record(piece: &str) -> &str {
     let mut start = 0;
     loop {
@@ -183,7 +184,7 @@ fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, S
     let mut writer = csv::WriterBuilder::new().delimiter(delimiter).from_writer(vec![delimiter]);
     writer.write_record(texts).map_err(|source| error(source.into()))?;
     let bytes = writer.into_inner().map_err(|source| error(io::Error::other(source.to_string())))?;
-    // The writer ends its record with a line feed; the line end comes from the file.
+    // The writer ends its record with a line feed; the file already has its own line end.
     Ok(String::from_utf8_lossy(bytes.strip_suffix(b"\n").unwrap_or(&bytes)).into_owned())
 }
 
@@ -249,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn an_earlier_annotation_is_replaced_only_when_told() {
+    fn an_earlier_annotation_is_replaced_only_with_replace() {
         let first = run("id,n\n1,\"2,3\"\n", &["clear"], false).unwrap();
         let error = run(&first, &["avoid"], false).unwrap_err().to_string();
         assert!(error.contains("already has columns verdict, reasons") && error.contains("--replace"), "{error}");
@@ -258,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_that_are_not_asked_for_go_with_their_lines() {
+    fn rows_outside_the_shard_are_removed_with_their_lines() {
         let text = "id,n\r\n1,a\r\n# note\r\n2,\"b\r\nc\"\r\n3,d\r\n";
         let shard = |verdicts: &[&str], keep: [bool; 3]| run_rows(text, verdicts, false, Some(&keep)).unwrap();
         let reasons = "\"a, \"\"b\"\"\"";
@@ -275,7 +276,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_grew_is_left_alone() {
+    fn a_file_that_grew_is_an_error() {
         let answer = run("id,n\n1,2\n", &["clear", "clear"], false);
         assert!(matches!(answer, Err(ScheduleError::Changed { rows: 1, flags: 2, .. })));
     }

@@ -1,5 +1,5 @@
-//! Annotation of JSON: flags as further members of each row, streaks as members of the document or in a file beside it. All
-//! original bytes stay.
+//! Annotation of JSON: flags as further members of each row, streaks as members of the document or in a second file.
+//! All original bytes are kept.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +25,7 @@ pub(super) fn annotate(
     let is_annotated = keys().any(|key| names.contains(&key))
         || layout.document.iter().flat_map(|document| document.keys()).any(|key| ADDED.contains(&key));
     if is_annotated && !annotation.replace {
-        let what = "members verdict, streaks and so on".to_owned();
+        let what = "members of an annotation (verdict, streaks)".to_owned();
         return Err(ScheduleError::AlreadyThere { path: display(input), what });
     }
 
@@ -68,7 +68,7 @@ pub(super) fn annotate(
     finish(files)
 }
 
-/// Adds members after those of an object, in the place of earlier ones.
+/// Adds members to an object after its own, replacing earlier ones.
 fn add(edits: &mut Edits, members: &Members, earlier: &[&str], added: &str) {
     let own = members.ends.iter().rfind(|(key, _)| !earlier.contains(&key.as_str()));
     let last = members.ends.last().map_or(members.open, |(_, end)| *end);

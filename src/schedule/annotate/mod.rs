@@ -1,4 +1,4 @@
-//! Annotated schedules: the file with flags and streaks added, and all of its original contents.
+//! Annotated schedules: the original file with flags and streaks added.
 
 mod annotation;
 mod delimited;

@@ -15,7 +15,7 @@ use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 const STREAKS: &str = "streaks";
 const FLAGS: &str = "streak_flags";
 const PROVENANCE: &str = "streak_provenance";
-/// View that the plugin of a scheduler adds, which joins its own form of the flags.
+/// View created by a scheduler plugin, which joins its own form of the flags.
 const JOINED: &str = "observations_streaks";
 /// Pages copied at a time; the whole file unless it is huge.
 const PAGES_PER_STEP: i32 = 16_384;
@@ -59,7 +59,7 @@ fn write_copy(
 ) -> Result<(), rusqlite::Error> {
     let mut copy = Connection::open(target)?;
     Backup::new(source, &mut copy)?.run_to_completion(PAGES_PER_STEP, Duration::ZERO, None)?;
-    // Only the database file is renamed: no journal may stay beside it.
+    // Only the database file is renamed, so no journal may remain next to it.
     copy.pragma_update(None, "journal_mode", "DELETE")?;
     let transaction = copy.transaction()?;
     for (kind, name) in earlier {
@@ -76,7 +76,7 @@ fn write_copy(
     copy.close().map_err(|(_, error)| error)
 }
 
-/// Deletes the observations that are not kept, counted in the order in which they are read.
+/// Deletes the observations that are not kept; rows are numbered in the order in which they are read.
 fn keep_rows(connection: &Connection, annotation: &Annotation<'_>) -> Result<(), rusqlite::Error> {
     let mut statement = connection.prepare("SELECT rowid FROM observations")?;
     let rows: Vec<i64> = statement.query_map([], |row| row.get(0))?.collect::<Result<_, _>>()?;
@@ -96,8 +96,8 @@ fn write_table(
     let columns: Vec<String> =
         table.columns.iter().map(|column| format!("\"{}\" {}", column.name, affinity(column, id_type))).collect();
     connection.execute(&format!("CREATE TABLE {name} ({})", columns.join(", ")), [])?;
-    let places = vec!["?"; table.columns.len()].join(", ");
-    let mut insert = connection.prepare(&format!("INSERT INTO {name} VALUES ({places})"))?;
+    let placeholders = vec!["?"; table.columns.len()].join(", ");
+    let mut insert = connection.prepare(&format!("INSERT INTO {name} VALUES ({placeholders})"))?;
     for row in &table.rows {
         insert.execute(params_from_iter(table.columns.iter().zip(row).map(|(column, value)| cell(column, value))))?;
     }
@@ -107,9 +107,11 @@ fn write_table(
     Ok(())
 }
 
-/// Returns the type of the exposure identifiers: integer if the column of the schedule is declared so (SQLite: a type with `INT` in
-/// it) or, if it has no type (as after `CREATE TABLE ... AS`), contains only integers; else text, since '007', '1e3' or '7.0' as
-/// integers would not join.
+/// Returns the SQL type of the exposure identifiers.
+///
+/// It is integer if the column of the schedule is declared so (SQLite: a type that contains `INT`), or has no type (as
+/// after `CREATE TABLE ... AS`) and contains only integers. Otherwise it is text: '007', '1e3' or '7.0' would not join
+/// as integers.
 fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
     let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
     let columns: Vec<(String, String)> =
@@ -141,7 +143,7 @@ fn cell(column: &Column, value: &Value) -> SqlValue {
         Value::Null => SqlValue::Null,
         Value::Integer(number) => SqlValue::Integer(*number),
         Value::Boolean(truth) => SqlValue::Integer(i64::from(*truth)),
-        // The number with the digits of the other formats; NULL if it is not finite.
+        // The number is rounded as in the other formats; NULL if it is not finite.
         Value::Real(_) => text.parse().map_or(SqlValue::Null, SqlValue::Real),
         Value::Text(_) | Value::Time(_) | Value::List(_) | Value::Integers(_) | Value::Rows(_) => SqlValue::Text(text),
     }
@@ -204,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn ids_of_no_declared_type_join_as_what_they_are() {
+    fn ids_without_a_declared_type_join_by_their_values() {
         let folder = tempfile::tempdir().unwrap();
         for (number, (values, ids)) in
             [("(7), (8)", ["7", "8"]), ("('007'), ('8')", ["007", "8"])].into_iter().enumerate()
@@ -232,11 +234,11 @@ mod tests {
     }
 
     #[test]
-    fn every_cell_stays_and_the_tables_join() {
+    fn every_cell_is_kept_and_the_tables_join() {
         let folder = tempfile::tempdir().unwrap();
         let (input, output) = (folder.path().join("in.db"), folder.path().join("out.db"));
         let connection = Connection::open(&input).unwrap();
-        // Cells of every storage class, a gap in the row numbers, and a journal that holds the last rows.
+        // Cells of every storage class, a gap in the row numbers, and a journal that contains the last rows.
         connection
             .execute_batch(
                 "PRAGMA journal_mode = WAL;
@@ -276,7 +278,7 @@ mod tests {
         let copy = Connection::open(&output).unwrap();
         let count = |copy: &Connection, query: &str| copy.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap();
         assert_eq!(count(&copy, "SELECT count(*) FROM streak_flags"), 2);
-        // The view of the plugin, which would refer to a missing table, is dropped.
+        // The plugin's view, which would refer to a missing table, is dropped.
         copy.execute_batch("CREATE VIEW observations_streaks AS SELECT p_any FROM streak_flags").unwrap();
         drop(copy);
         annotate(&output, &output, &annotation(true)).unwrap();

@@ -1,4 +1,4 @@
-//! Annotation of Parquet: flags as further columns, streaks in a file beside it. All columns and metadata stay.
+//! Annotation of Parquet: flags as further columns, streaks in a second file. All columns and metadata are kept.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,7 +16,7 @@ use super::super::formats::{batches, display};
 use super::annotation::{Annotation, finish, streaks_path};
 use crate::output::{AtomicFile, parquet_columns, parquet_fields, write_parquet};
 
-/// Metadata that the writer creates itself.
+/// Metadata key written by the Parquet writer itself.
 const ARROW_SCHEMA: &str = "ARROW:schema";
 
 pub(super) fn annotate(
@@ -34,7 +34,7 @@ pub(super) fn annotate(
 
     let fields: Vec<Arc<Field>> =
         own.iter().map(|&index| schema.fields()[index].clone()).chain(parquet_fields(&flags).map(Arc::new)).collect();
-    // The metadata of the schema goes into the metadata of the file, where pyarrow reads it.
+    // Schema metadata is copied to the file metadata, where pyarrow reads it.
     let new_schema: SchemaRef = Arc::new(Schema::new(fields));
     let file = AtomicFile::new(output).map_err(|source| ScheduleError::Write { path: display(output), source })?;
     let broken = |error: &dyn std::fmt::Display| ScheduleError::AnnotateParquet {
@@ -47,7 +47,7 @@ pub(super) fn annotate(
     for batch in reader {
         let unreadable = |error: &dyn std::fmt::Display| ScheduleError::Format {
             path: display(input),
-            what: format!("is Parquet that cannot be read: {error}"),
+            what: format!("invalid Parquet: {error}"),
         };
         let batch = batch.map_err(|error| unreadable(&error))?;
         let kept: Vec<bool> = (row..row + batch.num_rows()).map(|row| annotation.is_kept(row)).collect();
@@ -84,7 +84,7 @@ fn properties(metadata: &ParquetMetaData, of_schema: &Schema) -> WriterPropertie
     let first = metadata.row_groups().first().and_then(|group| group.columns().first());
     let compression = first.map_or(Compression::SNAPPY, |column| column.compression());
     let compression = match compression {
-        // Not every build can write these.
+        // These codecs are not available in every build.
         Compression::BROTLI(_) | Compression::LZO => Compression::SNAPPY,
         known => known,
     };

@@ -1,4 +1,5 @@
-//! Annotation of VOTable: fields and cells added to its first table, streaks as a table after it. All original bytes stay.
+//! Annotation of VOTable: fields and cells added to the first table, streaks as a table after it. All original bytes
+//! are kept.
 
 use std::path::{Path, PathBuf};
 
@@ -25,7 +26,7 @@ pub(super) fn annotate(
     }
     if let Some(short) = layout.rows.iter().position(|row| row.cells.len() != layout.names.len()) {
         let (cells, fields) = (layout.rows[short].cells.len(), layout.names.len());
-        let what = format!("row {} has {cells} cells, the header {fields}", short + 1);
+        let what = format!("row {} has {cells} cells but the header has {fields}", short + 1);
         return Err(ScheduleError::Format { path: display(input), what });
     }
 

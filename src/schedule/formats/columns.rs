@@ -1,4 +1,4 @@
-//! Columns of schedules by their names in all formats, and their rows as text.
+//! Columns of schedules by their names in all formats, and rows as text.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -40,10 +40,10 @@ pub(in crate::schedule) struct StartColumn {
     pub scale: Option<TimeScale>,
 }
 
-/// Start column of ObsLocTAP (the ObsPlan feed), whose rows may have no identifier.
+/// Start column of ObsLocTAP (the ObsPlan feed); only its rows may lack an identifier.
 const PLANNED_START: &str = "t_planning";
 
-/// Start columns in order of preference: those with a time scale in their names first.
+/// Start columns in order of preference, those with a time scale in their names first.
 const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
     ("start_utc", StartForm::Iso, Some(TimeScale::UTC)),
     ("start_tai", StartForm::Iso, Some(TimeScale::TAI)),
@@ -67,7 +67,7 @@ const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
 /// Index of the column of each quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct ColumnMap {
-    /// `None` only in tables of ObsLocTAP: rows are then identified by their number.
+    /// Identifier; `None` only in tables of ObsLocTAP, where the row number is the identifier.
     pub id: Option<usize>,
     pub start: StartColumn,
     pub duration: usize,
@@ -83,19 +83,19 @@ impl ColumnMap {
     /// # Errors
     /// One error that lists all missing columns and all columns found.
     pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
-        let place = |wanted: &[&str]| wanted.iter().find_map(|name| names.iter().position(|found| found == name));
+        let find = |accepted: &[&str]| accepted.iter().find_map(|name| names.iter().position(|found| found == name));
         let start = STARTS.iter().find_map(|&(name, form, scale)| {
             let index = names.iter().position(|found| found == name)?;
             Some(StartColumn { index, name: name.to_owned(), form, scale })
         });
         let (id, duration, right_ascension, declination) =
-            (place(ID), place(DURATION), place(RIGHT_ASCENSION), place(DECLINATION));
+            (find(ID), find(DURATION), find(RIGHT_ASCENSION), find(DECLINATION));
         let needs_id = start.as_ref().is_none_or(|start| start.name != PLANNED_START);
         if let (Some(start), Some(duration), Some(right_ascension), Some(declination)) =
             (start.clone(), duration, right_ascension, declination)
             && (id.is_some() || !needs_id)
         {
-            let (rotation, band) = (place(ROTATION), place(BAND));
+            let (rotation, band) = (find(ROTATION), find(BAND));
             return Ok(Self { id, start, duration, right_ascension, declination, rotation, band });
         }
         let missing: Vec<&str> = [
@@ -116,23 +116,23 @@ impl ColumnMap {
     }
 }
 
-/// Returns a missing name with the column that is probably meant: one with another case, other signs between the words, a letter
-/// or two exchanged, or without its unit.
+/// Returns a missing name with the most similar column found, if any: other case or separators, a few wrong letters, or
+/// no unit.
 fn with_hint(missing: &str, names: &[String]) -> String {
     let key = |name: &str| name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
-    let wanted = key(missing);
-    // A third of the letters may be wrong; two of any six-letter word.
+    let expected = key(missing);
+    // A third of the letters may differ: two of a six-letter word.
     let near = names
         .iter()
         .filter(|name| name.len() <= 40)
         .map(|name| (key(name), name))
-        .map(|(key, name)| (strsim::levenshtein(&wanted, &key), key, name))
-        .filter(|(distance, key, _)| 3 * distance <= wanted.len() || (key.len() > 1 && wanted.starts_with(&**key)))
+        .map(|(key, name)| (strsim::levenshtein(&expected, &key), key, name))
+        .filter(|(distance, key, _)| 3 * distance <= expected.len() || (key.len() > 1 && expected.starts_with(&**key)))
         .min_by_key(|(distance, ..)| *distance);
-    near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (is it {name}?)"))
+    near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (did you mean {name}?)"))
 }
 
-/// Returns the names in short: a file that is not a schedule may have a long line of them.
+/// Returns the names in short form: a file that is not a schedule may have hundreds of columns.
 fn names_text(names: &[String]) -> String {
     const SHOWN: usize = 12;
     let short = |name: &String| name.chars().take(40).filter(|c| !c.is_control()).collect::<String>();
@@ -146,7 +146,7 @@ fn names_text(names: &[String]) -> String {
 /// Format of a schedule file.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum ScheduleFormat {
-    /// A SQLite database with a table `observations`, as Rubin's simulations write it.
+    /// A SQLite database with a table `observations`, as written by Rubin's simulations.
     Opsim,
     /// Comma, semicolon or tab separated text with a header line.
     Csv,
@@ -154,7 +154,7 @@ pub enum ScheduleFormat {
     Ecsv,
     /// A JSON array of rows, or an object with the array `exposures`.
     Json,
-    /// A VOTable whose first table is in TABLEDATA.
+    /// A VOTable with its first table in TABLEDATA.
     VoTable,
     /// Apache Parquet.
     Parquet,
@@ -173,7 +173,7 @@ impl fmt::Display for ScheduleFormat {
     }
 }
 
-/// Returns a path as it is shown in messages.
+/// Returns a path as shown in messages.
 pub(in crate::schedule) fn display(path: &Path) -> String {
     path.display().to_string()
 }
@@ -190,7 +190,7 @@ pub(in crate::schedule) enum Cell {
 }
 
 impl Cell {
-    /// Creates a cell from text, without blanks around it; an empty text is missing.
+    /// Creates a cell from trimmed text; an empty text is missing.
     pub fn from_text(text: &str) -> Self {
         match text.trim() {
             "" => Cell::Missing,
@@ -198,7 +198,7 @@ impl Cell {
         }
     }
 
-    /// Returns the number. The error text follows the column's name in the reason of a row.
+    /// Returns the number, or an error text that follows the column's name in the reason of a row.
     pub fn number(&self) -> Result<f64, String> {
         let number = match self {
             Cell::Missing => return Err("is missing".to_owned()),
@@ -227,9 +227,9 @@ pub(in crate::schedule) struct RawTable {
     pub names: Vec<String>,
     /// The rows, each as long as `names`; or the reason why a row is invalid.
     pub rows: Vec<Result<Vec<Cell>, String>>,
-    /// Units by column, where the file has them.
+    /// Units by column, if the file has them.
     pub units: BTreeMap<String, String>,
-    /// Time scales by column, where the file has them.
+    /// Time scales by column, if the file has them.
     pub time_scales: BTreeMap<String, TimeScale>,
 }
 
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn a_named_scale_goes_before_a_bare_number() {
+    fn a_column_with_a_time_scale_is_preferred() {
         let map = find(&["start_mjd", "start_utc", "dec_deg", "ra_deg", "duration_s", "exposure_id"]).unwrap();
         assert_eq!((map.start.name.as_str(), map.start.scale), ("start_utc", Some(TimeScale::UTC)));
         let map = find(&["start_mjd", "start_mjd_tai", "dec_deg", "ra_deg", "duration_s", "exposure_id"]).unwrap();
@@ -259,11 +259,11 @@ mod tests {
     }
 
     #[test]
-    fn all_that_is_missing_stands_in_one_message() {
+    fn one_message_lists_all_missing_columns() {
         let message = find(&["exposure_id", "ra", "dec_deg", "start_mjd"]).unwrap_err().to_string();
         assert!(
             message.starts_with(
-                "schedule night.csv: missing duration_s, ra_deg (is it ra?); found exposure_id, ra, dec_deg"
+                "schedule night.csv: missing duration_s, ra_deg (did you mean ra?); found exposure_id, ra, dec_deg"
             ),
             "{message}"
         );

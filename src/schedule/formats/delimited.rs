@@ -1,5 +1,5 @@
-//! CSV and ECSV: a header line, then one row for each exposure. Lines that begin with `#` are comments in CSV; in ECSV they hold
-//! a YAML header with units and, for astropy's `Time` columns, the time scale.
+//! CSV and ECSV: a header line, then one row for each exposure. Lines that begin with `#` are comments in CSV; in ECSV
+//! they contain a YAML header with units and, for astropy's `Time` columns, the time scale.
 
 use std::path::Path;
 
@@ -84,12 +84,16 @@ pub(super) fn read_csv(path: &Path, text: &str) -> Result<RawTable, ScheduleErro
 /// Returns the cells of one row, or the reason why it is invalid.
 pub(super) fn cells<'a>(texts: impl Iterator<Item = &'a str>, width: usize) -> Result<Vec<Cell>, String> {
     let cells: Vec<Cell> = texts.map(Cell::from_text).collect();
-    if cells.len() == width { Ok(cells) } else { Err(format!("the row has {} cells, the header {width}", cells.len())) }
+    if cells.len() == width {
+        Ok(cells)
+    } else {
+        Err(format!("the row has {} cells but the header has {width}", cells.len()))
+    }
 }
 
 const SIGNATURE: &str = "# %ECSV ";
 
-/// Returns true for ECSV, which begins with its signature.
+/// Returns true for ECSV, recognized by its signature.
 pub(super) fn is_ecsv(text: &str) -> bool {
     text.starts_with(SIGNATURE)
 }
@@ -114,8 +118,8 @@ pub(in crate::schedule) struct EcsvLayout {
 /// Finds the header, the names and the rows of ECSV text.
 ///
 /// # Errors
-/// The header is not YAML, the delimiter is neither comma nor blank, the line of names is missing, or a quoted cell continues
-/// on the next line.
+/// The header is not YAML, the delimiter is neither comma nor blank, the line of names is missing, or a quoted cell
+/// continues on the next line.
 pub(in crate::schedule) fn ecsv_layout(path: &Path, text: &str) -> Result<EcsvLayout, ScheduleError> {
     parse_ecsv(path, text).map(|(layout, _)| layout)
 }
@@ -138,7 +142,7 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
     let delimiter = match delimiter.unwrap_or(" ") {
         "," => b',',
         " " => b' ',
-        other => return Err(error(2, format!("ECSV delimiter '{other}'; allowed: comma and blank"))),
+        other => return Err(error(2, format!("invalid ECSV delimiter '{other}'; allowed: comma and blank"))),
     };
     // The list ends with the next key that is not indented, or with the header.
     let in_list = |line: &&(usize, usize)| uncommented(of(**line)).starts_with([' ', '-']);
@@ -150,12 +154,15 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
         .enumerate()
         .filter(|(_, line)| !of(**line).trim().is_empty() && !of(**line).starts_with('#'))
         .map(|(number, line)| (number, (line.0, line.0 + of(*line).len())));
-    let no_names = || error(header_count, "no line of column names below the header".into());
+    let no_names = || error(header_count, "missing line of column names below the ECSV header".into());
     let (_, names_line) = records.next().ok_or_else(no_names)?;
     let mut rows = Vec::new();
     for (number, row) in records {
         if !text[row.0..row.1].matches('"').count().is_multiple_of(2) {
-            return Err(error(header_count + number + 1, "a quoted cell goes on in the next line".into()));
+            return Err(error(
+                header_count + number + 1,
+                "a quoted cell continues on the next line, which is not supported in ECSV".into(),
+            ));
         }
         rows.push(row);
     }
@@ -219,7 +226,7 @@ fn read_time_columns(header: &YamlOwned, table: &mut RawTable) {
         let text = |key| get(column, key).and_then(YamlOwned::as_str);
         let (Some(name), Some("astropy.time.core.Time")) = (name.as_str(), text("__class__")) else { continue };
         let mut name = name.to_owned();
-        // The name `start` has no form; the format of the column has.
+        // The name `start` does not show whether times are MJD or JD; the format of the column does.
         if name == "start"
             && let Some(form @ ("mjd" | "jd")) = text("format")
             && let Some(found) = table.names.iter_mut().find(|found| *found == "start")
@@ -246,7 +253,7 @@ fn comma_record(line: &str) -> Vec<String> {
     }
 }
 
-/// Splits at one or more blanks; a quoted cell may contain blanks, may be empty, and doubles its own quotes.
+/// Splits at one or more blanks; a quoted cell may contain blanks, may be empty, and doubles its quotes.
 fn blank_record(line: &str) -> Vec<String> {
     let mut cells = Vec::new();
     let mut rest = line.trim_start();
@@ -280,7 +287,8 @@ fn blank_record(line: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// As astropy 8.0.2 writes a QTable with a Time column (folded description, ordered map, tags and anchors included).
+    /// QTable with a Time column as written by astropy 8.0.2 (folded description, ordered map, tags and anchors
+    /// included).
     const ASTROPY: &str = "# %ECSV 1.0
 # ---
 # datatype:
@@ -328,7 +336,7 @@ a 30.0 1.5 60536.02083
     }
 
     #[test]
-    fn astropys_header_gives_units_and_time_scale() {
+    fn units_and_time_scale_come_from_the_header_of_astropy() {
         let table = read_ecsv(Path::new("t.ecsv"), ASTROPY).unwrap();
         assert_eq!(table.names, ["exposure_id", "duration_s", "ra_deg", "start_mjd"]);
         assert_eq!(table.units.get("ra_deg").map(String::as_str), Some("deg"));
@@ -340,7 +348,7 @@ a 30.0 1.5 60536.02083
     }
 
     #[test]
-    fn commas_where_the_header_says_so() {
+    fn commas_separate_cells_if_the_header_sets_them() {
         let text =
             "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n# - {name: a, datatype: string}\na,b\n\"x, y\",2\n";
         let table = read_ecsv(Path::new("t.ecsv"), text).unwrap();
@@ -349,7 +357,7 @@ a 30.0 1.5 60536.02083
     }
 
     #[test]
-    fn a_header_that_is_no_yaml_is_an_error_with_its_line() {
+    fn an_invalid_yaml_header_is_an_error_with_its_line() {
         let message =
             read_ecsv(Path::new("t.ecsv"), "# %ECSV 1.0\n# ---\n# datatype: [\na,b\n").unwrap_err().to_string();
         assert!(message.starts_with("schedule t.ecsv, line "), "{message}");

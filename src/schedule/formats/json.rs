@@ -23,9 +23,9 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
         Value::Array(rows) => rows,
         Value::Object(object) => match ARRAYS.iter().find_map(|name| object.get(*name)) {
             Some(Value::Array(rows)) => rows,
-            _ => return Err(format(path, "is JSON without an array 'exposures'")),
+            _ => return Err(format(path, "JSON without an array 'exposures' or 'targets'")),
         },
-        _ => return Err(format(path, "is JSON, but neither an array of rows nor an object")),
+        _ => return Err(format(path, "JSON that is neither an array of rows nor an object with one")),
     };
     let mut table = RawTable::new(ScheduleFormat::Json, Vec::new());
     for row in rows {
@@ -85,13 +85,13 @@ pub(in crate::schedule) struct JsonLayout {
 /// As [`read`].
 pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLayout, ScheduleError> {
     let error = |error: serde_json::Error| bad(path, &error);
-    let place = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;
+    let offset = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;
     let (array, document) = if text.trim_start().starts_with('{') {
         let object: Object<'_> = serde_json::from_str(text).map_err(error)?;
         let array =
             ARRAYS.iter().find_map(|name| object.0.iter().find(|(key, _)| key == name)).map(|(_, value)| *value);
-        let array = array.ok_or_else(|| format(path, "is JSON without an array 'exposures'"))?;
-        (array.get(), Some(members(text, &object, place)))
+        let array = array.ok_or_else(|| format(path, "JSON without an array 'exposures' or 'targets'"))?;
+        (array.get(), Some(members(text, &object, offset)))
     } else {
         (text, None)
     };
@@ -99,10 +99,10 @@ pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLa
     let rows = rows
         .into_iter()
         .map(|row| {
-            let start = place(row.get());
+            let start = offset(row.get());
             let object = row.get().starts_with('{').then(|| serde_json::from_str::<Object<'_>>(row.get())).transpose();
             let object = object.map_err(error)?;
-            let members = object.map(|object| members(&text[start..], &object, |piece| place(piece) - start));
+            let members = object.map(|object| members(&text[start..], &object, |piece| offset(piece) - start));
             let members = members.map(|members| Members {
                 ends: members.ends.into_iter().map(|(key, end)| (key, end + start)).collect(),
                 open: members.open + start,
@@ -113,9 +113,9 @@ pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLa
     Ok(JsonLayout { rows, document })
 }
 
-fn members(text: &str, object: &Object<'_>, place: impl Fn(&str) -> usize) -> Members {
+fn members(text: &str, object: &Object<'_>, offset: impl Fn(&str) -> usize) -> Members {
     Members {
-        ends: object.0.iter().map(|(key, value)| (key.clone(), place(value.get()) + value.get().len())).collect(),
+        ends: object.0.iter().map(|(key, value)| (key.clone(), offset(value.get()) + value.get().len())).collect(),
         open: text.find('{').map_or(0, |brace| brace + 1),
     }
 }
@@ -156,7 +156,7 @@ fn format(path: &Path, what: &str) -> ScheduleError {
 fn cell(value: Option<&Value>) -> Cell {
     match value {
         None | Some(Value::Null) => Cell::Missing,
-        // Integers keep their digits: an identifier may have more than a double can hold.
+        // Integers keep their digits: an identifier may have more than a double can represent.
         Some(Value::Number(number)) if number.is_f64() => Cell::Number(number.as_f64().unwrap_or(f64::NAN)),
         Some(Value::Number(number)) => Cell::Text(number.to_string()),
         Some(Value::String(text)) => Cell::from_text(text),

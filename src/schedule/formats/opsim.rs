@@ -27,17 +27,17 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     let names = column_names(&connection).map_err(sqlite)?;
     if names.is_empty() {
         let what =
-            format!("is SQLite without a table 'observations'; tables: {}", tables(&connection).map_err(sqlite)?);
+            format!("SQLite without a table 'observations'; found tables: {}", tables(&connection).map_err(sqlite)?);
         return Err(ScheduleError::Format { path: display(path), what });
     }
     let map = ColumnMap::find(path, &names)?;
-    let wanted: Vec<usize> = [map.start.index, map.duration, map.right_ascension, map.declination]
+    let needed: Vec<usize> = [map.start.index, map.duration, map.right_ascension, map.declination]
         .into_iter()
         .chain(map.id)
         .chain(map.rotation)
         .chain(map.band)
         .collect();
-    let mut table = RawTable::new(ScheduleFormat::Opsim, wanted.iter().map(|&index| names[index].clone()).collect());
+    let mut table = RawTable::new(ScheduleFormat::Opsim, needed.iter().map(|&index| names[index].clone()).collect());
     let quoted: Vec<String> = table.names.iter().map(|name| format!("\"{}\"", name.replace('"', "\"\""))).collect();
     let query = format!("SELECT {} FROM observations", quoted.join(", "));
     let mut statement = connection.prepare(&query).map_err(sqlite)?;

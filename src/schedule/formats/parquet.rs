@@ -29,10 +29,10 @@ pub(in crate::schedule) fn batches(
 }
 
 fn broken(path: &Path, error: &dyn std::fmt::Display) -> ScheduleError {
-    ScheduleError::Format { path: display(path), what: format!("is Parquet that cannot be read: {error}") }
+    ScheduleError::Format { path: display(path), what: format!("invalid Parquet: {error}") }
 }
 
-/// Reads all rows.
+/// Reads all rows of a file.
 ///
 /// # Errors
 /// As [`batches`].
@@ -53,8 +53,8 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     Ok(table)
 }
 
-/// Returns the cells of a column: floating point numbers as numbers, integers with all their digits, all else as text; missing
-/// for a type that has no text.
+/// Returns the cells of a column: floating point numbers as numbers, integers with all their digits, other types as
+/// text; missing for a type that cannot be converted to text.
 fn cells(column: &ArrayRef) -> Vec<Cell> {
     if column.data_type().is_floating()
         && let Ok(numbers) = cast(column, &DataType::Float64)

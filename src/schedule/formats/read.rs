@@ -1,4 +1,4 @@
-//! Reading a schedule file in the format that its first bytes show.
+//! Reads a schedule file; its first bytes determine the format.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -27,9 +27,9 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
         return read_parquet(path);
     }
     let what = match head.as_slice() {
-        [0x1f, 0x8b, ..] => Some("is compressed with gzip; unpack it first"),
-        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("is UTF-16 text; UTF-8 is needed"),
-        [b'S', b'I', b'M', b'P', b'L', b'E', ..] => Some("is a FITS file"),
+        [0x1f, 0x8b, ..] => Some("compressed with gzip; decompress it first"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("UTF-16 text; convert it to UTF-8 first"),
+        [b'S', b'I', b'M', b'P', b'L', b'E', ..] => Some("FITS file"),
         _ => None,
     };
     if let Some(what) = what {
@@ -41,7 +41,7 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
         let valid = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count();
         let what = format!(
-            "is not UTF-8 text from line {line} (byte {valid}) on; a file in Latin-1 becomes it by iconv -f LATIN1 -t UTF-8"
+            "invalid UTF-8 in line {line} (byte {valid}); convert a Latin-1 file with iconv -f LATIN1 -t UTF-8"
         );
         ScheduleError::Format { path: display(path), what }
     })?;
@@ -52,7 +52,7 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
     } else if votable::is_votable(body) {
         votable::read(path, text)
     } else if body.starts_with('<') {
-        Err(ScheduleError::Format { path: display(path), what: "looks like XML or HTML".to_owned() })
+        Err(ScheduleError::Format { path: display(path), what: "XML or HTML, but not a VOTable".to_owned() })
     } else if body.starts_with(['{', '[']) {
         json::read(path, body)
     } else if delimited::is_ecsv(body) {
@@ -69,7 +69,7 @@ fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
 
 #[cfg(not(feature = "sqlite"))]
 fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
-    let what = "is SQLite, and this build has no SQLite (cargo feature sqlite)".to_owned();
+    let what = "SQLite, which this build does not support (cargo feature sqlite)".to_owned();
     Err(ScheduleError::Format { path: display(path), what })
 }
 
@@ -80,6 +80,6 @@ fn read_parquet(path: &Path) -> Result<RawTable, ScheduleError> {
 
 #[cfg(not(feature = "parquet"))]
 fn read_parquet(path: &Path) -> Result<RawTable, ScheduleError> {
-    let what = "is Parquet, and this build has no Parquet (cargo feature parquet)".to_owned();
+    let what = "Parquet, which this build does not support (cargo feature parquet)".to_owned();
     Err(ScheduleError::Format { path: display(path), what })
 }

@@ -12,7 +12,8 @@ use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 use super::delimited::cells;
 
-/// Length of the beginning searched for the root element, bytes: it follows a declaration, comments and instructions.
+/// Length of the beginning that is searched for the root element, bytes; declarations, comments and instructions
+/// precede it.
 const HEAD: usize = 4096;
 
 /// Byte range of an element, with the white space before it, which is removed together with the element.
@@ -119,7 +120,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                     }
                     "TIMESYS" => layout.note_time_system(&element),
                     "BINARY" | "BINARY2" | "FITS" if tables == 1 => {
-                        return Err(fail("is a VOTable whose rows are not in TABLEDATA"));
+                        return Err(fail("VOTable with rows in another serialization than TABLEDATA"));
                     }
                     _ => {}
                 }
@@ -184,14 +185,14 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                 }
                 last_end = now;
             }
-            Event::Eof if depth > 0 => return Err(fail("is a VOTable that ends before its end")),
+            Event::Eof if depth > 0 => return Err(fail("truncated VOTable: the end tag is missing")),
             Event::Eof => break,
             _ => {}
         }
         before = now;
     }
     if layout.fields.is_empty() {
-        return Err(fail("is a VOTable without a table"));
+        return Err(fail("VOTable without a table"));
     }
     layout.names = layout.attributes.iter().map(|fact| fact.name.clone()).collect();
     Ok(layout)
@@ -266,7 +267,7 @@ mod tests {
         <TABLE name=\"streaks\"><FIELD name=\"x\"/><DATA><TABLEDATA><TR><TD>a &amp; b</TD></TR></TABLEDATA></DATA></TABLE></RESOURCE></VOTABLE>\n";
 
     #[test]
-    fn the_first_table_with_its_header_and_its_places() {
+    fn the_first_table_is_read_with_its_header_and_byte_ranges() {
         let path = Path::new("t.vot");
         let table = read(path, TEXT).unwrap();
         assert_eq!(table.names, ["id", "start_mjd"]);
@@ -283,6 +284,6 @@ mod tests {
         assert!(shown(&layout.others[0].1).starts_with("<TABLE name=\"streaks\">"));
         assert!(shown(&layout.table).ends_with("</TABLE>") && !shown(&layout.table).contains("streaks"));
         let binary = TEXT.replace("TABLEDATA", "BINARY2");
-        assert!(read(path, &binary).unwrap_err().to_string().contains("not in TABLEDATA"));
+        assert!(read(path, &binary).unwrap_err().to_string().contains("than TABLEDATA"));
     }
 }

@@ -1,4 +1,5 @@
-//! Frames in files: `target_frame` (a frame to receive streaks), `synthetic` (a simulated frame, its exposure in `synthetic_shot`) with `star_trails`, `write` (a copy with streaks).
+//! Frames in files: `target_frame` (a frame into which streaks are injected), `synthetic` (a simulated frame, its
+//! exposure in `synthetic_shot`) with `star_trails`, `write` (a copy with streaks).
 
 mod star_trails;
 mod synthetic;

@@ -1,4 +1,4 @@
-//! Stars of a synthetic frame whose telescope follows something else: each leaves a trail.
+//! Trailed stars of a synthetic frame with a telescope that does not track the stars.
 
 use rayon::prelude::*;
 
@@ -11,36 +11,36 @@ use crate::frames::{Direction, Gcrs};
 use crate::images::{Patch, PixelPosition, Plane};
 use crate::streaks::{BRIGHTEST_E, BackgroundError, RadialProfile, RandomStars, Star};
 
-/// A star among the stars.
+/// Star with a direction on the sky.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct SkyStar {
-    /// Where it is.
+    /// Direction of the star.
     pub direction: Direction<Gcrs>,
-    /// Its light in the exposure, electrons.
+    /// Light of the star in the exposure, electrons.
     pub flux_e: f64,
-    /// It may be over the frame from the first of these moments to the second, seconds after the shutter opened.
+    /// Interval in which the star may be over the frame, seconds after the shutter opened.
     pub over_s: [f64; 2],
 }
 
-/// Stars are in focus; nothing asks how far they are.
+/// Distance of stars, which are in focus at any such distance.
 const RANGE_KM: f64 = 1e15;
 
-/// Moments of a trail, enough for a cubic through four of them where the telescope turns by tens of degrees.
+/// Samples of a trail, enough for a cubic through four of them if the telescope turns by tens of degrees.
 const MOMENTS: u32 = 16;
 
-/// Stars that trail over a frame, on the average at most.
-const MOST: f64 = 1e6;
+/// Largest mean number of stars that trail over a frame.
+const MAX_MEAN_STARS: f64 = 1e6;
 
-/// Trails that are kept at once.
-const AT_ONCE: usize = 256;
+/// Number of trails kept in memory at once.
+const TRAILS_AT_ONCE: usize = 256;
 
-/// Random stars that come over the chip, or within `reach_pix` of it, at any moment of the exposure.
+/// Draws random stars that pass over the chip, or within `reach_pix` of it, at any time of the exposure.
 ///
-/// They are drawn evenly in a strip along their motion, as wide as the chip's diagonal and longer by the trail; each gets its place on the sky at the moment at which it
-/// is nearest to the chip's middle.
+/// They are drawn uniformly in a strip along their motion, as wide as the chip's diagonal and longer by the trail; the
+/// direction of each is that at the time at which it is nearest to the chip's middle.
 ///
 /// # Errors
-/// As [`RandomStars::draw`]; [`BackgroundError::OutOfRange`] where more than a million are to be expected.
+/// The errors of [`RandomStars::draw`]; [`BackgroundError::OutOfRange`] if more than a million are expected.
 pub(super) fn draw_stars(
     field: &RandomStars,
     chip: &Chip,
@@ -48,7 +48,7 @@ pub(super) fn draw_stars(
     reach_pix: f64,
 ) -> Result<Vec<SkyStar>, BackgroundError> {
     let Tracking::Rate { reference_s, .. } = shot.tracking else { return Ok(Vec::new()) };
-    // Pixels a second at the middle, half way.
+    // Pixels per second at the middle of the chip and of the exposure.
     let step_s = 1e-3 * shot.exposure_s;
     let at = |time_s: f64| chip.wcs.to_pixel(shot.tracking.seen(&shot.centre, time_s, &shot.centre));
     let Some((before, after)) = at(reference_s - step_s).zip(at(reference_s + step_s)) else { return Ok(Vec::new()) };
@@ -58,17 +58,17 @@ pub(super) fn draw_stars(
     let width = (chip.rows as f64).hypot(chip.columns as f64) + 2.0 * reach_pix;
     let (rows, columns) = (width.ceil() as usize, (width + speed * shot.exposure_s).ceil() as usize);
     let expected = field.per_megapixel * 1e-6 * rows as f64 * columns as f64;
-    BackgroundError::hold("stars that trail over the frame", expected, 0.0, MOST)?;
+    BackgroundError::check_range("stars that trail over the frame", expected, 0.0, MAX_MEAN_STARS)?;
     let middle = chip.middle();
     let on_sky = |star: Star| {
-        // Places in the strip when the world coordinates hold.
+        // Positions in the strip at the time for which the world coordinates hold.
         let (u, v) = (star.at.x - 0.5 * (columns as f64 - 1.0), star.at.y - 0.5 * (rows as f64 - 1.0));
         let nearest_s = if speed > 0.0 { (reference_s - u / speed).clamp(0.0, shot.exposure_s) } else { reference_s };
         let u = u + speed * (nearest_s - reference_s);
-        let place =
+        let position =
             PixelPosition { x: middle.x + u * along[0] - v * along[1], y: middle.y + u * along[1] + v * along[0] };
-        let seen = chip.wcs.to_sky(place)?;
-        // Twice as long as the way over the strip's width: the ends are outside.
+        let seen = chip.wcs.to_sky(position)?;
+        // Twice the time in which the width of the strip is crossed: the ends are outside.
         let half_s = if speed > 0.0 { width / speed } else { shot.exposure_s };
         Some(SkyStar {
             direction: shot.tracking.stood(&seen, nearest_s, &shot.centre),
@@ -79,10 +79,11 @@ pub(super) fn draw_stars(
     Ok(field.draw(rows, columns, 0.0, shot.seed)?.into_iter().filter_map(on_sky).collect())
 }
 
-/// Adds the trails of stars: the light of each lies evenly on its way over the exposure. `chip` counts electrons, a star of magnitude 0 one in the exposure.
+/// Adds the trails of stars, each with constant brightness. `chip` counts electrons: one in the exposure for a star of
+/// magnitude 0.
 ///
 /// # Errors
-/// A path where a number is none, or a star over the frame that is too bright.
+/// An invalid path, or a star over the frame that is too bright.
 pub(super) fn add_trails(
     light: &mut Plane,
     stars: &[SkyStar],
@@ -99,15 +100,15 @@ pub(super) fn add_trails(
             magnitude: (star.flux_e > 0.0).then(|| -2.5 * star.flux_e.log10()),
         };
         let track = SkyTrack { points: (0..=MOMENTS).map(point).collect() };
-        let ways = chip.paths(&track, &shot.tracking, &shot.centre, profile.pixel_reach_pix())?;
-        if !ways.is_empty() {
-            BackgroundError::hold("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
+        let paths = chip.paths(&track, &shot.tracking, &shot.centre, profile.pixel_reach_pix())?;
+        if !paths.is_empty() {
+            BackgroundError::check_range("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
         }
-        Ok(ways.iter().map(|way| draw(&way.path, profile, chip.rows, chip.columns)).collect())
+        Ok(paths.iter().map(|chip_path| draw(&chip_path.path, profile, chip.rows, chip.columns)).collect())
     };
-    for some in stars.chunks(AT_ONCE) {
-        // Drawn on all cores, added in order: sums do not depend on threads.
-        let trails = some.par_iter().map(trail).collect::<Result<Vec<_>, SyntheticError>>()?;
+    for batch in stars.chunks(TRAILS_AT_ONCE) {
+        // Trails are drawn in parallel and added in order, so the sums do not depend on the threads.
+        let trails = batch.par_iter().map(trail).collect::<Result<Vec<_>, SyntheticError>>()?;
         trails.iter().flatten().for_each(|patch| patch.add_to(light));
     }
     Ok(())

@@ -1,4 +1,4 @@
-//! Frames made from nothing, to inject into: sky, stars and detector from a description.
+//! Synthetic frames for injections: sky, stars and detector from a description.
 
 use std::path::Path;
 
@@ -17,7 +17,7 @@ use crate::images::{
 use crate::output::format_utc;
 use crate::streaks::{Blur, RadialProfile, RandomStars, Star, background, flux_e};
 
-/// A synthetic frame, as a TOML file describes it.
+/// Synthetic frame, as described by a TOML file.
 ///
 /// ```
 /// let frame = streakcast::streaks::SyntheticFrame::from_toml(
@@ -42,23 +42,23 @@ pub struct SyntheticFrame {
     pub rows: usize,
     /// Side of a pixel, arcsec, 0.001 to 600.
     pub pixel_scale_arcsec: f64,
-    /// Position angle of growing rows, degrees from north through east.
+    /// Position angle of the direction in which rows increase, degrees from north through east.
     #[serde(default)]
     pub rotation_deg: f64,
-    /// Magnitude of a star of one electron a second.
+    /// Magnitude of a star of one electron per second.
     pub zero_point_1s_mag: f64,
-    /// The sky's light, mag per square arcsecond.
+    /// Surface brightness of the sky, mag per square arcsecond.
     pub sky_mag_arcsec2: f64,
-    /// Stars as many as a density says.
+    /// Random stars of a given density.
     #[serde(default)]
     pub stars: Option<StarField>,
-    /// A CSV file of stars with the columns `ra_deg`, `dec_deg` and `magnitude`.
+    /// CSV file of stars with the columns `ra_deg`, `dec_deg` and `magnitude`.
     #[serde(default)]
     pub star_list: Option<std::path::PathBuf>,
-    /// What turns electrons into counts.
+    /// Detector that converts electrons to counts.
     #[serde(default)]
     pub detector: Detector,
-    /// Tiles compressed by RICE where true; whole counts stay what they are.
+    /// True for tiles compressed by RICE; whole counts are kept exactly.
     #[serde(default)]
     pub compress: bool,
 }
@@ -67,18 +67,18 @@ pub struct SyntheticFrame {
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StarField {
-    /// Mean number in a million pixels.
+    /// Mean number per million pixels.
     pub per_megapixel: f64,
-    /// Logarithmic slope of their counts with magnitude.
+    /// Logarithmic slope of the star counts with magnitude.
     pub slope: f64,
-    /// No star is brighter, mag.
+    /// Brightest magnitude, mag.
     pub brightest_mag: f64,
-    /// No star is fainter, mag.
+    /// Faintest magnitude, mag.
     pub faintest_mag: f64,
 }
 
 impl SyntheticFrame {
-    /// From the text of a TOML file; `origin` (its name) is what errors call it.
+    /// Reads the description from TOML; `origin` is the name of the file in errors.
     ///
     /// # Errors
     /// [`SyntheticError`]: text that is not TOML, unknown or missing keys, values out of range.
@@ -108,7 +108,7 @@ impl SyntheticFrame {
         Ok(self.detector.validate()?)
     }
 
-    /// Light of sky and stars through the detector, and the world coordinates.
+    /// Computes the light of sky and stars through the detector, and the world coordinates.
     ///
     /// # Errors
     /// [`SyntheticError`].
@@ -116,7 +116,7 @@ impl SyntheticFrame {
         let rotation_rad = self.rotation_deg.to_radians();
         let wcs = Wcs::tangent(shot.centre, self.pixel_scale_arcsec, rotation_rad, self.columns, self.rows)?;
         let profile = RadialProfile::of(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
-        // Of one electron in the whole exposure.
+        // Magnitude of one electron in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * shot.exposure_s.log10();
         let field = self.stars.map(|field| RandomStars {
             per_megapixel: field.per_megapixel,
@@ -130,7 +130,7 @@ impl SyntheticFrame {
             .as_deref()
             .map_or(Ok(Vec::new()), |path| listed_stars(path, zero_point_mag, shot.exposure_s))?;
         let reach_pix = profile.pixel_reach_pix().min(200.0);
-        // Electrons a pixel: 10^(-0.4 (μ - ZP)) times its area.
+        // Electrons per pixel: 10^(-0.4 (μ - ZP)) times the area of the pixel.
         let area_arcsec2 = self.pixel_scale_arcsec * self.pixel_scale_arcsec;
         let sky_e = 10f64.powf(-0.4 * (self.sky_mag_arcsec2 - zero_point_mag)) * area_arcsec2;
         let light = match shot.tracking {
@@ -150,12 +150,12 @@ impl SyntheticFrame {
                 light
             }
         };
-        // Stars and noise are drawn apart.
+        // Stars and noise have different seeds.
         let (counts, _) = self.detector.expose(&light, shot.seed.wrapping_add(1))?;
         Ok((counts, wcs))
     }
 
-    /// Its pixels as a chip on which a star of magnitude 0 makes one electron.
+    /// Returns the frame as a chip on which a star of magnitude 0 gives one electron.
     fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, CountScaleError> {
         Ok(Chip {
             hdu: 0,
@@ -169,10 +169,11 @@ impl SyntheticFrame {
         })
     }
 
-    /// Writes the frame with the cards that [`crate::streaks::TargetFrame`] reads: world coordinates, exposure, zero point, gain.
+    /// Writes the frame with the cards read by [`crate::streaks::TargetFrame`]: world coordinates, exposure, zero
+    /// point, gain.
     ///
     /// # Errors
-    /// [`SyntheticError`]; nothing half-written stays.
+    /// [`SyntheticError`]; no partial file remains.
     pub fn write(&self, shot: &SyntheticShot<'_>, path: &Path) -> Result<(), SyntheticError> {
         let (counts, wcs) = self.expose(shot)?;
         let whole = self.detector.quantisation.is_some();
@@ -192,7 +193,7 @@ impl SyntheticFrame {
 
     fn cards(&self, shot: &SyntheticShot<'_>, wcs: &Wcs) -> Vec<Card> {
         let detector = &self.detector;
-        // A star of one count in the whole exposure.
+        // Magnitude of one count in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * (shot.exposure_s / detector.gain_e_adu).log10();
         let date = format_utc(shot.opened, 6);
         let texts = [
@@ -204,7 +205,7 @@ impl SyntheticFrame {
         let saturation =
             detector.saturation.map(|saturation| saturation.full_well_e / detector.gain_e_adu + detector.bias_adu);
         let numbers = [
-            ("MJD-OBS", Some(mjd_utc(shot.opened.to_time_scale(TimeScale::UTC))), "[d] the same"),
+            ("MJD-OBS", Some(mjd_utc(shot.opened.to_time_scale(TimeScale::UTC))), "[d] shutter opened"),
             ("EXPTIME", Some(shot.exposure_s), "[s]"),
             ("MAGZP", Some(zero_point_mag), "[mag] of one count in the frame"),
             ("GAIN", Some(detector.gain_e_adu), "[e-/adu]"),

@@ -33,7 +33,7 @@ pub struct SyntheticShot<'a> {
 /// Errors of a synthetic frame.
 #[derive(Debug, Error)]
 pub enum SyntheticError {
-    /// Text that is not TOML; a missing or unknown key, or one of the wrong type.
+    /// Invalid TOML, or a key that is missing, unknown or of the wrong type.
     #[error("synthetic frame {origin}: {message}")]
     Toml {
         /// Name of the file.
@@ -41,46 +41,46 @@ pub enum SyntheticError {
         /// Problem and line.
         message: String,
     },
-    /// A number outside its range.
-    #[error("synthetic frame: {key} is {given} (allowed: {allowed})")]
+    /// A number is out of range.
+    #[error("synthetic frame: {key} is {given}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the key.
         key: &'static str,
         /// Value given.
         given: f64,
-        /// Range.
+        /// Allowed range.
         allowed: &'static str,
     },
-    /// An unreadable list of stars.
-    #[error("star list {path}: {problem} (allowed: CSV with ra_deg, dec_deg, magnitude)")]
+    /// A list of stars is invalid.
+    #[error("star list {path}: {problem}; allowed: CSV with ra_deg, dec_deg, magnitude")]
     StarList {
         /// Name of the file.
         path: String,
         /// Problem and line.
         problem: String,
     },
-    /// World coordinates.
+    /// Error of the world coordinates.
     #[error("synthetic frame: {0}")]
     Wcs(#[from] WcsError),
-    /// Optics.
+    /// Error of the optics.
     #[error("synthetic frame: {0}")]
     Optics(#[from] OpticsError),
-    /// Point spread function.
+    /// Error of the point spread function.
     #[error("synthetic frame: {0}")]
     Blur(#[from] BlurError),
-    /// Path of a trailed star.
+    /// Error of the path of a trailed star.
     #[error("synthetic frame: {0}")]
     Path(#[from] PathError),
-    /// Exposure time.
+    /// Error of the count scale.
     #[error("synthetic frame: {0}")]
     Scale(#[from] CountScaleError),
-    /// Sky or stars.
+    /// Error of the sky or the stars.
     #[error(transparent)]
     Background(#[from] BackgroundError),
-    /// Detector.
+    /// Error of the detector.
     #[error("synthetic frame: {0}")]
     Detector(#[from] DetectorError),
-    /// Reading or writing of the file.
+    /// Error of reading or writing the file.
     #[error(transparent)]
     Frame(#[from] FrameError),
 }

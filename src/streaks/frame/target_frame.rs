@@ -1,4 +1,4 @@
-//! A frame on file that streaks are to be put into: its chips, when it was taken, and what its counts are worth.
+//! Frame in a file into which streaks are injected: its chips, exposure and count scale.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -14,64 +14,62 @@ use crate::images::{
     WcsError,
 };
 
-/// Why nothing can be put into a frame.
+/// Errors of a frame into which streaks are to be injected.
 #[derive(Debug, Error)]
 pub enum TargetError {
-    /// The file.
+    /// Error of the file.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// When it was taken.
+    /// Error of the exposure time.
     #[error("{path}: {source}")]
     Exposure {
         /// The file.
         path: String,
-        /// What is wrong.
+        /// Cause.
         source: Box<ExposureError>,
     },
-    /// No image in it.
-    #[error("{path}: holds no image of two axes (masks, weights and tables do not count)")]
+    /// The file has no image.
+    #[error("{path}: no image of two axes (masks, weights and tables are ignored)")]
     NoImage {
         /// The file.
         path: String,
     },
-    /// Not where it is on the sky.
+    /// The header has no valid world coordinates.
     #[error("{path}: HDU {hdu}: {source}")]
     Wcs {
         /// The file.
         path: String,
         /// Number of the HDU, from 0.
         hdu: usize,
-        /// What is wrong.
+        /// Cause.
         source: WcsError,
     },
-    /// What a count is worth is not known.
-    #[error(
-        "{path}: HDU {hdu} says nothing of its zero point (looked for FLUXMAG0, MAGZERO, MAGZP, MAGZPT, ...); say it: --zero-point"
-    )]
+    /// The header has no zero point.
+    #[error("{path}: missing zero point of HDU {hdu} (no FLUXMAG0, MAGZERO, MAGZP, MAGZPT, ...); specify --zero-point")]
     NoZeroPoint {
         /// The file.
         path: String,
         /// Number of the HDU, from 0.
         hdu: usize,
     },
-    /// What a zero point means is not known.
+    /// The zero point is ambiguous.
     #[error(
-        "{path}: {keyword} = {mag} may be the magnitude of a count of the whole exposure or of a count a second; say which: --zero-point {mag} or --zero-point-1s {mag}"
+        "{path}: {keyword} = {mag} is ambiguous: the magnitude of one count in the whole exposure, or of one count per second; specify --zero-point {mag} or --zero-point-1s {mag}"
     )]
     ZeroPointBasis {
         /// The file.
         path: String,
-        /// Its keyword.
+        /// Keyword of the zero point.
         keyword: String,
-        /// Its value.
+        /// Value of the zero point.
         mag: f64,
     },
-    /// Numbers that make no scale.
+    /// The zero point or exposure is out of range.
     #[error("{path}: {source}")]
     Scale {
         /// The file.
         path: String,
-        /// What is wrong.
+        /// Cause.
         source: CountScaleError,
     },
 }
@@ -93,66 +91,69 @@ pub struct FrameOverrides {
     pub pixel_scale_arcsec: Option<f64>,
 }
 
-/// A chip with what noise needs.
+/// Chip with the data for noise.
 #[derive(Clone, Debug)]
 pub struct TargetChip {
-    /// Pixels, sky and counts.
+    /// Pixels, world coordinates and count scale.
     pub chip: Chip,
-    /// Electrons that one unit of the frame stands for: the gain, times the exposure where the frame holds counts a second. `None` where it is not known.
-    pub electrons_a_unit: Option<f64>,
-    /// Where pixels saturate, the frame's unit.
+    /// Electrons per unit of the frame: the gain, multiplied by the exposure if the frame contains counts per second;
+    /// `None` if it is unknown.
+    pub electrons_per_unit: Option<f64>,
+    /// Saturation level of pixels, in the unit of the frame.
     pub saturation: Option<f64>,
     /// Least and greatest count of a frame of whole numbers.
     pub whole_range: Option<(f64, f64)>,
-    /// HDU of the plane that holds the variance of each of its pixels, where the file is a masked image of Rubin's pipelines.
+    /// HDU with the variance of each pixel, if the file is a masked image of Rubin's pipelines.
     pub variance_hdu: Option<usize>,
 }
 
-/// An opened frame.
+/// Opened frame.
 #[derive(Clone, Debug)]
 pub struct TargetFrame {
     /// The file.
     pub file: FrameFile,
-    /// When the shutter opened.
+    /// Shutter opening.
     pub opened: Epoch,
-    /// For how long, seconds.
+    /// Exposure time, seconds.
     pub exposure_s: f64,
-    /// Its images, at least one.
+    /// Images of the frame, at least one.
     pub chips: Vec<TargetChip>,
-    /// HDUs of images without a usable place on the sky, with the reason; others have one.
+    /// HDUs of images without valid world coordinates, with the reason.
     pub left_out: Vec<(usize, WcsError)>,
-    /// Filter or band as the header has it.
+    /// Filter or band as written in the header.
     pub filter: Option<String>,
-    /// Names of instrument, telescope and observatory as the header has them: the nearest to the light first.
+    /// Names of instrument, telescope and observatory in the header, in this order.
     pub observatory: Vec<String>,
-    /// Planes that a mask in the file names, and their bits.
+    /// Planes named by a mask in the file, with their bits.
     pub mask_planes: BTreeMap<String, u32>,
 }
 
-/// Words in EXTNAME or EXTTYPE of what is no light.
-const NO_LIGHT: [&str; 9] = ["MASK", "VARIANCE", "WEIGHT", "WHT", "IVAR", "DQ", "ERR", "FLAG", "SIGMA"];
+/// Words in EXTNAME or EXTTYPE of images that do not contain light.
+const NON_IMAGE_WORDS: [&str; 9] = ["MASK", "VARIANCE", "WEIGHT", "WHT", "IVAR", "DQ", "ERR", "FLAG", "SIGMA"];
 
 impl TargetFrame {
-    /// Opens a frame and reads what its headers say.
+    /// Opens a frame and reads its headers.
     ///
-    /// The images are all HDUs of two axes that are no masks or weights and have a place on the sky, or those said. A zero point must be in the header of
-    /// each or of the file, or said.
+    /// The images are all HDUs of two axes with world coordinates that are not masks or weights, or the HDUs of the
+    /// overrides. A zero point is required in the header of each image, in that of the file, or in the overrides.
     ///
     /// # Errors
     /// [`TargetError`].
-    pub fn open(path: &Path, said: &FrameOverrides) -> Result<Self, TargetError> {
+    pub fn open(path: &Path, overrides: &FrameOverrides) -> Result<Self, TargetError> {
         let file = FrameFile::open(path)?;
         let shown = path.display().to_string();
-        let images = images(&file, said)?;
+        let images = images(&file, overrides)?;
         let Some(&first) = images.first() else { return Err(TargetError::NoImage { path: shown }) };
         let headers = |hdu: usize| -> Result<[&Header; 2], FrameError> { Ok([file.header(hdu)?, file.header(0)?]) };
-        let (opened, exposure_s) = exposure(&headers(first)?, said, &shown)?;
+        let (opened, exposure_s) = exposure(&headers(first)?, overrides, &shown)?;
         let (mut chips, mut left_out) = (Vec::new(), Vec::new());
         for &hdu in &images {
-            match place(&file, hdu, said) {
-                Ok((wcs, is_on_sky)) => chips.push(target_chip(&file, hdu, wcs, is_on_sky, exposure_s, said, &shown)?),
-                Err(Placing::Frame(error)) => return Err(error.into()),
-                Err(Placing::Wcs(error)) => left_out.push((hdu, error)),
+            match chip_wcs(&file, hdu, overrides) {
+                Ok((wcs, is_on_sky)) => {
+                    chips.push(target_chip(&file, hdu, wcs, is_on_sky, exposure_s, overrides, &shown)?)
+                }
+                Err(ChipError::Frame(error)) => return Err(error.into()),
+                Err(ChipError::Wcs(error)) => left_out.push((hdu, error)),
             }
         }
         if chips.is_empty()
@@ -160,9 +161,9 @@ impl TargetFrame {
         {
             return Err(TargetError::Wcs { path: shown, hdu, source });
         }
-        let said_headers = headers(first)?;
-        let calibration = Calibration::from_headers(&said_headers);
-        let text = |keyword: &str| said_headers.iter().find_map(|header| header.text(keyword));
+        let first_headers = headers(first)?;
+        let calibration = Calibration::from_headers(&first_headers);
+        let text = |keyword: &str| first_headers.iter().find_map(|header| header.text(keyword));
         Ok(Self {
             opened,
             exposure_s,
@@ -175,21 +176,21 @@ impl TargetFrame {
         })
     }
 
-    /// What the telescope points at, and the radius about it that holds all chips, radians.
+    /// Pointing of the telescope, and the radius of the circle around it that contains all chips, radians.
     pub fn circle(&self) -> Option<(Direction<Gcrs>, f64)> {
         circle_of(self.chips.iter().map(|target| &target.chip))
     }
 }
 
-/// HDUs that hold light.
-fn images(file: &FrameFile, said: &FrameOverrides) -> Result<Vec<usize>, FrameError> {
-    if !said.hdus.is_empty() {
-        let mut hdus = said.hdus.clone();
+/// Returns the HDUs of images that contain light.
+fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, FrameError> {
+    if !overrides.hdus.is_empty() {
+        let mut hdus = overrides.hdus.clone();
         hdus.sort_unstable();
         hdus.dedup();
         for &hdu in &hdus {
             file.header(hdu)?;
-            // Its own words say what is wrong with one that is no image.
+            // Fails with the kind of an HDU that is not an image.
             file.image_size(hdu)?;
         }
         return Ok(hdus);
@@ -197,43 +198,44 @@ fn images(file: &FrameFile, said: &FrameOverrides) -> Result<Vec<usize>, FrameEr
     let mut found = file.images();
     found.retain(|&hdu| {
         let header = file.header(hdu).ok();
-        let says = |keyword| header.and_then(|header| header.text(keyword)).unwrap_or_default().to_ascii_uppercase();
-        let names = [says("EXTNAME"), says("EXTTYPE")];
-        !NO_LIGHT.iter().any(|word| names.iter().any(|name| name.contains(word)))
+        let text_of = |keyword| header.and_then(|header| header.text(keyword)).unwrap_or_default().to_ascii_uppercase();
+        let names = [text_of("EXTNAME"), text_of("EXTTYPE")];
+        !NON_IMAGE_WORDS.iter().any(|word| names.iter().any(|name| name.contains(word)))
     });
     Ok(found)
 }
 
-fn exposure(headers: &[&Header; 2], said: &FrameOverrides, path: &str) -> Result<(Epoch, f64), TargetError> {
-    if let (Some(start), Some(duration_s)) = (said.start, said.duration_s) {
+fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> Result<(Epoch, f64), TargetError> {
+    if let (Some(start), Some(duration_s)) = (overrides.start, overrides.duration_s) {
         return Ok((start, duration_s));
     }
     let failed = |source: ExposureError| TargetError::Exposure { path: path.to_owned(), source: Box::new(source) };
-    // What is said takes the place of what may be missing or wrong in the header.
+    // The overrides replace missing or wrong values of the header.
     let duration_s =
-        said.duration_s.map_or_else(|| ExposureTime::duration_from_headers(headers), Ok).map_err(failed)?;
-    let start = said.start.map_or_else(|| ExposureTime::start_from_headers(headers, duration_s), Ok).map_err(failed)?;
+        overrides.duration_s.map_or_else(|| ExposureTime::duration_from_headers(headers), Ok).map_err(failed)?;
+    let start =
+        overrides.start.map_or_else(|| ExposureTime::start_from_headers(headers, duration_s), Ok).map_err(failed)?;
     Ok((start, duration_s))
 }
 
-enum Placing {
+enum ChipError {
     Frame(FrameError),
     Wcs(WcsError),
 }
 
-/// Where a chip is on the sky, and whether its header says so.
-fn place(file: &FrameFile, hdu: usize, said: &FrameOverrides) -> Result<(Wcs, bool), Placing> {
-    let error = match Wcs::from_header(file.header(hdu).map_err(Placing::Frame)?) {
+/// Returns the world coordinates of a chip, and true if they come from its header.
+fn chip_wcs(file: &FrameFile, hdu: usize, overrides: &FrameOverrides) -> Result<(Wcs, bool), ChipError> {
+    let error = match Wcs::from_header(file.header(hdu).map_err(ChipError::Frame)?) {
         Ok(wcs) => return Ok((wcs, true)),
         Err(error) => error,
     };
-    match (said.pixel_scale_arcsec, &error) {
+    match (overrides.pixel_scale_arcsec, &error) {
         (Some(scale_arcsec), WcsError::NoCelestialAxes { .. }) => {
-            let [rows, columns] = file.image_size(hdu).map_err(Placing::Frame)?;
+            let [rows, columns] = file.image_size(hdu).map_err(ChipError::Frame)?;
             let centre = Direction::from_lon_lat_rad(0.0, 0.0);
-            Wcs::tangent(centre, scale_arcsec, 0.0, columns, rows).map(|wcs| (wcs, false)).map_err(Placing::Wcs)
+            Wcs::tangent(centre, scale_arcsec, 0.0, columns, rows).map(|wcs| (wcs, false)).map_err(ChipError::Wcs)
         }
-        _ => Err(Placing::Wcs(error)),
+        _ => Err(ChipError::Wcs(error)),
     }
 }
 
@@ -243,12 +245,12 @@ fn target_chip(
     wcs: Wcs,
     is_on_sky: bool,
     exposure_s: f64,
-    said: &FrameOverrides,
+    overrides: &FrameOverrides,
     path: &str,
 ) -> Result<TargetChip, TargetError> {
     let calibration = Calibration::from_headers(&[file.header(hdu)?, file.header(0)?]);
-    let (mag, basis) = match (said.zero_point, &calibration.zero_point) {
-        (Some(said), _) => said,
+    let (mag, basis) = match (overrides.zero_point, &calibration.zero_point) {
+        (Some(given), _) => given,
         (None, Some(stated)) => match stated.basis {
             Some(basis) => (stated.mag, basis),
             None => {
@@ -259,10 +261,10 @@ fn target_chip(
         (None, None) => return Err(TargetError::NoZeroPoint { path: path.to_owned(), hdu }),
     };
     let scale = match basis {
-        // Of a frame whose own unit is that of a second the two are the same.
+        // In a frame with units per second both bases are the same.
         CountBasis::Second if calibration.is_rate => CountScale::of_frame(mag, exposure_s),
         CountBasis::Frame => CountScale::of_frame(mag, exposure_s),
-        CountBasis::Second => CountScale::of_a_second(mag, exposure_s),
+        CountBasis::Second => CountScale::of_counts_per_second(mag, exposure_s),
     };
     let scale = scale.map_err(|source| TargetError::Scale { path: path.to_owned(), source })?;
     let [rows, columns] = file.image_size(hdu)?;
@@ -270,8 +272,8 @@ fn target_chip(
     let name = info.name.clone();
     let light_area = LightArea::from_header(file.header(hdu)?, rows, columns);
     let is_flux = calibration.pixel_unit == PixelUnit::Flux;
-    // A gain in the header of electrons or of a flux is that of the counts they were made from.
-    let gain_e_adu = said.gain_e_adu.or(match calibration.pixel_unit {
+    // The gain in the header of a frame in electrons or in a flux is that of the original counts.
+    let gain_e_adu = overrides.gain_e_adu.or(match calibration.pixel_unit {
         PixelUnit::Electrons => Some(1.0),
         PixelUnit::Flux => None,
         PixelUnit::Counts => calibration.gain_e_adu.map(|gain| gain.value),
@@ -279,26 +281,26 @@ fn target_chip(
     let is_rate = calibration.is_rate;
     Ok(TargetChip {
         chip: Chip { hdu, name, rows, columns, light_area, wcs, is_on_sky, scale },
-        electrons_a_unit: gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain }),
+        electrons_per_unit: gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain }),
         whole_range: info.format.whole_range(),
         variance_hdu: variance_of(file, hdu)?,
         saturation: calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate),
     })
 }
 
-/// The plane of variances of a masked image as Rubin's pipelines write it: behind the planes IMAGE and MASK (EXTNAME, or EXTTYPE where tiles are compressed), of
-/// the image's size.
+/// Returns the variance plane of a masked image of Rubin's pipelines: the HDU after the planes IMAGE and MASK (EXTNAME,
+/// or EXTTYPE if tiles are compressed), of the same size.
 fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, FrameError> {
     let is_plane = |hdu: usize, name: &str| {
         let header = file.header(hdu).ok();
-        let says = |keyword| header.and_then(|header| header.text(keyword)).is_some_and(|text| text == name);
-        file.image_size(hdu).is_ok() && (says("EXTNAME") || says("EXTTYPE"))
+        let text_of = |keyword| header.and_then(|header| header.text(keyword)).is_some_and(|text| text == name);
+        file.image_size(hdu).is_ok() && (text_of("EXTNAME") || text_of("EXTTYPE"))
     };
     let are_planes = is_plane(hdu, "IMAGE") && is_plane(hdu + 1, "MASK") && is_plane(hdu + 2, "VARIANCE");
     Ok((are_planes && file.image_size(hdu + 2)? == file.image_size(hdu)?).then_some(hdu + 2))
 }
 
-/// `MP_` keywords of any mask in the file.
+/// Returns the planes in the `MP_` keywords of any mask in the file.
 fn mask_planes(file: &FrameFile) -> Result<BTreeMap<String, u32>, FrameError> {
     let mut planes = BTreeMap::new();
     for info in file.hdus() {

@@ -1,4 +1,4 @@
-//! Streaks put into a copy of a frame: pixels, masks, tables of truth, and cards that say what was done.
+//! Copy of a frame with streaks: pixels, masks, truth tables, and cards that describe the injection.
 
 use std::path::Path;
 
@@ -15,59 +15,62 @@ use crate::images::{
 };
 use crate::output::{Column, Kind, Table, Value};
 
-/// Why nothing was written.
+/// Errors of writing a frame with streaks.
 #[derive(Debug, Error)]
 pub enum InjectError {
-    /// The files.
+    /// Error of the files.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// The detector.
+    /// Error of the detector.
     #[error("HDU {hdu}: {source}")]
     Detector {
-        /// The chip's HDU.
+        /// HDU of the chip.
         hdu: usize,
-        /// What is wrong.
+        /// Cause.
         source: DetectorError,
     },
 }
 
-/// How light becomes counts, and what is told of it.
+/// Options for the conversion of light to counts and for the truth.
 #[derive(Clone, Debug)]
 pub struct InjectOptions {
-    /// False adds the light alone; true adds the noise of its own electrons where the gain is known, and holds pixels below their saturation where that is
-    /// known.
+    /// If true, adds photon noise if the gain is known, and limits pixels to their saturation level if that is known;
+    /// if false, adds the light only.
     pub noise: bool,
-    /// A detector of one's own: its stages count instead. Its gain is not looked at: that of the frame counts ([`TargetChip::electrons_a_unit`]).
+    /// Custom detector, used instead of the stages implied by the header. Its gain is ignored: that of the frame
+    /// applies ([`TargetChip::electrons_per_unit`]).
     pub detector: Option<Detector>,
-    /// The same seed gives the same frame.
+    /// Seed of the noise: the result depends on it.
     pub seed: u64,
     /// Bits of the masks.
     pub planes: MaskPlanes,
-    /// Masks and tables of truth in the file, and the light's variance where the file has a plane of variances.
-    pub tell: bool,
-    /// Lines of HISTORY: what was injected, from what.
+    /// If true, writes masks and truth tables to the file, and the variance of the light to its plane of variances, if
+    /// any.
+    pub write_truth: bool,
+    /// Lines of HISTORY that describe the injection.
     pub history: Vec<String>,
 }
 
-/// What was done to a frame.
+/// Report on a frame with streaks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Injected {
-    /// Pixels, all chips together.
+    /// Counts of changed pixels of all chips.
     pub changed: Changed,
-    /// HDUs whose gain is not known: their light has no noise.
+    /// HDUs with unknown gain, in which the light has no noise.
     pub without_gain: Vec<usize>,
 }
 
-/// Writes a copy of the frame with streaks in it: every card, extension and table that was there is still there, and what was not touched is the same to the
-/// last bit.
+/// Writes a copy of the frame with streaks. All cards, extensions and tables are kept, and unchanged data are identical
+/// to the last bit.
 ///
-/// Where a chip has a plane of variances ([`TargetChip::variance_hdu`]) and the light has noise, that plane gets the variance of the light.
-/// Behind the frame's own HDUs come, if they are wanted, one mask for each chip with streaks (`MASK`, or `MASK_<chip>` where there are several chips or a mask
-/// of that name is there already) and the tables `STREAKS` and `STREAK_POINTS`. Chips without streaks stay untouched. Streaks are those of
-/// [`crate::streaks::draw_on_chip`], in any order.
+/// If a chip has a plane of variances ([`TargetChip::variance_hdu`]) and the light has noise, the variance of the light
+/// is added to that plane. If requested, one mask for each chip with streaks (`MASK`, or `MASK_<chip>` if there are
+/// several chips or a mask of that name exists) and the tables `STREAKS` and `STREAK_POINTS` are appended after the
+/// HDUs of the frame. Chips without streaks are not changed. The streaks come from [`crate::streaks::draw_on_chip`], in
+/// any order.
 ///
 /// # Errors
-/// [`InjectError`]; a file that stood at `output` is then still there.
+/// [`InjectError`]; an existing file at `output` is then kept.
 pub fn inject(
     frame: &TargetFrame,
     streaks: &[DrawnStreak<'_>],
@@ -86,7 +89,7 @@ pub fn inject(
         if (options.noise || options.detector.is_some()) && detector.is_none() {
             report.without_gain.push(target.chip.hdu);
         }
-        let noise = if options.tell { noise_of_chip(frame, target)? } else { 0.0 };
+        let noise = if options.write_truth { noise_of_chip(frame, target)? } else { 0.0 };
         let has_noise = detector.as_ref().is_some_and(|detector| detector.shot_noise);
         let added = match detector {
             Some(detector) => expose(&mut copy, frame, target, &own, &detector, options.seed)?,
@@ -98,14 +101,14 @@ pub fn inject(
         for line in &options.history {
             copy.add_history(target.chip.hdu, line)?;
         }
-        if has_noise && options.tell {
+        if has_noise && options.write_truth {
             add_variance(&mut copy, target, &added)?;
         }
-        if options.tell {
+        if options.write_truth {
             masks.extend(mask(&own, &added, target, &options.planes, noise).map(|mask| (target, mask)));
         }
     }
-    if options.tell {
+    if options.write_truth {
         append_masks(&mut copy, frame, masks, &options.planes)?;
         let rows: Vec<TruthRow<'_>> = truth_rows(streaks, frame.exposure_s, options.seed);
         let cards: Vec<Card> = options.history.iter().flat_map(|line| Card::remark("HISTORY", line)).collect();
@@ -120,12 +123,12 @@ pub fn inject(
     Ok(report)
 }
 
-/// What turns the light of a chip into counts; `None` adds the light as it is.
+/// Returns the detector that converts the light of a chip to counts; `None` if the light is added unchanged.
 fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
     if !options.noise && options.detector.is_none() {
         return None;
     }
-    let gain_e_adu = target.electrons_a_unit?;
+    let gain_e_adu = target.electrons_per_unit?;
     Some(match &options.detector {
         Some(detector) => Detector { gain_e_adu, shot_noise: detector.shot_noise && options.noise, ..detector.clone() },
         None => {
@@ -136,20 +139,20 @@ fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
     })
 }
 
-/// Whole counts, where the frame has such: light of less than a count is then not lost by rounding, but makes a count now and then. Numbers of 32 bits are
-/// too many for single precision, and rounding to one in millions loses nothing.
+/// Returns the quantisation of a frame of whole counts: light of less than a count is rounded at random, not to zero.
+/// Not used for 32-bit counts, which are beyond single precision and for which rounding is negligible.
 fn quantisation(target: &TargetChip) -> Option<Quantisation> {
     let (least_adu, greatest_adu) = target.whole_range?;
     (greatest_adu <= 65_535.0 && least_adu >= -65_536.0).then_some(Quantisation { least_adu, greatest_adu })
 }
 
-/// Light alone.
+/// Adds the light without a detector.
 fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), FrameError> {
     let mut spans = streaks.iter().flat_map(|streak| streak.patch.iter());
     spans.try_for_each(|span| copy.add(target.chip.hdu, span.row, span.first_column, span.values))
 }
 
-/// One sigma of a chip's pixels, from some of its rows.
+/// Returns one sigma of a chip's pixels, from some of its rows.
 fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameError> {
     const ROWS: usize = 48;
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
@@ -159,8 +162,8 @@ fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameE
     Ok(noise_of(&lit_of_rows.map(|value| *value as f32).collect::<Vec<_>>()))
 }
 
-/// Light through a detector: the whole chip is read, since full wells hold the sum of what was there and what is added. What it made of the pixels that are lit,
-/// in their order.
+/// Adds light through a detector. The whole chip is read, since full wells apply to the sum of existing and added
+/// light. Returns the changes of the illuminated pixels, in order.
 fn expose(
     copy: &mut FrameCopy<'_>,
     frame: &TargetFrame,
@@ -177,11 +180,11 @@ fn expose(
         patch
     };
     let patches: Vec<Patch> = streaks.iter().map(|streak| electrons(&streak.patch)).collect();
-    // Every chip has random numbers of its own.
+    // Each chip has its own random numbers.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let failed = |source| InjectError::Detector { hdu, source };
-    let (mut added, _) = detector.light_on(&before, &patches, seed).map_err(failed)?;
-    // Charge that bled out of what is lit went to the registers.
+    let (mut added, _) = detector.added_light(&before, &patches, seed).map_err(failed)?;
+    // Charge that bled out of the illuminated area is lost.
     added.retain(|light| lit.rows.contains(&light.row) && lit.columns.contains(&light.column));
     for of_row in added.chunk_by(|a, b| a.row == b.row) {
         let first = of_row[0].column;
@@ -192,10 +195,10 @@ fn expose(
     Ok(added)
 }
 
-/// Into the plane of variances, where there is one: light of n electrons has a variance of n, in the frame's unit n / gain². As in the pipelines that
-/// wrote the plane, n is what was counted and not what was expected.
+/// Adds the variance of the light to the plane of variances, if any: n electrons have a variance of n, in the unit of
+/// the frame n / gain². As in the pipelines that wrote the plane, n is the measured and not the expected number.
 fn add_variance(copy: &mut FrameCopy<'_>, target: &TargetChip, added: &[AddedLight]) -> Result<(), FrameError> {
-    let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_a_unit) else { return Ok(()) };
+    let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_per_unit) else { return Ok(()) };
     for of_span in added.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column)) {
         let variances: Vec<f32> = of_span.iter().map(|light| light.change_adu.max(0.0) / gain as f32).collect();
         copy.add(hdu, of_span[0].row, of_span[0].column, variances)?;
@@ -251,15 +254,15 @@ fn append_masks(
         let name = if one { "MASK".to_owned() } else { format!("MASK_{chip}") };
         let card =
             |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
-        let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: a streak stands out");
-        cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: holds injected light"));
-        cards.extend(card("IMAGEHDU", target.chip.hdu as i64, "HDU that it masks, the first being 0"));
+        let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: streak above the noise");
+        cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: injected light"));
+        cards.extend(card("IMAGEHDU", target.chip.hdu as i64, "masked HDU, counted from 0"));
         copy.append_image(&name, &image, &cards, None);
     }
     Ok(())
 }
 
-/// A table as columns of a FITS file; moments and lists are text.
+/// Converts a table to columns of a FITS file; times and lists become text.
 fn fits_columns(table: &Table) -> Vec<TableColumn> {
     let column = |(index, column): (usize, &Column)| {
         let cells = table.rows.iter().map(|row| &row[index]);

@@ -1,4 +1,4 @@
-//! Streaks put into an image in memory, by way of a file in a scratch folder.
+//! Injection into an image in memory, through a file in a scratch folder.
 
 use std::path::{Path, PathBuf};
 
@@ -7,18 +7,18 @@ use super::run::Injections;
 use crate::images::{FrameFile, Header, ImageValues, NewImage, Pixels, write_frame};
 use crate::output::ScratchFolder;
 
-/// An image with streaks.
+/// Image with streaks.
 #[derive(Clone, Debug)]
 pub struct ArrayInjected {
-    /// Pixels, of the type and in the order of those given.
+    /// Pixels, with the type and order of those given.
     pub image: ImageValues,
     /// Bits of each pixel; `None` if no streak crosses the image.
     pub mask: Option<Vec<i32>>,
-    /// Truth and warnings of the one frame.
+    /// Truth and warnings of the frame.
     pub injections: Injections,
 }
 
-/// An image in memory as a file: the result is the same to the last bit as for a file.
+/// Image in memory written as a file: the result is identical to that of a file.
 #[derive(Debug)]
 pub struct ArrayFrame<'a> {
     image: &'a ImageValues,
@@ -26,7 +26,7 @@ pub struct ArrayFrame<'a> {
 }
 
 impl<'a> ArrayFrame<'a> {
-    /// Writes the image into a new folder inside `scratch`, which is removed again. `cards` are its header.
+    /// Writes the image into a new folder inside `scratch`, which is removed afterwards. `cards` are its header.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -52,7 +52,7 @@ impl<'a> ArrayFrame<'a> {
     /// The file cannot be read.
     pub fn finish(self, mut injections: Injections) -> Result<ArrayInjected, InjectionError> {
         for frame in &mut injections.frames {
-            // The name of the scratch file.
+            // The column contains the name of the scratch file.
             frame.truth.columns.remove(0);
             frame.truth.rows.iter_mut().for_each(|row| drop(row.remove(0)));
         }
@@ -70,7 +70,8 @@ impl<'a> ArrayFrame<'a> {
         let mask_hdu = file.hdus().iter().find(|hdu| hdu.name == "MASK").map(|hdu| hdu.index);
         let mask = mask_hdu.map(|hdu| file.read_rows(hdu, 0..rows)).transpose()?;
         let mask = mask.map(|bits| bits.into_iter().map(|bit| bit as i32).collect());
-        let image = ImageValues::new(columns, pixels).ok_or_else(|| InjectionError::invalid("no image"))?;
+        let image =
+            ImageValues::new(columns, pixels).ok_or_else(|| InjectionError::invalid("the image has no pixels"))?;
         Ok(ArrayInjected { image, mask, injections })
     }
 }

@@ -11,43 +11,43 @@ use crate::images::FrameError;
 /// Errors of an injection.
 #[derive(Debug, Error)]
 pub enum InjectionError {
-    /// The frames and outputs contradict the request: what, and what is accepted.
+    /// The frames or outputs contradict the plan; the message contains the accepted values.
     #[error("{0}")]
     Invalid(String),
-    /// A frame that cannot be injected into.
+    /// Error of a frame into which streaks are to be injected.
     #[error(transparent)]
     Target(#[from] TargetError),
-    /// A synthetic frame.
+    /// Error of a synthetic frame.
     #[error(transparent)]
     Synthetic(#[from] SyntheticError),
-    /// The frame with streaks.
+    /// Error of writing the frame with streaks.
     #[error(transparent)]
     Write(#[from] InjectError),
-    /// A file of pixels.
+    /// Error of a FITS file.
     #[error(transparent)]
     Frame(#[from] FrameError),
-    /// Light, images and masks of streaks.
+    /// Error of the light, images or masks of streaks.
     #[error(transparent)]
     Streaks(#[from] StreaksError),
-    /// One frame.
+    /// Error of one frame.
     #[error("{path}: {source}")]
     File {
-        /// Its file.
+        /// File of the frame.
         path: String,
-        /// Error, in words that do not name the file.
+        /// Error without the name of the file.
         source: Box<InjectionError>,
     },
-    /// One frame of several.
-    #[error("{source}; {done} of {count} frames are written already, without a table of truth beside them")]
+    /// Error of one frame of several.
+    #[error("{source}; {done} of {count} frames have already been written, without a truth table")]
     Batch {
         /// Error of the frame.
         source: Box<InjectionError>,
         /// Frames that are complete.
         done: usize,
-        /// All frames.
+        /// Number of all frames.
         count: usize,
     },
-    /// A folder for intermediate files.
+    /// Error of the folder for intermediate files.
     #[error(transparent)]
     Scratch(#[from] std::io::Error),
 }
@@ -57,7 +57,7 @@ impl InjectionError {
         Self::Invalid(message.into())
     }
 
-    /// Returns the error with the file that it is about, if its own words do not name it.
+    /// Adds the name of the file to an error without it.
     pub(super) fn of_file(self, path: &Path) -> Self {
         let is_of_frame = match &self {
             Self::Streaks(error) => !matches!(
@@ -69,7 +69,7 @@ impl InjectionError {
         if is_of_frame { Self::File { path: path.display().to_string(), source: Box::new(self) } } else { self }
     }
 
-    /// Returns the error with the number of frames that were written before it, if any.
+    /// Adds the number of frames written before the error, if any.
     pub(super) fn of_batch(self, done: usize, count: usize) -> Self {
         if done == 0 { self } else { Self::Batch { source: Box::new(self), done, count } }
     }

@@ -1,4 +1,4 @@
-//! The frames of an injection: those on file, or synthetic ones, each made when its turn comes.
+//! Frames of an injection: existing files, or synthetic frames that are made one at a time.
 
 use std::path::{Path, PathBuf};
 
@@ -9,13 +9,13 @@ use crate::images::HduKind;
 use crate::output::ScratchFolder;
 
 pub struct Frames<'a> {
-    /// Frames on file; of synthetic ones the first, which has time and centre of all.
+    /// Existing frames; of synthetic frames only the first, which has the time and centre of all.
     known: Vec<TargetFrame>,
-    maker: Option<Maker<'a>>,
+    maker: Option<SyntheticMaker<'a>>,
 }
 
-/// Maker of synthetic frames.
-struct Maker<'a> {
+/// SyntheticMaker of synthetic frames.
+struct SyntheticMaker<'a> {
     synthetic: &'a SyntheticPlan,
     plan: &'a InjectionPlan,
     overrides: FrameOverrides,
@@ -32,33 +32,33 @@ impl<'a> Frames<'a> {
             });
         };
         let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
-        let maker = Maker {
+        let maker = SyntheticMaker {
             synthetic,
             plan,
             overrides: FrameOverrides { start: None, duration_s: None, ..plan.overrides.clone() },
             scratch: ScratchFolder::new(folder.unwrap_or(Path::new(".")))?,
         };
-        // Only its header is used: a sky without stars is made sooner.
+        // Only the header of this frame is used, so it is made without stars, which is faster.
         let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.frame.clone() };
         let first = maker.make(&starless, 0, 0)?;
         Ok(Self { known: vec![first], maker: Some(maker) })
     }
 
-    /// Returns the frames that are known before any is worked on.
+    /// Returns the frames that are available before the injection starts.
     pub fn known(&self) -> &[TargetFrame] {
         &self.known
     }
 
-    /// Rejects names ending in .fz for a frame without compressed tiles: its copy has none either.
+    /// Rejects names ending in .fz for a frame without compressed tiles, because its copy has none either.
     pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), InjectionError> {
         let is_tiled =
             |frame: &TargetFrame| frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
         for (index, output) in outputs.iter().enumerate() {
             let frame = self.known.get(if self.maker.is_some() { 0 } else { index });
-            let promises = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz"));
-            if promises && frame.is_some_and(|frame| !is_tiled(frame)) {
+            let has_fz_name = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz"));
+            if has_fz_name && frame.is_some_and(|frame| !is_tiled(frame)) {
                 return Err(InjectionError::invalid(format!(
-                    "{}: the frame is not compressed in tiles, and its copy will not be; allowed: a name that ends in .fits",
+                    "{}: the frame is not compressed in tiles, so its copy is not either; allowed: a name that ends in .fits",
                     output.display()
                 )));
             }
@@ -66,8 +66,8 @@ impl<'a> Frames<'a> {
         Ok(())
     }
 
-    /// Works on one frame.
-    pub fn with<T>(
+    /// Calls a function with one frame.
+    pub fn with_frame<T>(
         &self,
         index: usize,
         seed: u64,
@@ -77,16 +77,16 @@ impl<'a> Frames<'a> {
             None => work(self.known.get(index).ok_or_else(|| InjectionError::invalid(format!("no frame {index}")))?),
             Some(maker) => {
                 let frame = maker.make(&maker.synthetic.frame, index + 1, seed)?;
-                let answer = work(&frame);
+                let result = work(&frame);
                 // The streaks are in a copy. A file that cannot be removed now is removed with the scratch folder.
                 let _ = std::fs::remove_file(frame.file.path());
-                answer
+                result
             }
         }
     }
 }
 
-impl Maker<'_> {
+impl SyntheticMaker<'_> {
     fn make(&self, synthetic: &SyntheticFrame, number: usize, seed: u64) -> Result<TargetFrame, InjectionError> {
         let path = self.scratch.path().join(format!("{number}.fits"));
         let SyntheticPlan { opened, exposure_s, centre, .. } = *self.synthetic;

@@ -17,7 +17,7 @@ use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Radius of random lights: that of a small satellite, m.
+/// Radius of random lights, that of a small satellite, m.
 const RANDOM_RADIUS_M: f64 = 1.0;
 
 /// Sky over the frames, with its provenance.
@@ -41,7 +41,9 @@ pub fn sources(
 ) -> Result<Vec<Source>, InjectionError> {
     let (centre, radius_rad) = frame.circle().ok_or_else(|| {
         let shown = frame.file.path().display();
-        InjectionError::invalid(format!("{shown}: its world coordinates give its corners no place"))
+        InjectionError::invalid(format!(
+            "{shown}: the corners of the frame have no position on the sky in its world coordinates"
+        ))
     })?;
     if let Some(random) = &plan.random {
         return Ok(random_sources(random, plan, frame, (centre, radius_rad), seed));
@@ -79,7 +81,8 @@ fn random_sources(
         number => number,
     };
     let streaks = RandomStreaks { number, ..random.streaks };
-    // Drawn in the frame's own sky, so that streaks cross it whatever the tracking; tracks reach across the whole frame.
+    // Drawn in the frame's own coordinates, so that streaks cross it whatever the tracking; tracks extend across the
+    // whole frame.
     let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, |drawn, _| direction_on(chips(), drawn));
     let tracking = plan.tracking(frame.exposure_s);
     let source = |(number, mut track): (usize, SkyTrack)| {
@@ -128,21 +131,21 @@ pub fn history(
     lines
 }
 
-/// Returns least and greatest number, to a thousandth.
+/// Returns the least and greatest number, to a thousandth.
 fn span(numbers: impl Iterator<Item = f64> + Clone) -> Option<String> {
     let [least, greatest] = [numbers.clone().min_by(f64::total_cmp)?, numbers.max_by(f64::total_cmp)?];
     let [least, greatest] = [least, greatest].map(|number| format!("{number:.3}"));
     Some(if least == greatest { least } else { format!("{least} to {greatest}") })
 }
 
-/// Returns a statement, shortened to a few cards.
+/// Returns a value as text, truncated to a few cards.
 fn shortened(value: &serde_json::Value) -> String {
     const LONGEST: usize = 600;
     let text = value.to_string();
     if text.chars().count() <= LONGEST { text } else { text.chars().take(LONGEST).chain("...".chars()).collect() }
 }
 
-/// States frame, optics and photometry in the provenance of the truth.
+/// Adds frame, optics and photometry to the provenance of the truth.
 pub fn state(
     provenance: &mut Provenance,
     frame: &TargetFrame,
@@ -168,7 +171,7 @@ pub fn state(
     );
 }
 
-/// Returns true for a part of a source that shines.
-pub fn is_seen(part: &SourcePart) -> bool {
+/// Returns true for a part of a source with light.
+pub fn has_light(part: &SourcePart) -> bool {
     part.track.points.iter().any(|point| point.magnitude.is_some())
 }

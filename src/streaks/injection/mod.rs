@@ -1,7 +1,7 @@
-//! Streaks put into frames: [`InjectionPlan`] has what is to be done, [`Injection`] opens the frames, draws and writes.
+//! Injection of streaks into frames: [`InjectionPlan`] describes it, [`Injection`] opens the frames, draws and writes.
 //!
-//! `frames` opens frames or makes synthetic ones, `lights` finds the moving lights of a frame, `run` draws and writes them; `array` is
-//! for images in memory.
+//! `frames` opens or makes frames, `lights` finds the moving lights of a frame, `run` draws and writes them; `array`
+//! treats images in memory.
 
 mod array;
 mod error;

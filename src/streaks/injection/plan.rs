@@ -1,4 +1,4 @@
-//! Plan of an injection, checked.
+//! Validated plan of an injection.
 
 use std::path::PathBuf;
 
@@ -32,7 +32,7 @@ pub struct InjectionPlan {
     pub resolve_panels: bool,
     /// Image of a star.
     pub optics: Optics,
-    /// Name of its form, for the history of the frame.
+    /// Name of the shape of a star's image, for the history of the frame.
     pub psf_name: String,
     /// Name of the telescope.
     pub telescope: Option<String>,
@@ -40,19 +40,19 @@ pub struct InjectionPlan {
     pub detector: Option<Detector>,
     /// Photometry, in V if no band is given.
     pub photometry: PhotometryOptions,
-    /// True if no band is given: the frame's filter sets it.
+    /// True if no band is given, so that the frame's filter determines it.
     pub band_of_filter: bool,
     /// Zero point of the magnitudes; that of the band if omitted.
     pub mag_system: Option<MagSystem>,
-    /// Noise of the electrons added.
+    /// Photon noise of the added electrons.
     pub noise: bool,
     /// Seed.
     pub seed: u64,
-    /// Points along each streak in the table of them.
+    /// Number of points along each streak in the table of points.
     pub truth_points: usize,
     /// Bits of the mask.
     pub mask_preset: MaskPreset,
-    /// No extensions of mask and truth.
+    /// If true, no extensions of mask and truth are written.
     pub pixels_only: bool,
 }
 
@@ -90,8 +90,8 @@ impl InjectionPlan {
         })
     }
 
-    /// Returns the photometry of a frame: the band given, else that of the first word of its filter; with a warning if
-    /// that is no band.
+    /// Returns the photometry of a frame: in the given band, else in that of the first word of its filter; with a
+    /// warning if that is not a known band.
     pub(super) fn photometry_of(&self, frame: &TargetFrame) -> (PhotometryOptions, Option<String>) {
         let word = frame.filter.as_deref().and_then(|filter| filter.split_whitespace().next());
         let band = word.map(|word| word.trim_end_matches('\'').parse::<Band>());
@@ -100,11 +100,11 @@ impl InjectionPlan {
                 let system = self.mag_system.unwrap_or(band.usual_system());
                 (PhotometryOptions { band, system, ..self.photometry }, None)
             }
-            // Random streaks have a magnitude and no band.
+            // Random streaks have a magnitude without a band.
             Some(Err(_)) if self.random.is_none() => {
                 let filter = frame.filter.as_deref().unwrap_or_default();
                 let warning =
-                    format!("filter {filter:?} is no band that magnitudes are known in: V is taken; say --band");
+                    format!("filter {filter:?} is not a band with known magnitudes: V is used; specify --band");
                 (self.photometry, Some(warning))
             }
             _ => (self.photometry, None),

@@ -1,4 +1,4 @@
-//! The run of an injection: frames opened, lights found, drawn and written.
+//! Run of an injection: opens frames, finds lights, draws and writes them.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -14,7 +14,7 @@ use super::super::light::{Source, SourceName};
 use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
 use super::error::InjectionError;
 use super::frames::Frames;
-use super::lights::{InjectionSky, history, is_seen, sources, state};
+use super::lights::{InjectionSky, has_light, history, sources, state};
 use super::plan::InjectionPlan;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::Site;
@@ -24,20 +24,20 @@ use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 /// Line of a streak on a chip, for pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// The chip's HDU.
+    /// HDU of the chip.
     pub hdu: usize,
-    /// Points along it.
+    /// Points along the streak.
     pub line: Vec<PixelPosition>,
-    /// Half width to mark, pixels.
+    /// Half width of the marked area, pixels.
     pub half_width_pix: f64,
     /// Length, pixels.
     pub length_pix: f64,
 }
 
-/// One frame with streaks.
+/// Frame with streaks.
 #[derive(Clone, Debug)]
 pub struct InjectedFrame {
-    /// File written.
+    /// Written file.
     pub output: PathBuf,
     /// Truth: one row for each streak and chip.
     pub truth: Table,
@@ -68,7 +68,7 @@ pub struct Injections {
     pub provenance: Provenance,
 }
 
-/// An injection with its frames opened.
+/// Injection with its frames opened.
 pub struct Injection<'a> {
     plan: &'a InjectionPlan,
     outputs: &'a [PathBuf],
@@ -79,8 +79,8 @@ impl<'a> Injection<'a> {
     /// Checks the outputs, one for each frame on file or synthetic frame, and opens the frames.
     ///
     /// # Errors
-    /// An output that cannot be written whole (no folder, a pipe, a device, a packed file): then no frame is read. A frame
-    /// that cannot be opened or made.
+    /// An output that cannot be written completely (no folder, a pipe, a device, a compressed file), in which case no
+    /// frame is read; or a frame that cannot be opened or made.
     pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, InjectionError> {
         for output in outputs {
             reject_packed(output)?;
@@ -111,16 +111,16 @@ impl<'a> Injection<'a> {
         sites
     }
 
-    /// Puts streaks into all frames, on all threads of the current pool: satellites of the sky, or random streaks.
+    /// Injects streaks into all frames, on all threads of the current pool: satellites of the sky, or random streaks.
     ///
     /// # Errors
-    /// [`InjectionError`]; each output is written whole or not at all. If one frame of several fails, others may be written
-    /// already, and the error has their number.
+    /// [`InjectionError`]; each output is written completely or not at all. If one frame of several fails, others may
+    /// have been written; the error contains their number.
     pub fn run(&self, sky: Option<InjectionSky<'_>>) -> Result<Injections, InjectionError> {
         let (plan, known) = (self.plan, self.frames.known());
         let left_out = known.iter().flat_map(|frame| {
             let shown = frame.file.path().display();
-            frame.left_out.iter().map(move |(hdu, error)| format!("{shown}: HDU {hdu} is left out: {error}"))
+            frame.left_out.iter().map(move |(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"))
         });
         let warnings: Vec<String> = left_out.collect();
         let count = self.outputs.len();
@@ -131,7 +131,7 @@ impl<'a> Injection<'a> {
             .enumerate()
             .map(|(index, output)| {
                 let seed = seed_of(plan.seed, index, count);
-                let done = self.frames.with(index, seed, |frame| one(plan, sky, frame, output, seed));
+                let done = self.frames.with_frame(index, seed, |frame| one(plan, sky, frame, output, seed));
                 written.fetch_add(usize::from(done.is_ok()), Ordering::Relaxed);
                 done.map_err(|error| error.of_file(plan.images.get(index).unwrap_or(output)))
             })
@@ -148,26 +148,28 @@ impl<'a> Injection<'a> {
     }
 }
 
-/// Rejects names of packed files: frames are never packed as a whole.
+/// Rejects names of compressed files, since frames are never compressed as a whole.
 fn reject_packed(output: &Path) -> Result<(), InjectionError> {
     let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
         let shown = output.display();
         return Err(InjectionError::invalid(format!(
-            "{shown}: packed frames are not written; allowed: a name without .{end}, as .fits"
+            "{shown}: compressed files are not supported as output; allowed: a name without .{end}, for example .fits"
         )));
     }
     Ok(())
 }
 
-/// Returns a remark about the pixels of a frame that get no light.
+/// Returns a remark about the pixels of a frame without added light.
 fn overscan(frame: &TargetFrame) -> Option<String> {
     let is_cut = |chip: &&Chip| chip.light_area.pixels() < chip.rows * chip.columns;
     let cut: Vec<&Chip> = frame.chips.iter().map(|target| &target.chip).filter(is_cut).collect();
     let (first, area) = cut.first().map(|chip| (chip.hdu, chip.light_area.section()))?;
     let others = if cut.len() > 1 { format!(", {} others likewise", cut.len() - 1) } else { String::new() };
     let shown = frame.file.path().display();
-    Some(format!("{shown}: HDU {first}: light falls on {area} alone, as the header says; overscan gets none{others}"))
+    Some(format!(
+        "{shown}: HDU {first}: only {area} is illuminated according to the header; no light is added to the overscan{others}"
+    ))
 }
 
 fn one(
@@ -189,7 +191,7 @@ fn one(
         optics: &plan.optics,
         truth_points: plan.truth_points,
     };
-    let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(is_seen)).collect();
+    let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(has_light)).collect();
     let streaks: Vec<DrawnStreak<'_>> = frame
         .chips
         .par_iter()
@@ -208,7 +210,7 @@ fn one(
         detector: plan.detector.clone(),
         seed,
         planes,
-        tell: !plan.pixels_only,
+        write_truth: !plan.pixels_only,
         history: history(sky.map_or(&Provenance::new(), |sky| sky.provenance), plan, &drawn, &streaks, seed),
     };
     let injected = inject(frame, &streaks, &options, output)?;
@@ -221,7 +223,7 @@ fn one(
     };
     Ok(InjectedFrame {
         output: output.to_owned(),
-        truth: named(truth_table(&rows), output),
+        truth: with_file_name(truth_table(&rows), output),
         trails: trail_table(&rows),
         points: points_table(&rows),
         marks: streaks.iter().map(mark).collect(),
@@ -232,7 +234,7 @@ fn one(
 }
 
 /// Returns the truth of one frame with the name of its file in each row.
-fn named(mut truth: Table, frame: &Path) -> Table {
+fn with_file_name(mut truth: Table, frame: &Path) -> Table {
     let name = frame.file_name().unwrap_or_default().to_string_lossy().into_owned();
     truth.columns.insert(0, Column::new("image", Kind::Text, "File of the frame."));
     truth.rows.iter_mut().for_each(|row| row.insert(0, Value::Text(name.clone())));
@@ -253,7 +255,7 @@ fn drawn_sources<'a>(streaks: &[DrawnStreak<'a>]) -> Vec<&'a Source> {
 fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected) -> String {
     let brightest = streaks.iter().filter_map(|streak| streak.peak_magnitude).min_by(f64::total_cmp);
     let of = match sources {
-        [] => return "no streak: nothing that shines crosses the frame; the output is a copy".to_owned(),
+        [] => return "no streak: no visible satellite crosses the frame; the output is a copy".to_owned(),
         [Source { name: SourceName::Random(_), .. }, ..] => "random lights".to_owned(),
         [one] => format!("{}", one.name),
         _ => format!("{} satellites", sources.len()),
@@ -265,7 +267,7 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
     let brightest = brightest.map_or_else(String::new, |magnitude| format!(", brightest {magnitude:.1} mag"));
     let clipped = match injected.changed.clipped {
         0 => String::new(),
-        clipped => format!(", {clipped} of them at the end of their type's range"),
+        clipped => format!(", {clipped} of them limited to the range of their type"),
     };
     format!("{number} of {of}{brightest}; {} pixels changed{clipped}", injected.changed.pixels)
 }
@@ -273,20 +275,20 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
 fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {
     let hdus: Vec<String> = injected.without_gain.iter().map(usize::to_string).collect();
     let without_gain = format!(
-        "{}: the gain of HDU {} is not known: light was added without the noise of its electrons; say --gain",
+        "{}: the gain of HDU {} is unknown: light was added without photon noise; specify --gain",
         frame.file.path().display(),
         hdus.join(", ")
     );
     if hdus.is_empty() { Vec::new() } else { vec![without_gain] }
 }
 
-/// Returns the seed of one frame: the seed itself if there is one frame, else mixed with the frame's number, so that
-/// neighbouring seeds share no frame.
+/// Returns the seed of one frame: the seed itself if there is one frame, else mixed with the number of the frame, so
+/// that adjacent seeds have no frame in common.
 fn seed_of(seed: u64, index: usize, count: usize) -> u64 {
     if count == 1 {
         return seed;
     }
-    // SplitMix64's finalizer; below 2^53, which tables of any kind can hold.
+    // SplitMix64 finalizer, reduced to 53 bits, which all table formats can represent.
     let mut z =
         seed.wrapping_mul(0xd1b5_4a32_d192_ed03).wrapping_add((index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

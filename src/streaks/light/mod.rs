@@ -1,5 +1,6 @@
-//! Lights that move over the sky: `sky_track` (where and how bright), `modulation` (tumbling, glints, light curves), `resolved` (chassis and solar array
-//! apart), `satellites` (those of a sky) and `random_streaks` (those of a seed) as `source`s.
+//! Moving lights on the sky: `sky_track` (positions and magnitudes), `modulation` (tumbling, glints, light curves),
+//! `resolved` (chassis and solar array as separate lights), `satellites` (satellites of a sky) and `random_streaks`
+//! (random lights) as `source`s.
 
 mod modulation;
 mod random_streaks;

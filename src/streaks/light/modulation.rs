@@ -1,59 +1,60 @@
-//! Light that changes along the track for reasons that no model of a steady satellite knows: tumbling, glints, a light curve of one's own.
+//! Changes of brightness along a track beyond those of a stable satellite: tumbling, glints, custom light curves.
 
 use super::super::error::StreaksError;
 
 use super::sky_track::{SkyPoint, SkyTrack};
 
-/// The brightness of a body that turns: a sine in magnitudes.
+/// Brightness of a rotating body: a sine in magnitudes.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Tumbling {
-    /// Seconds from one maximum to the next.
+    /// Time from one maximum to the next, seconds.
     pub period_s: f64,
-    /// From the faintest to the brightest, mag.
+    /// Difference between the faintest and the brightest magnitude, mag.
     pub amplitude_mag: f64,
-    /// Where in the period the shutter opens, in turns; at 0 the light is at its mean and brightens.
+    /// Phase at shutter opening, turns; at 0 the light is at its mean and increases.
     pub phase: f64,
 }
 
-/// A flash of light: a mirror that points at the observer for a moment.
+/// Short flash of light, for example from a mirror that points at the observer.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Glint {
-    /// Apparent magnitude of the flash alone at its height.
+    /// Apparent magnitude of the flash alone at its peak.
     pub magnitude: f64,
-    /// Its height in seconds after the light passes the middle of the frame most closely; before it where negative.
+    /// Time of the peak after the closest approach to the middle of the frame, seconds; negative if it is before.
     pub offset_s: f64,
-    /// Full width at half of its height, seconds; it rises and falls as a Gaussian.
+    /// Full width at half maximum of the Gaussian flash, seconds.
     pub duration_s: f64,
 }
 
-/// A light curve of one's own: what is added to the magnitude at times after the shutter opened.
+/// Custom light curve: magnitudes added at times after the shutter opened.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightCurve {
     points: Vec<(f64, f64)>,
 }
 
 impl LightCurve {
-    /// From (seconds after the shutter opened, magnitudes to add), straight lines between, the end values beyond the ends.
+    /// Creates a light curve from (seconds after the shutter opened, magnitudes to add), linear between the points and
+    /// constant beyond the ends.
     ///
     /// # Errors
-    /// Fewer than two points, numbers that are none, times that do not grow.
+    /// Fewer than two points, numbers that are not finite, or times that do not increase.
     pub fn new(points: Vec<(f64, f64)>) -> Result<Self, StreaksError> {
         let wrong = |point, problem| Err(StreaksError::LightCurve { point, problem });
         if points.len() < 2 {
-            return wrong(points.len(), "too few points (allowed: 2 or more)");
+            return wrong(points.len(), "too few points; allowed: 2 or more");
         }
         for (index, point) in points.iter().enumerate() {
             if !(point.0.is_finite() && point.1.is_finite()) {
-                return wrong(index + 1, "not a number (allowed: seconds and magnitudes)");
+                return wrong(index + 1, "not a finite number; allowed: seconds and magnitudes");
             }
             if index > 0 && points[index - 1].0 >= point.0 {
-                return wrong(index + 1, "the time is not later than that of the point before");
+                return wrong(index + 1, "the time is not later than that of the previous point");
             }
         }
         Ok(Self { points })
     }
 
-    /// Magnitudes to add at a time.
+    /// Returns the magnitudes to add at a time.
     pub fn at(&self, time_s: f64) -> f64 {
         let after = self.points.partition_point(|point| point.0 <= time_s);
         match (after.checked_sub(1).and_then(|before| self.points.get(before)), self.points.get(after)) {
@@ -68,28 +69,29 @@ impl LightCurve {
     }
 }
 
-/// Everything that changes the light along a track.
+/// All changes of brightness along a track.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Modulation {
-    /// A body that turns.
+    /// Rotation of the body.
     pub tumbling: Option<Tumbling>,
-    /// Flashes.
+    /// Flashes of light.
     pub glints: Vec<Glint>,
-    /// A light curve of one's own.
+    /// Custom light curve.
     pub curve: Option<LightCurve>,
 }
 
-/// Points in the shortest change of the light.
+/// Number of points in the shortest change of brightness.
 const STEPS_IN_A_CHANGE: f64 = 16.0;
 
-/// Full width at half height of a Gaussian in standard deviations: 2 √(2 ln 2).
+/// Full width at half maximum of a Gaussian in standard deviations: 2 √(2 ln 2).
 const FWHM_SIGMAS: f64 = 2.354_820_045_030_949;
 
-/// The most points that one track is refined to: a period far below a pixel's crossing time is even light.
+/// Largest number of points of a refined track: shorter periods, far below the crossing time of a pixel, appear as
+/// constant light.
 const MOST_POINTS: f64 = 50_000.0;
 
 impl Modulation {
-    /// Refuses periods, durations and amplitudes that are none.
+    /// Checks periods, durations and amplitudes.
     ///
     /// # Errors
     /// [`StreaksError::Modulation`].
@@ -98,25 +100,25 @@ impl Modulation {
             if right { Ok(()) } else { Err(StreaksError::Modulation { what, given, allowed }) }
         };
         if let Some(Tumbling { period_s, amplitude_mag, phase }) = self.tumbling {
-            held("tumbling period, s", period_s, "0.02 to 1e5", (0.02..=1e5).contains(&period_s))?;
-            held("tumbling amplitude, mag", amplitude_mag, "0 to 10", (0.0..=10.0).contains(&amplitude_mag))?;
-            held("tumbling phase, turns", phase, "-1 to 1", (-1.0..=1.0).contains(&phase))?;
+            held("tumbling period (s)", period_s, "0.02 to 1e5", (0.02..=1e5).contains(&period_s))?;
+            held("tumbling amplitude (mag)", amplitude_mag, "0 to 10", (0.0..=10.0).contains(&amplitude_mag))?;
+            held("tumbling phase (turns)", phase, "-1 to 1", (-1.0..=1.0).contains(&phase))?;
         }
         for glint in &self.glints {
             held("glint magnitude", glint.magnitude, "-20 to 30", (-20.0..=30.0).contains(&glint.magnitude))?;
-            held("glint offset, s", glint.offset_s, "-1e5 to 1e5", glint.offset_s.abs() <= 1e5)?;
-            held("glint duration, s", glint.duration_s, "1e-3 to 1e4", (1e-3..=1e4).contains(&glint.duration_s))?;
+            held("glint offset (s)", glint.offset_s, "-1e5 to 1e5", glint.offset_s.abs() <= 1e5)?;
+            held("glint duration (s)", glint.duration_s, "1e-3 to 1e4", (1e-3..=1e4).contains(&glint.duration_s))?;
         }
         Ok(())
     }
 
-    /// True where the light stays as it is.
+    /// Returns true if the brightness is not changed.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The track in this light, with points enough that it is seen; glints count from `middle_s` after the shutter opened. In the Earth's shadow nothing turns
-    /// bright.
+    /// Returns the track with changed brightness, with enough points to resolve the changes; glints are relative to
+    /// `middle_s`, seconds after the shutter opened. Points in the Earth's shadow stay dark.
     pub fn applied(&self, track: &SkyTrack, middle_s: f64) -> SkyTrack {
         if self.is_none() || track.points.is_empty() {
             return track.clone();
@@ -172,7 +174,7 @@ mod tests {
         SkyTrack { points: (0..=24).map(point).collect() }
     }
 
-    /// ∫ light dt by trapezes, in that of magnitude 0 for a second.
+    /// ∫ light dt by the trapezoidal rule, in seconds of magnitude 0.
     fn light_s(track: &SkyTrack) -> f64 {
         let light = |point: &SkyPoint| point.magnitude.map_or(0.0, |magnitude| 10f64.powf(-0.4 * magnitude));
         track
@@ -183,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_tumbling_body_swings_by_its_amplitude() {
+    fn verif_a_tumbling_body_varies_by_its_amplitude() {
         let tumbling = Tumbling { period_s: 0.5, amplitude_mag: 2.0, phase: 0.0 };
         let track = Modulation { tumbling: Some(tumbling), ..Modulation::default() }.applied(&steady(6.0), 5.0);
         let lit = || track.points.iter().filter_map(|point| point.magnitude);
@@ -198,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_glint_brings_its_own_light() {
+    fn verif_a_glint_adds_its_own_light() {
         // The track lasts from 2 to 8 s: its middle is at 5 s.
         let glint = Glint { magnitude: 3.0, offset_s: -1.0, duration_s: 0.1 };
         let track = Modulation { glints: vec![glint], ..Modulation::default() }.applied(&steady(7.0), 5.0);
@@ -215,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_light_curve_is_followed_and_held_to_its_form() {
+    fn verif_a_light_curve_is_applied_and_checked() {
         let curve = LightCurve::new(vec![(3.0, 0.0), (4.0, 1.0), (4.1, -1.0)]).unwrap();
         for (time_s, added) in [(0.0, 0.0), (3.5, 0.5), (4.05, 0.0), (9.0, -1.0)] {
             assert!((curve.at(time_s) - added).abs() < 1e-12, "{time_s}");
@@ -227,7 +229,7 @@ mod tests {
         for (points, words) in [
             (vec![(1.0, 0.0)], "too few"),
             (vec![(1.0, 0.0), (1.0, 1.0)], "point 2: the time is not later"),
-            (vec![(1.0, 0.0), (2.0, f64::NAN)], "point 2: not a number"),
+            (vec![(1.0, 0.0), (2.0, f64::NAN)], "point 2: not a finite number"),
         ] {
             let message = LightCurve::new(points).unwrap_err().to_string();
             assert!(message.contains(words), "{message}");
@@ -235,12 +237,12 @@ mod tests {
     }
 
     #[test]
-    fn verif_impossible_changes_are_refused_and_none_is_none() {
+    fn verif_invalid_changes_are_rejected_and_no_change_is_the_identity() {
         let tumbling = |period_s, amplitude_mag| Modulation {
             tumbling: Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
             ..Modulation::default()
         };
-        assert!(tumbling(0.0, 1.0).check().unwrap_err().to_string().contains("period, s is 0 (allowed: 0.02 to 1e5)"));
+        assert!(tumbling(0.0, 1.0).check().unwrap_err().to_string().contains("period (s) is 0; allowed: 0.02 to 1e5"));
         assert!(tumbling(1.0, f64::NAN).check().is_err());
         let glint = Glint { magnitude: 3.0, offset_s: 0.0, duration_s: -1.0 };
         assert!(Modulation { glints: vec![glint], ..Modulation::default() }.check().is_err());

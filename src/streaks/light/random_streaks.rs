@@ -1,4 +1,4 @@
-//! Streaks that no satellite made: for training sets, drawn from a seed.
+//! Random streaks for training sets, drawn from a seed.
 
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
@@ -9,40 +9,41 @@ use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::frames::{Direction, Gcrs};
 
-/// What is drawn.
+/// Distribution of random streaks.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct RandomStreaks {
-    /// How many a frame.
+    /// Number of streaks in a frame.
     pub number: StreakNumber,
-    /// Apparent magnitudes, evenly between the brightest and the faintest.
+    /// Apparent magnitudes, uniform between the brightest and the faintest.
     pub magnitude: [f64; 2],
-    /// Speeds on the sky, rad/s, evenly in their logarithm between the slowest and the fastest.
+    /// Angular rates, rad/s, uniform in their logarithm between the slowest and the fastest.
     pub rate_rad_s: [f64; 2],
 }
 
-/// How many streaks a frame gets.
+/// Number of streaks in a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum StreakNumber {
-    /// As many, all of which touch the frame.
+    /// This number, all of which touch the frame.
     Exactly(usize),
-    /// As many on the average: Poisson numbers.
+    /// A Poisson number with this mean.
     OnAverage(f64),
 }
 
-/// The speed of low satellites past an observer, km/s: with the rate it sets the distance, and so the defocus.
+/// Speed of low satellites relative to an observer, km/s: with the rate it determines the distance and thus the
+/// defocus.
 const PASSING_KM_S: f64 = 7.6;
 
-/// Stars and noise are drawn from the same seed; streaks have a stream of their own.
+/// Random stream of the streaks; stars and noise use the same seed.
 const OWN_STREAM: u64 = 0x5354_5245_414b_5321;
 
 /// Points along one track.
 const POINTS: usize = 65;
 
-/// The most streaks in one frame.
+/// Largest number of streaks in one frame.
 const MOST_STREAKS: usize = 10_000;
 
 impl RandomStreaks {
-    /// Refuses ranges that are none.
+    /// Checks all ranges.
     ///
     /// # Errors
     /// [`StreaksError::RandomStreaks`].
@@ -55,17 +56,20 @@ impl RandomStreaks {
             StreakNumber::Exactly(number) => number as f64,
             StreakNumber::OnAverage(mean) => mean,
         };
-        held("a number", [number, number], "0 to 10000", [0.0, MOST_STREAKS as f64])?;
+        held("number", [number, number], "0 to 10000", [0.0, MOST_STREAKS as f64])?;
         held("magnitudes", self.magnitude, "-20 to 30, the brighter first", [-20.0, 30.0])?;
         let rates_deg_s = self.rate_rad_s.map(f64::to_degrees);
-        held("rates, deg/s,", rates_deg_s, "1e-4 to 10, the slower first", [1e-4, 10.0])
+        held("rates (deg/s)", rates_deg_s, "1e-4 to 10, the slower first", [1e-4, 10.0])
     }
 
-    /// The tracks of one frame. `place` is asked for as many random places as there are streaks: three numbers in [0, 1) and a random moment of the exposure,
-    /// seconds after the shutter opened, become a direction in the frame, through which the light passes at that moment in a random direction of motion.
-    /// Tracks reach `radius_rad` to both sides of it, or from the opening to the closing of the shutter.
+    /// Returns the tracks of one frame.
     ///
-    /// The same seed gives the same streaks, whatever else is drawn for other frames.
+    /// `place` is called once for each streak: it converts three numbers in [0, 1) and a random time of the exposure,
+    /// seconds after the shutter opened, to a direction in the frame. The light passes through it at that time, in a
+    /// random direction of motion. Tracks extend to `radius_rad` on both sides of it, or from the opening to the
+    /// closing of the shutter.
+    ///
+    /// The streaks depend only on the seed, not on other random numbers of the frame.
     pub fn tracks(
         &self,
         seed: u64,
@@ -76,7 +80,7 @@ impl RandomStreaks {
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ OWN_STREAM);
         let number = match self.number {
             StreakNumber::Exactly(number) => number,
-            // A mean of nothing has no distribution: there are no streaks.
+            // A Poisson distribution with mean 0 is not defined: there are no streaks.
             StreakNumber::OnAverage(mean) => {
                 Poisson::new(mean).map_or(0, |poisson| (poisson.sample(&mut random) as usize).min(MOST_STREAKS))
             }
@@ -105,7 +109,7 @@ impl RandomStreaks {
     }
 }
 
-/// An even motion along the great circle through `centre`, which it passes at `passing_s`.
+/// Returns a uniform motion along the great circle through `centre`, which it passes at `passing_s`.
 fn straight(
     centre: &Direction<Gcrs>,
     position_angle_rad: f64,
@@ -145,13 +149,13 @@ mod tests {
     }
 
     #[test]
-    fn verif_streaks_keep_to_their_ranges_and_their_seed() {
-        let asked = streaks(StreakNumber::Exactly(200));
-        asked.check().unwrap();
-        let tracks = asked.tracks(7, 30.0, 0.02, place);
+    fn verif_streaks_are_in_their_ranges_and_depend_on_the_seed() {
+        let request = streaks(StreakNumber::Exactly(200));
+        request.check().unwrap();
+        let tracks = request.tracks(7, 30.0, 0.02, place);
         assert_eq!(tracks.len(), 200);
-        assert_eq!(tracks, asked.tracks(7, 30.0, 0.02, place));
-        assert_ne!(tracks, asked.tracks(8, 30.0, 0.02, place));
+        assert_eq!(tracks, request.tracks(7, 30.0, 0.02, place));
+        assert_ne!(tracks, request.tracks(8, 30.0, 0.02, place));
         let mut faint = 0;
         for track in &tracks {
             let [first, last] = [track.points[0], track.points[POINTS - 1]];
@@ -166,14 +170,14 @@ mod tests {
             assert!((4.0..=8.0).contains(&magnitude));
             faint += usize::from(magnitude > 6.0);
         }
-        // Half of 200, within four sigma of the binomial.
+        // Half of 200, within four sigma of the binomial distribution.
         assert!((72..=128).contains(&faint), "{faint}");
     }
 
     #[test]
-    fn verif_numbers_on_average_are_of_poisson() {
-        let asked = streaks(StreakNumber::OnAverage(3.0));
-        let counts: Vec<f64> = (0..2000).map(|seed| asked.tracks(seed, 30.0, 0.02, place).len() as f64).collect();
+    fn verif_mean_numbers_give_poisson_numbers() {
+        let request = streaks(StreakNumber::OnAverage(3.0));
+        let counts: Vec<f64> = (0..2000).map(|seed| request.tracks(seed, 30.0, 0.02, place).len() as f64).collect();
         let mean = counts.iter().sum::<f64>() / 2000.0;
         let variance = counts.iter().map(|count| (count - mean).powi(2)).sum::<f64>() / 1999.0;
         // √(3 / 2000) = 0.04 and 3 √(2 / 2000 (1 + 1 / 6)) = 0.1: five sigma each.
@@ -182,13 +186,13 @@ mod tests {
     }
 
     #[test]
-    fn verif_impossible_ranges_are_refused() {
-        let mut asked = streaks(StreakNumber::Exactly(20_000));
-        assert!(asked.check().unwrap_err().to_string().contains("0 to 10000"));
-        asked = RandomStreaks { magnitude: [8.0, 4.0], ..streaks(StreakNumber::Exactly(1)) };
-        assert!(asked.check().unwrap_err().to_string().contains("the brighter first"));
-        asked = RandomStreaks { rate_rad_s: [0.0, 0.01], ..streaks(StreakNumber::Exactly(1)) };
-        assert!(asked.check().is_err());
+    fn verif_invalid_ranges_are_rejected() {
+        let mut request = streaks(StreakNumber::Exactly(20_000));
+        assert!(request.check().unwrap_err().to_string().contains("0 to 10000"));
+        request = RandomStreaks { magnitude: [8.0, 4.0], ..streaks(StreakNumber::Exactly(1)) };
+        assert!(request.check().unwrap_err().to_string().contains("the brighter first"));
+        request = RandomStreaks { rate_rad_s: [0.0, 0.01], ..streaks(StreakNumber::Exactly(1)) };
+        assert!(request.check().is_err());
         assert!(streaks(StreakNumber::OnAverage(f64::NAN)).check().is_err());
     }
 }

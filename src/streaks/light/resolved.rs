@@ -1,7 +1,7 @@
-//! Chassis and solar array as two lights: near satellites are seen as more than a point.
+//! Chassis and solar array as two lights, for satellites so near that they are resolved.
 //!
-//! A sail of 10 m at 550 km is 4" tall, as much as good seeing. Each panel shines from its own centre with its own share of the model's light; what
-//! blocks what is in the shares.
+//! A sail of 10 m at 550 km is 4" tall, larger than good seeing. Each panel is a light at its own centre with its
+//! fraction of the model's light; the fractions include mutual shadowing.
 
 use nalgebra::Vector3;
 
@@ -10,30 +10,32 @@ use crate::frames::{Direction, Gcrs, Position, seconds_between};
 use crate::passes::{Exposure, Pass};
 use crate::photometry::{BrightnessModel, Earthshine};
 
-/// The two panels of a satellite along one pass.
+/// Two panels of a satellite along one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedPanels {
     moments: Vec<PanelMoment>,
-    /// Radius of the disk as large as the chassis, m.
+    /// Radius of a disk with the area of the chassis, m.
     pub base_radius_m: f64,
-    /// Radius of the disk as large as the solar array, m.
+    /// Radius of a disk with the area of the solar array, m.
     pub sail_radius_m: f64,
 }
 
-/// How the light is shared at one moment.
+/// Distribution of the light at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct PanelMoment {
     time_s: f64,
-    /// Share of the light that comes from the chassis, 0 to 1.
+    /// Fraction of the light from the chassis, 0 to 1.
     base_share: f64,
-    /// From the centre of the chassis to that of the sail as the observer sees it, radians on the sky (a small vector across the line of sight).
+    /// Vector from the centre of the chassis to that of the sail as seen by the observer, radians on the sky (across
+    /// the line of sight).
     sail_offset: Vector3<f64>,
 }
 
 impl ResolvedPanels {
-    /// From the samples of a pass. `observer` tells where the observer is at a moment after the shutter opened, km from the Earth's centre.
+    /// Computes the panels from the samples of a pass. `observer` returns the position of the observer at a time after
+    /// the shutter opened, km from the Earth's centre.
     ///
-    /// `None` where the model is not of two panels, or the pass has no samples that shine.
+    /// `None` if the model does not have two panels, or the pass has no samples with light.
     pub fn of_pass(
         pass: &Pass,
         exposure: &Exposure,
@@ -71,7 +73,7 @@ impl ResolvedPanels {
         })
     }
 
-    /// The track of the chassis and that of the solar array; their light adds up to the track's.
+    /// Returns the tracks of the chassis and of the solar array; their light adds up to that of the track.
     pub fn split(&self, track: &SkyTrack) -> [SkyTrack; 2] {
         let part = |is_sail: bool| {
             let points = track.points.iter().map(|point| {
@@ -80,7 +82,7 @@ impl ResolvedPanels {
                 let offset = if is_sail { here.sail_offset } else { Vector3::zeros() };
                 SkyPoint {
                     direction: Direction::from_vector((point.direction.vector() + offset).normalize()),
-                    // m - 2.5 log10 share; nothing of nothing is dark.
+                    // m - 2.5 log10 share; a share of 0 is dark.
                     magnitude: point.magnitude.filter(|_| share > 0.0).map(|magnitude| magnitude - 2.5 * share.log10()),
                     ..*point
                 }
@@ -90,7 +92,7 @@ impl ResolvedPanels {
         [part(false), part(true)]
     }
 
-    /// Between two moments everything changes evenly; beyond the ends it stays.
+    /// Interpolates linearly between two samples; the end values apply beyond the ends.
     fn at(&self, time_s: f64) -> PanelMoment {
         let after = self.moments.partition_point(|moment| moment.time_s <= time_s);
         let last = self.moments.len() - 1;
@@ -107,10 +109,10 @@ impl ResolvedPanels {
     }
 }
 
-/// The axes of the body frame as columns, in GCRS: z to the satellite's zenith, x towards the Sun's longitude.
+/// Returns the axes of the body frame as columns, in GCRS: z to the satellite's zenith, x towards the Sun's longitude.
 ///
-/// The observer's direction is known in both frames, and with the zenith it fixes the third axis. `None` where it stands in the zenith or nadir, and the
-/// longitude means nothing.
+/// The observer's direction is given in both frames and determines, with the zenith, the third axis. `None` if the
+/// observer is in the satellite's zenith or nadir, where the longitude is not defined.
 fn body_axes(
     direction: &Direction<Gcrs>,
     range_km: f64,
@@ -145,7 +147,7 @@ mod tests {
             let axes = body_axes(&direction, line.norm(), &observer, &geometry.to_observer()).unwrap();
             assert!((axes.transpose() * axes - nalgebra::Matrix3::identity()).norm() < 1e-12);
             assert!((axes.determinant() - 1.0).abs() < 1e-12);
-            // The Sun and the observer come out where the geometry has them.
+            // The directions of the Sun and the observer agree with the geometry.
             let to_sun = axes.transpose() * (sun.vector() - satellite.vector()).normalize();
             assert!((to_sun - geometry.to_sun().vector()).norm() < 1e-9);
             assert!((axes * geometry.to_observer().vector() + direction.vector()).norm() < 1e-9);
@@ -153,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_the_two_lights_add_up_to_the_one() {
+    fn verif_the_two_lights_sum_to_the_light_of_the_track() {
         let panels = ResolvedPanels {
             moments: vec![
                 PanelMoment { time_s: 0.0, base_share: 0.2, sail_offset: Vector3::new(0.0, 0.0, 1e-5) },
@@ -178,7 +180,7 @@ mod tests {
         }
         assert!((light(base.points[1].magnitude) / light(Some(5.0)) - 0.6).abs() < 1e-12);
         assert!((sail.points[1].direction.separation_rad(&track.points[1].direction) - 2e-5).abs() < 1e-12);
-        // All the light from the chassis: the sail is dark, not infinitely faint.
+        // All the light comes from the chassis: the sail is dark, not infinitely faint.
         assert_eq!(sail.points[2].magnitude, None);
     }
 }

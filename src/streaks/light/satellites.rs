@@ -1,4 +1,4 @@
-//! The satellites that cross an exposure, as lights to be drawn.
+//! Satellites that cross an exposure, as lights to be drawn.
 
 use super::super::error::StreaksError;
 use super::modulation::Modulation;
@@ -11,39 +11,40 @@ use crate::passes::{Exposure, Field, Pass, PassOptions, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::streaks::tracking::Tracking;
 
-/// Points along a pass: the light changes by less than a thousandth from one to the next but in the penumbra, which has dozens of its own.
+/// Samples of a pass: the light changes by less than a thousandth between them, except in the penumbra, which has
+/// dozens of its own.
 const SAMPLES: usize = 257;
 
-/// Around the chips, so that tracks reach beyond the last fringe of their light, radians (0.1°).
+/// Margin around the chips, so that tracks extend beyond the fringe of their light, radians (0.1°).
 const MARGIN_RAD: f64 = 1.7e-3;
 
-/// What the light of satellites depends on.
+/// Options for the light of satellites.
 #[derive(Copy, Clone, Debug)]
 pub struct SatelliteLight<'a> {
     /// Band, system, extinction.
     pub photometry: &'a PhotometryOptions,
-    /// What changes it along the track.
+    /// Changes of brightness along the track.
     pub modulation: &'a Modulation,
-    /// Chassis and solar array apart, where a model has them.
+    /// If true, chassis and solar array are separate lights for models with both.
     pub resolve_panels: bool,
-    /// What the telescope follows.
+    /// Tracking of the telescope.
     pub tracking: &'a Tracking,
 }
 
-/// The satellites of one exposure.
+/// Satellites of one exposure.
 #[derive(Clone, Debug, Default)]
 pub struct SatelliteExposure {
-    /// Those that shine anywhere on their way through the field.
+    /// Satellites with light anywhere on their track through the field.
     pub sources: Vec<Source>,
     /// Satellites without a position.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Every satellite that is lit anywhere within `radius_rad` (and a little more) of what the frame looks at while the shutter is open. Where the telescope follows
-/// something, that is the whole strip of the sky that the frame goes over.
+/// Returns all satellites that are sunlit somewhere on their track within `radius_rad` (plus a small margin) of the
+/// pointing while the shutter is open. If the telescope tracks a moving target, this covers the whole strip of the sky over which the frame moves.
 ///
 /// # Errors
-/// [`StreaksError`]: an exposure that the sky cannot be asked about, a field of more than half the sky.
+/// [`StreaksError`] if passes cannot be computed, or the field is more than half the sky.
 pub fn satellites(
     sky: &Sky,
     eop: &EopTable,
@@ -74,7 +75,7 @@ fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &Pass, light: &S
     }
 }
 
-/// The two panels; `None` for models without, and for telescopes in orbit.
+/// Returns the two panels; `None` for models without panels, and for telescopes in orbit.
 fn panels(
     sky: &Sky,
     eop: &EopTable,

@@ -1,35 +1,35 @@
-//! A moving light on the sky while the shutter is open: what every streak is made from.
+//! Track of a moving light on the sky while the shutter is open.
 
 use nalgebra::Vector3;
 
 use crate::frames::{Direction, Gcrs, seconds_between};
 use crate::passes::{Exposure, Pass};
 
-/// The light at one moment.
+/// Light at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SkyPoint {
     /// Seconds after the shutter opened.
     pub time_s: f64,
-    /// ICRS astrometric topocentric direction: the place among catalogue stars.
+    /// ICRS astrometric topocentric direction: the position relative to catalogue stars.
     pub direction: Direction<Gcrs>,
-    /// Distance from the observer, km: it sets the defocus and the apparent size.
+    /// Distance from the observer, km, which determines the defocus and the apparent size.
     pub range_km: f64,
-    /// Apparent magnitude, as if it stood still; `None` where nothing is seen (the Earth's shadow).
+    /// Apparent magnitude without motion; `None` if the light is not visible (in the Earth's shadow).
     pub magnitude: Option<f64>,
 }
 
-/// Points in time order. Between them the place is smooth and the light changes evenly.
+/// Points in time order. Between them positions are interpolated smoothly and magnitudes linearly.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkyTrack {
-    /// The points, their times growing.
+    /// Points with increasing times.
     pub points: Vec<SkyPoint>,
 }
 
 impl SkyTrack {
-    /// The sampled track of a pass, from entry to exit.
+    /// Returns the sampled track of a pass, from entry to exit.
     ///
-    /// The pass must have been asked for with samples ([`crate::passes::PassOptions::samples`]), enough that the light changes little from one
-    /// to the next; without them the track is empty.
+    /// The pass must have samples ([`crate::passes::PassOptions::samples`]), close enough that the light changes little
+    /// from one to the next; without them the track is empty.
     pub fn of_pass(pass: &Pass, exposure: &Exposure) -> Self {
         let points = pass.samples.iter().map(|sample| SkyPoint {
             time_s: seconds_between(exposure.start, sample.epoch),
@@ -40,10 +40,10 @@ impl SkyTrack {
         Self { points: points.collect() }
     }
 
-    /// The same track with more points: none farther apart than `longest_s`, the old ones kept.
+    /// Returns the same track with more points, at most `longest_s` apart, including the original ones.
     ///
-    /// The place comes from a cubic through the four nearest points, the light from the straight line between two; from a point to one in the
-    /// dark it stays dark.
+    /// Positions are interpolated by a cubic through the four nearest points, magnitudes linearly between two; between
+    /// two points of which one is dark the light is dark.
     pub fn refined(&self, longest_s: f64) -> Self {
         let mut points = Vec::with_capacity(self.points.len());
         for (index, pair) in self.points.windows(2).enumerate() {
@@ -66,7 +66,7 @@ impl SkyTrack {
         Self { points }
     }
 
-    /// The direction at a share of the way from point `index` to the next, by Lagrange's cubic in time.
+    /// Returns the direction at a fraction of the time from point `index` to the next, by Lagrange's cubic in time.
     fn direction_between(&self, index: usize, share: f64) -> Direction<Gcrs> {
         let last = self.points.len() - 1;
         let first = index.saturating_sub(1).min(last.saturating_sub(3));
@@ -84,15 +84,15 @@ impl SkyTrack {
         Direction::from_vector(sum.normalize())
     }
 
-    /// When it passes most closely by a place that may move: `seen` turns a point's direction into that of the place's own sky. Seconds after the shutter
-    /// opened; `None` for a track without points.
+    /// Returns the time of the closest approach to a place, seconds after the shutter opened; `None` for a track
+    /// without points. `seen` converts a point to a direction in the frame of the place, which may move.
     pub fn closest_s(&self, place: &Direction<Gcrs>, seen: impl Fn(&SkyPoint) -> Direction<Gcrs>) -> Option<f64> {
         let away = |index: usize| seen(&self.points[index]).separation_rad(place);
         let nearest = (0..self.points.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))?;
         if nearest == 0 || nearest + 1 == self.points.len() {
             return Some(self.points[nearest].time_s);
         }
-        // The vertex of the parabola through the squares of three distances.
+        // Vertex of the parabola through the squares of three distances.
         let [before, here, after] = [nearest - 1, nearest, nearest + 1].map(|index| away(index).powi(2));
         let (from_s, to_s) = (self.points[nearest - 1].time_s, self.points[nearest + 1].time_s);
         let bend = before - 2.0 * here + after;
@@ -121,7 +121,8 @@ mod tests {
         let fine = track.refined(0.1);
         assert_eq!(fine.points.len(), 81);
         for point in &fine.points {
-            // A cubic through points 14 mrad apart on a curve of this bend: 1e-9 of the square-square of the step.
+            // Error of a cubic through points 14 mrad apart on this curve, about 1e-9 times the fourth power of the
+            // step.
             assert!(point.direction.separation_rad(&circle(point.time_s)) < 2e-8, "{}", point.time_s);
             let lit = point.time_s < 6.0 + 1e-9;
             assert_eq!(point.magnitude.is_some(), lit, "{}", point.time_s);
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_short_tracks_are_refined_too() {
+    fn verif_tracks_of_few_points_are_refined() {
         let point = |time_s: f64| SkyPoint { time_s, direction: circle(time_s), range_km: 600.0, magnitude: Some(5.0) };
         for count in 0..4 {
             let track = SkyTrack { points: (0..count).map(|second| point(f64::from(second))).collect() };

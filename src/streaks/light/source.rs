@@ -1,4 +1,4 @@
-//! What draws a streak: a satellite, or a light from a seed.
+//! Source of a streak: a satellite, or a random light.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,17 +8,17 @@ use super::resolved::ResolvedPanels;
 use super::sky_track::SkyTrack;
 use crate::elements::NoradId;
 
-/// Who it is.
+/// Name of a source.
 #[derive(Clone, Debug, PartialEq)]
 pub enum SourceName {
     /// A satellite.
     Satellite {
-        /// Number in the catalogue.
+        /// NORAD catalogue number.
         norad_id: NoradId,
-        /// Name in the element set; empty where it has none.
+        /// Name in the element set; empty if it has none.
         name: Arc<str>,
     },
-    /// Drawn from a seed: its number among those of its frame, from 1.
+    /// Random light, with its number in its frame, from 1.
     Random(usize),
 }
 
@@ -32,16 +32,16 @@ impl fmt::Display for SourceName {
     }
 }
 
-/// A moving light with all that its streak depends on.
+/// Moving light with all data of its streak.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
-    /// Who it is.
+    /// Name of the source.
     pub name: SourceName,
-    /// What the magnitude rests on, as tables spell it.
+    /// Source of the magnitude, as written in tables.
     pub mag_source: String,
     /// Exposure less epoch of the elements, days; `None` for a random streak.
     pub element_age_days: Option<f64>,
-    /// One or two lights that together are the source.
+    /// One or two lights that together form the source.
     pub parts: Vec<SourcePart>,
 }
 
@@ -50,16 +50,16 @@ pub struct Source {
 pub struct SourcePart {
     /// `whole`, `chassis` or `array`.
     pub label: &'static str,
-    /// Where it is and how bright.
+    /// Position and magnitude.
     pub track: SkyTrack,
-    /// Radius of the disk that it is as large as, m.
+    /// Radius of a disk of the same area, m.
     pub radius_m: f64,
 }
 
 impl Source {
-    /// The parts of a track in changing light: one disk as large as the satellite, or its two panels.
+    /// Returns the parts of a track with modulated brightness: one disk of the satellite's size, or its two panels.
     ///
-    /// Glints count from `middle_s` after the shutter opened.
+    /// Glints are relative to `middle_s`, seconds after the shutter opened.
     pub fn parts(
         track: &SkyTrack,
         modulation: &Modulation,

@@ -8,10 +8,10 @@ use super::seeing::Seeing;
 /// Greatest radius of defocus and of the body, pixels.
 const GREATEST_RADIUS_PIX: f64 = 200.0;
 
-/// Seeing, convolved with the ring that is the image of the pupil out of focus, convolved with a uniform disk for the body.
+/// Seeing, convolved with the ring of the defocused pupil and with a uniform disk for the body.
 ///
-/// Through a telescope focused on the stars, of outer and inner radius r_o and r_i, a point at range d is a ring of angular radii r_o/d and r_i/d
-/// (Tyson et al. 2020, AJ 160, 226, section 4.2; Ragazzoni 2020, PASP 132, 114502).
+/// Through a telescope focused on the stars, with outer and inner radius r_o and r_i, a point at range d is a ring of
+/// angular radii r_o/d and r_i/d (Tyson et al. 2020, AJ 160, 226, section 4.2; Ragazzoni 2020, PASP 132, 114502).
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Blur {
@@ -29,20 +29,20 @@ pub struct Blur {
 }
 
 impl Blur {
-    /// Seeing alone: a star.
+    /// Creates a blur by seeing only, for a star.
     pub fn seeing(seeing: Seeing) -> Self {
         Self { seeing, outer_radius_pix: 0.0, inner_radius_pix: 0.0, body_radius_pix: 0.0 }
     }
 
-    /// Rejects numbers outside their ranges.
+    /// Checks all numbers.
     ///
     /// # Errors
-    /// As in [`BlurError`].
+    /// [`BlurError`] for a number out of range.
     pub(super) fn validate(&self) -> Result<(), BlurError> {
         self.seeing.validate()?;
-        BlurError::hold("outer_radius_pix", self.outer_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
-        BlurError::hold("inner_radius_pix", self.inner_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
-        BlurError::hold("body_radius_pix", self.body_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        BlurError::check_range("outer_radius_pix", self.outer_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        BlurError::check_range("inner_radius_pix", self.inner_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        BlurError::check_range("body_radius_pix", self.body_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
         if self.inner_radius_pix > 0.99 * self.outer_radius_pix {
             return Err(BlurError::Hole { inner_pix: self.inner_radius_pix, outer_pix: self.outer_radius_pix });
         }

@@ -9,9 +9,9 @@ use super::curve::Curve;
 use super::error::{BlurError, GREATEST_REACH_PIX};
 use super::seeing::Seeing;
 
-/// Share of the flux beyond which wings are cut. The light is moved inwards, not lost.
+/// Fraction of the flux beyond which wings are cut. This light is moved inwards, not lost.
 const CUT_SHARE: f64 = 1e-4;
-/// Brightness of a line across itself, relative to its middle, below which wings are cut: the stricter limit for a Gaussian.
+/// Brightness of a line relative to its middle below which wings are cut: the stricter limit for a Gaussian.
 const CUT_BRIGHTNESS: f64 = 1e-5;
 
 /// Returns the surface brightness of a point of unit flux.
@@ -51,14 +51,14 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, BlurError> {
     Ok(profile)
 }
 
-/// The g with which seeing times 1 + g (r/R)⁴ within R has unit flux. Cores keep their brightness: for a Moffat profile with a β of
-/// 2.5 the light added at half the radius is a fiftieth of the light there.
+/// Returns the g for which seeing times 1 + g (r/R)⁴ within R has unit flux. Cores keep their brightness: for a Moffat
+/// profile with a β of 2.5 the light added at half the radius is a fiftieth of the light there.
 fn cut_gain(seeing: &Seeing, reach: f64, rule: &Rule) -> f64 {
     let added = |r: f64| 2.0 * PI * r * (r / reach).powi(4) * seeing.at(r);
     seeing.beyond(reach) / rule.integrate(0.0, reach, 0.5 * rule.step_pix, added)
 }
 
-/// Gauss's rule in panels, and a length over which profiles are smooth.
+/// Gauss rule in panels, and a length over which profiles are smooth.
 struct Rule {
     nodes: Vec<(f64, f64)>,
     step_pix: f64,
@@ -77,13 +77,14 @@ impl Rule {
     }
 }
 
-/// Mean of a `profile` over a disk of radius `a` whose centre lies `r` from the profile's own, pixels.
+/// Returns the mean of a `profile` over a disk of radius `a` at a distance `r` from the profile's centre, pixels.
 ///
-/// In circles about the profile's centre: those of radius s < a - r lie within the disk, those with |r - a| < s < r + a by an arc
+/// Circles of radius s about the profile's centre lie within the disk if s < a - r, and by an arc 2 α if |r - a| < s <
+/// r + a:
 ///
 /// 2 α(s) = 2 arccos((r² + s² - a²) / 2 r s),   mean = 1/(π a²) [ ∫₀^(a-r) 2π s f(s) ds + ∫ 2 α s f(s) ds ].
 ///
-/// The arc grows like a square root from both ends; s = m - h cos θ makes it smooth.
+/// The arc increases like a square root from both ends; the substitution s = m - h cos θ makes it smooth.
 fn disk_mean(profile: &Curve, a: f64, r: f64, rule: &Rule) -> f64 {
     let full =
         rule.integrate(0.0, (a - r).clamp(0.0, profile.end_pix()), rule.step_pix, |s| 2.0 * PI * s * profile.at(s));

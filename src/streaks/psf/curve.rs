@@ -1,21 +1,23 @@
 //! Tables of functions of a radius: dense in the core of a profile, sparse in its wings.
 
-/// Nodes in σ of the seeing (a Gaussian's, of the same full width) at the centre, and e-folds of the radius between nodes at the end.
+/// Nodes per σ of the seeing (of a Gaussian of the same full width) at the centre, and e-folds of the radius between
+/// nodes at the end.
 const NODES_PER_SIGMA: f64 = 48.0;
 const END_STEP: f64 = 0.1;
 
-/// Values at equal steps of t = r / (r + core), cubic in between, 0 beyond the end.
+/// Values at equal steps of t = r / (r + core), with cubic interpolation, 0 beyond the end.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
     core_pix: f64,
     end_pix: f64,
-    /// Number of steps that t = 1, an infinite radius, would be.
+    /// Number of steps up to t = 1, an infinite radius.
     scale: f64,
     values: Vec<f64>,
 }
 
 impl Curve {
-    /// Tabulates a function of the radius in pixels that has edges as wide as seeing of `fwhm_pix` up to about `core_pix`, and is smooth beyond.
+    /// Tabulates a function of the radius in pixels with edges as wide as seeing of `fwhm_pix` up to about `core_pix`,
+    /// and smooth beyond.
     pub fn of(core_pix: f64, end_pix: f64, fwhm_pix: f64, function: impl FnMut(f64) -> f64) -> Self {
         let intervals = (NODES_PER_SIGMA * core_pix / (0.425 * fwhm_pix)).max(end_pix / (END_STEP * core_pix));
         let intervals = intervals.ceil().clamp(256.0, 8192.0) as usize;
@@ -46,11 +48,11 @@ impl Curve {
         if r_pix > self.end_pix {
             return 0.0;
         }
-        let place = r_pix / (r_pix + self.core_pix) * self.scale;
-        let first = (place as usize).clamp(1, self.values.len() - 3) - 1;
+        let position = r_pix / (r_pix + self.core_pix) * self.scale;
+        let first = (position as usize).clamp(1, self.values.len() - 3) - 1;
         let [p, q, r, s] = self.values[first..first + 4] else { return 0.0 };
-        // Lagrange's weights of the nodes 0, 1, 2, 3.
-        let a = place - first as f64;
+        // Lagrange weights of the nodes 0, 1, 2, 3.
+        let a = position - first as f64;
         let (b, c, d) = (a - 1.0, a - 2.0, a - 3.0);
         -SIXTH * b * c * d * p + 0.5 * a * c * d * q - 0.5 * a * b * d * r + SIXTH * a * b * c * s
     }

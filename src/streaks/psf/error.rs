@@ -8,8 +8,8 @@ pub(super) const GREATEST_REACH_PIX: f64 = 4000.0;
 /// Errors of a point spread function.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum BlurError {
-    /// A number outside its range, or not finite.
-    #[error("{name} is {given}, allowed is {least} to {greatest}")]
+    /// A number is out of range or not finite.
+    #[error("{name} is {given}; allowed: {least} to {greatest}")]
     OutOfRange {
         /// Name of the field.
         name: &'static str,
@@ -20,19 +20,17 @@ pub enum BlurError {
         /// Greatest allowed value.
         greatest: f64,
     },
-    /// A hole as large as the ring around it.
-    #[error(
-        "the hole in the pupil's image has a radius of {inner_pix} pixels, the image one of {outer_pix}: the hole must be smaller (at most 0.99)"
-    )]
+    /// The inner radius of the ring is too near to the outer one.
+    #[error("inner_radius_pix is {inner_pix}; allowed: at most 0.99 of outer_radius_pix, which is {outer_pix}")]
     Hole {
-        /// Radius of the hole.
+        /// Inner radius.
         inner_pix: f64,
-        /// Radius of the image.
+        /// Outer radius.
         outer_pix: f64,
     },
-    /// Wings beyond the greatest radius.
+    /// The wings extend beyond the greatest radius.
     #[error(
-        "all but 1e-4 of the light reaches {reach_pix:.0} pixels from its centre, allowed are {GREATEST_REACH_PIX}"
+        "the light extends to {reach_pix:.0} pixels from its centre (all but 1e-4 of it); allowed: {GREATEST_REACH_PIX} pixels"
     )]
     Reach {
         /// Radius of the wings.
@@ -41,8 +39,8 @@ pub enum BlurError {
 }
 
 impl BlurError {
-    /// Rejects a number outside its range.
-    pub(super) fn hold(name: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
+    /// Checks that a number is in its range.
+    pub(super) fn check_range(name: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
         if (least..=greatest).contains(&given) {
             return Ok(());
         }

@@ -1,4 +1,4 @@
-//! Layers of a profile: the core on fine cells, the wings on coarser and coarser ones.
+//! Layers of a profile: the core on fine cells, the wings on increasingly coarse cells.
 
 use std::ops::Range;
 
@@ -6,19 +6,20 @@ use crate::images::{Patch, PatchRows};
 
 use super::curve::Curve;
 
-/// Lagrange weights of four cells, a quarter of a cell behind the second of them.
+/// Lagrange weights of four cells at a quarter of a cell after the second of them.
 pub(super) const QUARTER: [f32; 4] = [-0.054_687_5, 0.820_312_5, 0.273_437_5, -0.039_062_5];
 
 /// Error of cubic interpolation between cells, relative to the light of a line.
 const TOLERANCE: f64 = 1.5e-4;
-/// Stamps in a full width at half maximum, along each axis: linear interpolation between them has an error of δ²/8 f'', 4·10⁻⁴ of the
-/// peak at worst. Wings, fainter by a factor of thirty or more, need fewer in their width.
+/// Stamps per full width at half maximum, along each axis: linear interpolation between them has an error of δ²/8 f'',
+/// at most 4·10⁻⁴ of the peak. Wings, fainter by a factor of thirty or more, need fewer per width.
 const STAMPS_PER_FWHM: f64 = 57.0;
 const STAMPS_PER_WING: f64 = 20.0;
 /// Greatest number of stamps along an axis times their radius in cells: 32 MB.
 const MOST_STAMP_CELLS: f64 = 2000.0;
-/// Mean distance of the points that form a line, relative to the full width at half maximum. The light of points at even distances s varies as
-/// the Fourier transform of the profile at 1/s, 3·10⁻⁴ for a Moffat profile with a β of 2.5, less for all others.
+/// Mean distance of the points that form a line, relative to the full width at half maximum. The light of points at
+/// equal distances s varies by the Fourier transform of the profile at 1/s: 3·10⁻⁴ for a Moffat profile with a β of
+/// 2.5, less for all others.
 const STEP_PER_FWHM: f64 = 0.45;
 /// Width of wings, and distance of points that form a line of them, relative to the radius at which they begin.
 const WING_WIDTH: f64 = 0.45;
@@ -26,10 +27,10 @@ const WING_STEP: f64 = 0.22;
 /// Least radius of the profile in cells: coarser cells would spread light far beyond it.
 const LEAST_CELLS: f64 = 8.0;
 
-/// The part of a profile that is drawn on cells 2^level times the size of the finest ones.
+/// Part of a profile that is drawn on cells 2^level times the size of the finest ones.
 ///
-/// The light on cells is tabulated for many positions of a point within a cell, as stamps: a row of cells for each position along rows and each distance from
-/// the point along columns.
+/// The light on cells is tabulated as stamps for many positions of a point within a cell: a row of cells for each
+/// position along rows and each distance from the point along columns. the point along columns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layer {
     /// Greatest mean distance of points that form a line, pixels of the mean scale.
@@ -48,8 +49,9 @@ pub(super) struct Layer {
 impl Layer {
     /// Splits a profile, in the unit of the light of one cell of the finest grid, of sides `cell_pix`.
     ///
-    /// Layer k is w_k - w_(k+1). w_0 is the profile itself; w_k equals it beyond a radius R_k, and within R_k is its Taylor polynomial of second
-    /// degree in r². R_k is the least radius with which w_k is smooth on cells of 2^k. Layer k is 0 beyond R_(k+1).
+    /// Layer k is w_k - w_(k+1). w_0 is the profile itself; w_k equals it beyond a radius R_k, and within R_k is its
+    /// Taylor polynomial of second degree in r². R_k is the least radius with which w_k is smooth on cells of 2^k.
+    /// Layer k is 0 beyond R_(k+1).
     pub fn split(profile: &Curve, cell_pix: [f64; 2], fwhm_pix: f64) -> Vec<Self> {
         let mut wings = vec![Wing::new(profile, 0.0)];
         // Error times width, the same for a line of unit light.
@@ -63,7 +65,7 @@ impl Layer {
             let first = (1.3 * last).max(fwhm_pix).max(4.0 * cell);
             let radii = std::iter::successors(Some(first), |from| Some(1.12 * from));
             let radii = radii.take_while(|from| *from < 0.7 * profile.end_pix());
-            // The radius before first: where the coarser cells replace the finer ones altogether.
+            // The previous radius first: the coarser cells may replace the finer ones completely.
             let mut found = std::iter::once(last).chain(radii).map(|from| Wing::new(profile, from));
             let Some(next) = found.find(|wing| wing.is_smooth(cell, allowed, fwhm_pix)) else { break };
             wings.push(next);
@@ -92,7 +94,7 @@ impl Layer {
         let [half, rows] = radius.map(|radius| radius.ceil() as usize);
         let distances = (rows + 1) * phases + 1;
         let reach = |distance: usize| {
-            // One phase nearer: stamps of two distances are interpolated.
+            // One phase nearer, because stamps of two distances are interpolated.
             let share = (distance as f64 - 1.0).max(0.0) / (radius[1] * phases as f64);
             (radius[0] * (1.0 - share * share).max(0.0).sqrt()).ceil() as i64
         };
@@ -100,7 +102,7 @@ impl Layer {
         let mut stamps = Vec::new();
         if radius_pix > 0.0 {
             stamps.reserve((phases + 1) * distances * width);
-            // By the distances from the point along both axes, in phases.
+            // Indexed by the distances from the point along both axes, in phases.
             let [dx, dy] = cell_pix.map(|side| side / phases as f64);
             let along = (half + 1) * phases + 1;
             let near: Vec<f32> = (0..distances * along)
@@ -116,31 +118,31 @@ impl Layer {
         Self { step_pix, phases: phases as i64, reach, width, half: half as i64, stamps }
     }
 
-    /// True if the layer has no light.
+    /// Returns true if the layer has no light.
     pub fn is_empty(&self) -> bool {
         self.stamps.is_empty()
     }
 
-    /// Adds the cells that a point lights.
+    /// Adds the cells illuminated by a point to the extents.
     pub fn cover(&self, at: [f64; 2], extents: &mut PatchRows) {
-        let place = self.place(at);
-        for (row, columns, _) in self.rows(place, extents.rows(), extents.columns()) {
+        let position = self.position(at);
+        for (row, columns, _) in self.rows(position, extents.rows(), extents.columns()) {
             extents.add(row, columns);
         }
     }
 
-    /// Adds `light` times the layer about a point.
+    /// Adds `light` times the layer around a point.
     pub fn add_to(&self, canvas: &mut Patch, at: [f64; 2], light: f64) {
-        let place = self.place(at);
-        let [after, above] = [0, 1].map(|axis| at[axis] * self.phases as f64 - place[axis] as f64);
+        let position = self.position(at);
+        let [after, above] = [0, 1].map(|axis| at[axis] * self.phases as f64 - position[axis] as f64);
         let weights = [(1.0 - after) * (1.0 - above), (1.0 - after) * above, after * (1.0 - above), after * above];
         let [a, b, c, d] = weights.map(|weight| (light * weight) as f32);
-        let first = place[0].div_euclid(self.phases) - self.half;
+        let first = position[0].div_euclid(self.phases) - self.half;
         let size = self.reach.len() * self.width;
-        let phase = place[0].rem_euclid(self.phases) as usize * size;
-        for (row, columns, distance) in self.rows(place, canvas.rows(), canvas.columns()) {
+        let phase = position[0].rem_euclid(self.phases) as usize * size;
+        for (row, columns, distance) in self.rows(position, canvas.rows(), canvas.columns()) {
             let (from, count) = ((columns.start as i64 - first) as usize, columns.len());
-            let cells = canvas.stretch_mut(row, columns);
+            let cells = canvas.span_mut(row, columns);
             let near = phase + distance.unsigned_abs() as usize * self.width + from;
             let far = phase + (distance - 1).unsigned_abs() as usize * self.width + from;
             let stamp = |start: usize| self.stamps.get(start..start + count).unwrap_or(&[]);
@@ -151,18 +153,23 @@ impl Layer {
         }
     }
 
-    /// Position of a point, rounded down to phases.
-    fn place(&self, at: [f64; 2]) -> [i64; 2] {
-        at.map(|place| (place * self.phases as f64).floor() as i64)
+    /// Returns the position of a point, rounded down to phases.
+    fn position(&self, at: [f64; 2]) -> [i64; 2] {
+        at.map(|position| (position * self.phases as f64).floor() as i64)
     }
 
-    /// Rows and columns of a grid that a point lights, and the distance of each row above it in phases.
-    fn rows(&self, place: [i64; 2], rows: usize, columns: usize) -> impl Iterator<Item = (usize, Range<usize>, i64)> {
-        let [column, row] = place.map(|place| place.div_euclid(self.phases));
+    /// Returns the rows and columns of a grid illuminated by a point, and the distance of each row above it in phases.
+    fn rows(
+        &self,
+        position: [i64; 2],
+        rows: usize,
+        columns: usize,
+    ) -> impl Iterator<Item = (usize, Range<usize>, i64)> {
+        let [column, row] = position.map(|position| position.div_euclid(self.phases));
         let most = self.reach.len() as i64 / self.phases - 1;
-        let clamped = |place: i64, count: usize| place.clamp(0, count as i64) as usize;
+        let clamped = |position: i64, count: usize| position.clamp(0, count as i64) as usize;
         let rows = (clamped(row - most, rows)..clamped(row + most + 2, rows)).map(move |row| {
-            let distance = row as i64 * self.phases - place[1];
+            let distance = row as i64 * self.phases - position[1];
             let reach = self.reach[distance.unsigned_abs() as usize];
             (row, clamped(column - reach, columns)..clamped(column + reach + 2, columns), distance)
         });
@@ -170,7 +177,7 @@ impl Layer {
     }
 }
 
-/// A profile beyond a radius, continued inwards smoothly.
+/// Profile beyond a radius, continued smoothly inwards.
 struct Wing<'a> {
     profile: &'a Curve,
     from_pix: f64,
@@ -180,7 +187,7 @@ struct Wing<'a> {
 
 impl<'a> Wing<'a> {
     fn new(profile: &'a Curve, from_pix: f64) -> Self {
-        // Derivatives by r² from three values.
+        // Derivatives with respect to r² from three values.
         let (square, step) = (from_pix * from_pix, 0.1 * from_pix * from_pix);
         let [before, value, after] = [square - step, square, square + step].map(|square| profile.at(square.sqrt()));
         let per = if step > 0.0 { 1.0 / step } else { 0.0 };
@@ -196,7 +203,8 @@ impl<'a> Wing<'a> {
         self.inside[0] + x * (self.inside[1] + x * self.inside[2])
     }
 
-    /// True if interpolation between cells, as in `points`, has an error below `allowed` divided by the local width of the light.
+    /// Returns true if interpolation between cells, as in `points`, has an error below `allowed` divided by the local
+    /// width of the light.
     fn is_smooth(&self, cell_pix: f64, allowed: f64, fwhm_pix: f64) -> bool {
         let count = (self.profile.end_pix() / cell_pix * 2.0).ceil() as usize + 2;
         (0..count).all(|number| {

@@ -1,7 +1,8 @@
 //! Drawing of points of light: stars, and lines as sums of points.
 //!
-//! Each layer of the profile is summed over the points on a grid of its own cells. From the coarsest grid on, each grid is interpolated to the next finer
-//! one, and the finest is summed into pixels. Straight and bent lines, ends, jumps, and points at rest are drawn in the same way.
+//! Each layer of the profile is summed over the points on a grid of its own cells. Beginning with the coarsest grid,
+//! each grid is interpolated to the next finer one, and the finest is summed into pixels. Straight and bent lines,
+//! ends, jumps, and points at rest are drawn in the same way.
 
 use crate::images::{Patch, PatchRows, PixelPosition};
 
@@ -11,7 +12,7 @@ use super::profile::RadialProfile;
 /// Cells around the frame on coarse grids, for interpolation.
 const MARGIN: usize = 4;
 
-/// A point and its light.
+/// Point of light.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PointLight {
     /// Position on the frame.
@@ -22,8 +23,8 @@ pub struct PointLight {
 
 /// Draws a point in a frame of `rows` by `columns`: `flux` times the profile's average over each pixel.
 ///
-/// Pixels are good to 10⁻³ of the peak. The sum over all pixels is `flux` to 2·10⁻⁴ where the whole profile lies on the frame. The patch is empty for a
-/// position or a flux that is not finite.
+/// Pixels are accurate to 10⁻³ of the peak. The sum over all pixels is `flux` to 2·10⁻⁴ if the whole profile lies on
+/// the frame. The patch is empty for a position or a flux that is not finite.
 pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: usize, columns: usize) -> Patch {
     let is_finite = at.x.is_finite() && at.y.is_finite() && flux.is_finite();
     let point = is_finite.then_some(PointLight { at, light: flux });
@@ -32,8 +33,8 @@ pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: u
 
 /// Draws points in a frame of `rows` by `columns`.
 ///
-/// `points_of` returns the points for the greatest mean distance between those of a line, pixels of the mean scale. It is called for each layer: the distance
-/// is greater for the wings than for the core.
+/// `points_of` returns the points for the greatest mean distance between those of a line, pixels of the mean scale. It
+/// is called for each layer, because the distance is greater for the wings than for the core.
 pub fn draw_points(
     profile: &RadialProfile,
     rows: usize,
@@ -46,19 +47,19 @@ pub fn draw_points(
         let grid = Grid { cells: (1_usize << level) as f64, margin: if level == 0 { 0 } else { MARGIN } };
         let [rows, columns] = [rows * parts[1], columns * parts[0]].map(|count| grid.count(count));
         let points = if layer.is_empty() { Vec::new() } else { points_of(layer.step_pix) };
-        let places: Vec<([f64; 2], f64)> = points.iter().flat_map(|point| grid.places(point, profile)).collect();
+        let positions: Vec<([f64; 2], f64)> = points.iter().flat_map(|point| grid.positions(point, profile)).collect();
         let mut extents = PatchRows::new(rows, columns);
         if let Some(coarse) = &canvas {
             grid.cover(coarse, &mut extents);
         }
-        for (at, _) in &places {
+        for (at, _) in &positions {
             layer.cover(*at, &mut extents);
         }
         let mut fine = extents.into_patch();
         if let Some(coarse) = &canvas {
             grid.refine(coarse, &mut fine);
         }
-        for (at, light) in places {
+        for (at, light) in positions {
             layer.add_to(&mut fine, at, light);
         }
         canvas = Some(fine);
@@ -67,7 +68,7 @@ pub fn draw_points(
     if parts == [1, 1] { canvas } else { canvas.summed(parts[0], parts[1]) }
 }
 
-/// A grid of cells over a frame.
+/// Grid of cells over a frame.
 struct Grid {
     /// Side of a cell, in parts of a pixel.
     cells: f64,
@@ -76,13 +77,13 @@ struct Grid {
 }
 
 impl Grid {
-    /// Cells along a side of so many parts.
+    /// Returns the number of cells along a side of this number of parts.
     fn count(&self, parts: usize) -> usize {
         parts.div_ceil(self.cells as usize) + 2 * self.margin
     }
 
-    /// Positions of a point among the cells, and its light: two halves where parts are oblong.
-    fn places(&self, point: &PointLight, profile: &RadialProfile) -> impl Iterator<Item = ([f64; 2], f64)> + use<> {
+    /// Returns the positions of a point among the cells with its light: two halves if parts are oblong.
+    fn positions(&self, point: &PointLight, profile: &RadialProfile) -> impl Iterator<Item = ([f64; 2], f64)> + use<> {
         let (parts, shift) = (profile.parts(), profile.shift_parts());
         let cell = |pix: f64, axis: usize| (pix + 0.5) * parts[axis] as f64 / self.cells - 0.5 + self.margin as f64;
         let centre = [cell(point.at.x, 0), cell(point.at.y, 1)];
@@ -92,12 +93,12 @@ impl Grid {
         sides.iter().map(move |side| ([0, 1].map(|axis| centre[axis] + side * shift[axis]), light))
     }
 
-    /// Number of the coarse cell around a cell of this grid.
+    /// Returns the index of the coarse cell around a cell of this grid.
     fn coarse(&self, cell: usize) -> usize {
         cell / 2 + MARGIN - self.margin / 2
     }
 
-    /// Adds the cells within those of a grid half as fine.
+    /// Adds the cells within those of a grid half as fine to the extents.
     fn cover(&self, coarse: &Patch, extents: &mut PatchRows) {
         let back = MARGIN - self.margin / 2;
         for span in coarse.iter() {

@@ -10,27 +10,30 @@ use super::layers::Layer;
 
 /// Least ratio of the sides of pixels.
 const LEAST_ASPECT: f64 = 0.4;
-/// Least full width at half maximum of the seeing in parts of a pixel: the average over a square of this size is the same in all
-/// directions to 4·10⁻⁴ of the peak.
+/// Least full width at half maximum of the seeing in parts of a pixel: the average over a square of this size is
+/// isotropic to 4·10⁻⁴ of the peak.
 const PARTS_PER_FWHM: f64 = 2.5;
-/// Greatest radius of a profile in parts, which bounds memory and time. Only where the seeing is narrower than 1/200 of that radius (sharp rings of hundreds of
-/// pixels) parts are wider than above, and the pixels of a point are good to some 2 % of the peak.
+/// Largest radius of a profile in parts (the subpixels on which narrow seeing is drawn); it limits memory and time. Only if the seeing is narrower than 1/200 of
+/// that radius (sharp rings of hundreds of pixels), parts are wider than above, and the pixels of a point are accurate
+/// to about 2 % of the peak.
 const MOST_REACH_PARTS: f64 = 500.0;
 
 /// Light of a point on the detector: round on the sky, of unit flux, averaged over the area of each pixel.
 ///
-/// Seeing narrower than 2.5 pixels is drawn on parts of a pixel, which are then summed. The profile is kept averaged over the square of
-/// the shorter side of a part; where parts are oblong, the mean of two such profiles beside each other has the average over the longer side.
+/// Seeing narrower than 2.5 pixels is drawn on parts of a pixel, which are then summed. The profile is stored averaged
+/// over the square of the shorter side of a part; if parts are oblong, the mean of two such profiles side by side is
+/// the average over the longer side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialProfile {
     blur: Blur,
-    /// Brightness of a line of unit light per pixel by the distance from it, averaged over the square; pixels of the mean scale.
+    /// Brightness per pixel of a line of unit light by the distance from it, averaged over the square; pixels of the
+    /// mean scale.
     line: Curve,
     /// Width and height of a pixel in pixels of the mean scale.
     sides_pix: [f64; 2],
     /// Parts of a pixel along a row, and along a column.
     parts: [usize; 2],
-    /// From the centre of a part to both profiles, parts.
+    /// Distance from the centre of a part to both profiles, parts.
     shift_parts: [f64; 2],
     layers: Vec<Layer>,
     fwhm_pix: f64,
@@ -41,19 +44,19 @@ impl RadialProfile {
     /// Computes the profile of a blur: in about a millisecond for seeing alone, in some milliseconds for a ring.
     ///
     /// # Errors
-    /// As in [`BlurError`]: a number outside its range, a hole as large as its ring, wings beyond 4000 pixels.
+    /// [`BlurError`]: a number out of range, an inner radius too near to the outer one, wings beyond 4000 pixels.
     pub fn of(blur: &Blur) -> Result<Self, BlurError> {
         Self::on_oblong(blur, 1.0)
     }
 
-    /// Computes the profile on pixels `aspect` times as wide (along rows) as high, within [0.4, 2.5]; lengths of the blur are in pixels of the
-    /// mean scale, a side of a square of the same area.
+    /// Computes the profile on pixels `aspect` times as wide (along rows) as high, within [0.4, 2.5]. Lengths of the
+    /// blur are in pixels of the mean scale, the side of a square of the same area.
     ///
     /// # Errors
-    /// As in [`BlurError`].
+    /// [`BlurError`], as for [`of`](Self::of).
     pub fn on_oblong(blur: &Blur, aspect: f64) -> Result<Self, BlurError> {
         blur.validate()?;
-        BlurError::hold("aspect", aspect, LEAST_ASPECT, 1.0 / LEAST_ASPECT)?;
+        BlurError::check_range("aspect", aspect, LEAST_ASPECT, 1.0 / LEAST_ASPECT)?;
         let fwhm = blur.seeing.narrowest_fwhm_pix();
         let sides_pix = [aspect.sqrt(), 1.0 / aspect.sqrt()];
         let profile = blurred(blur)?;
@@ -69,7 +72,7 @@ impl RadialProfile {
         let averaged = Curve::of(core, reach, fwhm, |r| {
             offsets.iter().map(|([x, y], weight)| weight * profile.at((r + x).hypot(*y))).sum()
         });
-        // What the average over parts leaves of the seeing.
+        // Width that remains of the seeing after averaging over parts.
         let width = PARTS_PER_FWHM * part_pix;
         let step = 0.2 * width;
         let line = Curve::of(core, reach, fwhm, |v| {
@@ -87,8 +90,8 @@ impl RadialProfile {
         &self.blur
     }
 
-    /// Light in a pixel of a long straight line of unit light per pixel of its length, at `angle_rad` from the rows, at a distance from the
-    /// centre of the pixel.
+    /// Returns the light in a pixel of a long straight line of unit light per pixel of its length, at `angle_rad` from
+    /// the rows and a distance from the centre of the pixel.
     pub fn line(&self, across_pix: f64, angle_rad: f64) -> f64 {
         let per_pix = self.mean_pixels_across(angle_rad);
         let [cos, sin] =
@@ -99,10 +102,10 @@ impl RadialProfile {
         for row in 0..self.parts[1] {
             for column in 0..self.parts[0] {
                 for side in sides {
-                    // From the centre of the pixel, mean pixels.
+                    // Distance from the centre of the pixel, mean pixels.
                     let [x, y] = [0, 1].map(|axis| {
-                        let place = [column, row][axis] as f64 + 0.5 + side * self.shift_parts[axis];
-                        (place / parts[axis] - 0.5) * self.sides_pix[axis]
+                        let position = [column, row][axis] as f64 + 0.5 + side * self.shift_parts[axis];
+                        (position / parts[axis] - 0.5) * self.sides_pix[axis]
                     });
                     sum += self.line.at((across_pix * per_pix + x * sin - y * cos).abs());
                 }
@@ -111,18 +114,19 @@ impl RadialProfile {
         per_pix * sum / (parts[0] * parts[1] * sides.len() as f64)
     }
 
-    /// Length in pixels of the mean scale, across a line at `angle_rad` from the rows on the sky, of one pixel across it: 1 for square pixels.
+    /// Returns the length in pixels of the mean scale of one pixel across a line at `angle_rad` from the rows on the
+    /// sky: 1 for square pixels.
     pub fn mean_pixels_across(&self, angle_rad: f64) -> f64 {
-        // Areas are kept: across times along.
+        // Areas are conserved: across times along is 1.
         1.0 / self.mean_pixels([angle_rad.cos(), angle_rad.sin()])
     }
 
-    /// Length of a vector along rows and columns, in pixels of the mean scale.
+    /// Returns the length of a vector along rows and columns, in pixels of the mean scale.
     pub fn mean_pixels(&self, [x, y]: [f64; 2]) -> f64 {
         (x * self.sides_pix[0]).hypot(y * self.sides_pix[1])
     }
 
-    /// Full width at half of the greatest brightness, pixels of the mean scale; of a ring, that of its outer edge.
+    /// Full width at half of the greatest brightness, pixels of the mean scale; for a ring, that of its outer edge.
     pub fn fwhm_pix(&self) -> f64 {
         self.fwhm_pix
     }
@@ -132,7 +136,7 @@ impl RadialProfile {
         self.reach_pix
     }
 
-    /// Greatest distance of a lit pixel from a point, pixels.
+    /// Greatest distance of an illuminated pixel from a point, pixels.
     pub fn pixel_reach_pix(&self) -> f64 {
         self.reach_pix + std::f64::consts::FRAC_1_SQRT_2
     }
@@ -150,8 +154,8 @@ impl RadialProfile {
     }
 }
 
-/// Nodes of a square, offsets from its centre and weights that sum to 1, at two angles: the average over both has no harmonics
-/// below the sixteenth.
+/// Returns the nodes of a square, as offsets from its centre, with weights that sum to 1, at two angles: the average
+/// over both has no harmonics below the sixteenth.
 fn square(side: f64) -> Vec<([f64; 2], f64)> {
     let rule = gauss_legendre(4);
     let mut nodes = Vec::new();
@@ -167,7 +171,7 @@ fn square(side: f64) -> Vec<([f64; 2], f64)> {
     nodes
 }
 
-/// Twice the greatest radius at which a profile is half as bright as its maximum.
+/// Returns twice the greatest radius at which a profile is half as bright as its maximum.
 fn full_width(profile: &Curve, step_pix: f64) -> f64 {
     let half = 0.5 * profile.greatest();
     let mut outside = profile.end_pix();

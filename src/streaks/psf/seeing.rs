@@ -6,15 +6,16 @@ use serde::Deserialize;
 
 use super::error::BlurError;
 
-/// Least full width at half maximum, pixels. Drawing time grows with its inverse square, and the light of a narrower profile
-/// changes only within a tenth of a pixel from the borders of pixels.
+/// Least full width at half maximum, pixels. The drawing time increases with its inverse square, and the light of a
+/// narrower profile changes only within a tenth of a pixel from the borders of pixels.
 const LEAST_FWHM_PIX: f64 = 0.1;
 const GREATEST_FWHM_PIX: f64 = 100.0;
-/// Below 2 a Moffat profile has a hundredth of its light beyond 50 widths, far outside what was measured.
+/// Least β: below 2 a Moffat profile has a hundredth of its light beyond 50 widths, far outside the measured range.
 const LEAST_BETA: f64 = 2.0;
 const GREATEST_BETA: f64 = 100.0;
 
-/// Surface brightness of a star's image, normalised to unit flux over the whole plane. Widths are full widths at half maximum, pixels.
+/// Surface brightness of a star's image, normalised to unit flux over the whole plane. Widths are full widths at half
+/// maximum, pixels.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Seeing {
@@ -27,7 +28,7 @@ pub enum Seeing {
     Moffat {
         /// Width, \[0.1, 100\] pixels.
         fwhm_pix: f64,
-        /// Steepness of the wings, \[2, 100\]; 4.765 for turbulence (Trujillo et al. 2001), 2.5 to 4 at telescopes.
+        /// Exponent of the wings, \[2, 100\]; 4.765 for turbulence (Trujillo et al. 2001), 2.5 to 4 at telescopes.
         beta: f64,
     },
     /// A narrow and a wide Gaussian about the same centre.
@@ -36,7 +37,7 @@ pub enum Seeing {
         fwhm_pix: f64,
         /// Width of the wide one, from that of the narrow one to 100 pixels.
         wide_fwhm_pix: f64,
-        /// Share of the wide one in the flux, \[0, 1\].
+        /// Fraction of the flux in the wide Gaussian, \[0, 1\].
         wide_share: f64,
     },
 }
@@ -51,18 +52,18 @@ impl Seeing {
         }
     }
 
-    /// Rejects widths and shares outside their ranges.
+    /// Checks widths and fractions.
     ///
     /// # Errors
     /// [`BlurError::OutOfRange`] for a number outside its range or not finite.
     pub(super) fn validate(&self) -> Result<(), BlurError> {
-        BlurError::hold("fwhm_pix", self.narrowest_fwhm_pix(), LEAST_FWHM_PIX, GREATEST_FWHM_PIX)?;
+        BlurError::check_range("fwhm_pix", self.narrowest_fwhm_pix(), LEAST_FWHM_PIX, GREATEST_FWHM_PIX)?;
         match *self {
             Self::Gaussian { .. } => Ok(()),
-            Self::Moffat { beta, .. } => BlurError::hold("beta", beta, LEAST_BETA, GREATEST_BETA),
+            Self::Moffat { beta, .. } => BlurError::check_range("beta", beta, LEAST_BETA, GREATEST_BETA),
             Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
-                BlurError::hold("wide_fwhm_pix", wide_fwhm_pix, fwhm_pix, GREATEST_FWHM_PIX)?;
-                BlurError::hold("wide_share", wide_share, 0.0, 1.0)
+                BlurError::check_range("wide_fwhm_pix", wide_fwhm_pix, fwhm_pix, GREATEST_FWHM_PIX)?;
+                BlurError::check_range("wide_share", wide_share, 0.0, 1.0)
             }
         }
     }
@@ -82,7 +83,7 @@ impl Seeing {
         }
     }
 
-    /// Share of the flux beyond a radius.
+    /// Fraction of the flux beyond a radius.
     pub(super) fn beyond(&self, r_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp();
         match *self {

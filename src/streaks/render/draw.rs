@@ -6,19 +6,21 @@ use crate::streaks::{PointLight, RadialProfile, draw_points};
 
 use super::path::{Piece, StreakPath};
 
-/// Most nodes of a rule. Two more nodes are used than the distance of points requires, because light is a cubic of the time.
+/// Largest number of nodes of a rule. Two more nodes are used than the distance of points requires, because the light
+/// is a cubic function of time.
 const MOST_NODES: usize = 32;
 const MORE_NODES: usize = 2;
-/// Rules in an interval that is not halved further to omit what lies off the frame.
+/// Largest number of rules in an interval that is not halved further to omit parts off the frame.
 const MOST_RULES: f64 = 8.0;
 
 /// Draws a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
 ///
-/// Each pixel has the average of the profile over its area, integrated along the path: to 10⁻³ of the peak and of the flux,
-/// ends, jumps of brightness and bends included. The path is a sum of points, close enough for the light of a line.
+/// Each pixel is the average of the profile over its area, integrated along the path, accurate to 10⁻³ of the peak and
+/// of the flux, including ends, jumps of brightness and bends. The path is a sum of points that are close enough for
+/// the light of a line.
 ///
-/// The profile is the same along the whole path: that of the middle of what is on the frame is best. Where the range changes by 1 % on the frame, the
-/// edges of a ring are 0.5 % of its radius off at both ends.
+/// The profile is the same along the whole path; that at the middle of the part on the frame is best. If the range
+/// changes by 1 % on the frame, the edges of a ring are off by 0.5 % of its radius at both ends.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
     let mut rules = vec![Vec::new(); MOST_NODES + 1];
     let reach = profile.pixel_reach_pix() + 1.0;
@@ -29,13 +31,13 @@ pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: us
             let mut open = vec![[0.0, piece.duration_s]];
             while let Some([from_s, to_s]) = open.pop() {
                 let [x, y] = [&piece.x, &piece.y].map(|cubic| cubic.control_points(from_s, to_s));
-                let is_near = [x, y].iter().zip(near).all(|(places, [least, greatest])| {
-                    places.iter().any(|place| *place >= least) && places.iter().any(|place| *place <= greatest)
+                let is_near = [x, y].iter().zip(near).all(|(points, [least, greatest])| {
+                    points.iter().any(|point| *point >= least) && points.iter().any(|point| *point <= greatest)
                 });
                 if !is_near {
                     continue;
                 }
-                // The speed of a cubic is at most three times the longest side of its polygon.
+                // The speed on a cubic is at most three times the longest side of its control polygon.
                 let sides = (1..4).map(|i| profile.mean_pixels([x[i] - x[i - 1], y[i] - y[i - 1]]));
                 let steps = 3.0 * sides.fold(0.0, f64::max) / step_pix;
                 let count = (steps / (MOST_NODES - MORE_NODES) as f64).ceil().max(1.0);
@@ -64,14 +66,15 @@ pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: us
     })
 }
 
-/// Light of a piece in a duration about a time.
+/// Returns the light of a piece in a duration about a time, as a point.
 fn point(piece: &Piece, since_s: f64, duration_s: f64) -> PointLight {
     let at = PixelPosition { x: piece.x.at(since_s), y: piece.y.at(since_s) };
     PointLight { at, light: duration_s * piece.rate.at(since_s) }
 }
 
-/// Gauss rule on (0, 1) with its nodes moved to nearly even distances (Hale and Trefethen 2008, SIAM J. Numer. Anal. 46, 930, section 3.1).
-/// The nodes of Gauss are π/2 times as far apart in the middle as on average; a line would take a third more of them.
+/// Returns a Gauss rule on (0, 1) with nodes moved to nearly even distances (Hale and Trefethen 2008, SIAM J. Numer.
+/// Anal. 46, 930, section 3.1). Gauss nodes are π/2 times as far apart in the middle as on average, so a line would
+/// need a third more of them.
 fn even_rule(nodes: usize) -> Vec<(f64, f64)> {
     /// Error for constants, ρ^-2n.
     const LN_ERROR: f64 = -11.5;

@@ -1,4 +1,4 @@
-//! Paths of light: `path` is position and brightness in time on `spline`s, `draw` sums its light over points.
+//! Paths of light: `path` describes position and brightness in time by `spline`s, `draw` sums the light over points.
 
 mod draw;
 mod path;

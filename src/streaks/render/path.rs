@@ -5,9 +5,9 @@ use thiserror::Error;
 use crate::images::PixelPosition;
 use crate::math::quadrature::gauss_legendre;
 
-use super::spline::{Cubic, held_slopes, smooth_slopes};
+use super::spline::{Cubic, limited_slopes, smooth_slopes};
 
-/// Greatest coordinate, pixels: no frame has such a size.
+/// Greatest coordinate, pixels: larger than any frame.
 const FARTHEST_PIX: f64 = 1e9;
 
 /// Least time between nodes, seconds.
@@ -16,14 +16,14 @@ const LEAST_STEP_S: f64 = 1e-9;
 /// Errors in the nodes of a path.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PathError {
-    /// Fewer than two nodes.
-    #[error("a path needs at least 2 nodes, {given} given")]
+    /// There are fewer than two nodes.
+    #[error("the path has {given} nodes; at least 2 are required")]
     TooFew {
         /// Number of nodes.
         given: usize,
     },
-    /// Times that do not increase.
-    #[error("node {node} is at {time_s} s, not after the one before it at {before_s} s (by at least {LEAST_STEP_S} s)")]
+    /// The times do not increase.
+    #[error("node {node} is at {time_s} s; allowed: at least {LEAST_STEP_S} s after the previous node at {before_s} s")]
     Order {
         /// Number of the node, from 0.
         node: usize,
@@ -32,8 +32,8 @@ pub enum PathError {
         /// Time of the node before.
         before_s: f64,
     },
-    /// A number that is not finite, or a position too far from any frame.
-    #[error("node {node}: {name} is {given}, allowed are finite numbers (places within 1e9 pixels)")]
+    /// A number is not finite, or a position is too far from any frame.
+    #[error("node {node}: {name} is {given}; allowed: finite numbers (positions within 1e9 pixels)")]
     NotFinite {
         /// Number of the node, from 0.
         node: usize,
@@ -42,8 +42,8 @@ pub enum PathError {
         /// Value given.
         given: f64,
     },
-    /// A negative rate.
-    #[error("node {node}: the rate is {given} per second, allowed are 0 and more")]
+    /// A rate is negative.
+    #[error("node {node}: the rate is {given} per second; allowed: 0 or more")]
     Negative {
         /// Number of the node, from 0.
         node: usize,
@@ -61,7 +61,7 @@ pub struct PathNode {
     pub at: PixelPosition,
     /// Frame counts or electrons per second, at least 0; drawn light is in this unit times seconds.
     pub rate: f64,
-    /// Rate from this time on where brightness jumps (edge of a glint, lamp switched on).
+    /// Rate from this time on if the brightness jumps (edge of a glint, lamp switched on).
     pub rate_after: Option<f64>,
 }
 
@@ -74,16 +74,16 @@ impl PathNode {
 
 /// Position and brightness of a light in time, smooth between nodes.
 ///
-/// Positions follow the cubic spline through the nodes, with continuous speed and curvature: 2 nodes make a line, 3 a parabola. Rates follow the
-/// same kind of spline, limited where it would overshoot between steps of brightness, never below 0, broken at jumps. The path begins at the first node and ends at the
-/// last.
+/// Positions follow the cubic spline through the nodes, with continuous speed and curvature: 2 nodes give a line, 3 a
+/// parabola. Rates follow the same kind of spline, limited if it would overshoot between steps of brightness, never
+/// below 0, and interrupted at jumps. The path begins at the first node and ends at the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreakPath {
     nodes: Vec<PathNode>,
     pieces: Vec<Piece>,
 }
 
-/// The path from one node to the next.
+/// Path from one node to the next.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Piece {
     pub start_s: f64,
@@ -128,12 +128,13 @@ impl StreakPath {
         &self.pieces
     }
 
-    /// ∫ rate dt: all the light of the path, on the frame or not.
+    /// Returns ∫ rate dt: all the light of the path, on the frame or not.
     pub fn total(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.rate.integral(piece.duration_s)).sum()
     }
 
-    /// Position at a time, seconds after the shutter opened; that of the first node before it, that of the last node after it.
+    /// Position at a time, seconds after the shutter opened; that of the first node before it, that of the last node
+    /// after it.
     pub fn point_at(&self, time_s: f64) -> PixelPosition {
         let (piece, since_s) = self.piece_at(time_s);
         PixelPosition { x: piece.x.at(since_s), y: piece.y.at(since_s) }
@@ -152,14 +153,14 @@ impl StreakPath {
     /// Length of the whole path, pixels.
     pub fn length_pix(&self) -> f64 {
         let rule = gauss_legendre(8);
-        let way = |piece: &Piece| {
+        let length = |piece: &Piece| {
             let speed = |(share, weight): &(f64, f64)| {
                 let since_s = share * piece.duration_s;
                 weight * piece.x.slope(since_s).hypot(piece.y.slope(since_s))
             };
             piece.duration_s * rule.iter().map(speed).sum::<f64>()
         };
-        self.pieces.iter().map(way).sum()
+        self.pieces.iter().map(length).sum()
     }
 
     fn piece_at(&self, time_s: f64) -> (&Piece, f64) {
@@ -193,7 +194,7 @@ fn check(nodes: &[PathNode]) -> Result<(), PathError> {
     Ok(())
 }
 
-/// Rate between nodes: a separate curve between jumps.
+/// Returns the rates between nodes, with a separate curve between jumps.
 fn rates(nodes: &[PathNode], times: &[f64]) -> Vec<Cubic> {
     let mut cubics = Vec::with_capacity(nodes.len() - 1);
     let mut start = 0;
@@ -202,7 +203,7 @@ fn rates(nodes: &[PathNode], times: &[f64]) -> Vec<Cubic> {
         let end = jump.unwrap_or(nodes.len() - 1);
         let mut values: Vec<f64> = nodes[start..=end].iter().map(|node| node.rate).collect();
         values[0] = nodes[start].rate_after.unwrap_or(values[0]);
-        let slopes = held_slopes(&times[start..=end], &values);
+        let slopes = limited_slopes(&times[start..=end], &values);
         cubics.extend((0..end - start).map(|i| {
             let step = times[start + i + 1] - times[start + i];
             Cubic::between([values[i], values[i + 1]], [slopes[i], slopes[i + 1]], step)

@@ -1,9 +1,9 @@
 //! Curves through nodes in time: a smooth spline for positions, one without overshoot for brightness.
 
-/// Slopes at the nodes of the cubic spline with continuous second derivatives; ends as in the cubic through the first (last) four nodes, a
-/// parabola through three nodes, a line through two.
+/// Returns the slopes at the nodes of the cubic spline with continuous second derivatives; at the ends those of the
+/// cubic through the first (last) four nodes, a parabola through three nodes, a line through two.
 ///
-/// `times` increase; both have the same length of at least 2.
+/// `times` must increase; both slices have the same length of at least 2.
 pub(super) fn smooth_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = times.len();
     let step = |i: usize| times[i + 1] - times[i];
@@ -18,7 +18,8 @@ pub(super) fn smooth_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     }
     let first = end_slope(&times[..4], &values[..4], times[0]);
     let last = end_slope(&times[count - 4..], &values[count - 4..], times[count - 1]);
-    // h_i s_(i-1) + 2 (h_(i-1) + h_i) s_i + h_(i-1) s_(i+1) = 3 (h_i r_(i-1) + h_(i-1) r_i)          de Boor (1978), eq. IV(7)
+    // h_i s_(i-1) + 2 (h_(i-1) + h_i) s_i + h_(i-1) s_(i+1) = 3 (h_i r_(i-1) + h_(i-1) r_i)          de Boor (1978),
+    // eq. IV(7)
     let mut slopes = vec![first; count];
     slopes[count - 1] = last;
     let mut upper = vec![0.0; count];
@@ -38,7 +39,7 @@ pub(super) fn smooth_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// Slope at `time` of the cubic through four nodes.
+/// Returns the slope at `time` of the cubic through four nodes.
 fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
     let mut sum = 0.0;
     for (j, value) in values.iter().enumerate() {
@@ -53,15 +54,16 @@ fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
     sum
 }
 
-/// Slopes of the smooth spline, limited where it would overshoot (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq. 3.29: Hyman's rule that keeps
-/// smooth extremes), and never so steep that a cubic between values of at least 0 falls below 0.
+/// Returns the slopes of the smooth spline, limited if it would overshoot (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq.
+/// 3.29: Hyman's rule that preserves smooth extrema), and limited so that a cubic between values of at least 0 does not
+/// fall below 0.
 ///
-/// `times` increase; both have the same length of at least 2.
-pub(super) fn held_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
+/// `times` must increase; both slices have the same length of at least 2.
+pub(super) fn limited_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = times.len();
     let step = |i: usize| times[i + 1] - times[i];
     let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
-    // Second divided differences; the ends take those of their neighbours.
+    // Second divided differences; those at the ends are copied from their neighbours.
     let bend = |i: usize| {
         let i = i.clamp(1, count - 2);
         (rise(i) - rise(i - 1)) / (step(i - 1) + step(i))
@@ -86,7 +88,7 @@ pub(super) fn held_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// The smaller of two numbers of one sign, 0 of two signs.
+/// Returns the number of smaller size if both have the same sign, else 0.
 fn lesser(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 {
         0.0
@@ -97,15 +99,15 @@ fn lesser(a: f64, b: f64) -> f64 {
     }
 }
 
-/// A cubic between two nodes.
+/// Cubic between two nodes.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Cubic {
-    /// Powers of the time since the first node.
+    /// Coefficients of the powers of the time since the first node.
     powers: [f64; 4],
 }
 
 impl Cubic {
-    /// From values and slopes at two nodes `step` apart.
+    /// Creates the cubic from values and slopes at two nodes `step` apart.
     pub fn between(values: [f64; 2], slopes: [f64; 2], step: f64) -> Self {
         let rise = (values[1] - values[0]) / step;
         let second = (3.0 * rise - 2.0 * slopes[0] - slopes[1]) / step;
@@ -125,13 +127,14 @@ impl Cubic {
         b + time * (2.0 * c + time * 3.0 * d)
     }
 
-    /// ∫ from 0 to `time`.
+    /// Returns the integral from 0 to `time`.
     pub fn integral(&self, time: f64) -> f64 {
         let [a, b, c, d] = self.powers;
         time * (a + time * (b / 2.0 + time * (c / 3.0 + time * d / 4.0)))
     }
 
-    /// Bézier points of the curve between two times: it lies between the least and the greatest of them.
+    /// Returns the Bézier points of the curve between two times; the curve lies between the least and the greatest of
+    /// them.
     pub fn control_points(&self, from: f64, to: f64) -> [f64; 4] {
         let third = (to - from) / 3.0;
         let (first, last) = (self.at(from), self.at(to));

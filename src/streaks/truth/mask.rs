@@ -1,4 +1,4 @@
-//! Masks of streaks: spans of pixels, and the planes of a mask that mark them.
+//! Masks of streaks: spans of pixels and the bit planes that mark them.
 
 use std::collections::BTreeMap;
 
@@ -6,27 +6,29 @@ use super::super::drawn::DrawnStreak;
 use crate::images::AddedLight;
 use crate::streaks::error::StreaksError;
 
-/// Fainter than this share of its brightest pixel a streak's light is not counted as injected: it is below anything that a frame can hold.
+/// Light below this fraction of a streak's brightest pixel is not marked as injected, since no frame resolves it.
 const FAINTEST_SHARE: f32 = 1e-4;
 
-/// Where a frame has no noise to stand out from, a streak does above this share of its brightest pixel.
+/// In a frame without noise, pixels above this fraction of the brightest pixel are marked as streak.
 const SHARE_WITHOUT_NOISE: f32 = 0.1;
 
-/// One row of a mask: neighbouring pixels and their values.
+/// Adjacent pixels in one row of a mask.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaskSpan {
     /// Row, counted from 0.
     pub row: usize,
     /// Column of the first pixel, counted from 0.
     pub first_column: usize,
-    /// Values of this pixel and those right of it.
+    /// Values of this pixel and of those to its right.
     pub values: Vec<i32>,
 }
 
-/// The masked stretches of a chip, those of several streaks in one row joined, in the order of rows; all else is 0.
+/// Returns the masked spans of a chip in the order of rows; the spans of several streaks in one row are joined. All
+/// other pixels are 0.
 ///
-/// `INJECTED` are all pixels with more than 10⁻⁴ of the brightest pixel of a streak. `STREAK` and `INJECTED` are those on which the light of all streaks
-/// together is above `noise`, one sigma of the frame's own pixels; where that is 0, above a tenth of the streak's brightest pixel.
+/// `INJECTED` marks all pixels with more than 10⁻⁴ of the brightest pixel of a streak. `STREAK` and `INJECTED` mark
+/// those in which the light of all streaks together exceeds `noise`, one sigma of the frame's pixels; if that is 0,
+/// those above a tenth of the streak's brightest pixel.
 pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
     let peaks: Vec<f32> = streaks
         .iter()
@@ -73,10 +75,12 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
         .collect()
 }
 
-/// What a detector made of the light outside of the streaks, too: the bled columns and the ghosts are `INJECTED` where the signal is above `noise`, one sigma of the
-/// frame's own pixels; where that is 0, above 10⁻⁴ of the chip's strongest signal. `added` is in order; stretches of a row are in one span.
+/// Returns the masked spans of light that a detector moved outside the streaks: bled columns and ghosts are `INJECTED`
+/// if the signal exceeds `noise`, one sigma of the frame's pixels; if that is 0, if it exceeds 10⁻⁴ of the chip's
+/// strongest signal. `added` is in order; adjacent pixels of a row are in one span.
 ///
-/// They are no `STREAK`: a detector of streaks is to find the line, and pipelines mask bleeding and ghosts by planes of their own.
+/// They are not marked as `STREAK`: a streak detector should find the line, and pipelines mask bleeding and ghosts by
+/// other planes.
 pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
     let strongest = added.iter().map(|light| light.signal_adu.abs()).fold(0.0, f32::max);
     let threshold = if noise > 0.0 { noise } else { FAINTEST_SHARE * strongest };
@@ -90,8 +94,9 @@ pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> V
         .collect()
 }
 
-/// One sigma of a frame's pixels about their median, from the median of absolute differences (1.4826 times that for a Gaussian): stars and streaks hardly
-/// change it. Every pixel of a sample counts but those that are no number; 0 for a frame of one value.
+/// Returns one sigma of a frame's pixels about their median, from the median of absolute differences (times 1.4826, for
+/// a Gaussian), which stars and streaks hardly change. Computed from a sample of the finite pixels; 0 for a frame of
+/// one value.
 pub fn noise_of(values: &[f32]) -> f32 {
     const SAMPLED: usize = 100_000;
     let step = (values.len() / SAMPLED).max(1);
@@ -105,42 +110,44 @@ pub fn noise_of(values: &[f32]) -> f32 {
     median(&mut sample).map_or(0.0, |deviation| 1.4826 * deviation)
 }
 
-/// Whose bits a mask follows.
+/// Survey or pipeline with the bits used in masks.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum MaskPreset {
-    /// Named planes with `MP_` keywords. Bits that the frame's own mask names are kept; `STREAK` and `INJECTED` take the next free ones.
+    /// Named planes with `MP_` keywords. Bits named by the frame's own mask are kept; `STREAK` and `INJECTED` use the
+    /// lowest free ones.
     #[default]
     Lsst,
     /// DES data management: `BADPIX_STREAK` = 1024, bit 10 (Morganson et al. 2018, table 9).
     Desdm,
     /// LAST: streaks in bit 20.
     Last,
-    /// ZTF science masks: bit 0, aircraft or satellite track (ZTF Science Data System explanatory supplement, section 10.3).
+    /// ZTF science masks: bit 0, aircraft or satellite track (ZTF Science Data System explanatory supplement, section
+    /// 10.3).
     Ztf,
-    /// ACS on the HST: satellite trails are 16384, bit 14 (acstools.satdet writes it so).
+    /// ACS on the HST: satellite trails are 16384, bit 14 (as written by acstools.satdet).
     Hst,
 }
 
-/// The bits of the two planes.
+/// Bits of the two planes.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct MaskPlanes {
-    /// Pixels on which a streak stands out: what a detector of streaks should find.
+    /// Pixels in which a streak exceeds the noise, which a streak detector should find.
     pub streak_bit: u32,
-    /// Pixels that hold any injected light.
+    /// Pixels with any injected light.
     pub injected_bit: u32,
 }
 
-/// The highest bit of a signed 32-bit image that keeps its numbers positive.
+/// Highest bit of a signed 32-bit image that keeps its numbers positive.
 const HIGHEST_BIT: u32 = 30;
 
-/// Where surveys that know no injected light get that plane: out of the way of bits that mean something to them.
-const OUT_OF_THE_WAY: u32 = HIGHEST_BIT;
+/// Bit of injected light for surveys without such a plane, which they do not use.
+const UNUSED_BIT: u32 = HIGHEST_BIT;
 
 impl MaskPreset {
-    /// All of them.
+    /// All presets.
     pub const ALL: [Self; 5] = [Self::Lsst, Self::Desdm, Self::Last, Self::Ztf, Self::Hst];
 
-    /// As it is typed.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Lsst => "lsst",
@@ -151,20 +158,20 @@ impl MaskPreset {
         }
     }
 
-    /// By name, in any case.
+    /// Returns a preset by name, in any case.
     ///
     /// # Errors
-    /// [`StreaksError::MaskPreset`] with the names that are known.
+    /// [`StreaksError::MaskPreset`] with the known names.
     pub fn by_name(name: &str) -> Result<Self, StreaksError> {
         Self::ALL.into_iter().find(|preset| preset.name().eq_ignore_ascii_case(name.trim())).ok_or_else(|| {
             StreaksError::MaskPreset { given: name.to_owned(), allowed: Self::ALL.map(Self::name).join(", ") }
         })
     }
 
-    /// The bits, given the planes that the frame's own mask names (without `MP_`).
+    /// Returns the bits, given the planes named by the frame's own mask (without `MP_`).
     ///
     /// # Errors
-    /// [`StreaksError::MaskBits`] where the frame's own mask leaves none.
+    /// [`StreaksError::MaskBits`] if the frame's own mask uses all bits.
     pub fn planes(self, own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
         let streak_bit = match self {
             Self::Lsst => return named(own),
@@ -173,11 +180,11 @@ impl MaskPreset {
             Self::Ztf => 0,
             Self::Hst => 14,
         };
-        Ok(MaskPlanes { streak_bit, injected_bit: OUT_OF_THE_WAY })
+        Ok(MaskPlanes { streak_bit, injected_bit: UNUSED_BIT })
     }
 }
 
-/// The planes of these names where the mask has them, else the lowest bits that it does not use.
+/// Returns the planes of these names if the mask has them, else the lowest free bits.
 fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
     let mut taken: Vec<u32> = own.values().copied().collect();
     let mut bit = |plane: &'static str| -> Result<u32, StreaksError> {
@@ -191,7 +198,8 @@ fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
 }
 
 impl MaskPlanes {
-    /// The value of a pixel in both planes or in the second alone.
+    /// Returns the value of a pixel: in both planes if the streak exceeds the noise, else only in that of injected
+    /// light.
     pub fn value(&self, stands_out: bool) -> i32 {
         let injected = 1i32 << self.injected_bit;
         if stands_out { injected | (1i32 << self.streak_bit) } else { injected }
@@ -205,7 +213,7 @@ mod tests {
     use crate::streaks::{Blur, RadialProfile, Seeing, Source, SourceName, draw_point};
 
     #[test]
-    fn verif_masks_tell_light_that_stands_out_from_light_that_is_there() {
+    fn verif_masks_distinguish_light_above_the_noise_from_fainter_light() {
         let profile = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 3.0 })).unwrap();
         let source =
             Source { name: SourceName::Random(1), mag_source: String::new(), element_age_days: None, parts: vec![] };
@@ -238,7 +246,8 @@ mod tests {
             for column in middle.first_column..middle.first_column + middle.values.len() {
                 let stands_out =
                     if noise > 0.0 { sum(column) > noise } else { sum(column) > 0.1 * left.patch.at(20, 20) };
-                // Between the two the sum may stand out where neither does: only noise knows sums.
+                // Between the two streaks their sum may exceed a threshold that neither does; only the noise threshold
+                // uses sums.
                 if noise > 0.0 || (column as f64 - 23.0).abs() > 1.5 {
                     assert_eq!(at(column) & 1 == 1, stands_out, "{column} {noise}");
                 }
@@ -248,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_what_bled_is_injected_and_no_streak() {
+    fn verif_bled_charge_is_injected_but_not_streak() {
         let planes = MaskPlanes { streak_bit: 0, injected_bit: 1 };
         let light = |row, column, signal_adu| AddedLight { row, column, signal_adu, change_adu: signal_adu };
         let added = [light(2, 5, 40.0), light(2, 6, -30.0), light(2, 8, 9.0), light(3, 6, 20.0), light(3, 7, 0.001)];
@@ -262,7 +271,7 @@ mod tests {
     fn verif_noise_is_that_of_the_sky() {
         let mut values: Vec<f32> =
             (0..20_001).map(|index| 100.0 + 3.0 * ((index % 2001) as f32 - 1000.0) / 1000.0).collect();
-        // Even over ±3: half of it lies within 1.5 of the median.
+        // Uniform over ±3: half of the values lie within 1.5 of the median.
         assert!((noise_of(&values) - 1.4826 * 1.5).abs() < 0.01);
         values[7] = f32::NAN;
         values[8] = 1e9;
@@ -284,7 +293,7 @@ mod tests {
         assert_eq!(MaskPreset::Lsst.planes(&own(&[])).unwrap(), MaskPlanes { streak_bit: 0, injected_bit: 1 });
         let names: Vec<String> = (0..31).map(|bit| format!("P{bit}")).collect();
         let full = names.iter().zip(0..).map(|(name, bit)| (name.clone(), bit)).collect();
-        assert!(MaskPreset::Lsst.planes(&full).unwrap_err().to_string().contains("none is left for STREAK"));
+        assert!(MaskPreset::Lsst.planes(&full).unwrap_err().to_string().contains("no bit is left for STREAK"));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Truth of drawn streaks: `table` (rows), `mask` (pixels, and the bits that mark them).
+//! Truth of drawn streaks: `table` (truth tables), `mask` (pixels and the bits that mark them).
 
 mod mask;
 mod table;

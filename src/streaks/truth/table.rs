@@ -1,24 +1,24 @@
-//! The truth about injected streaks as tables: one row a streak, one row a point, and the rows that Rubin's pipelines inject from.
+//! Truth tables of injected streaks: one row a streak, one row a point, and injection catalogues of Rubin's pipelines.
 
 use super::super::drawn::{DrawnStreak, StreakPoint};
 use super::super::light::SourceName;
 use crate::images::{effective_magnitude, surface_brightness_mag_arcsec2};
 use crate::output::{Column, Kind, Table, Value};
 
-/// A streak with what its row says besides: its number in the file, from 1, and the length of the exposure.
+/// Streak with the other data of its row: its number in the file, from 1, and the exposure time.
 #[derive(Copy, Clone, Debug)]
 pub struct TruthRow<'a> {
-    /// Number.
+    /// Number of the streak.
     pub number: usize,
     /// The streak.
     pub streak: &'a DrawnStreak<'a>,
-    /// How long the shutter was open, seconds.
+    /// Exposure time, seconds.
     pub exposure_s: f64,
-    /// What noise and random streaks were drawn from.
+    /// Seed of noise and random streaks.
     pub seed: u64,
 }
 
-/// One column and how its cell comes from a row.
+/// Column with the function that returns its cell in a row.
 struct Field {
     column: Column,
     value: fn(&TruthRow<'_>) -> Value,
@@ -30,7 +30,7 @@ const fn field(column: Column, value: fn(&TruthRow<'_>) -> Value) -> Field {
 
 static FIELDS: &[Field] = &[
     field(Column::new("streak", Kind::Integer, "Number of the streak in this file, from 1."), |row| row.number.into()),
-    field(Column::new("hdu", Kind::Integer, "HDU of the chip, the first being 0."), |row| row.streak.hdu.into()),
+    field(Column::new("hdu", Kind::Integer, "HDU of the chip, counted from 0."), |row| row.streak.hdu.into()),
     field(Column::new("chip", Kind::Text, "Name of the HDU."), |row| row.streak.chip.into()),
     field(
         Column::new("norad_id", Kind::Integer, "NORAD catalogue number; empty for a random streak."),
@@ -42,15 +42,15 @@ static FIELDS: &[Field] = &[
     field(Column::new("name", Kind::Text, "Name in the element set, or the number of the random streak."), |row| {
         row.streak.source.name.to_string().into()
     }),
-    field(Column::new("part", Kind::Text, "whole, or chassis and array apart."), |row| row.streak.part.into()),
-    field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+    field(Column::new("part", Kind::Text, "whole, or chassis and array separately."), |row| row.streak.part.into()),
+    field(Column::new("mag_source", Kind::Text, "Source of the magnitude."), |row| {
         row.streak.source.mag_source.as_str().into()
     }),
-    field(Column::real("element_age_days", "d", 4, "Exposure less epoch of the elements."), |row| {
+    field(Column::real("element_age_days", "d", 4, "Time of the exposure less epoch of the elements."), |row| {
         row.streak.source.element_age_days.into()
     }),
-    field(Column::time("enter_utc", "First moment over the chip."), |row| end(row, 0, |point| point.epoch.into())),
-    field(Column::time("exit_utc", "Last moment over the chip."), |row| end(row, 1, |point| point.epoch.into())),
+    field(Column::time("enter_utc", "Entry into the chip."), |row| end(row, 0, |point| point.epoch.into())),
+    field(Column::time("exit_utc", "Exit from the chip."), |row| end(row, 1, |point| point.epoch.into())),
     field(Column::real("x1_pix", "pix", 3, "Column of the first end; the first pixel's centre is 1."), |row| {
         end(row, 0, |point| point.at.fits()[0].into())
     }),
@@ -83,7 +83,7 @@ static FIELDS: &[Field] = &[
     field(Column::real("position_angle_deg", "deg", 4, "Direction of motion from north through east."), |row| {
         row.streak.position_angle_deg().into()
     }),
-    field(Column::real("angular_rate_deg_s", "deg / s", 6, "Mean speed among the stars."), |row| {
+    field(Column::real("angular_rate_deg_s", "deg / s", 6, "Mean angular speed relative to the stars."), |row| {
         (row.streak.rate_arcsec_s / 3600.0).into()
     }),
     field(
@@ -95,17 +95,22 @@ static FIELDS: &[Field] = &[
         ),
         |row| row.streak.width_pix.into(),
     ),
-    field(Column::real("width_arcsec", "arcsec", 3, "The same."), |row| row.streak.width_arcsec.into()),
-    field(Column::real("magnitude", "mag", 3, "Half way, as if it stood still; empty in the dark."), |row| {
-        row.streak.middle.and_then(|point| point.magnitude).into()
+    field(Column::real("width_arcsec", "arcsec", 3, "Full width at half maximum across the streak."), |row| {
+        row.streak.width_arcsec.into()
     }),
-    field(Column::real("magnitude_peak", "mag", 3, "Brightest over the chip."), |row| row.streak.peak_magnitude.into()),
+    field(
+        Column::real("magnitude", "mag", 3, "Apparent magnitude without motion half way; empty without light."),
+        |row| row.streak.middle.and_then(|point| point.magnitude).into(),
+    ),
+    field(Column::real("magnitude_peak", "mag", 3, "Brightest magnitude over the chip."), |row| {
+        row.streak.peak_magnitude.into()
+    }),
     field(
         Column::real(
             "effective_magnitude",
             "mag",
             3,
-            "Of a star as bright per area as the streak half way, same exposure.",
+            "Magnitude of a star with the surface brightness of the streak half way in the same exposure.",
         ),
         |row| spread(row, effective_magnitude),
     ),
@@ -114,7 +119,7 @@ static FIELDS: &[Field] = &[
             "surface_brightness_mag_arcsec2",
             "mag / arcsec2",
             3,
-            "Of the streak half way, over the exposure.",
+            "Surface brightness of the streak half way, averaged over the exposure.",
         ),
         |row| {
             spread(row, |magnitude, width, rate, exposure_s| {
@@ -126,13 +131,19 @@ static FIELDS: &[Field] = &[
         Column::real("counts", "", 3, "Sum of the light on the chip in the frame's unit, before noise and detector."),
         |row| row.streak.patch.sum().into(),
     ),
-    field(Column::real("total_magnitude", "mag", 3, "Of a star of as many counts."), |row| {
+    field(Column::real("total_magnitude", "mag", 3, "Magnitude of a star with the same counts."), |row| {
         row.streak.total_magnitude().into()
     }),
-    field(Column::real("zero_point_mag", "mag", 4, "Of a star whose image sums to 1 in the frame's unit."), |row| {
-        row.streak.zero_point_mag.into()
-    }),
-    field(Column::new("seed", Kind::Integer, "What noise and random streaks were drawn from."), |row| {
+    field(
+        Column::real(
+            "zero_point_mag",
+            "mag",
+            4,
+            "Magnitude of a star with an image that sums to 1 in the frame's unit.",
+        ),
+        |row| row.streak.zero_point_mag.into(),
+    ),
+    field(Column::new("seed", Kind::Integer, "Seed of noise and random streaks."), |row| {
         i64::try_from(row.seed).unwrap_or(i64::MAX).into()
     }),
 ];
@@ -149,7 +160,7 @@ fn dec_deg(row: &TruthRow<'_>, point: &StreakPoint) -> Value {
     row.streak.is_on_sky.then(|| point.direction.latitude_rad().to_degrees()).into()
 }
 
-/// A function of magnitude, width, rate and exposure half way.
+/// Returns a function of magnitude, width, rate and exposure time at the middle of the streak.
 fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> Value {
     let magnitude = row.streak.middle.and_then(|point| point.magnitude);
     magnitude
@@ -157,12 +168,12 @@ fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> V
         .into()
 }
 
-/// The rows of the truth, numbered from 1 in the order of the streaks.
+/// Returns the rows of the truth, numbered from 1 in the order of the streaks.
 pub fn truth_rows<'a>(streaks: &'a [DrawnStreak<'a>], exposure_s: f64, seed: u64) -> Vec<TruthRow<'a>> {
     streaks.iter().zip(1..).map(|(streak, number)| TruthRow { number, streak, exposure_s, seed }).collect()
 }
 
-/// One row a streak.
+/// Returns the table of streaks, one row each.
 pub fn truth_table(rows: &[TruthRow<'_>]) -> Table {
     Table {
         columns: FIELDS.iter().map(|field| field.column).collect(),
@@ -170,17 +181,17 @@ pub fn truth_table(rows: &[TruthRow<'_>]) -> Table {
     }
 }
 
-/// One row a point along each streak.
+/// Returns the table of points along the streaks, one row each.
 pub fn points_table(rows: &[TruthRow<'_>]) -> Table {
     let columns = vec![
         Column::new("streak", Kind::Integer, "Number of the streak in this file, from 1."),
-        Column::time("utc", "Moment of reception."),
+        Column::time("utc", "Time of reception."),
         Column::real("x_pix", "pix", 3, "Column; the first pixel's centre is 1."),
         Column::real("y_pix", "pix", 3, "Row."),
         Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
         Column::real("dec_deg", "deg", 7, "Declination."),
-        Column::real("magnitude", "mag", 4, "As if it stood still; empty in the dark."),
-        Column::real("counts_s", "1 / s", 4, "Light a second in the frame's unit."),
+        Column::real("magnitude", "mag", 4, "Apparent magnitude without motion; empty without light."),
+        Column::real("counts_s", "1 / s", 4, "Light per second in the frame's unit."),
     ];
     let point = |row: &TruthRow<'_>, point: &StreakPoint| {
         let [x, y] = point.at.fits();
@@ -199,8 +210,9 @@ pub fn points_table(rows: &[TruthRow<'_>]) -> Table {
     Table { columns, rows }
 }
 
-/// Rows of Rubin's `source_injection` catalogues: trails of even light, `beta` degrees from the x axis towards the y axis of the chip, `mag` that of
-/// each pixel of their length (its engine multiplies the flux of `mag` by `trail_length`). What changes along a streak, and defocus, they cannot hold.
+/// Returns the rows of Rubin's `source_injection` catalogues: trails of constant brightness, `beta` degrees from the x
+/// axis towards the y axis of the chip, `mag` for each pixel of their length (its engine multiplies the flux of `mag`
+/// by `trail_length`). Changes along a streak and defocus cannot be represented.
 pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
     let columns = vec![
         Column::new("injection_id", Kind::Integer, "Number of the streak in the truth."),
@@ -223,7 +235,7 @@ pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
             "Trail".into(),
             mag.into(),
             streak.length_pix.into(),
-            // A line has no direction: half a turn is enough.
+            // A line has no direction: angles below 180 degrees are sufficient.
             angle_deg.rem_euclid(180.0).into(),
         ])
     };

@@ -25,7 +25,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         some => some,
     };
     let schedule = Schedule::read(&PathBuf::from(schedule), &ScheduleOptions::default())?;
-    let exposures: Vec<Exposure> = schedule.judged().map(|(_, exposure)| exposure.clone()).take(limit).collect();
+    let exposures: Vec<Exposure> =
+        schedule.valid_exposures().map(|(_, exposure)| exposure.clone()).take(limit).collect();
     let field = Field::circle(fov_deg.parse::<f64>()?.to_radians())?;
     let models = ModelChoice::new(&ModelLibrary::embedded())?;
     let options = PassOptions { include_dark: true, ..PassOptions::default() };

@@ -84,16 +84,16 @@ fn verif_a_corner_plot_rejects_invalid_input() {
     assert!(drawn(&names[..1], &samples[..1], None).unwrap_err().contains("is 1, allowed: 2 to 9"));
     assert!(drawn(&names[..1], &samples, None).unwrap_err().contains("names of parameters: 1 values"));
     assert!(
-        drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0, counted from 0, is inf")
+        drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0 (counted from 0) is inf")
     );
-    assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("there are no samples of c1"));
+    assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("nothing to draw: no samples of c1"));
     // A single value and identical values are drawn.
     assert_eq!(drawn(&names, &[vec![1.0], vec![0.0]], None), Ok(()));
     assert_eq!(drawn(&names, &[vec![1e-9; 50], vec![-3e7; 50]], None), Ok(()));
     samples[1][7] = f64::NAN;
-    assert!(drawn(&names, &samples, None).unwrap_err().contains("samples of c2: value 7, counted from 0, is NaN"));
+    assert!(drawn(&names, &samples, None).unwrap_err().contains("samples of c2: value 7 (counted from 0) is NaN"));
     samples[1].pop();
-    assert!(drawn(&names, &samples, None).unwrap_err().contains("99 values, but there must be 100"));
+    assert!(drawn(&names, &samples, None).unwrap_err().contains("99 values, expected 100"));
 }
 
 #[test]
@@ -111,7 +111,7 @@ fn verif_the_histogram_shows_mean_deviation_and_mad() {
         let input = ResidualHistogram { title: "", residuals_mag: residuals, sigma_mag: sigma };
         residual_histogram(&input).map(|_| ()).map_err(|error| error.to_string())
     };
-    assert!(refused(&[], 0.2).unwrap_err().contains("there are no residuals"));
+    assert!(refused(&[], 0.2).unwrap_err().contains("nothing to draw: no residuals"));
     assert!(refused(&[f64::NAN], 0.2).unwrap_err().contains("NaN"));
     assert!(refused(&[0.1], 0.0).unwrap_err().contains("is 0 mag, allowed: above 0 mag"));
     assert_eq!(refused(&[0.1], 0.2), Ok(()));
@@ -131,10 +131,10 @@ fn verif_cells_kept_are_counted() {
         let input = CountsAndSpread { counts, iqr_mag, least_count, ..input.clone() };
         counts_and_spread(&input).map(|_| ()).map_err(|error| error.to_string())
     };
-    assert!(refused(&[], &[], 80.0).unwrap_err().contains("there are no samples of cells"));
+    assert!(refused(&[], &[], 80.0).unwrap_err().contains("nothing to draw: no samples of cells"));
     assert!(refused(&[3.0, 0.0], &[0.1, 0.1], 80.0).unwrap_err().contains("is 0, allowed: 1 or more"));
     assert!(refused(&[3.0], &[-0.1], 80.0).unwrap_err().contains("is -0.1"));
-    assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values, but there must be 1"));
+    assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values, expected 1"));
     assert!(refused(&[3.0], &[0.1], f64::NAN).unwrap_err().contains("is NaN"));
     assert_eq!(refused(&[1.0], &[0.0], 1.0), Ok(()));
 }

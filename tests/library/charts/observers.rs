@@ -36,7 +36,7 @@ fn verif_a_night_shows_its_exposures_in_their_colours() {
     let columns = night(|k| 5.0 + k as f64 / 40.0);
     let sun = [(60_535.9, 5.0), (60_536.2, -25.0)];
     let picture = night_timeline(&timeline(&columns, &sun)).unwrap();
-    let counts = "120 exposures, 24 struck (20.0 %), 12 by one brighter than the limit. Test.";
+    let counts = "120 exposures, 24 with streaks (20.0 %), 12 brighter than the limit. Test.";
     has(&picture, &[counts, "UTC, 2024-08-13/14", "UTC−4, 2024-08-13", "01:00", "21:00", "limit 6.5 mag", "nautical"]);
     let image = pixels(&picture);
     let scale = picture.scales()[0];
@@ -62,22 +62,22 @@ fn verif_a_night_shows_its_exposures_in_their_colours() {
 fn verif_empty_nights_are_labelled_and_invalid_ones_rejected() {
     let [start, duration, _, magnitude] = night(|_| f64::NAN);
     let clear = [start.clone(), duration.clone(), vec![0.0; 120], magnitude.clone()];
-    has(&night_timeline(&timeline(&clear, &[])).unwrap(), &["no exposure of this night is struck"]);
+    has(&night_timeline(&timeline(&clear, &[])).unwrap(), &["no exposure of this night has a streak"]);
     let unknown = night(|_| f64::NAN);
     let picture = night_timeline(&timeline(&unknown, &[])).unwrap();
-    has(&picture, &["no magnitude is known of any streak of this night", "struck, no magnitude"]);
+    has(&picture, &["no streak of this night has a magnitude", "streak, no magnitude"]);
     let refused =
         |columns: &[Vec<f64>; 4]| night_timeline(&timeline(columns, &[])).map(|_| ()).unwrap_err().to_string();
-    assert!(refused(&Default::default()).contains("there are no exposures"));
+    assert!(refused(&Default::default()).contains("nothing to draw: no exposures"));
     let mut long = clear.clone();
     long[0][119] += 3.0;
     assert!(refused(&long).contains("allowed: 2 d"));
     let mut uneven = clear.clone();
     uneven[3].pop();
-    assert!(refused(&uneven).contains("brightest magnitudes: 119 values, but there must be 120"));
+    assert!(refused(&uneven).contains("brightest magnitudes: 119 values, expected 120"));
     let mut wrong = clear;
     wrong[0][3] = f64::NAN;
-    assert!(refused(&wrong).contains("value 3, counted from 0, is NaN"));
+    assert!(refused(&wrong).contains("value 3 (counted from 0) is NaN"));
     // A single exposure is drawn.
     let one = [vec![60_536.0], vec![15.0], vec![1.0], vec![4.2]];
     pixels(&night_timeline(&timeline(&one, &[])).unwrap());
@@ -125,9 +125,9 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     let refused = |outlines: &[Vec<[f64; 2]>], streaks: &[FieldStreak]| {
         chart(outlines, streaks).map(|_| ()).unwrap_err().to_string()
     };
-    assert!(refused(&[], &[]).contains("no border of the field is known"));
+    assert!(refused(&[], &[]).contains("no outline of the field"));
     assert!(refused(&[], &[streak("FAR", [10.0, 0.0], [100.0, 0.0], 4.0)]).contains("at most 75°"));
-    assert!(refused(&[], &[streak("NOWHERE", [10.0, 0.0], [10.0, 91.0], 4.0)]).contains("a place of the chart"));
+    assert!(refused(&[], &[streak("NOWHERE", [10.0, 0.0], [10.0, 91.0], 4.0)]).contains("a position of the chart"));
     // Thirty are drawn, and the list gives the number of the others.
     let many: Vec<FieldStreak> =
         (0..30).map(|k| streak("MANY", [9.5, -0.9], [10.5, -0.9 + 0.06 * f64::from(k)], 5.0)).collect();
@@ -169,7 +169,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
             "magnitude, ±1σ",
             "in the field",
             "shutter open",
-            "nothing seen",
+            "not visible",
             "limit 7.0 mag",
             "UTC, 2024-08-13/14",
         ],
@@ -185,9 +185,9 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
     let refused = |time: &[f64], magnitude: &[f64], sigma: &[f64]| {
         curve(time, magnitude, sigma).map(|_| ()).unwrap_err().to_string()
     };
-    assert!(refused(&time, &vec![f64::NAN; n], &sigma).contains("there are no magnitudes along the track"));
-    assert!(refused(&time, &magnitude[..50], &sigma).contains("magnitudes: 50 values, but there must be 101"));
-    assert!(refused(&[], &[], &[]).contains("there are no points along the track"));
+    assert!(refused(&time, &vec![f64::NAN; n], &sigma).contains("nothing to draw: no magnitudes along the track"));
+    assert!(refused(&time, &magnitude[..50], &sigma).contains("magnitudes: 50 values, expected 101"));
+    assert!(refused(&[], &[], &[]).contains("nothing to draw: no points along the track"));
     assert!(refused(&[1.0, 1.0], &[5.0; 2], &[0.1; 2]).contains("each later than the one before"));
 }
 
@@ -211,15 +211,15 @@ fn verif_a_rate_has_its_colour_at_its_position() {
         })
     };
     let picture = drawn(8, &cells, &rate).unwrap();
-    has(&picture, &["Rate", "N", "E", "S", "W", "streaks", "not asked", "0.0", "2.0"]);
+    has(&picture, &["Rate", "N", "E", "S", "W", "streaks", "not computed", "0.0", "2.0"]);
     let (image, scale) = (pixels(&picture), picture.scales()[0]);
     // The maximum is in the east, left of the centre (336, 414).
     near(image.get_pixel(336 - 130, 410).0, scale.colour(2.0));
     near(image.get_pixel(336 + 130, 410).0, scale.colour(0.0));
     near(image.get_pixel(336 + 250, 410).0, [205, 205, 205]);
     let refused = |nside, cells: &[u64], rate: &[f64]| drawn(nside, cells, rate).map(|_| ()).unwrap_err().to_string();
-    assert!(refused(8, &[], &[]).contains("there are no rates"));
-    assert!(refused(8, &[1], &[-1.0]).contains("0 streaks or more"));
+    assert!(refused(8, &[], &[]).contains("nothing to draw: no rates"));
+    assert!(refused(8, &[1], &[-1.0]).contains("0 streaks per exposure or more"));
     assert!(refused(8, &[1, 1], &[1.0; 2]).contains("each once"));
     assert!(refused(1, &[12], &[1.0]).contains("a cell is 12"));
     assert!(refused(0, &[1], &[1.0]).contains("nside is 0"));
@@ -246,7 +246,7 @@ fn verif_trails_against_the_sun_go_from_day_to_night() {
     has(
         &picture,
         &[
-            "600 exposures, 2.00 trails each on average. Test.",
+            "600 exposures, 2.00 trails per exposure on average. Test.",
             "altitude of the Sun, °",
             "civil",
             "brighter than 7 mag",
@@ -257,7 +257,7 @@ fn verif_trails_against_the_sun_go_from_day_to_night() {
     let blue = |x: u32| (62..430).filter(|y| close(image.get_pixel(x, *y).0, [0, 114, 178])).min().unwrap();
     assert!(blue(250) + 100 < blue(850), "{} {}", blue(250), blue(850));
     let refused = |sun: &[f64], trails: &[f64], bin| drawn(sun, trails, bin).map(|_| ()).unwrap_err().to_string();
-    assert!(refused(&[], &[], 2.0).contains("there are no exposures"));
+    assert!(refused(&[], &[], 2.0).contains("nothing to draw: no exposures"));
     assert!(refused(&sun, &trails[..3], 2.0).contains("numbers of trails: 3 values"));
     assert!(refused(&sun, &trails, 0.0).contains("allowed: 0.1 to 30°"));
     assert!(refused(&[-100.0], &[1.0], 2.0).contains("allowed: -90 to 90°"));
@@ -321,7 +321,7 @@ fn verif_a_sky_chart_rejects_invalid_input() {
     assert!(
         error_of(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before")
     );
-    assert!(error_of(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("only finite numbers"));
+    assert!(error_of(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("expected a finite number"));
 }
 
 #[test]

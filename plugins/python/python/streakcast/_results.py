@@ -45,8 +45,8 @@ class Assessment(NamedTuple):
     p_any: Any
     #: Total length of the lit streaks in the field, degrees; NaN where invalid.
     streak_length_deg: Any
-    #: Whether ``p_any`` and ``lost_fraction`` are lower limits: with old element sets, delays beyond 300 s are probable
-    #: but not searched.
+    #: Whether ``p_any`` and ``lost_fraction`` are lower limits: more than 10 % of the delays of a satellite are
+    #: outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
     p_any_is_lower_limit: Any = False
 
     @property

@@ -12,7 +12,7 @@ from ._quantities import is_of, scalar
 SKY_KEYS = frozenset(
     {
         "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
-        "observer_norad", "limb_height_km", "shadow", "eop", "qs_mag", "models",
+        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "models",
     }
 )  # fmt: skip
 #: Keys used by an engine in addition to the satellites.

@@ -55,7 +55,7 @@ class StreakModel(ExposureQueries):
         Behaviour of an unpickled model if one of its files has changed: raise `ChangedFileError`, or warn and use the
         new file.
     **more
-        ``band, mag_system, earthshine, extinction, sun_distance, min_probability, max_delay, shadow, eop, qs_mag,
+        ``band, mag_system, earthshine, extinction, sun_distance, min_probability, max_delay, drag, shadow, eop, qs_mag,
         accept_bad_checksums, observer_elements, observer_norad, limb_height_km``, as on the command line.
 
     Raises

@@ -191,7 +191,7 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
 
 /// Returns the first opening and the last closing of the rows that can be judged; `None` if none can.
 pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
-    let exposures = || schedule.judged().map(|(_, exposure)| exposure);
+    let exposures = || schedule.valid_exposures().map(|(_, exposure)| exposure);
     let first = exposures().map(|exposure| exposure.start).min();
     let last = exposures().map(|exposure| seconds_after(exposure.start, exposure.duration_s)).max();
     first.zip(last)

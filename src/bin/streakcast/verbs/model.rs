@@ -36,7 +36,7 @@ pub enum ModelVerb {
 pub struct ModelCheckArguments {
     /// Model files; the shipped models if omitted. A name like visorsat-mine selects the satellites of visorsat
     pub files: Vec<PathBuf>,
-    /// Folder of published photometry (see docs/models.md); only published means and curves if omitted
+    /// Folder of published photometry (see docs/explanation/models.md); only published means and curves if omitted
     #[arg(long, value_name = "FOLDER")]
     pub data: Option<PathBuf>,
     /// Suppress everything except errors on standard error

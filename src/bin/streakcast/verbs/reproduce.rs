@@ -117,7 +117,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
                 )
             })?;
             let schedule = Schedule::read(path, &config.schedule_options()?)?;
-            let exposures: Vec<Exposure> = schedule.judged().map(|(_, exposure)| exposure.clone()).collect();
+            let exposures: Vec<Exposure> = schedule.valid_exposures().map(|(_, exposure)| exposure.clone()).collect();
             provenance.state("schedule", json!({ "file": path.display().to_string(), "visits": exposures.len() }));
             of_hu(&config, &exposures, &notices)?
         }

@@ -10,7 +10,7 @@ use streakcast::config::parse_duration_s;
 use streakcast::config::{Config, RulesConfig, state_scales, time_range};
 use streakcast::output::{Section, format_utc};
 use streakcast::schedule::{
-    Blocking, FoundWindows, ListedTarget, WindowReport, WindowRequest, WindowShape, WindowTarget, clear_windows,
+    Blocking, FoundWindows, ListedTarget, SchedulerFormat, WindowReport, WindowRequest, WindowTarget, clear_windows,
     read_targets, window_table, window_target_table,
 };
 
@@ -74,7 +74,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         .field()
         .check()?;
     let path = typed.targets.unwrap_or_default();
-    let shape = typed.output.format.as_deref().and_then(WindowShape::by_name);
+    let shape = typed.output.format.as_deref().and_then(SchedulerFormat::by_name);
     let output = match shape {
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
         None => Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())

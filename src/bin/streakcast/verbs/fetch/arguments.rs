@@ -108,7 +108,7 @@ pub enum ElementsFormat {
 }
 
 impl ElementsFormat {
-    /// Returns the name in requests to CelesTrak.
+    /// Returns the value of `FORMAT` in CelesTrak's URLs.
     pub fn name(self) -> &'static str {
         match self {
             ElementsFormat::Csv => "csv",

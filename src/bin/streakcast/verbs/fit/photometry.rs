@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use streakcast::config::{Config, RunConfig};
 use streakcast::elements::{History, Keep, NoradId, ReadOptions as CatalogueOptions, Satellites, StationRule};
-use streakcast::fit::measurements::{ColumnMap, Format, OrbitRadius, PhotometryOptions, Place, Placement, Selection};
+use streakcast::fit::measurements::{
+    ColumnMap, Format, OrbitRadius, PhotometryOptions, Placement, PositionSource, Selection,
+};
 use streakcast::frames::EopTable;
 use streakcast::output::Provenance;
 
@@ -57,12 +59,12 @@ pub fn history_of(paths: &[PathBuf]) -> anyhow::Result<History> {
 
 pub fn placement<'h>(typed: &PhotometryArguments, history: Option<&'h History>) -> anyhow::Result<Placement<'h>> {
     let Some(history) = history else { return Ok(Placement::recorded(typed.height_km)) };
-    let place = match typed.elements_radius {
-        true => Place::Recorded { radius: Some(OrbitRadius::Elements) },
-        false => Place::Elements { fit_offset_s: typed.fit_offset_s },
+    let source = match typed.elements_radius {
+        true => PositionSource::Recorded { radius: Some(OrbitRadius::Elements) },
+        false => PositionSource::Elements { fit_offset_s: typed.fit_offset_s },
     };
     Ok(Placement {
-        place,
+        source,
         max_element_age_days: typed.max_element_age_days,
         eop: EopTable::embedded(),
         identified: typed.identified.as_deref().map(identified).transpose()?.unwrap_or_default(),

@@ -13,7 +13,7 @@ use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
-    Blocking, ClearWindow, TargetWindows, WindowRequest, WindowTarget, clear_windows, wait_for,
+    Blocking, ClearWindow, TargetWindows, WindowRequest, WindowTarget, clear_windows, next_window,
 };
 
 use super::arguments::GateArguments;
@@ -186,7 +186,7 @@ fn answer(
     let now = request.clock.now();
     let last = seconds_after(now, request.max_wait_s);
     name_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
-    let Some(ClearWindow { first, last: until }) = wait_for(&found.windows, now, last) else {
+    let Some(ClearWindow { first, last: until }) = next_window(&found.windows, now, last) else {
         return Ok(VerdictKind::NotClear);
     };
     let waited_s = seconds_between(now, first).max(0.0);

@@ -85,7 +85,7 @@ pub fn date_of(evening_mjd: i64) -> String {
 /// Returns the rows by the evening (MJD) of their night. Invalid rows are in the first night.
 pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
     let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-    for (row, exposure) in schedule.judged() {
+    for (row, exposure) in schedule.valid_exposures() {
         nights.entry(evening_mjd(exposure.start, site.longitude_rad)).or_default().push(row);
     }
     let invalid = schedule.exposures.iter().enumerate().filter(|(_, row)| row.exposure.is_err());

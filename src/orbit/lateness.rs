@@ -1,0 +1,184 @@
+//! Distribution of the lateness of a satellite against its prediction.
+
+use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+
+/// Delays up to this many sigmas of the core are searched.
+const REACH_SIGMAS: f64 = 3.5;
+/// Probabilities are lower limits where a larger share of delays than this is not searched.
+const LARGEST_SHARE_LEFT_OUT: f64 = 0.1;
+/// Probability within one sigma of a normal distribution.
+const ONE_SIGMA: f64 = 0.682_689_492_137;
+
+/// Distribution of the delay δ along the track, seconds, positive where the satellite is late: a mixture of Gaussians
+/// about 0.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Lateness {
+    /// Weights, which add up to 1, and sigmas in seconds, in increasing order; unused ones have weight 0.
+    parts: [(f64, f64); 3],
+    /// The first of the parts that are not searched: manoeuvres.
+    searched: usize,
+}
+
+impl Lateness {
+    /// Largest delay that is searched, seconds.
+    pub const LONGEST_S: f64 = 300.0;
+
+    /// A Gaussian; a sigma of 0 is a certain δ = 0.
+    pub fn gaussian(sigma_s: f64) -> Self {
+        Self { parts: [(1.0, sigma_s), (0.0, sigma_s), (0.0, sigma_s)], searched: 1 }
+    }
+
+    /// A core of two Gaussians, and satellites that manoeuvred since the epoch.
+    pub fn core_and_manoeuvres(core: [(f64, f64); 2], manoeuvres: (f64, f64)) -> Self {
+        let rest = 1.0 - manoeuvres.0;
+        let [inner, outer] = core.map(|(weight, sigma_s)| (rest * weight, sigma_s));
+        Self { parts: [inner, outer, manoeuvres], searched: 2 }
+    }
+
+    /// The distribution with an independent Gaussian error added, such as that of a clock.
+    pub fn blurred(&self, sigma_s: f64) -> Self {
+        Self { parts: self.parts.map(|(weight, part_s)| (weight, part_s.hypot(sigma_s))), ..*self }
+    }
+
+    fn is_gaussian(&self) -> bool {
+        self.parts().count() == 1
+    }
+
+    /// Number of sigmas of a normal distribution that is exceeded as rarely as this delay: |δ|/σ for a Gaussian.
+    pub fn equivalent_sigmas(&self, delay_s: f64) -> f64 {
+        if self.is_gaussian() {
+            return delay_s.abs() / self.parts[0].1;
+        }
+        let exceeded: f64 =
+            self.parts().map(|(weight, sigma_s)| weight * libm::erfc(delay_s.abs() / sigma_s * FRAC_1_SQRT_2)).sum();
+        // P(|x| > z) = erfc(z/√2) by bisection; 38 is where it underflows.
+        let (mut low, mut high) = (0.0, 38.0);
+        for _ in 0..50 {
+            let middle: f64 = 0.5 * (low + high);
+            if libm::erfc(middle * FRAC_1_SQRT_2) > exceeded { low = middle } else { high = middle }
+        }
+        low
+    }
+
+    /// Weights and sigmas (seconds) of the Gaussians.
+    pub fn parts(&self) -> impl Iterator<Item = (f64, f64)> + Clone + use<> {
+        self.parts.into_iter().filter(|(weight, _)| *weight > 0.0)
+    }
+
+    /// Natural logarithm of the density at δ, 1/s. The sigmas must not be 0.
+    pub fn log_density(&self, delay_s: f64) -> f64 {
+        let logarithms = self.parts().map(|(weight, sigma_s)| {
+            // ln w N(δ; σ)
+            weight.ln() - 0.5 * (delay_s / sigma_s).powi(2) - (TAU.sqrt() * sigma_s).ln()
+        });
+        let greatest = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
+        greatest + logarithms.map(|x| (x - greatest).exp()).sum::<f64>().ln()
+    }
+
+    /// Half width that holds 68.27 % of the delays, seconds.
+    pub fn one_sigma_s(&self) -> f64 {
+        let inner_s = self.parts[0].1;
+        if self.is_gaussian() {
+            return inner_s;
+        }
+        // Newton's method on P(|δ| ≤ x) = 0.6827, concave in x, from below: the innermost sigma.
+        let mut half_s = inner_s;
+        for _ in 0..100 {
+            let step_s = (ONE_SIGMA - self.share(-half_s, half_s)) / (2.0 * self.log_density(half_s).exp());
+            half_s += step_s;
+            if step_s < 1e-9 * half_s {
+                break;
+            }
+        }
+        half_s
+    }
+
+    /// Largest delay, of either sign, that is searched, seconds.
+    pub fn reach_s(&self) -> f64 {
+        (REACH_SIGMAS * self.parts[self.searched - 1].1).min(Self::LONGEST_S)
+    }
+
+    /// True where so many longer delays are probable than those that are searched that probabilities are lower limits.
+    pub fn is_cut(&self) -> bool {
+        self.parts[0].1 > 0.0 && self.share(-self.reach_s(), self.reach_s()) < 1.0 - LARGEST_SHARE_LEFT_OUT
+    }
+
+    /// P(δ ≤ x); the border counts as inside where the delay is certain.
+    pub fn cumulative(&self, x_s: f64) -> f64 {
+        let part = |(weight, sigma_s): (f64, f64)| {
+            if sigma_s > 0.0 {
+                // Φ(x/σ)
+                weight * 0.5 * libm::erfc(-x_s / sigma_s * FRAC_1_SQRT_2)
+            } else {
+                weight * f64::from(u8::from(x_s >= 0.0))
+            }
+        };
+        self.parts().map(part).sum()
+    }
+
+    /// P(low < δ ≤ high).
+    pub fn share(&self, low_s: f64, high_s: f64) -> f64 {
+        self.cumulative(high_s) - self.cumulative(low_s)
+    }
+
+    /// Expected value of max(x - δ, 0), the integral of [`Lateness::cumulative`] up to x, seconds.
+    pub fn cumulative_integral_s(&self, x_s: f64) -> f64 {
+        let part = |(weight, sigma_s): (f64, f64)| {
+            if sigma_s > 0.0 {
+                // ∫ Φ(x/σ) dx = x Φ(x/σ) + σ φ(x/σ)
+                let z = x_s / sigma_s;
+                let cumulative = 0.5 * libm::erfc(-z * FRAC_1_SQRT_2);
+                weight * (x_s * cumulative + sigma_s * (-0.5 * z * z).exp() / TAU.sqrt())
+            } else {
+                weight * x_s.max(0.0)
+            }
+        };
+        self.parts().map(part).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_shares_and_integrals_of_a_gaussian() {
+        let lateness = Lateness::gaussian(20.0);
+        // Φ(1) - Φ(-1)
+        assert!((lateness.share(-20.0, 20.0) - ONE_SIGMA).abs() < 1e-12);
+        assert_eq!(lateness.one_sigma_s(), 20.0);
+        // The mean of |δ| = 2 E max(-δ, 0) is σ √(2/π).
+        assert!((2.0 * lateness.cumulative_integral_s(0.0) - 20.0 * (2.0 / std::f64::consts::PI).sqrt()).abs() < 1e-12);
+        assert_eq!((lateness.reach_s(), lateness.is_cut()), (70.0, false));
+        // 300 s are 1.5 sigmas: 13 % of the delays are longer.
+        let old = Lateness::gaussian(200.0);
+        assert_eq!((old.reach_s(), old.is_cut()), (300.0, true));
+        let certain = Lateness::gaussian(0.0);
+        assert_eq!(
+            (certain.share(-1.0, 0.0), certain.share(0.1, 5.0), certain.cumulative_integral_s(-1.0), certain.is_cut()),
+            (1.0, 0.0, 0.0, false)
+        );
+    }
+
+    #[test]
+    fn verif_shares_and_integrals_of_a_mixture() {
+        let lateness = Lateness::core_and_manoeuvres([(0.7, 2.0), (0.3, 7.0)], (0.1, 500.0));
+        let weights: f64 = lateness.parts().map(|(weight, _)| weight).sum();
+        assert!((weights - 1.0).abs() < 1e-12);
+        let one_sigma_s = lateness.one_sigma_s();
+        assert!((lateness.share(-one_sigma_s, one_sigma_s) - ONE_SIGMA).abs() < 1e-9);
+        // The integral against a sum of the cumulative distribution in steps of 1/8 s.
+        let sum: f64 = (-24_000..80).map(|step| lateness.cumulative((f64::from(step) + 0.5) / 8.0) / 8.0).sum();
+        assert!((lateness.cumulative_integral_s(10.0) - sum).abs() < 1e-3, "{sum}");
+        assert!((lateness.equivalent_sigmas(one_sigma_s) - 1.0).abs() < 1e-9);
+        assert_eq!(Lateness::gaussian(2.0).equivalent_sigmas(-6.0), 3.0);
+        // Manoeuvres are not searched: here a tenth of all delays, and the ends of the core.
+        assert_eq!((lateness.reach_s(), lateness.is_cut()), (24.5, true));
+        assert!(!Lateness::core_and_manoeuvres([(0.7, 2.0), (0.3, 7.0)], (0.02, 500.0)).is_cut());
+        // The density is the slope of the cumulative distribution.
+        let slope = (lateness.cumulative(5.001) - lateness.cumulative(4.999)) / 0.002;
+        assert!((lateness.log_density(5.0) - slope.ln()).abs() < 1e-6);
+        let blurred = lateness.blurred(3.0);
+        assert!((blurred.parts().next().unwrap().1 - 13_f64.sqrt()).abs() < 1e-12);
+    }
+}

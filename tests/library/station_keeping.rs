@@ -1,0 +1,200 @@
+//! Satellites that hold their orbits: lateness and crossings with elements 1 to 14 days old, against later elements of the same satellites.
+//!
+//! The Starlink catalogue of every day of June 2026. The calibration used even catalogue numbers and elements of 2, 9, 16 and 23 June;
+//! these tests use odd numbers and other days.
+
+use std::collections::BTreeMap;
+
+use hifitime::{Epoch, Unit};
+use streakcast::Satellites;
+use streakcast::elements::{ElementSet, NoradId};
+use streakcast::frames::{Direction, EopTable, Orientation, seconds_after, seconds_between};
+use streakcast::geometry::{Observer, Site};
+use streakcast::orbit::{DragModel, OrbitClass, OrbitKind, Propagator, StationKeeping, uncertainty};
+use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
+
+use crate::common::random::Random;
+
+/// Element sets of a day of June 2026 with odd catalogue numbers, by number; `None` without the data folder.
+fn day(day: u32) -> Option<BTreeMap<NoradId, ElementSet>> {
+    let file = crate::common::data_dir()?.join(format!("tle/daily_2026-06/starlink_2026-06-{day:02}.tle.gz"));
+    let satellites = Satellites::from_files([file]).expect("a file of element sets");
+    let odd = satellites.element_sets.into_iter().filter(|set| set.norad_id.0 % 2 == 1);
+    Some(odd.map(|set| (set.norad_id, set)).collect())
+}
+
+/// Time by which a prediction is ahead of the satellite at the epoch of a later element set, seconds.
+fn lateness_s(old: &ElementSet, later: &ElementSet, drag: DragModel) -> Option<f64> {
+    let orientation = Orientation::at(later.epoch, &EopTable::embedded());
+    let predicted = Propagator::with_drag(old, drag).ok()?.state(later.epoch, &orientation.teme_to_gcrs).ok()?;
+    let later = Propagator::new(later).ok()?;
+    let mut late_s = 0.0;
+    for _ in 0..8 {
+        let epoch = seconds_after(later.epoch(), late_s);
+        let truth = later.state(epoch, &orientation.teme_to_gcrs).ok()?;
+        let (r, v) = (truth.position.vector(), truth.velocity.vector());
+        let forward = r.cross(v).normalize().cross(&r.normalize());
+        let p = predicted.position.vector();
+        late_s += p.dot(&forward).atan2(p.dot(&r.normalize())) * r.norm() / v.dot(&forward);
+    }
+    Some(late_s)
+}
+
+fn half_width(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+    values[((values.len() - 1) as f64 * share).round() as usize].abs()
+}
+
+struct Cell {
+    published_s: Vec<f64>,
+    ours_s: Vec<f64>,
+    inside: usize,
+}
+
+/// 68 % of the lateness is within these limits, seconds, and one sigma holds 63 to 73 % (with three sigma of the sample's scatter).
+#[test]
+fn valid_lateness_of_station_keeping_satellites() {
+    if crate::common::data_dir().is_none() {
+        return;
+    }
+    let mut cells: BTreeMap<(String, u32), Cell> = BTreeMap::new();
+    for start in [5, 12, 19, 26] {
+        let old = day(start).expect("data");
+        for age in [1, 3, 7, 14].into_iter().filter(|age| start + age <= 30) {
+            let later = day(start + age).expect("data");
+            for (norad_id, set) in &old {
+                let class = OrbitClass::of(set, DragModel::StationKeeping);
+                let OrbitKind::StationKeeping(keeping) = class.kind else { continue };
+                let Some(truth) = later.get(norad_id).filter(|truth| truth.epoch - set.epoch > 0.2 * Unit::Day) else {
+                    continue;
+                };
+                let pair = [DragModel::Published, DragModel::StationKeeping].map(|drag| lateness_s(set, truth, drag));
+                let [Some(published_s), Some(ours_s)] = pair else { continue };
+                let age_days = (truth.epoch - set.epoch).to_unit(Unit::Day);
+                let name = match keeping {
+                    StationKeeping::StarlinkV15 => "V1.5",
+                    StationKeeping::Starlink => "VisorSat, V2 Mini",
+                    StationKeeping::StarlinkStrongDrag => "V2 Mini, strong drag",
+                    StationKeeping::DirectToCell => "Direct-to-Cell",
+                };
+                let cell = cells.entry((name.to_owned(), age)).or_insert(Cell {
+                    published_s: Vec::new(),
+                    ours_s: Vec::new(),
+                    inside: 0,
+                });
+                cell.published_s.push(published_s);
+                cell.ours_s.push(ours_s);
+                cell.inside += usize::from(ours_s.abs() <= uncertainty(class, age_days).along_track_s);
+            }
+        }
+    }
+    // Half widths of 68 %, seconds, at 1, 3, 7, 14 days.
+    let limits_s = [
+        ("V1.5", [1.0, 2.0, 3.5, 9.5]),
+        ("VisorSat, V2 Mini", [1.2, 2.5, 5.0, 11.0]),
+        ("V2 Mini, strong drag", [2.8, 7.0, 22.0, 45.0]),
+        ("Direct-to-Cell", [3.0, 6.0, 14.0, 32.0]),
+    ];
+    for (name, limits_s) in limits_s {
+        for (age, limit_s) in [1, 3, 7, 14].into_iter().zip(limits_s) {
+            let cell = cells.get_mut(&(name.to_owned(), age)).expect("pairs of this class and age");
+            let count = cell.ours_s.len() as f64;
+            let (published_s, ours_s) =
+                (half_width(&mut cell.published_s, 0.6827), half_width(&mut cell.ours_s, 0.6827));
+            let inside = cell.inside as f64 / count;
+            println!("{name}, {age} d: {count} pairs, published {published_s:.2} s, {ours_s:.2} s, inside {inside:.3}");
+            assert!(ours_s <= limit_s, "{name}, {age} d: {ours_s:.2} s, allowed {limit_s}");
+            assert!(ours_s <= 1.05 * published_s, "{name}, {age} d: {ours_s:.2} s, published {published_s:.2} s");
+            // Binomial scatter, satellites of one launch moving alike: three times that of independent ones.
+            let scatter = 3.0 * (0.6827_f64 * 0.3173 / count).sqrt();
+            assert!((inside - 0.68).abs() <= 0.05 + scatter, "{name}, {age} d: one sigma holds {inside:.3}");
+        }
+    }
+}
+
+fn sky(elements: Vec<ElementSet>) -> Sky {
+    let observer = Observer::new(Site::from_mpc("X05").expect("a site"));
+    Sky::with_models(elements, observer, EopTable::embedded(), &ModelChoice::default())
+}
+
+/// Random fields over the site in the night after 19 June 2026.
+fn exposures(count: usize, draws: &mut Random) -> Vec<Exposure> {
+    let dusk = Epoch::from_gregorian_utc(2026, 6, 19, 23, 0, 0, 0);
+    (0..count)
+        .map(|number| {
+            let hours = 10.5 * draws.uniform();
+            // Local sidereal time at X05: 12.1 h at the start.
+            let zenith_deg = (12.1 + 1.0027 * hours) * 15.0;
+            let distance_deg = 60.0 * draws.uniform().sqrt();
+            let turn = std::f64::consts::TAU * draws.uniform();
+            Exposure {
+                id: number.to_string(),
+                start: seconds_after(dusk, 3600.0 * hours),
+                duration_s: 30.0,
+                pointing: Direction::from_lon_lat_rad(
+                    (zenith_deg + distance_deg * turn.cos() / 0.86).to_radians(),
+                    (-30.0 + distance_deg * turn.sin()).to_radians().max(-1.5),
+                ),
+                rotation_rad: 0.0,
+            }
+        })
+        .collect()
+}
+
+/// Stated probabilities of crossings, in tenths, against the share of them that crossed by elements of the night.
+///
+/// Tolerance: 5 %, and three sigma of the sample.
+#[test]
+fn valid_reliability_of_crossing_probabilities() {
+    if crate::common::data_dir().is_none() {
+        return;
+    }
+    let exposures = exposures(1500, &mut Random(19));
+    let field = Field::circle_deg(3.5).expect("a field");
+    let middle = Epoch::from_gregorian_utc(2026, 6, 20, 4, 0, 0, 0);
+    // The element set nearest in time, of two days.
+    let mut truth = day(20).expect("data");
+    for (norad_id, set) in day(21).expect("data") {
+        let nearer =
+            |old: &ElementSet| seconds_between(old.epoch, middle).abs() > seconds_between(set.epoch, middle).abs();
+        if truth.get(&norad_id).is_none_or(nearer) {
+            truth.insert(norad_id, set);
+        }
+    }
+    truth.retain(|_, set| seconds_between(set.epoch, middle).abs() < 0.6 * 86_400.0);
+    let truth_sky = sky(truth.values().cloned().collect());
+    let options = PassOptions { include_dark: true, without_light: true, ..PassOptions::default() };
+    let crossed: Vec<Vec<NoradId>> = truth_sky
+        .field_passes(&exposures, &field, &options)
+        .expect("exposures")
+        .by_exposure
+        .into_iter()
+        .map(|passes| passes.iter().map(|pass| pass.norad_id).collect())
+        .collect();
+    for age in [1, 3, 7, 14] {
+        let old = day(20 - age).expect("data").into_values().filter(|set| truth.contains_key(&set.norad_id)).collect();
+        let options = PassOptions { min_probability: Some(0.01), ..options.clone() };
+        let passes = sky(old).field_passes(&exposures, &field, &options).expect("exposures").by_exposure;
+        assert!(passes.iter().map(Vec::len).sum::<usize>() > 100, "{age} d: too few passes");
+        let mut tenths = [(0.0, 0.0, 0.0); 10];
+        for (passes, crossed) in passes.iter().zip(&crossed) {
+            for pass in passes {
+                let tenth = &mut tenths[((10.0 * pass.probability) as usize).min(9)];
+                tenth.0 += 1.0;
+                tenth.1 += pass.probability;
+                tenth.2 += f64::from(u8::from(crossed.contains(&pass.norad_id)));
+            }
+        }
+        for (number, (count, stated, observed)) in tenths.into_iter().enumerate().filter(|(_, tenth)| tenth.0 > 0.0) {
+            let (stated, observed) = (stated / count, observed / count);
+            println!("{age} d, tenth {number}: {count} passes, stated {stated:.3}, observed {observed:.3}");
+            let scatter = 3.0 * (stated * (1.0 - stated) / count).sqrt().max(0.5 / count);
+            // Where little is stated, a share of it.
+            let allowed = f64::min(0.05, 0.5 * stated);
+            assert!(
+                (stated - observed).abs() <= allowed + scatter,
+                "{age} d, tenth {number}: {stated:.3} {observed:.3}"
+            );
+        }
+    }
+}
