@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn verif_shares_and_integrals_of_a_mixture() {
-        let lateness = Lateness::core_and_manoeuvres([(0.7, 2.0), (0.3, 7.0)], (0.1, 500.0));
+        let lateness = Lateness::core_and_manoeuvres([(0.7, 2.0), (0.3, 7.0)], (0.2, 500.0));
         let weights: f64 = lateness.parts().map(|(weight, _)| weight).sum();
         assert!((weights - 1.0).abs() < 1e-12);
         let one_sigma_s = lateness.one_sigma_s();
@@ -172,7 +172,7 @@ mod tests {
         assert!((lateness.cumulative_integral_s(10.0) - sum).abs() < 1e-3, "{sum}");
         assert!((lateness.equivalent_sigmas(one_sigma_s) - 1.0).abs() < 1e-9);
         assert_eq!(Lateness::gaussian(2.0).equivalent_sigmas(-6.0), 3.0);
-        // Manoeuvres are not searched: here a tenth of all delays, and the ends of the core.
+        // Manoeuvres are not searched: here a fifth of all delays.
         assert_eq!((lateness.reach_s(), lateness.is_cut()), (24.5, true));
         assert!(!Lateness::core_and_manoeuvres([(0.7, 2.0), (0.3, 7.0)], (0.02, 500.0)).is_cut());
         // The density is the slope of the cumulative distribution.

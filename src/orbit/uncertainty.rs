@@ -324,7 +324,8 @@ mod tests {
             for step in 1..40_000 {
                 let age = f64::from(step) * 0.02;
                 let next = uncertainty(class, age);
-                assert!(next.along_track_s >= last.along_track_s, "{class:?} at {age} d");
+                // Newton's method ends at 1e-9.
+                assert!(next.along_track_s >= last.along_track_s * (1.0 - 1e-8), "{class:?} at {age} d");
                 assert!(next.cross_track_km >= last.cross_track_km, "{class:?} at {age} d");
                 if age > 0.1 {
                     // Growth is below t^2.3, so 0.02 d never multiplies it by more than (1 + 0.02/t)^2.3.
