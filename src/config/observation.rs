@@ -235,7 +235,7 @@ fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
         let message = match error {
             ScheduleError::PolicySyntax(what) => what,
             ScheduleError::PolicyOutOfRange { field, value, allowed } => {
-                format!("{field} is {value}, allowed {allowed}")
+                format!("{field} is {value}; allowed: {allowed}")
             }
             other => other.to_string(),
         };

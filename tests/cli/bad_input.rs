@@ -408,7 +408,11 @@ fn misspelt_columns_are_suggested_and_other_encodings_named() {
     schedule(
         "m.csv",
         misspelt,
-        &["exposure_id (is it Exposure ID?)", "duration_s (is it duraton_s?)", "ra_deg (is it RA_deg?), dec_deg;"],
+        &[
+            "exposure_id (did you mean Exposure ID?)",
+            "duration_s (did you mean duraton_s?)",
+            "ra_deg (did you mean RA_deg?), dec_deg;",
+        ],
     );
     // 0xf3 is ó in Latin-1.
     let latin = [HEADER.as_bytes(), b"Pach\xf3n,2024-08-14T03:30:00Z,30,280,-30\n"].concat();

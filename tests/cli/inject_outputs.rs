@@ -97,7 +97,7 @@ fn verif_a_failed_batch_names_the_frame_and_the_finished_ones() {
         &["--random-streaks", "2", "--magnitude", "6,8", "--seeing", "2.5arcsec"],
     ]);
     assert_eq!((code, stderr.lines().count()), (2, 1), "{stderr}");
-    assert!(stderr.contains("bad.fits") && stderr.contains("1 of 2 frames are written"), "{stderr}");
+    assert!(stderr.contains("bad.fits") && stderr.contains("1 of 2 frames have already been written"), "{stderr}");
     assert!(fs::exists(path(&folder, "out/good.fits")).unwrap() && !fs::exists(&truth).unwrap());
 }
 
