@@ -321,7 +321,7 @@ fn verif_residuals_are_observed_less_computed() {
         let data = fs::read_to_string(path(&folder, &format!("{plot}-data.ecsv"))).unwrap();
         let is_curve = plot == "phase-curve";
         let texts = svg_texts(&path(&folder, &format!("{plot}.svg")));
-        let title = if is_curve { "observed and computed" } else { "observed less computed" };
+        let title = if is_curve { "observed and computed" } else { "observed minus computed" };
         assert!(texts.iter().any(|text| text == &format!("starlink-v1.5: {title}")), "{texts:?}");
         let residuals = column(&data, "residual_mag");
         // The map has three decimals.
