@@ -158,7 +158,7 @@ mod verbs {
     fn bad_input_is_one_line() {
         let statistics: [(&[&str], &str); 6] = [
             (&[], "--night"),
-            (&["--night", "x"], "night 'x' is not a date"),
+            (&["--night", "x"], "invalid night 'x'"),
             (&["--night", "2024-06-21", "--moments", "0"], "1 to 10000"),
             (&["--night", "2024-06-21", "--min-altitude", "95"], "0 to 89 deg"),
             (&["--night", "2024-06-21", "--latitudes", "95"], "-90 to 90 deg"),
@@ -167,8 +167,8 @@ mod verbs {
         let reproduce: [(&[&str], &str); 5] = [
             (&["hu2022"], "--schedule"),
             (&["hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
-            (&["lu2024b", "--schedule", "a.db"], "lu2024b takes no --schedule"),
-            (&["bassa2022", "--time-scale", "utc"], "bassa2022 takes no --time-scale"),
+            (&["lu2024b", "--schedule", "a.db"], "--schedule is not for reproduce lu2024b"),
+            (&["bassa2022", "--time-scale", "utc"], "--time-scale is not for reproduce bassa2022"),
             (&["smith1999"], "hu2022, lu2024b, bassa2022"),
         ];
         let cases = statistics.iter().map(|case| (STATISTICS, case));
@@ -214,7 +214,7 @@ mod verbs {
         assert_eq!(code, 0, "{stderr}");
         assert!(
             stderr.contains("1 visits from 2025-06-01T00:00:00Z")
-                && stderr.contains("are not the paper's first 10,000")
+                && stderr.contains("are not the first 10,000 of the paper")
         );
         let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
         assert_eq!(answer["reproduced"].as_array().unwrap().len(), 3);
