@@ -123,7 +123,7 @@ def test_invalid_streaks_are_reported(sky, tmp_path):
     cases = [
         (dict(), "missing streak; allowed, one of: ends"),
         (dict(ends=ends, region=region), "ends and region; allowed, one of"),
-        (dict(ends=ends), "no start of the exposure"),
+        (dict(ends=ends), "missing start of the exposure"),
         (dict(ends=ends, start=START), "missing exposure time; specify exposure"),
         (dict(ends=ends, times=[START]), "times: 1; allowed: two"),
         (dict(ends=ends, times=[START, START]), "the second is 0 s after the first"),

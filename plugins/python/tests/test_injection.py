@@ -135,7 +135,7 @@ def test_the_flux_of_a_streak_matches_its_magnitude():
 def test_invalid_arguments_are_reported(injector, tmp_path):
     frame = pixels("float32")
     cases = [
-        (dict(header=header()), "no streaks"),
+        (dict(header=header()), "missing streaks"),
         (dict(header=header(), random_streaks=1), "magnitude"),
         (dict(random_streaks=1, magnitude=5, seeing="1arcsec", start=START, exposure=30, zero_point=25), "celestial|coordinates|CTYPE"),
         (dict(header=header(), random_streaks=1, magnitude=5), "seeing"),

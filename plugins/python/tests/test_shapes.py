@@ -9,6 +9,7 @@ from astropy.time import Time
 
 from conftest import START, TARGET
 import streakcast
+from streakcast import _times
 
 
 def test_numbers_for_one_and_arrays_for_many(model):
@@ -23,6 +24,18 @@ def test_numbers_for_one_and_arrays_for_many(model):
     empty = model.assess((np.array([]), np.array([])), np.array([]), 30.0, scale="utc")
     assert empty.verdict.shape == (0,)
     assert len(model.flags((np.array([]), np.array([])), np.array([]), 30.0, scale="utc")) == 0
+
+
+def test_unaligned_arrays(model):
+    def unaligned(array):
+        return np.frombuffer(b"-" + np.asarray(array).tobytes(), dtype=array.dtype, offset=1)
+
+    start = np.array([61266.97856481])
+    assert not unaligned(start).flags.aligned
+    jd1, jd2 = _times.to_tai(start, "utc", "start")
+    expected = model.assess(TARGET, _times.TwoPartTai(jd1, jd2), 30.0)
+    same = model.assess(TARGET, _times.TwoPartTai(unaligned(jd1), unaligned(jd2)), 30.0)
+    np.testing.assert_array_equal(same.p_any, expected.p_any)
 
 
 def test_astropy_in(model):

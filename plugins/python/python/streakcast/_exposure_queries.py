@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from ._results import VERDICTS, Assessment, ClearWindows
-from ._quantities import FloatArray, directions, number, scalar
+from ._quantities import FloatArray, aligned, directions, number, scalar
 from ._site_queries import SiteQueries
 from ._tables import TableLike, table_of, time_of, is_qtable
 from ._times import TimeLike, to_tai
@@ -296,7 +296,7 @@ class ExposureQueries(SiteQueries):
             shapes = f"ra {ra.shape}, dec {dec.shape}, start {jd1.shape}, exposure {length.shape}, rotation {angle.shape}"
             raise ValueError(f"shapes cannot be broadcast together: {shapes}") from None
         exposures = {
-            name: np.ascontiguousarray(np.broadcast_to(part, shape).reshape(-1)) for name, part in zip(names, parts)
+            name: aligned(np.broadcast_to(part, shape).reshape(-1)) for name, part in zip(names, parts)
         }
         bands = [] if band is None else [band] if isinstance(band, str) else [str(one) for one in np.ravel(band)]
         return exposures, bands, shape

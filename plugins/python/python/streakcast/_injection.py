@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from . import _core
-from ._quantities import is_of, number, scalar
+from ._quantities import aligned, is_of, number, scalar
 from ._setup import absolute, document
 from ._tables import TableLike, table_of
 from ._times import TimeLike, to_tai
@@ -225,7 +225,7 @@ def inject(
         image = np.asarray(frame)
         if image.ndim != 2:
             raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")
-        image = np.ascontiguousarray(image, dtype=image.dtype.newbyteorder("="))
+        image = aligned(image, image.dtype.newbyteorder("="))
         result = _core.inject(
             json.dumps(_without_none(options)), json.dumps(setup), config, sky_cache, tempfile.gettempdir(), image, _header_text(header)
         )

@@ -17,6 +17,11 @@ def is_of(module_name: str, class_name: str, value: object) -> bool:
     return module is not None and isinstance(value, getattr(module, class_name))
 
 
+def aligned(array: npt.NDArray[Any], dtype: npt.DTypeLike = None) -> npt.NDArray[Any]:
+    """Returns the array, copied only if it is not contiguous or not aligned (as after deserialisation by Dask)."""
+    return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
+
+
 def number(value: Any, unit: str, what: str) -> FloatArray:
     """Returns a number or array in the given unit: converts a `Quantity`, takes a bare number to be in that unit."""
     if is_of("astropy.units", "Quantity", value):

@@ -8,7 +8,7 @@ from typing import Any, Union
 import numpy as np
 
 from . import _core
-from ._quantities import number, scalar
+from ._quantities import aligned, number, scalar
 from ._setup import document
 from ._tables import TableLike, table_of
 
@@ -65,7 +65,7 @@ def standard_magnitudes(
         number(observer_latitude, "deg", "observer_latitude"),
         number(height, "km", "height"),
     )
-    columns = [np.ascontiguousarray(part.reshape(-1)) for part in parts]
+    columns = [aligned(part.reshape(-1)) for part in parts]
     magnitudes = _core.standard_magnitudes(_setup(light), str(model), *columns)
     return float(magnitudes[0]) if parts[0].shape == () else magnitudes.reshape(parts[0].shape)
 
@@ -104,7 +104,7 @@ def sky_magnitudes(
         Distance from observer to satellite.
     """
     parts = np.broadcast_arrays(number(azimuth, "deg", "azimuth"), number(altitude, "deg", "altitude"))
-    columns = [np.ascontiguousarray(part.reshape(-1)) for part in parts]
+    columns = [aligned(part.reshape(-1)) for part in parts]
     magnitude, range_km = _core.sky_magnitudes(
         _setup(light),
         str(model),
