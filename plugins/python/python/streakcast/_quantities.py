@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from typing import Any
+from typing import Any, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ def is_of(module_name: str, class_name: str, value: object) -> bool:
     return module is not None and isinstance(value, getattr(module, class_name))
 
 
-def aligned(array: npt.NDArray[Any], dtype: npt.DTypeLike = None) -> npt.NDArray[Any]:
+def aligned(array: npt.NDArray[Any], dtype: Union[npt.DTypeLike, None] = None) -> npt.NDArray[Any]:
     """Returns the array, copied only if it is not contiguous or not aligned (as after deserialisation by Dask)."""
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
