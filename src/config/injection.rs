@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use super::values::Numbers;
 
-/// Frames, exposure, streaks, counts and truth of an injection, in addition to [`Config`].
+/// Frames, exposure, streaks, counts and truth of an injection, in addition to [`Config`](super::Config).
 ///
 /// ```
 /// let injection: streakcast::config::InjectionConfig =

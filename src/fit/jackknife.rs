@@ -40,7 +40,7 @@ const CHUNK: usize = 1 << 16;
 ///
 /// # Errors
 /// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
-/// * [`FitError::Reduction`] for invalid options;
+/// * [`FitError::Setting`] for invalid options;
 /// * [`FitError::NoMinimum`] if a descent ends at no finite cost;
 /// * those of [`Problem::new`] if the remaining tracks make too few pixels.
 pub fn jackknife(
@@ -108,7 +108,7 @@ impl<'a> TrackSets<'a> {
     /// Reduces the measurements of the selected sets.
     ///
     /// # Errors
-    /// [`FitError::Reduction`] for invalid options.
+    /// [`FitError::Setting`] for invalid options.
     pub fn reduced(&self, options: ReduceOptions, selected: impl Fn(usize) -> bool) -> Result<Reduction, FitError> {
         let mut reducer = Reducer::new(options)?;
         let is_selected = |point: &&Measurement| selected(self.set_of_group[point.group as usize]);

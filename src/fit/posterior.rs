@@ -97,7 +97,7 @@ fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> 
 /// step and may save the chain.
 ///
 /// # Errors
-/// [`FitError::Ensemble`] for an invalid number of walkers, and every error that `each` returns.
+/// [`FitError::Walkers`] for an invalid number of walkers, and every error that `each` returns.
 pub fn draw(
     objective: &Objective,
     fit: &Fit,
