@@ -64,7 +64,7 @@ gate_fails() {
 
 until_property "$mount.CONNECTION.CONNECT" Off
 # A mount that is not connected has no coordinates.
-gate_fails "is it connected?" --mpc X05
+gate_fails "check its connection" --mpc X05
 
 set_property "$mount.CONNECTION.CONNECT=On"
 until_property "$mount.CONNECTION.CONNECT" On
@@ -104,6 +104,6 @@ gate_fails "km from" --mpc X05
 kill "$server"
 wait "$server" 2>/dev/null || true
 "${gate[@]:0:${#gate[@]}-1}" --mpc X05 2>"$work/error" || fail "no server must not stall a night"
-grep -q "nothing was checked, go on" "$work/error" || fail "$(cat "$work/error")"
+grep -q "satellites were not checked, the exposure starts" "$work/error" || fail "$(cat "$work/error")"
 if "${gate[@]}" --mpc X05 2>/dev/null; then fail "strict is strict"; fi
 echo "indi.sh: all passed"
