@@ -115,8 +115,8 @@ impl ViewingGeometry {
         Direction::from_lon_lat_rad(self.observer_longitude_rad, self.observer_latitude_rad)
     }
 
-    /// Returns the angle Sun-satellite-observer in [0, π], radians; 0 for an observer in the direction of the Sun, who
-    /// sees a full disk.
+    /// Returns the angle Sun-satellite-observer in [0, π], radians; 0 for an observer in the direction of the Sun (full
+    /// phase).
     pub fn phase_angle_rad(&self) -> f64 {
         self.to_sun().separation_rad(&self.to_observer())
     }

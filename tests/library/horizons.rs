@@ -193,8 +193,8 @@ fn valid_ranges_and_rates_against_horizons() {
     Agreement::new("Range rates, the worst", "JPL Horizons", RANGE_RATE_KM_S, "km/s").see(range_rates.1);
 }
 
-/// Horizons' azimuth and elevation are apparent, without refraction: the astrometric direction with the aberration of
-/// an observer who moves with the Earth and rotates with it.
+/// Horizons' azimuth and elevation are apparent, without refraction: the astrometric direction with the aberration due
+/// to the orbital motion and the rotation of the Earth.
 #[test]
 fn valid_apparent_horizon_against_horizons() {
     let Some(setting) = full_setting() else { return };

@@ -1,7 +1,7 @@
 //! Satellites that hold their orbits: lateness and crossings with elements 1 to 14 days old, against later elements of the same satellites.
 //!
 //! The Starlink catalogue of every day of June 2026. The calibration used even catalogue numbers and elements of 2, 9, 16 and 23 June;
-//! these tests use odd numbers and other days.
+//! these tests use odd numbers and other days. The widening of the core sigmas was chosen on those days too.
 
 use std::collections::BTreeMap;
 

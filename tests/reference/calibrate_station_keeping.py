@@ -14,7 +14,7 @@ likelihood; the scale (s_0, k, c) brings the share within one sigma, the half wi
 
     STREAKCAST_DATA=... python tests/reference/calibrate_station_keeping.py docs/tables/lateness.md
 
-Needs numpy, scipy, sgp4. Takes about ten minutes.
+Lateness, out of plane and radius are those of calibrate_orbit_uncertainty.compare. Needs numpy, scipy, sgp4. Takes about ten minutes.
 """
 
 import argparse
@@ -27,6 +27,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import erf
 from sgp4.api import WGS72, Satrec
+
+from calibrate_orbit_uncertainty import compare
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STREAKCAST_DATA") or ROOT.parent / "shared/data")
@@ -89,26 +91,6 @@ def without_drag(s, lag2_day):
     return other
 
 
-def residual(s, truth):
-    """Lateness (s), out of plane and radius (km) of a prediction at the epoch of another element set; None if SGP4 fails."""
-    error, predicted, _ = s.sgp4(truth.jdsatepoch, truth.jdsatepochF)
-    if error:
-        return None
-    predicted, late_s = np.array(predicted), 0.0
-    for _ in range(8):
-        error, r, v = truth.sgp4_tsince(late_s / 60)
-        if error:
-            return None
-        r, v = np.array(r), np.array(v)
-        normal = np.cross(r, v) / np.linalg.norm(np.cross(r, v))
-        forward = np.cross(normal, r) / np.linalg.norm(r)
-        step = np.arctan2(predicted @ forward, predicted @ r / np.linalg.norm(r)) * np.linalg.norm(r) / (v @ forward)
-        late_s += step
-        if abs(step) < 1e-4:
-            break
-    return late_s, predicted @ normal, np.linalg.norm(predicted) - np.linalg.norm(r)
-
-
 FIELDS = ("class", "norad", "start", "nominal", "age", "half_ndot", "drag", "period", "published", "plain", "plane", "radius")
 
 
@@ -131,7 +113,7 @@ def pairs(starts, parity):
                 if its is None or days_between < 0.2:
                     continue
                 period_s = 2 * np.pi / (s.no_kozai / 60)
-                published, plain = residual(s, truth), residual(without_drag(s, 0.0), truth)
+                published, plain = compare(s, truth), compare(without_drag(s, 0.0), truth)
                 if published and plain:
                     rows.append((CLASSES.index(its), norad, start, age, days_between, half_ndot, half_ndot * period_s, period_s, published[0], *plain))
     return {name: values for name, values in zip(FIELDS, np.array(rows).T)}
