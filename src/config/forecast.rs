@@ -119,17 +119,7 @@ impl ForecastConfig {
         config: &Config,
         default_samples: usize,
     ) -> Result<(ForecastRequest, Selection), ConfigError> {
-        let kind = |name: &String| {
-            Generation::by_name(name).ok_or_else(|| {
-                let known = Generation::ALL.map(Generation::name).join(", ");
-                ConfigError::invalid(format!("unknown generation '{name}'; allowed: {known}"))
-            })
-        };
-        let selection = Selection {
-            generations: self.generation.iter().map(kind).collect::<Result<_, _>>()?,
-            names: self.name.clone(),
-            norad_ids: self.norad.clone(),
-        };
+        let selection = selection(&self.generation, &self.name, &self.norad)?;
         let (start, end) = time_range(self.night.as_deref(), self.start.as_deref(), self.end.as_deref(), config)?;
         let request = ForecastRequest {
             start,
@@ -145,6 +135,24 @@ impl ForecastConfig {
         request.check()?;
         Ok((request, selection))
     }
+}
+
+/// Returns the selection of satellites by generation, part of the name, or number.
+///
+/// # Errors
+/// An unknown generation.
+pub(super) fn selection(generations: &[String], names: &[String], norad_ids: &[u32]) -> Result<Selection, ConfigError> {
+    let kind = |name: &String| {
+        Generation::by_name(name).ok_or_else(|| {
+            let known = Generation::ALL.map(Generation::name).join(", ");
+            ConfigError::invalid(format!("unknown generation '{name}'; allowed: {known}"))
+        })
+    };
+    Ok(Selection {
+        generations: generations.iter().map(kind).collect::<Result<_, _>>()?,
+        names: names.to_vec(),
+        norad_ids: norad_ids.to_vec(),
+    })
 }
 
 /// Returns the first and the last moment of a time range, or of a night: local mean noon to noon at the site, by the

@@ -1,11 +1,13 @@
 //! Configuration: one document for satellites, site, models, camera and rules, filled by flags, files and plugins.
 //!
-//! [`Config`] is the document; [`ForecastConfig`], [`IdentifyConfig`] and `InjectionConfig` are those of a request.
+//! [`Config`] is the document; [`ForecastConfig`], [`EphemerisConfig`],
+//! [`IdentifyConfig`] and `InjectionConfig` are those of a request.
 //! Each is resolved once, with all checks: to an [`ObservationPlan`], a [`PreparedSky`], a
 //! [`ForecastRequest`](crate::forecast::ForecastRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
 //! [`streaks`](crate::streaks). The command line derives its flags from the same structures (feature `cli`).
 
 mod document;
+mod ephemeris;
 mod error;
 mod forecast;
 mod health;
@@ -26,6 +28,7 @@ mod warnings;
 #[cfg(feature = "cli")]
 pub use document::norad_id;
 pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, SiteConfig};
+pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};

@@ -123,6 +123,7 @@ fn all_missing_inputs_are_in_one_error() {
     misses("annotate", &[&sky[..], &[field, "schedule (--schedule FILE)", "output file (-o FILE)"]].concat());
     misses("windows", &[&sky[..], &[field, "targets (--targets FILE)", "time range (--night DATE, or"]].concat());
     misses("forecast", &[&sky[..], &["time range (--night DATE, or"]].concat());
+    misses("ephemeris", &[&sky[..], &["selection of satellites (--norad ID", "times (--times TIME..., "]].concat());
     misses("statistics", &[&sky[..], &["night (--night DATE)"]].concat());
     misses("gate", &[&sky[..], &[field, "pointing (--ra and --dec", exposure[1]]].concat());
     misses("identify", &[&sky[..], &["streak (--end RA,DEC twice; ", exposure[0], exposure[1]]].concat());

@@ -44,6 +44,20 @@ const TIME_RANGE: Group = Group {
     usage: "(--night <DATE> | --start <TIME> --end <TIME>)",
     rule: "--night, or --start and --end",
 };
+const TIMES: Group = Group {
+    heading: "",
+    marked_heading: "",
+    ids: &["times", "times_file", "start", "end", "step"],
+    usage: "(--times <TIME>... | --times-file <FILE> | --start <TIME> --end <TIME> --step <TIME>)",
+    rule: "--times, --times-file, or --start, --end and --step",
+};
+const SELECTION: Group = Group {
+    heading: "",
+    marked_heading: "",
+    ids: &["norad", "name", "generation"],
+    usage: "(--norad <ID>... | --name <TEXT>... | --generation <KIND>...)",
+    rule: "--norad, --name or --generation",
+};
 const FRAMES: Group = Group {
     heading: "",
     marked_heading: "",
@@ -136,6 +150,15 @@ const VERBS: &[VerbHelp] = &[
         examples: [
             "--start 2024-08-14T00:00:00Z --end 2024-08-14T00:10:00Z --shells oneweb --mpc X05 --max-mag 8",
             "--night 2024-08-14 --elements active.tle --lat 48.2 --lon 16.4 --format ics -o passes.ics",
+        ],
+    },
+    VerbHelp {
+        path: "ephemeris",
+        flags: &[],
+        groups: &[SELECTION, TIMES, SATELLITES, SITE],
+        examples: [
+            "--name S1 --start 2024-08-14T03:30:00Z --end 2024-08-14T03:31:00Z --step 30s --shells oneweb --mpc X05 --min-altitude 20",
+            "--norad 25544 --times 2024-08-14T03:30:00Z --elements active.tle --site Paranal --format ecsv",
         ],
     },
     VerbHelp {

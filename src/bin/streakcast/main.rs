@@ -17,6 +17,7 @@ use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use failure::{exit_code, report_usage};
 use verbs::annotate::AnnotateArguments;
 use verbs::doctor::DoctorArguments;
+use verbs::ephemeris::EphemerisArguments;
 #[cfg(feature = "fetch")]
 use verbs::fetch::FetchArguments;
 #[cfg(feature = "fit")]
@@ -59,6 +60,8 @@ enum Verb {
     Windows(Box<WindowsArguments>),
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
+    /// Compute places, rates, brightness and lateness of chosen satellites at given times
+    Ephemeris(Box<EphemerisArguments>),
     /// Wait until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
     /// Identify the satellite of a measured streak: ranked candidates
@@ -107,6 +110,7 @@ fn main() -> ExitCode {
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
         Verb::Windows(typed) => verbs::windows::run(*typed),
         Verb::Forecast(typed) => verbs::forecast::run(*typed),
+        Verb::Ephemeris(typed) => verbs::ephemeris::run(*typed),
         Verb::Gate(typed) => verbs::gate::run(*typed),
         Verb::Identify(typed) => verbs::identify::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),

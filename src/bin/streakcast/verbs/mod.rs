@@ -2,6 +2,7 @@
 
 pub mod annotate;
 pub mod doctor;
+pub mod ephemeris;
 #[cfg(feature = "fetch")]
 pub mod fetch;
 #[cfg(feature = "fit")]
