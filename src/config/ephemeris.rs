@@ -48,7 +48,6 @@ pub struct EphemerisConfig {
             long,
             value_name = "TIME",
             num_args = 1..,
-            allow_hyphen_values = true,
             conflicts_with_all = ["times_file", "start", "end", "step"]
         )
     )]
@@ -78,7 +77,7 @@ impl EphemerisConfig {
     pub fn resolve(&self, config: &Config) -> Result<EphemerisRequest, ConfigError> {
         let selection = selection(&self.generation, &self.name, &self.norad)?;
         if let Some(altitude) = self.min_altitude.filter(|altitude| !(-90.0..=90.0).contains(altitude)) {
-            return Err(ConfigError::invalid(format!("min-altitude is {altitude} deg; allowed: -90 to 90 deg")));
+            return Err(ConfigError::invalid(format!("--min-altitude is {altitude} deg; allowed: -90 to 90 deg")));
         }
         Ok(EphemerisRequest {
             times: self.epochs(config)?,

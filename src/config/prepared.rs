@@ -124,7 +124,7 @@ impl PreparedSky {
     /// For the times of preparation they are `warnings`; a cached sky is used for other times too.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
-        warnings.extend(warnings::of_age(&self.sky.elements()[..self.from_files], first, last));
+        warnings.extend(warnings::of_age(&self.sky, self.from_files, first, last));
         warnings.extend(self.shells_made_for.and_then(|day| warnings::of_shells(day, first, last)));
         warnings.extend(warnings::of_orientation(&self.eop, first, last));
         if let Viewpoint::Orbit(observer) = self.sky.viewpoint() {

@@ -7,6 +7,8 @@ mod annotate_formats;
 mod bad_input;
 #[cfg(feature = "cli")]
 mod doctor;
+mod element_ages;
+mod ephemeris;
 #[cfg(feature = "fetch")]
 mod fetch;
 #[cfg(feature = "fit")]

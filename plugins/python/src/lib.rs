@@ -29,6 +29,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(injection::utc_text, module)?)?;
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
     module.add_function(wrap_pyfunction!(requests::forecast, module)?)?;
+    module.add_function(wrap_pyfunction!(requests::ephemeris, module)?)?;
     module.add_function(wrap_pyfunction!(requests::identify, module)?)?;
     module.add_function(wrap_pyfunction!(light::body_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::sky_map, module)?)?;

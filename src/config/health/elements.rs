@@ -124,7 +124,7 @@ impl ElementState {
             days if days < -0.05 => format!("half of them more than {:.1} days in the future", -days),
             days => format!("median age {:.1} days", days.max(0.0)),
         };
-        let age = format!("{} satellites; {median}; median along-track error {sigma_s:.1} s", self.satellites);
+        let age = format!("{} satellites; {median}; early or late by {sigma_s:.1} s (68 %, median)", self.satellites);
         found.push(if sigma_s > LARGE_ERROR_S {
             let remedy = format!("{nearer}; or use flag with --min-probability or a margin_s of that size");
             Finding::new(Severity::Warning, SUBJECT, age, remedy)

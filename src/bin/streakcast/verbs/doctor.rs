@@ -5,7 +5,7 @@ use clap::Args;
 use std::path::Path;
 use std::path::PathBuf;
 use std::time::SystemTime;
-use streakcast::config::{Config, RulesConfig};
+use streakcast::config::{Config, RulesConfig, RunConfig};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
@@ -14,8 +14,9 @@ use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Se
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_between;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, format_utc};
+use streakcast::schedule::AgeEffect;
 
-use super::judged::begin;
+use super::judged::{begin, judge};
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
@@ -29,6 +30,9 @@ pub struct DoctorArguments {
     /// Time to check, for example 2024-08-14T00:30:00Z; now if omitted
     #[arg(long, value_name = "TIME")]
     pub now: Option<String>,
+    /// Schedule for the effect of old elements on its verdicts; the other inputs as for flag
+    #[arg(long, value_name = "FILE")]
+    pub schedule: Option<PathBuf>,
     /// Exit with code 1 on a warning, or if elements or site are not given
     #[arg(long)]
     pub strict: bool,
@@ -57,6 +61,9 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
         None => (machine_time(), MomentSource::Clock),
     };
     let mut health = config.health(now, source);
+    if let Some(schedule) = &typed.schedule {
+        health.findings.push(schedule_finding(&config, schedule));
+    }
     let folder = cache_folder(typed.cache.as_deref()).ok();
     let cached = folder.as_deref().map(records_in).unwrap_or_default();
     health.findings.extend(cache_findings(folder.as_deref(), typed.cache.is_some(), &cached, now));
@@ -101,6 +108,31 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
 fn machine_time() -> Epoch {
     let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     Epoch::from_unix_seconds(since_1970.as_secs_f64())
+}
+
+/// Returns the effect of the errors of the elements on the verdicts of a schedule.
+fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
+    const SUBJECT: &str = "schedule";
+    // The threads are set already, and the warnings of the inputs are findings.
+    let run = RunConfig { threads: None, quiet: Some(true), ..config.run.clone() };
+    let judged = match judge(&Config { run, ..config.clone() }, schedule, None) {
+        Ok(judged) => judged,
+        Err(error) => {
+            let remedy = "specify the inputs of streakcast flag";
+            return Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy);
+        }
+    };
+    let visits = judged.report.flags.len();
+    match judged.report.age_effect() {
+        None => Finding::fine(SUBJECT, format!("{visits} visits; no satellite crosses")),
+        Some(effect) if effect.changed_share < AgeEffect::LARGE_SHARE => {
+            Finding::fine(SUBJECT, format!("{visits} visits; {effect}"))
+        }
+        Some(effect) => {
+            let remedy = "use elements closer to the visits (streakcast fetch), or --min-probability";
+            Finding::new(Severity::Warning, SUBJECT, format!("{visits} visits; {effect}"), remedy)
+        }
+    }
 }
 
 fn cache_findings(
