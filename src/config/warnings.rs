@@ -77,8 +77,7 @@ pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) ->
     let old: Vec<usize> = (0..from_files).filter(|&index| !near.contains(&elements[index].epoch.duration)).collect();
     let age_days = |index: usize| days(elements[index].epoch, first).max(days(last, elements[index].epoch));
     let farthest = old.iter().map(|&index| age_days(index)).max_by(f64::total_cmp)?;
-    let mut late_s: Vec<f64> =
-        old.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
+    let mut late_s: Vec<f64> = old.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
     late_s.sort_by(f64::total_cmp);
     Some(format!(
         "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
@@ -138,9 +137,9 @@ fn day(epoch: Epoch) -> String {
 mod tests {
     use super::*;
     use crate::elements::Constellation;
+    use crate::frames::parse_instant;
     use crate::geometry::{Observer, Site};
     use crate::passes::ModelChoice;
-    use crate::frames::parse_instant;
 
     fn utc(text: &str) -> Epoch {
         parse_instant(text, None).unwrap()

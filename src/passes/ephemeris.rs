@@ -129,9 +129,8 @@ impl Sky {
         };
         let flight = self.flight(&scene, &exposure)?;
         let orientation = scene.orientation.at_s(HALF_ARC_S);
-        let motion = self
-            .motion(&scene, &orientation, flight.as_ref(), HALF_ARC_S)
-            .ok_or(SkyError::NoEphemeris { epoch })?;
+        let motion =
+            self.motion(&scene, &orientation, flight.as_ref(), HALF_ARC_S).ok_or(SkyError::NoEphemeris { epoch })?;
         let site = self.viewpoint().site().map(|observer| {
             [-RATE_STEP_S, 0.0, RATE_STEP_S].map(|step_s| observer.state(&scene.orientation.at_s(HALF_ARC_S + step_s)))
         });
@@ -146,7 +145,8 @@ impl Sky {
         moment: &Moment,
         photometry: Option<&PhotometryOptions>,
     ) -> Result<Option<EphemerisPoint>, OrbitError> {
-        let Some(propagator) = self.index().propagator(element_index).filter(|_| !self.is_observer(element_index)) else {
+        let Some(propagator) = self.index().propagator(element_index).filter(|_| !self.is_observer(element_index))
+        else {
             return Ok(None);
         };
         let Moment { scene, orientation, motion, site } = moment;

@@ -36,7 +36,8 @@ fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivati
 fn verif_published_drag_changes_places_and_is_stated() {
     let folder = tempfile::tempdir().unwrap();
     let file = catalogue(&folder, "starlink-gen1", "STARLINK-31", 1.8e-4);
-    let words = ["ephemeris", "--norad", "60001", "--times", "2026-08-14T00:00:00Z", "--elements", &file, "--mpc", "X05"];
+    let words =
+        ["ephemeris", "--norad", "60001", "--times", "2026-08-14T00:00:00Z", "--elements", &file, "--mpc", "X05"];
     let answer = |drag: &[&str]| json(&[&words, drag, &["--quiet"]]);
     let (default, ours) = (answer(&[]), answer(&["--drag", "station-keeping"]));
     let published = answer(&["--drag", "published"]);
@@ -91,7 +92,8 @@ fn verif_old_elements_warn_with_their_effect_on_verdicts() {
     let text = elements["finding"].as_str().unwrap();
     assert!(text.contains("median age 8.0 days; early or late by ") && text.contains(" s (68 %, median)"), "{text}");
     // A schedule that cannot be read is a finding.
-    let (code, stdout, _) = run(&[&["doctor", "--schedule", "no-such.csv", "--cache", &cache, "--format", "json"], FIELD]);
+    let (code, stdout, _) =
+        run(&[&["doctor", "--schedule", "no-such.csv", "--cache", &cache, "--format", "json"], FIELD]);
     assert!(code == 2 && stdout.contains("no-such.csv"), "{stdout}");
 }
 

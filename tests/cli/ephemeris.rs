@@ -29,7 +29,8 @@ fn verif_columns_rows_and_formats_agree() {
             assert!(same || cell.is_empty() && value.is_null(), "{name}: {cell} {value}");
         }
     }
-    for (key, value) in [("drag", "station-keeping"), ("frame", "ICRS astrometric topocentric"), ("time_scale", "utc")] {
+    for (key, value) in [("drag", "station-keeping"), ("frame", "ICRS astrometric topocentric"), ("time_scale", "utc")]
+    {
         assert_eq!(answer["provenance"][key], value, "{}", answer["provenance"]);
     }
     let options = &answer["provenance"]["options"];
@@ -62,7 +63,8 @@ fn verif_times_of_a_list_a_file_and_steps_are_the_same() {
 /// The place at the time of entry is that of `passes`.
 #[test]
 fn verif_the_place_at_an_entry_is_that_of_the_pass() {
-    let exposure = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--fov", "3.5deg"];
+    let exposure =
+        ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--fov", "3.5deg"];
     let passes = json(&[&["passes"], SKY, &exposure]);
     let pass = &passes["passes"].as_array().unwrap()[0];
     let norad = pass["norad_id"].to_string();

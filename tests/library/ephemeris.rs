@@ -50,12 +50,8 @@ fn valid_ephemeris_against_skyfield() {
         .into_iter()
         .filter(|set| wanted.contains(&set.norad_id.0))
         .collect();
-    let site = Site::new_deg(
-        "Rubin",
-        -(30.0 + 14.0 / 60.0 + 40.7 / 3600.0),
-        -(70.0 + 44.0 / 60.0 + 57.9 / 3600.0),
-        2662.75,
-    );
+    let site =
+        Site::new_deg("Rubin", -(30.0 + 14.0 / 60.0 + 40.7 / 3600.0), -(70.0 + 44.0 / 60.0 + 57.9 / 3600.0), 2662.75);
     let sky = Sky::with_models(sets, Observer::new(site.expect("a site")), eop, &ModelChoice::default())
         .with_drag(DragModel::Published);
     let authority = "Skyfield";
@@ -71,7 +67,9 @@ fn valid_ephemeris_against_skyfield() {
         assert!(left_out.is_empty());
         let [point] = points.as_slice() else { panic!("{} places", points.len()) };
         let seen = &point.point;
-        let lon_lat = |lon_deg: f64, lat_deg: f64| Direction::<Gcrs>::from_lon_lat_rad(lon_deg.to_radians(), lat_deg.to_radians());
+        let lon_lat = |lon_deg: f64, lat_deg: f64| {
+            Direction::<Gcrs>::from_lon_lat_rad(lon_deg.to_radians(), lat_deg.to_radians())
+        };
         direction.see(seen.direction.separation_rad(&lon_lat(row[2], row[3])).to_degrees() * 3600.0);
         let ours = Direction::from_lon_lat_rad(seen.azimuth_rad.expect("a site"), seen.altitude_rad.expect("a site"));
         horizon.see(ours.separation_rad(&lon_lat(row[7], row[6])).to_degrees() * 3600.0);
@@ -114,7 +112,8 @@ fn verif_places_are_those_of_snapshots_and_rates_their_differences() {
         assert!(now.point.direction.separation_rad(&snapshot.point.direction) < 1e-8);
         assert!((now.point.range_km - snapshot.point.range_km).abs() < 1e-5);
         assert_eq!(now.point.illumination.name(), snapshot.point.illumination.name());
-        let magnitudes = [&now.point, &snapshot.point].map(|point| point.brightness.as_ref().map(|one| one.magnitude.0));
+        let magnitudes =
+            [&now.point, &snapshot.point].map(|point| point.brightness.as_ref().map(|one| one.magnitude.0));
         assert_eq!(magnitudes[0].is_some(), magnitudes[1].is_some());
         if let [Some(ours), Some(theirs)] = magnitudes {
             assert!((ours - theirs).abs() < 1e-4, "{ours} {theirs}");
@@ -145,7 +144,8 @@ fn requests_are_filtered_by_name_and_altitude() {
     let (sky, start) = oneweb();
     let config = Config::from_toml("shells = 'oneweb'\nsite = 'rubin'\n", "t.toml").expect("a configuration");
     let request = |more: &str| {
-        let text = format!(r#"{{"times": ["2026-08-14T23:29:05Z", "2026-08-14T23:39:05Z"], "name": ["S1 P24-"]{more}}}"#);
+        let text =
+            format!(r#"{{"times": ["2026-08-14T23:29:05Z", "2026-08-14T23:39:05Z"], "name": ["S1 P24-"]{more}}}"#);
         serde_json::from_str::<EphemerisConfig>(&text).expect("a request").resolve(&config).expect("a request")
     };
     let all = ephemeris(&sky, &request("")).expect("places");

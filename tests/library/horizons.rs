@@ -263,8 +263,7 @@ fn valid_ephemeris_against_horizons() {
         let ours = place.ra_cos_dec_rate_rad_s.hypot(place.dec_rate_rad_s) * per_hour;
         // Both components are of date in Horizons: precession turns them by degrees near the pole.
         rate.see((ours / ra.hypot(dec) - 1.0).abs());
-        let theirs =
-            Direction::<Gcrs>::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
+        let theirs = Direction::<Gcrs>::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
         let (altitude, azimuth) = (place.point.altitude_rad.expect("a site"), place.point.azimuth_rad.expect("a site"));
         horizon.see(Direction::from_lon_lat_rad(azimuth, altitude).separation_rad(&theirs).to_degrees());
         let [azimuth_rate, altitude_rate] = row.horizon_rate_arcsec_min;

@@ -6,7 +6,8 @@ The visits are those of schedules/baseline_10klines_2.0.db: the first 13 nights 
 every day exists for June 2026 only, so each night is moved to one of June 2026: a visit keeps its altitude and azimuth, and its time after
 sunset (before local midnight, 25 min earlier) or before sunrise (after midnight, 85 min later); its right ascension grows by the difference of
 the sidereal times. The elements of the night are, for each satellite, the set closest to the middle of the night among the files of that day
-and the next, with the published drag for all rows of the table. Elements N days older are the file of N days before. Verdicts by `flag` with
+and the next two, with the published drag for all rows of the table. Elements N days older are the file of N days before the night; its epochs
+are up to two days older than the file. Verdicts by `flag` with
 the field of 3.5 deg and a limit of V = 7 mag.
 
 "changed" counts visits with another verdict (clear, streaked, avoid); "expected" is the share that `flag` states from the elements of that age alone:
@@ -78,7 +79,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         for night, (evening, visits) in enumerate(nights().items(), FIRST_NIGHT):
             visits = schedule(folder, evening, visits, night)
-            truth = verdicts(visits, [elements(night), elements(night + 1)], "published")
+            truth = verdicts(visits, [elements(night + days) for days in range(3)], "published")
             total += len(truth)
             for verdict, _ in truth:
                 kinds[verdict] = kinds.get(verdict, 0) + 1
