@@ -1,7 +1,7 @@
 //! Configuration: one document for satellites, site, models, camera and rules, filled by flags, files and plugins.
 //!
-//! [`Config`] is the document; [`ForecastConfig`], [`IdentifyConfig`] and `InjectionConfig` are those of a request.
-//! Each is resolved once, with all checks: to an [`ObservationPlan`], a [`PreparedSky`], a
+//! [`Config`] holds the options of all requests; [`ForecastConfig`], [`IdentifyConfig`] and `InjectionConfig` hold
+//! those of one kind of request. Each is checked and resolved once, to an [`ObservationPlan`], a [`PreparedSky`], a
 //! [`ForecastRequest`](crate::forecast::ForecastRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
 //! [`streaks`](crate::streaks). The command line derives its flags from the same structures (feature `cli`).
 

@@ -112,7 +112,7 @@ fn verif_interrupted_chains_can_be_resumed() {
     assert_eq!((whole.steps(), whole.walkers(), whole.parameters()), (60, 32, 7));
     assert_eq!(about.parameters, ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"]);
     assert_eq!(whole, cut);
-    // With other points the fit is a different one.
+    // A chain of other points is that of another fit, and is rejected.
     let (code, _, stderr) = run(
         folder.path(),
         &format!("{FIT} --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.npz -o m.json"),
@@ -199,7 +199,7 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (FIT.replace("--height-km 550", "") + " -o m.json", vec!["no geometry", "--height-km"]),
         (FIT.replace("fit run", "fit compare") + " --folds 1", vec!["folds 1", "2 or more"]),
         (FIT.replace("starlink-v1.5", "v2mini") + " -o m.json", vec!["v2mini", "two_panel or panels"]),
-        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "allowed: "]),
+        (FIT.replace("starlink-v1.5", "no-model") + " -o m.json", vec!["no-model", "allowed: "]),
         (FIT.replace("mmt.csv", "missing.csv") + " -o m.json", vec!["missing.csv"]),
         (FIT.replace("mmt.csv", "empty.csv") + " -o m.json", vec!["empty.csv has no rows"]),
         (FIT.replace("mmt.csv", "unknown.csv") + " -o m.json", vec!["unknown.csv"]),
@@ -271,7 +271,7 @@ fn verif_thresholds_are_options_and_are_listed() {
     );
     let rows = provenance["rows_through_Clear"].as_u64().expect("a number");
     assert_eq!(provenance["rows_left_out"].as_u64(), Some(rows - count(&high) as u64), "{provenance}");
-    // Rows flagged by the survey.
+    // The survey flags rows as in the penumbra.
     let table = fs::read_to_string(at("mmt.csv")).expect("a table");
     fs::write(at("mmt.csv"), table.replace(",Clear,0,", ",Clear,1,")).expect("a file");
     assert_eq!(count(&reduce("--keep-penumbra-flag")), count(&plain));
@@ -325,8 +325,8 @@ fn verif_poor_fits_are_reported_and_not_dropped() {
     assert_ne!(plain[0], held[0]);
 }
 
-/// MMT-9 tracks of identified satellites, computed from element sets: closer to the record, and at least as well
-/// explained.
+/// MMT-9 tracks of identified satellites: positions from element sets agree with the recorded ranges, and the model
+/// fits at least as well.
 #[test]
 fn valid_identified_tracks_use_element_sets() {
     let Some(data) = crate::common::data_dir() else { return };

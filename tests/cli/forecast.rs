@@ -300,7 +300,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         (&["--night", "14.8.2024"][..], &["invalid night '14.8.2024'", "2024-08-14"][..]),
         (&[], &["missing time range", "--night DATE"]),
         (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
-        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["allowed 0 to 31 days"]),
+        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["; allowed: 0 to 31 days"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-08-13T00:00:00Z"], &["the end not before the start"]),
         (&["--night", "2024-08-14", "--min-altitude", "95"], &["min-altitude 95 deg", "below 90 deg"]),
         (&["--night", "2024-08-14", "--min-altitude", "NaN"], &["min-altitude NaN"]),
@@ -310,7 +310,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         (&["--night", "2024-08-14", "--generation", "starlink"], &["generation 'starlink'", "starlink-v2mini"]),
         (
             &["--night", "2024-08-14", "--name", "ISS (ZARYA)"],
-            &["none of the 4408 satellites has a name with ISS (ZARYA)"],
+            &["the selection a name with ISS (ZARYA) matches none of the 4408 satellites"],
         ),
         (&["--night", "2024-08-14", "--norad", "x"], &["'x'", "NORAD catalogue numbers, 1 to 999999999"]),
         (&["--night", "2024-08-14", "--norad", "0"], &["'0'", "1 to 999999999"]),

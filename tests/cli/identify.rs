@@ -94,9 +94,9 @@ fn invalid_streaks_give_one_line() {
         (vec!["--end", "1,2", "--end", "2,3", "--start", "2026-08-14T23:29:05Z"], "missing exposure time"),
         (
             vec!["--end", "1,2", "--end", "2,3", "--times", "2026-08-14T23:29:05Z", "2026-08-14T23:29:05Z"],
-            "times: the second is 0 s after",
+            "the second of --times is 0 s after",
         ),
-        (with(&["--end", "1,2", "--end", "2,3", "--place-sigma", "5"]), "has no unit"),
+        (with(&["--end", "1,2", "--end", "2,3", "--place-sigma", "5"]), "place-sigma is 5, without a unit"),
         (with(&["--end", "1,2", "--end", "2,3", "--fov", "3deg"]), "--fov has no effect"),
         (with(&["--end", "10,80", "--end", "11,80"]), "the streak is below the horizon of Rubin Observatory"),
         (with(&["--end", "1,2", "--end", "2,3", "--top", "0"]), "top 0; allowed: 1 or more"),

@@ -57,7 +57,7 @@ fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
     assert!(unmarked.abs() < 1e-2 * counts, "{unmarked}");
     let stands_out = mask.iter().filter(|&&bits| bits == 3.0).count();
     assert!(stands_out > 300, "{stands_out}");
-    // Both streaks end at the frame's border, or where the shutter closed.
+    // Both streaks end at the frame's border, or at the position at which the shutter closed.
     for (x, y) in numbers(&rows, "x1_pix").into_iter().zip(numbers(&rows, "y1_pix")) {
         assert!((0.5..=400.5).contains(&x) && (0.5..=300.5).contains(&y));
     }
@@ -384,7 +384,7 @@ fn verif_resolved_panels_are_two_light_sources() {
     // The total light is the same; at a corner of the frame one of the paths is a few pixels longer.
     let together: f64 = apart.iter().map(|(_, counts)| counts).sum();
     assert!((together / whole[0].1 - 1.0).abs() < 0.05, "{together} {}", whole[0].1);
-    // The light is distributed differently.
+    // The total is the same, but its distribution differs.
     let moved: f64 = whole_values.iter().zip(&apart_values).map(|(a, b)| f64::from((a - b).abs())).sum();
     assert!(moved > 0.05 * together, "{moved} {together}");
 }

@@ -28,7 +28,7 @@ fn drawn(folder: &TempDir, name: &str, plot: &[&[&str]], code: i32) -> String {
     stderr
 }
 
-/// Texts of an SVG, which must be well-formed and contain its font.
+/// Returns the texts of an SVG, which must be well-formed and contain its font.
 #[track_caller]
 fn svg_texts(svg: &str) -> Vec<String> {
     let text = fs::read_to_string(svg).unwrap();
@@ -77,7 +77,7 @@ fn verif_a_night_has_the_numbers_of_flag() {
     let data = fs::read_to_string(path(&folder, "night-data.ecsv")).unwrap();
     let (_, flags, _) = run(&[&["flag"], arguments, SKY, FIELD, &["--format", "csv"]]);
     for name in ["exposure_id", "verdict", "n_streaks", "brightest_mag"] {
-        // The invalid row has no time and no night.
+        // The invalid row has no time, and so belongs to no night.
         assert_eq!(column(&data, name), column(&flags, name)[..4], "{name}");
     }
     assert!(column(&flags, "n_streaks").iter().any(|number| number != "0"), "{flags}");
@@ -224,7 +224,7 @@ fn verif_rates_over_the_sky_are_means_of_passes() {
     let (all, bright) = (column(&data, "streaks_per_exposure"), column(&data, "bright_per_exposure"));
     let sum = |cells: &[String]| cells.iter().map(|cell| cell.parse::<f64>().unwrap()).sum::<f64>();
     assert!(sum(&all) > 0.0 && sum(&bright) < sum(&all), "{all:?} {bright:?}");
-    // Two exposures per cell: halves.
+    // The mean of two exposures per cell is a multiple of one half.
     assert!(all.iter().all(|cell| (cell.parse::<f64>().unwrap() * 2.0).fract() == 0.0), "{all:?}");
     let again: &[&str] = &["sky-rate", "--from", &path(&folder, "rate-data.ecsv")];
     drawn(&folder, "again", &[again], 0);

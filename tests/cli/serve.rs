@@ -1,4 +1,4 @@
-//! The server: results and warnings equal those of the command line.
+//! `serve`: results and warnings equal those of the command line.
 
 use std::collections::BTreeSet;
 use std::io::{Read, Write};
@@ -95,7 +95,7 @@ fn other_starts_and_limits_equal_a_schedule_with_them() {
         verdicts.insert(flag["verdict"].as_str().unwrap().to_owned());
     }
     assert!(verdicts.len() > 1, "{verdicts:?}");
-    // The next clear start is clear.
+    // An exposure at the next clear start is clear.
     let first = server.json(&format!("/api/v1/exposure?{FIRST}"));
     let next = first["flags"][0]["next_clear_start_utc"].as_str().unwrap();
     let then = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", next)));
@@ -177,7 +177,8 @@ fn warnings_of_the_command_line_are_in_the_responses() {
             "{start}"
         );
     }
-    // The same for the sky and SatChecker's paths; the time at which a satellite fails depends on the request.
+    // The sky and SatChecker's paths have the same warnings; the time at which a satellite fails depends on the
+    // request.
     let words = |answer: &Value| -> Vec<String> {
         let warnings = answer["warnings"].as_array().unwrap().iter();
         warnings.map(|one| one.as_str().unwrap().split("SGP4").next().unwrap().to_owned()).collect()
@@ -188,7 +189,7 @@ fn warnings_of_the_command_line_are_in_the_responses() {
         assert_eq!(words(&answer), words(&exposure), "{target}");
         assert_eq!((&answer["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
     }
-    // Shells are computed for the day of the schedule: other days are reported.
+    // Shells are generated for the day of the schedule; a request for another day has a warning.
     let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
     assert!(
         answer["warnings"].to_string().contains("the shells were generated for 2026-08-14"),
@@ -280,7 +281,7 @@ fn the_dome_contains_the_crossings_of_the_field() {
     assert_eq!(table.len(), ours.len());
     for (theirs, ours) in table.iter().zip(ours) {
         match (theirs["magnitude"].as_f64(), ours.as_f64()) {
-            // Both are rounded, as is the Sun of the request.
+            // The map, the response and the Sun of the request are rounded.
             (Some(theirs), Some(ours)) => assert!((theirs - ours).abs() < 0.02, "{theirs} {ours}"),
             (theirs, ours) => assert_eq!(theirs.is_some(), ours.is_some(), "{theirs:?} {ours:?}"),
         }

@@ -53,13 +53,13 @@ enum Verb {
     Passes(Box<PassesArguments>),
     /// Give a verdict for each exposure of a schedule, with reasons and the next clear start
     Flag(Box<FlagArguments>),
-    /// Write the schedule file again with its cells unchanged and added verdicts and streaks
+    /// Write a copy of the schedule file with verdicts and streaks added and all other cells unchanged
     Annotate(Box<AnnotateArguments>),
     /// Find time windows in which targets can be exposed without a crossing above the limits
     Windows(Box<WindowsArguments>),
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
-    /// Wait until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
+    /// Wait until an exposure can start without a crossing, before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
     /// Identify the satellite of a measured streak: ranked candidates
     Identify(Box<IdentifyArguments>),
@@ -77,7 +77,7 @@ enum Verb {
     /// Fit a brightness model to photometry
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
-    /// Serve a web page and an HTTP API for a schedule: its nights, and the effect of other start times
+    /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
     /// Count sunlit satellites over a site, their magnitudes, and the trails per exposure

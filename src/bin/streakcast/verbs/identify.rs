@@ -1,4 +1,4 @@
-//! `identify`: ranked candidates for a measured streak.
+//! `identify`: lists the candidates for a measured streak, the most probable first.
 
 use crate::arguments::{OutputArguments, reject_camera};
 use anyhow::anyhow;
@@ -38,12 +38,12 @@ const ON_SCREEN: &[Shown] = &[
     shown("norad_id", "norad"),
     rounded("probability", "P", 3),
     rounded("chi_square", "chi2", 1),
-    rounded("along_track_offset_s", "late s", 2),
+    rounded("along_track_offset_s", "delay s", 2),
     rounded("along_track_sigma_s", "sigma s", 1),
-    rounded("cross_track_offset_arcsec", "beside arcsec", 0),
+    rounded("cross_track_offset_arcsec", "cross-track arcsec", 0),
     rounded("cross_track_sigma_arcsec", "sigma arcsec", 0),
-    rounded("angle_difference_deg", "turned deg", 2),
-    rounded("length_difference_deg", "too long deg", 3),
+    rounded("angle_difference_deg", "angle diff. deg", 2),
+    rounded("length_difference_deg", "length diff. deg", 3),
     rounded("angular_rate_deg_s", "deg/s", 3),
     rounded("passage_utc", "passage (UTC)", 1),
     rounded("range_km", "range km", 0),
@@ -51,13 +51,13 @@ const ON_SCREEN: &[Shown] = &[
     rounded("element_age_days", "age d", 1),
 ];
 
-/// Least probability of a likely candidate.
+/// Smallest probability of a candidate that is reported as likely.
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     reject_camera(&typed.config, "the identification of a streak")?;
     if typed.top == 0 {
-        return Err(anyhow!("invalid top 0; allowed: 1 or more"));
+        return Err(anyhow!("top is 0; allowed: 1 or more"));
     }
     let config = typed.config.with_file()?;
     check_required(&config, &typed.streak)?;
