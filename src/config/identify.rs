@@ -23,7 +23,7 @@ const POSITION_SIGMA_ARCSEC: f64 = 5.0;
 const POSITION_SIGMA_PIX: f64 = 3.0;
 
 /// Forms in which a streak can be given.
-const FORMS: &str =
+pub const STREAK_FORMS: &str =
     "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
 
 /// A measured streak, in addition to [`Config`]: given by two ends, by a position and an angle, by pixels of a frame,
@@ -151,8 +151,8 @@ impl IdentifyConfig {
     /// Resolves the streak and reads its files.
     ///
     /// # Errors
-    /// No streak or several, a missing time, a file that cannot be read, a position outside of the frame, numbers out
-    /// of range.
+    /// No streak or several streaks are given, a time is missing, a file cannot be read, a position is outside of the
+    /// frame, or a number is out of range.
     pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, ConfigError> {
         let has_middle = self.position_angle.is_some() || self.ra.is_some() || self.dec.is_some();
         let mut forms = vec![
@@ -164,14 +164,14 @@ impl IdentifyConfig {
         forms.retain(|(_, is_given)| *is_given);
         let forms: Vec<&'static str> = forms.into_iter().map(|(form, _)| form).collect();
         let (source, (line, sigma_arcsec)) = match (forms.as_slice(), &self.region) {
-            ([], _) => return Err(ConfigError::invalid(format!("missing streak; specify {FORMS}"))),
+            ([], _) => return Err(ConfigError::invalid(format!("missing streak; specify {STREAK_FORMS}"))),
             (["--end"], _) => ("--end", (self.ends()?, POSITION_SIGMA_ARCSEC)),
             (["--position-angle"], _) => ("--position-angle", (self.middle()?, POSITION_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
             (["--region"], Some(path)) => ("--region", in_regions(path)?),
             (several, _) => {
                 let several = several.join(" and ");
-                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {FORMS}")));
+                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {STREAK_FORMS}")));
             }
         };
         let (start, duration_s, timing) = self.timing(config)?;

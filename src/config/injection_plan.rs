@@ -234,7 +234,7 @@ impl InjectionConfig {
         }
         if self.resolve_panels && self.is_random() {
             return Err(ConfigError::invalid(
-                "--resolve-panels is given with random streaks; allowed: with satellites (random streaks have no panels)",
+                "--resolve-panels has no effect on random streaks; allowed: with streaks of satellites",
             ));
         }
         if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {

@@ -29,7 +29,7 @@ pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, 
 pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
-pub use identify::{IdentifyConfig, IdentifyPlan};
+pub use identify::{IdentifyConfig, IdentifyPlan, STREAK_FORMS};
 #[cfg(feature = "fits")]
 pub use injection::InjectionConfig;
 #[cfg(feature = "fits")]

@@ -68,7 +68,7 @@ impl Config {
     /// Returns the field of view: the one given, or else that of the telescope.
     ///
     /// # Errors
-    /// No field, two of them, or an invalid one.
+    /// No field or two fields are given, or the field is invalid.
     pub fn field_of_view(&self) -> Result<Field, ConfigError> {
         match (&self.fov, &self.field) {
             (Some(_), Some(_)) => Err(ConfigError::Both { first: "--fov", second: "--field" }),
@@ -201,7 +201,8 @@ impl Config {
     /// Returns the one exposure that is given, with the id `1`.
     ///
     /// # Errors
-    /// Start, length, right ascension, declination or rotation missing or out of range; a start beyond the ephemeris.
+    /// Start, length, right ascension, declination or rotation are missing or out of range, or the start is outside the
+    /// ephemeris.
     pub fn one_exposure(&self) -> Result<Exposure, ConfigError> {
         fn given<'a>(
             value: &'a Option<Quantity>,

@@ -17,7 +17,7 @@ impl Config {
     /// Returns the site.
     ///
     /// # Errors
-    /// No site, two of them, an unknown one, or a coordinate out of range.
+    /// No site or several sites are given, the site is unknown, or a coordinate is out of range.
     pub fn site(&self) -> Result<Site, ConfigError> {
         let SiteConfig { named, mpc, lat, lon, height } = &self.site;
         let flags =
@@ -43,8 +43,8 @@ impl Config {
     /// Returns the viewpoint at `moment`: a site, or a telescope in orbit.
     ///
     /// # Errors
-    /// As [`Config::site`]; a site and an orbit; a telescope below its limb height at `moment`; a file without element
-    /// sets, with several objects, or without the object of the given number.
+    /// As [`Config::site`]; both a site and an orbit are given; the telescope is below its limb height at `moment`; the
+    /// file has no element sets, has several objects, or lacks the object of the given number.
     pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
         let limb = self.limb_height_km;
         match (self.is_in_orbit(), self.site.is_given()) {

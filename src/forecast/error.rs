@@ -22,7 +22,7 @@ pub enum ForecastError {
     },
     /// No satellite matches the selection.
     #[error(
-        "the selection {selection} matches none of the {satellites} satellites; allowed: a selection of at least one"
+        "none of the {satellites} satellites has {selection}; allowed: a selection of at least one satellite"
     )]
     EmptySelection {
         /// Number of satellites.

@@ -1,12 +1,12 @@
 //! Comparison of one satellite with a streak: its delay, the distance of the streak from its track, and the angle
 //! between them.
 //!
-//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak is found
-//!    with Newton's method on SGP4. For an exposure, the time with the least delay and distance (in sigmas) is used.
+//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak is
+//!    found with Newton's method on SGP4. For an exposure, the time with the least delay and distance (in sigmas) is used.
 //! 2. The distances of both ends from the track with that delay are computed. Their mean is the cross-track offset,
 //!    their difference divided by the length is the angle. A curved track is thus compared with the ends, not with a
-//!    straight line. If the times of the ends are known, the delay is the mean of the two delays with which the satellite
-//!    passes the ends at these times.
+//!    straight line. If the times of the ends are known, the delay is the mean of the two delays with which the
+//!    satellite passes the ends at these times.
 //! 3. The predicted length is compared with the measured one. If the streak may end at the edges of the frame, only a
 //!    streak longer than predicted counts as a difference.
 //!

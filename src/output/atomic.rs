@@ -18,7 +18,8 @@ impl AtomicFile {
     /// replaced, and the link is kept.
     ///
     /// # Errors
-    /// The folder is missing or not writable; the target is a directory, a pipe or a device; its links form a circle.
+    /// The folder is missing or not writable; the target is a directory, a pipe or a device; or symbolic links form a
+    /// circle.
     pub fn new(target: &Path) -> io::Result<Self> {
         let target = behind_links(target)?;
         if target.is_dir() {

@@ -232,7 +232,7 @@ fn no_failure_replaces_a_valid_file() {
         (status("200 OK", "Content-Type: image/png\r\n", "\u{1}PNG"), &[], "no element sets"),
         (status("200 OK", "", ""), &[], "nothing"),
         (status("200 OK", "Content-Encoding: gzip\r\n", "this is not gzip"), &[], "with a truncated body"),
-        // More bytes are announced than sent.
+        // The response announces more bytes than it sends.
         (
             Box::new(move |stream| {
                 send(stream, format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n", half.len()).as_bytes());
@@ -241,7 +241,7 @@ fn no_failure_replaces_a_valid_file() {
             &[],
             "with a truncated body",
         ),
-        // No length is given, and the last record is cut.
+        // The response has no length, and its last record is cut.
         (
             Box::new(move |stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n");
@@ -256,9 +256,9 @@ fn no_failure_replaces_a_valid_file() {
             &[],
             "with a truncated body",
         ),
-        // More bytes than the limit.
+        // The response has more bytes than the limit.
         (Box::new(ok(vec![b'1'; 5_000], "")), &["--max-bytes", "1000"], "more than the limit of 1000 bytes"),
-        // Single bytes with long pauses.
+        // The server sends single bytes with long pauses.
         (
             Box::new(|stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n");
@@ -270,7 +270,7 @@ fn no_failure_replaces_a_valid_file() {
             &["--timeout", "5s"],
             "with a truncated body",
         ),
-        // No response.
+        // The server does not respond.
         (Box::new(|stream| _ = stream.read(&mut [0])), &["--timeout", "5s"], "no response"),
         // The connection is closed at once, or the response is not HTTP.
         (Box::new(|_| {}), &[], "no response"),
@@ -470,7 +470,7 @@ fn invalid_arguments_send_no_request() {
         (vec!["celestrak", "--group", "../../etc"], "invalid group '../../etc'; allowed"),
         (vec!["celestrak", "--group", "a&b"], "allowed: 1 to 64 letters"),
         (vec!["satchecker", "--epoch", "yesterday"], "yesterday"),
-        (vec!["celestrak", "--group", "x", "--timeout", "5"], "no unit"),
+        (vec!["celestrak", "--group", "x", "--timeout", "5"], "timeout is 5, without a unit"),
         (vec!["space-track"], "--credentials"),
         (vec!["space-track", "--credentials", "/no/such/file"], "credentials /no/such/file"),
     ] {

@@ -211,7 +211,7 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     assert!(is_believed(&last, 1, "ends with a broken record"));
     assert!(is_believed(&many, 0, "clear now"));
     assert!(is_believed(&quarter, 11, "clear now"));
-    // Weeks old: waiting times are not reliable.
+    // Element sets that are weeks old do not give reliable waiting times.
     fs::write(&elements, &many).unwrap();
     check("stale_elements", "100 % of the elements are more than 14 days from now", 1, "2026-09-14T23:30:00Z");
 }

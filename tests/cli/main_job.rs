@@ -430,7 +430,7 @@ fn lists_of_models_sites_and_shells() {
 fn starlink_1102_is_found_in_a_decam_exposure() {
     let Some(data) = crate::common::data_dir() else { return };
     let elements = data.join("tle/supgp/starlink_supgp_2020-02-23.tle").display().to_string();
-    // Header of exposure 941420: DATE-OBS, EXPTIME, RA, DEC.
+    // Values of DATE-OBS, EXPTIME, RA and DEC in the header of exposure 941420.
     let words = [
         "passes",
         "--elements",

@@ -154,7 +154,7 @@ fn verif_fits_by_format_or_by_name() {
         assert!(bytes.starts_with(b"SIMPLE  =") && bytes.len() > 12 * 256 * 16, "{name}: {}", bytes.len());
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
-    fails(&[SKY, &["--format", "fits"]], &["needs an output file; specify -o"]);
+    fails(&[SKY, &["--format", "fits"]], &["missing output file for format fits; specify -o"]);
     let path = folder.path().join("x.fits").display().to_string();
     fails(&[SKY, &["--step-deg", "1", "-o", &path]], &["--step-deg is given with format fits"]);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
@@ -184,7 +184,7 @@ fn verif_invalid_arguments() {
     fails(&[SKY, &["--lat", "91", "--lon", "0"], &out], &["lat"]);
     fails(&[SKY, &["--extinction", "-1"], &out], &["extinction is -1 mag; allowed: 0 to 5 mag"]);
     fails(&[SKY, &["--band", "q"], &out], &["q"]);
-    fails(&[SKY, &["--threads", "100000"], &out], &["threads 100000; allowed: 1 to 1024"]);
+    fails(&[SKY, &["--threads", "100000"], &out], &["threads is 100000; allowed: 1 to 1024"]);
     fails(&[&["map", "sky", "--model", "v1.5"], &out], &["--sun-altitude-deg"]);
     #[cfg(feature = "plot")]
     {
@@ -230,14 +230,14 @@ fn verif_file_name_extensions() {
     #[cfg(feature = "plot")]
     fails(&[SKY, &["-o", &path("a.PNG")]], &["is a picture; allowed: --picture", "a.PNG"]);
     #[cfg(feature = "plot")]
-    fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["pictures are written with --picture"]);
+    fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["is a picture; allowed: --picture"]);
     fails(
         &[SKY, &["-o", &path("a.csv"), "--format", "fits"]],
         &["does not have the format fits", "allowed: the extension .fits"],
     );
     fails(
         &[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]],
-        &["format ecsv for the file", "allowed: the extension .ecsv"],
+        &["does not have the format ecsv", "allowed: the extension .ecsv"],
     );
     #[cfg(not(feature = "parquet"))]
     fails(
@@ -255,7 +255,7 @@ fn verif_two_outputs_need_two_files() {
     let path = |name: &str| folder.path().join(name).display().to_string();
     for (output, picture) in [("a.svg", "a.svg"), ("a.svg", "./a.svg"), ("sub/../a.png", "a.png")] {
         let outputs = ["-o", &path(output), "--picture", &path(picture)];
-        fails(&[SKY, &outputs], &["pictures are written with --picture"]);
+        fails(&[SKY, &outputs], &["is a picture; allowed: --picture"]);
     }
     fails(
         &[SKY, &["--nside", "8", "--picture", &path("a.png")]],

@@ -351,7 +351,7 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
     let from = |text: &str| ["night".to_owned(), "--from".to_owned(), table(text), "-o".to_owned(), out.clone()];
     let cases: &[(&str, &[&str])] = &[
         ("", &["table.csv is empty"]),
-        ("start_utc,n_streaks\n2024-08-14T00:00:00Z,1\n", &["no column duration_s", "start_utc, n_streaks"]),
+        ("start_utc,n_streaks\n2024-08-14T00:00:00Z,1\n", &["missing column duration_s", "start_utc, n_streaks"]),
         (
             "start_utc,duration_s,verdict,n_streaks,brightest_mag\nyesterday,30,clear,0,\n",
             &["line 2", "invalid start_utc 'yesterday'", "allowed: a time"],
@@ -362,7 +362,7 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
         ),
         ("start_utc,duration_s,verdict,n_streaks,brightest_mag\n", &["no row has a time"]),
         ("a,b\n1\n", &["table.csv"]),
-        ("{\"flags\": 3}", &["no array 'exposures'"]),
+        ("{\"flags\": 3}", &["an array 'exposures'"]),
         ("{\"flags\": [", &["not JSON"]),
     ];
     for (text, parts) in cases {

@@ -28,7 +28,7 @@ fn the_night_equals_flag() {
     for statement in ["version", "shells", "site", "models", "earth_orientation", "band"] {
         assert_eq!(night["provenance"][statement], flags["provenance"][statement], "{statement}");
     }
-    // Day at both ends, dark in between.
+    // The Sun is up at both ends of the night and down in between.
     let sun: Vec<f64> =
         night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
     assert!(sun[0] > 30.0 && sun[sun.len() - 1] > 30.0 && sun.iter().copied().fold(90.0, f64::min) < -40.0, "{sun:?}");
@@ -301,7 +301,7 @@ const ABOVE: &[&str] = &["altitude", "azimuth", "dec", "julian_date", "name", "n
 #[test]
 fn satchecker_shapes_carry_magnitudes() {
     let server = shared();
-    // 2026-08-14T23:29:05Z; coordinates of X05.
+    // The time is 2026-08-14T23:29:05Z, the site that of the MPC code X05.
     let site = server.json("/api/v1/night")["site"].clone();
     let place =
         format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
@@ -411,7 +411,7 @@ fn openapi_describes_all_paths() {
 fn a_stop_completes_open_requests() {
     for signal in ["-TERM", "-INT"] {
         let server = serve(&[]);
-        // Half a request has arrived before the signal: it is answered, then the server ends. The result is cached,
+        // Half a request arrives before the signal. The server completes it, and then ends. The result is cached,
         // because the server waits at most 10 s.
         let target = format!("/api/v1/exposure?{FIRST}");
         server.json(&target);

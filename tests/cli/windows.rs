@@ -225,7 +225,7 @@ fn invalid_arguments_are_reported() {
         (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude is 95 deg; allowed: -90 to 90"),
         (
             &[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]],
-            "max_lost_fraction of the policy is not for windows",
+            "the policy has max_lost_fraction, which windows does not support",
         ),
         (&[&["windows", "--targets", "/nowhere.csv", "--fov", "6deg"], SKY, RANGE], "/nowhere.csv"),
     ] {

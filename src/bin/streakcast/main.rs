@@ -2,6 +2,7 @@
 
 mod arguments;
 mod cache;
+mod clock;
 mod failure;
 mod help;
 mod notices;

@@ -4,7 +4,6 @@ use crate::arguments::OutputArguments;
 use clap::Args;
 use std::path::Path;
 use std::path::PathBuf;
-use std::time::SystemTime;
 use streakcast::config::{Config, RulesConfig};
 
 use anyhow::anyhow;
@@ -54,7 +53,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     begin(&config)?;
     let (now, source) = match &typed.now {
         Some(now) => (parse_moment(now, config.time_scale()?)?, MomentSource::Given),
-        None => (machine_time(), MomentSource::Clock),
+        None => (crate::clock::now(), MomentSource::Clock),
     };
     let mut health = config.health(now, source);
     let folder = cache_folder(typed.cache.as_deref()).ok();
@@ -96,11 +95,6 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
         Severity::Warning | Severity::Unchecked if typed.strict => Ok(Outcome::No),
         _ => Ok(Outcome::Done),
     }
-}
-
-fn machine_time() -> Epoch {
-    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    Epoch::from_unix_seconds(since_1970.as_secs_f64())
 }
 
 fn cache_findings(

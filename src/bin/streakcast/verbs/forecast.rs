@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use crate::arguments::{OutputArguments, reject_camera, utc_offset_h};
 use anyhow::anyhow;
 use clap::Args;
-use hifitime::Epoch;
 use serde_json::json;
 use streakcast::config::{Config, ForecastConfig, PreparedSky, parse_duration_s, state_scales};
 use streakcast::forecast::{
@@ -147,9 +146,11 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     match document {
         Some(Document::Calendar) => {
             let empty = why_invisible.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
-            output.write_text(&calendar(rows(), &site, now()?, alarm_s, empty))?;
+            output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty))?;
         }
-        Some(Document::TrackingData) => output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?,
+        Some(Document::TrackingData) => {
+            output.write_text(&tdm(rows(), &site, crate::clock::now(), angles, &prepared.provenance))?
+        }
         Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry))?,
         None => {
             let readable = readable_table(rows(), offset_s.unwrap_or(0.0));
@@ -217,10 +218,6 @@ fn site_of(prepared: &PreparedSky) -> anyhow::Result<Site> {
     let viewpoint = prepared.sky.viewpoint();
     let observer = viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: viewpoint.name() })?;
     Ok(observer.site().clone())
-}
-
-fn now() -> anyhow::Result<Epoch> {
-    Ok(Epoch::now()?)
 }
 
 fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig, request: &ForecastRequest) {

@@ -4,10 +4,10 @@ use crate::arguments::{OutputArguments, reject_camera};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, IdentifyConfig, state_scales};
+use streakcast::config::{Config, IdentifyConfig, STREAK_FORMS, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, Identified, IdentifyOptions, candidate_table, identify_streak, streak_table};
-use streakcast::output::Section;
+use streakcast::output::{Section, counted};
 
 use super::judged::begin;
 use super::passes::left_out_table;
@@ -116,10 +116,8 @@ fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()
     let has_times = !streak.times.is_empty() || streak.image.is_some();
     let has_start = has_times || streak.start.is_some() || config.exposure.start.is_some();
     let has_duration = has_times || streak.exposure.is_some() || config.exposure.duration.is_some();
-    let streaks =
-        "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
     Required::of(config)
-        .input(has_streak, "streak", streaks)
+        .input(has_streak, "streak", STREAK_FORMS)
         .input(has_start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z, or --times")
         .input(has_duration, "exposure time", "--exposure TIME, for example 30s, or --times")
         .satellites()
@@ -134,8 +132,7 @@ fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky)
     };
     let elements = &sky.elements()[best.element_index];
     let name = if elements.name.is_empty() { best.norad_id.to_string() } else { elements.name.to_string() };
-    let count = found.candidates.len();
-    let counted = if count == 1 { "1 candidate".to_owned() } else { format!("{count} candidates") };
+    let counted = counted(found.candidates.len(), "candidate", "candidates");
     if best.probability >= LIKELY {
         notices.info(&format!("{counted}: {name} with probability {:.3}", best.probability));
     } else {

@@ -7,7 +7,7 @@ use streakcast::config::{Config, ExposureConfig, PreparedSky, RulesConfig, state
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
-use streakcast::output::{Column, Kind, Section, Table, format_utc};
+use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
 use streakcast::passes::{Exposure, Pass, PassOptions, Passes};
 use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{StreakRow, exposure_table, streak_table};
@@ -25,7 +25,7 @@ pub struct PassesArguments {
     /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Report how many crossings are brighter than this, in the band of --band; fainter ones are listed too
+    /// Report how many of the crossings are brighter than this, in the band of --band; fainter ones are listed too
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Number of points along each track, 0 to 100000; none if omitted
@@ -195,7 +195,7 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
 }
 
 fn summary(notices: &Notices, config: &Config, count: usize, magnitudes: impl Iterator<Item = f64>) {
-    let crossings = if count == 1 { "1 pass".to_owned() } else { format!("{count} passes") };
+    let crossings = counted(count, "pass", "passes");
     let limit =
         config.rules.limit_mag.as_ref().and_then(|limit| limit.of(Some(config.light.band.as_deref().unwrap_or("V"))));
     match limit {

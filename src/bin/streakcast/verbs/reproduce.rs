@@ -78,7 +78,7 @@ const METHOD_ON_SCREEN: &[Shown] = &[
 
 /// Dates of the first ten thousand visits, for which Hu et al. released counts: 2023-10-01 to 13, MJD.
 const FIRST_VISITS_MJD: [f64; 2] = [60_218.0, 60_231.0];
-/// Number of visits in these nights for which their counts apply: other baselines have slightly more or less.
+/// Accepted number of visits in these nights. Different baselines have slightly different numbers of visits per night.
 const FIRST_VISITS: std::ops::RangeInclusive<usize> = 9_000..=11_000;
 
 /// Diameter of Rubin's field, degrees.

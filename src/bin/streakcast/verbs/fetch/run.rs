@@ -3,10 +3,9 @@
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use anyhow::anyhow;
-use hifitime::Epoch;
 use streakcast::config::parse_duration_s;
 use streakcast::frames::parse_moment;
 use streakcast::output::{format_utc, write_atomically};
@@ -26,9 +25,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let options = options(common)?;
     let now = match &common.now {
         Some(now) => parse_moment(now, None)?,
-        None => Epoch::from_unix_seconds(
-            SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_secs_f64(),
-        ),
+        None => crate::clock::now(),
     };
     let folder = cache_folder(common.cache.as_deref())?;
     fs::create_dir_all(&folder).map_err(|error| match folder.is_dir() || !folder.exists() {

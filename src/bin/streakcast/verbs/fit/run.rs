@@ -1,7 +1,6 @@
 //! `fit run`: fits a model, and writes it with its covariance and a report.
 
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
@@ -190,7 +189,7 @@ fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<
 }
 
 /// Checks all flags and returns the output of the model file.
-pub fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Output> {
+fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Output> {
     let output = Output::new(Some("json"), Some(typed.output.clone()))?;
     check_distinct(typed)?;
     if let Some(chains) = &typed.chains {
@@ -268,8 +267,7 @@ fn is_date(text: &str) -> bool {
 }
 
 /// Returns this month as `2026-11`.
-pub fn this_month() -> String {
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let (year, month, ..) = Epoch::from_unix_seconds(since_1970.as_secs_f64()).to_gregorian_utc();
+fn this_month() -> String {
+    let (year, month, ..) = crate::clock::now().to_gregorian_utc();
     format!("{year:04}-{month:02}")
 }

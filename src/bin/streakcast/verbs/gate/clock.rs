@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::thread::sleep;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
@@ -21,11 +21,7 @@ pub enum Clock {
 impl Clock {
     pub fn now(&self) -> Epoch {
         match self {
-            Clock::Machine => {
-                let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-                // Unix time has days of 86400 s, without leap seconds.
-                Epoch::from_unix_seconds(since_1970.as_secs_f64())
-            }
+            Clock::Machine => crate::clock::now(),
             Clock::Rehearsal(now) => now.get(),
         }
     }

@@ -93,7 +93,7 @@ impl Read for LimitedStream {
     }
 }
 
-/// Vector of numbers that is being read.
+/// INDI number vector, filled while the elements of its XML are read.
 #[derive(Debug, Default)]
 struct Vector {
     device: String,
