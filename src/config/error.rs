@@ -129,7 +129,7 @@ pub enum ConfigError {
     /// Invalid orbit of the telescope in orbit.
     #[error("observer: {0}")]
     Observer(OrbitError),
-    /// A number out of its range.
+    /// A number is out of its range.
     #[error("{what} is {given}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the value, spelled as the flag.
@@ -139,7 +139,7 @@ pub enum ConfigError {
         /// Allowed values, with their unit.
         allowed: &'static str,
     },
-    /// A number without its unit.
+    /// A number is given without its unit.
     #[error("{what} is {given}, without a unit; allowed: {allowed}")]
     NoUnit {
         /// Name of the value.

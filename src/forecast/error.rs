@@ -21,9 +21,7 @@ pub enum ForecastError {
         allowed: &'static str,
     },
     /// No satellite matches the selection.
-    #[error(
-        "none of the {satellites} satellites has {selection}; allowed: a selection of at least one satellite"
-    )]
+    #[error("none of the {satellites} satellites has {selection}; allowed: a selection of at least one satellite")]
     EmptySelection {
         /// Number of satellites.
         satellites: usize,

@@ -55,7 +55,7 @@ fn every_verb_has_two_working_examples() {
             // Verbs that use the network or take long are run with an invalid value, which is checked after all flags
             // are parsed.
             let end = match words[..words.len().min(2)] {
-                ["fetch", _] => Some((["--timeout", "0s"], "timeout 0 s: allowed")),
+                ["fetch", _] => Some((["--timeout", "0s"], "timeout is 0 s; allowed")),
                 ["reproduce", _] | ["map", "paper"] => Some((["--threads", "0"], "threads is 0; allowed")),
                 _ => None,
             };
@@ -134,7 +134,7 @@ fn all_missing_inputs_are_in_one_error() {
         &[&sky[..], &[field, "picture (-o FILE)", "schedule (--schedule FILE, or --from FILE)"]].concat(),
     );
     misses("plot sky-rate", &[&sky[..], &[field, "picture (-o FILE)", exposure[0], exposure[1]]].concat());
-    // A single one, with its flags.
+    // The error of a single missing input names its flags.
     misses("forecast --night 2024-08-14 --mpc X05", &["missing satellites; specify --elements FILE or --shells NAME"]);
     misses("plot body --model visorsat --sun-latitude-deg 20", &["missing picture; specify -o FILE"]);
 }

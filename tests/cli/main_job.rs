@@ -359,7 +359,7 @@ fn csv_schedules_are_annotated_and_keep_all_bytes() {
     let streaks = records(&fs::read_to_string(path(&folder, "out.streaks.csv")).unwrap());
     let count: usize = flags[1..].iter().map(|flag| flag[2].parse::<usize>().unwrap()).sum();
     assert_eq!(streaks.len() - 1, count);
-    // In place, and a second time only with the flag.
+    // An annotation in place replaces an earlier annotation only with the flag.
     let again = |more: &[&str]| run(&[&["annotate", "--schedule", &output, "-o", &output], more, FLAG, SKY]);
     assert_eq!(again(&[]).0, 2);
     assert_eq!(again(&["--replace"]).0, 0);

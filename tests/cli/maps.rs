@@ -139,7 +139,7 @@ fn verif_the_papers_figures_in_another_band() {
     let figure = fs::read_to_string(folder.path().join("figures/figure-7.svg")).unwrap();
     assert!(figure.contains("r (AB)"));
     assert_eq!(run(&[&paper, &["--quiet"]]).2, "");
-    fails(&[&paper, &["--threads", "0"]], &["threads 0"]);
+    fails(&[&paper, &["--threads", "0"]], &["threads is 0"]);
 }
 
 #[cfg(feature = "fits")]
