@@ -386,7 +386,10 @@ fn verif_invalid_input_gives_one_line_and_no_file() {
         &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],
         &["invalid value '30'", "--utc-offset", "from -14:00 to +14:00"],
     );
-    fails(&[&["light-curve", "--around", "2h"], EXPOSURE, SKY, FIELD, &["-o", &out]], &["around is 2h", "at most 10min"]);
+    fails(
+        &[&["light-curve", "--around", "2h"], EXPOSURE, SKY, FIELD, &["-o", &out]],
+        &["around is 2h", "at most 10min"],
+    );
     fails(&[&["sky-rate"], SKY, FIELD, &["-o", &out]], &["missing: start of the exposure (--start", "exposure time"]);
     fails(&[&["night", "-o", &out]], &["--schedule"]);
     assert!(fs::read_dir(folder.path()).unwrap().all(|file| file.unwrap().file_name() == "table.csv"));
