@@ -74,7 +74,7 @@ impl<'a> MapPhotometry<'a> {
         Some(StandardMagnitude(0.0).at_range(range_km).dimmed_by(air))
     }
 
-    /// Returns model, band and zero point.
+    /// Returns the metadata: model, band and zero point.
     pub fn facts(&self) -> Vec<Fact> {
         let text = |shown: &dyn std::fmt::Display| FactValue::Text(shown.to_string());
         let mut facts = vec![

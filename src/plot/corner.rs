@@ -17,7 +17,7 @@ use crate::math::quantile::quantile;
 const CONTAINED: [f64; 2] = [0.393, 0.865];
 /// Fraction of the samples that an axis may omit at each end.
 const OMITTED: f64 = 0.001;
-/// Margin beyond them at each end, as a fraction of their range.
+/// Margin of an axis beyond its samples at each end, as a fraction of their range.
 const MARGIN: f64 = 0.08;
 const HISTOGRAM: RGBColor = RGBColor(158, 202, 225);
 const TRUTH: RGBColor = RGBColor(213, 94, 0);

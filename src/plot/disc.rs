@@ -242,7 +242,7 @@ impl Layout<'_> {
         DISC_TITLE + 2 * (self.sheet.radius + MARGIN)
     }
 
-    /// Returns the middle of a disc: for a half disc, that of its straight side.
+    /// Returns the middle of a disc; for a half disc, the middle of its straight side.
     fn middle(&self, index: usize) -> (f64, f64) {
         let (columns, _) = self.grid();
         let step = self.share() + if self.is_mixed() { BAR_SHARE } else { 0 };

@@ -58,7 +58,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         }
     }
     if n < 2 || input.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
-        let (what, given) = ("the times of a track".to_owned(), format!("{n} that do not increase"));
+        let (what, given) = ("the list of times of a track".to_owned(), format!("not increasing ({n} values)"));
         return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
     }
     let lit: Vec<f64> = input.magnitude.iter().copied().filter(|magnitude| magnitude.is_finite()).collect();

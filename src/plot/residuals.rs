@@ -120,8 +120,8 @@ pub struct PhaseCurve<'a> {
     pub model_mag: &'a [f64],
 }
 
-/// Draws measured magnitudes against phase angle, those of the model next to them on the same axes, and the running
-/// medians of both in both; bright is up.
+/// Draws measured magnitudes against phase angle and, next to them on the same axes, the magnitudes of the model, with
+/// the running medians of both in both panels; bright is up.
 ///
 /// The axis of magnitudes contains at least 99.6 % of either; the caption gives the number beyond.
 ///

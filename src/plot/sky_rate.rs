@@ -117,7 +117,7 @@ pub struct EquatorialRate<'a> {
 /// rims; grey for directions that were not computed.
 ///
 /// # Errors
-/// Same as [`super::sky_rate()`].
+/// The errors of [`super::sky_rate()`].
 pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError> {
     let nside = input.nside;
     let by_cell = rates_by_cell(nside, input.cells, input.rate)?;

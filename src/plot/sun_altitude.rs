@@ -74,7 +74,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     bands_in_altitude(&mut picture, &numbers);
     let bands = bands_in_altitude(&mut picture, &rates);
-    // Points are pixels below the marks, and bands are marks that would hide them: with bands, points are marks too.
+    // Bands hide pixels, so with bands every point is drawn as a mark instead.
     for (&altitude, &trails) in input.sun_altitude_deg.iter().zip(input.n_trails) {
         if rates.holds(altitude, trails) {
             let (x, y) = rates.at(altitude, trails);

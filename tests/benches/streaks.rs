@@ -30,7 +30,7 @@ fn blurs() -> Vec<(&'static str, Blur)> {
     ]
 }
 
-/// Straight, or a parabola with the middle `bow_pix` beside the chord, as caused by distortion.
+/// Straight, or a parabola with its middle `bow_pix` away from the chord, as caused by distortion.
 fn streak(length_pix: f64, bow_pix: f64) -> StreakPath {
     let (sin, cos) = ANGLE_RAD.sin_cos();
     let node = |time_s: f64| {

@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-/// Limit on a read that would wait for ever.
+/// Limit on a read that would otherwise not end.
 const READ_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Sky, site and field of the servers of most tests.

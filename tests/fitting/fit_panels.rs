@@ -51,7 +51,7 @@ fn points() -> Vec<FitPoint> {
     suns.iter().flat_map(|&sun| directions.iter().map(move |&direction| at(sun, direction))).collect()
 }
 
-/// Earthshine between nodes of slope and exponent.
+/// Error of the interpolation of earthshine between nodes of slope and exponent, mag.
 const EARTH_MAG: f64 = 2e-3;
 
 #[test]

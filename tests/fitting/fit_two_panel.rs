@@ -70,8 +70,8 @@ fn many(suns_deg: &[f64]) -> Vec<FitPoint> {
     suns_deg.iter().flat_map(|&sun| directions.iter().map(move |&(lon, lat)| point(sun, lon, lat, 6.0, 0.2))).collect()
 }
 
-/// The product rule has errors of 3e-4 mag at exponents of 1 and 2, and its nodes change with the exponent;
-/// interpolation adds 2e-5. mag.
+/// Tolerance of earthshine, mag: the product rule has errors of 3e-4 mag at exponents of 1 and 2, where its nodes
+/// change with the exponent, and interpolation adds 2e-5 mag.
 const EARTH: f64 = 4e-4;
 
 #[test]

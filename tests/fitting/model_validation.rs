@@ -136,11 +136,11 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
 }
 
-/// The same rows in other code, with astropy's positions of site and Sun: arcseconds, and three digits.
+/// Tolerance for the same rows in Python, with astropy's positions of site and Sun: arcseconds, and three digits.
 const PYTHON_MAG: f64 = 0.002;
-/// The core is a median, which jumps between points in samples of 742.
+/// Tolerance of the core, a median, which jumps between points in samples of 742.
 const PYTHON_CORE_MAG: f64 = 0.005;
-/// Rows that pass the 100 km rule only here, by metres.
+/// Number of rows that may pass the 100 km rule only here, by metres.
 const PYTHON_ROWS: usize = 5;
 
 /// n, mean difference, RMS and core of bundled models against the measurements, mag: computed by

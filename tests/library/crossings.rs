@@ -35,7 +35,7 @@ fn utc(text: &str) -> Epoch {
 
 struct Golden {
     exposure: Exposure,
-    /// norad id to (enter, exit) pairs and the smallest separation
+    /// Pairs (enter, exit) and the smallest separation, by NORAD id.
     crossings: BTreeMap<u32, (Vec<(f64, f64)>, f64)>,
 }
 
@@ -234,10 +234,10 @@ const SAME_ROOT_S: f64 = 2e-4;
 /// In exposures longer than a minute the Earth's velocity is also evaluated at different times: 3 mas after a quarter
 /// of an hour, which is more along a border met at a grazing angle.
 const SAME_ROOT_OF_LONG_EXPOSURES_S: f64 = 5e-3;
-/// The same crossing on an arc interpolated over the relevant time only: millimetres, and more time at grazed borders,
-/// seconds.
+/// Tolerance for the same crossing on an arc that is interpolated over the relevant time only, seconds: millimetres of
+/// position, which take longer where a border is met at a grazing angle.
 const SAME_ROOT_OF_SHORT_ARCS_S: f64 = 1e-5;
-/// A geostationary satellite takes a millisecond for 15 mas.
+/// Tolerance of a border, arcsec: a geostationary satellite moves by 15 mas in a millisecond.
 const SAME_BORDER_ARCSEC: f64 = 0.01;
 
 /// Computes the same request with and without the candidate search; returns the number of tested (field, satellite)
@@ -263,7 +263,7 @@ fn same_result(request: &Request, min_probability: Option<f64>) -> Result<usize,
     let options = PassOptions { include_dark: true, min_probability, ..PassOptions::default() };
     let culled = sky.field_passes(&exposures, &field, &options).expect("an answer");
     let brute = sky.field_passes_by_brute_force(&exposures, &field, &options).expect("an answer");
-    // Only satellites in the shadow throughout are skipped before SGP4.
+    // Only satellites that are in the shadow throughout are skipped before SGP4.
     let lit = PassOptions { include_dark: false, ..options };
     let lit = sky.field_passes(&exposures, &field, &lit).expect("an answer");
     let of_all: Vec<&Pass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
@@ -444,7 +444,7 @@ fn verif_a_long_exposure_equals_its_minutes() {
                 }
             }
         }
-        // A graze shorter than the tolerance may be found by only one method.
+        // A graze shorter than the tolerance may be found by only one of the two methods.
         let same_s = SAME_ROOT_OF_LONG_EXPOSURES_S;
         for chords in long.values_mut().chain(short.values_mut()) {
             chords.retain(|(enter_s, exit_s)| exit_s - enter_s > 20.0 * same_s);

@@ -16,7 +16,7 @@ use streakcast::photometry::ModelLibrary;
 const HEAVENS_ABOVE_S: f64 = 3.0;
 const HEAVENS_ABOVE_DEG: f64 = 0.6;
 const HEAVENS_ABOVE_ROUNDING_S: f64 = 0.75;
-/// Half of 22.5° (they print one of sixteen compass points), plus a degree for rounding.
+/// Half of 22.5° (Heavens-Above prints one of sixteen compass points), plus a degree for rounding.
 const COMPASS_DEG: f64 = 12.25;
 
 /// Required agreement with STK; `passes_reference.rs` tests a tenth of it.
@@ -109,7 +109,7 @@ fn valid_forecast_against_heavens_above() {
     }
     println!("{compared} passes, {} of ours: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
     assert_eq!(compared, 15);
-    // They list visible passes of the evening; additional passes of ours must be outside of their list.
+    // Heavens-Above lists the visible passes of the evening; additional passes of ours must be outside of its list.
     for (pass, visible) in seen {
         let row = PassRow { pass, elements: &sky.elements()[0] };
         assert!(degrees(visible.highest.altitude_rad) >= 9.99 && row.ends_by().is_some(), "{:?}", visible.begin.epoch);

@@ -16,7 +16,8 @@ use streakcast::orbit::Propagator;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
 
-/// Right ascension is printed to 0.01 s (0.15"), declination to 0.1"; 1 m across the line of sight is 0.35" at 600 km.
+/// Median error allowed by the printed digits: right ascension 0.01 s (0.15"), declination 0.1"; 1 m across the line of
+/// sight is 0.35" at 600 km.
 const MEDIAN_ARCSEC: f64 = 0.3;
 const WORST_ARCSEC: f64 = 1.0;
 /// Printed to 10⁻¹⁴ au (1.5 m); the site is known to a metre.
@@ -29,7 +30,8 @@ const RANGE_RATE_KM_S: f64 = 2e-4;
 const HORIZON_DEG: f64 = 3e-4;
 
 /// A row of the file `dat`:
-/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r S-T-O`.
+/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r
+/// S-T-O`.
 struct Row {
     name: String,
     epoch: Epoch,

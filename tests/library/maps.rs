@@ -281,7 +281,7 @@ fn verif_invalid_requests() {
     };
     assert!(sky(550.0, 0.0, -0.2).is_ok());
     for (height_km, azimuth, altitude, part) in [
-        (0.0, 0.0, -0.2, "height 0 km: allowed above 0"),
+        (0.0, 0.0, -0.2, "height is 0 km; allowed: above 0"),
         (-5.0, 0.0, -0.2, "height -5 km"),
         (f64::NAN, 0.0, -0.2, "height NaN km"),
         (550.0, 0.0, 1.6, "Sun's altitude 91.6"),
@@ -293,7 +293,7 @@ fn verif_invalid_requests() {
     }
     let high = Site::new_deg("balloon", 0.0, 0.0, 40_000.0).unwrap();
     let below = SkyView::new(&model, Earth::Ellipsoid(high), 30.0, 0.0, 0.0, options()).unwrap_err().to_string();
-    assert!(below.contains("below site balloon: allowed heights above 40.0 km"), "{below}");
+    assert!(below.contains("below site balloon; allowed: above 40.0 km"), "{below}");
     assert!(BodyView::new(&model, -2.0, 550.0, options()).unwrap_err().to_string().contains("Sun's latitude -114.5"));
     assert!(BodyView::new(&model, -0.2, f64::INFINITY, options()).is_err());
 }

@@ -20,8 +20,8 @@ const HEAVENS_ABOVE_BORDER_S: f64 = 2.0;
 /// The altitude is flat around culmination, less so near the zenith.
 const HEAVENS_ABOVE_TOP_S: f64 = 3.0;
 const HEAVENS_ABOVE_ALTITUDE_DEG: f64 = 0.6;
-/// Its "enters shadow" is our first dimming (half of the disk is hidden 4.4 s later, all of it 8.7 s later): rounding,
-/// and a different model.
+/// The shadow entry of Heavens-Above is our first dimming (half of the disk is hidden 4.4 s later, all of it 8.7 s
+/// later). The tolerance is for rounding and a different model.
 const HEAVENS_ABOVE_SHADOW_S: f64 = 1.0;
 
 fn elements(path: &Path, id: u32) -> ElementSet {

@@ -87,7 +87,8 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
     assert!(rows == 600 && blocked_rows > 150);
 }
 
-/// Whether a ray from a point of the sail in a direction hits the chassis; plain vector algebra without projection.
+/// Returns true if a ray from a point of the sail in a direction hits the chassis, by vector algebra without
+/// projection.
 fn stopped(point: &Vector3<f64>, direction: &Vector3<f64>, base_length: f64, base_width: f64) -> bool {
     if direction.z == 0.0 {
         return false;

@@ -99,7 +99,7 @@ fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
     assert!(compared > 4000, "{compared} geometries were partly blocked");
 }
 
-/// Whether a ray from a point of one rectangle in a direction hits another.
+/// Returns true if a ray from a point of one rectangle in a direction hits another.
 fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle) -> bool {
     let along = other.axes.normal.dot(direction);
     let t = other.axes.normal.dot(&(other.anchor_m - from)) / along;
@@ -377,8 +377,7 @@ fn verif_ranges_and_proportions_of_parameters() {
         }]
     }))
     .unwrap();
-    // A parameter used as both weight and exponent has the range allowed for both, and light is proportional to
-    // neither.
+    // A parameter used as both weight and exponent has the range allowed for both, and light is not proportional to it.
     let expected = [
         ([0.5, 1.0], false),
         ([0.0, 1.0], true),

@@ -88,7 +88,8 @@ fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f
     }
 }
 
-/// Orbits close to those of the observers and far from them: the same shells, above, below, eccentric, geosynchronous.
+/// Returns orbits close to and far from those of the observers: the same shells, above, below, eccentric,
+/// geosynchronous.
 fn swarm(random: &mut Random, count: usize) -> Vec<ElementSet> {
     (0..count)
         .map(|number| {
@@ -109,8 +110,8 @@ const FASTEST_KM_S: f64 = 22.0;
 /// Satellites inside a field for less than this time may be missed, seconds.
 const FINEST_S: f64 = 5e-4;
 
-/// Follows one pair without candidate search, arcs or roots: steps over the time in which the field cannot be reached.
-/// Returns whether it was inside.
+/// Returns true if one pair is ever inside the field, without candidate search, arcs or roots: steps over the time in
+/// which the field can be reached.
 fn is_inside(
     observer: &Propagator,
     satellite: &Propagator,

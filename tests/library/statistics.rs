@@ -1,5 +1,5 @@
-//! Statistics of a site: expected trails compared with real crossings, counts compared with the density of shells, and
-//! the verbs that print them.
+//! Statistics of a site: expected trails compared with computed crossings, counts compared with the density of shells,
+//! and the verbs that print these.
 
 use std::f64::consts::TAU;
 
@@ -191,8 +191,8 @@ mod verbs {
         assert_eq!(rows.len(), 6);
         for row in rows {
             println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
-            // A year compared with thirteen nights in its October: docs/explanation/counts.md. The same nights agree within 20
-            // % with the paper's visits.
+            // A year compared with thirteen nights in its October: docs/explanation/counts.md. The same nights agree
+            // within 20 % with the paper's visits.
             let is_year = row["quantity"].as_str().unwrap().contains("of a year");
             let allowed = if is_year { 25.0 } else { 20.0 };
             assert!(row["difference_percent"].as_f64().unwrap().abs() < allowed, "{row}");

@@ -12,7 +12,7 @@ pub struct PanelsSpec {
     pub parameters: Vec<PanelParameter>,
     /// The panels.
     pub panels: Vec<PanelSpec>,
-    /// Parts without orientation.
+    /// Spheres, for parts without an orientation.
     #[serde(default)]
     pub spheres: Vec<SphereSpec>,
     /// Pairs of panels of which one may shade or hide the other.
@@ -61,7 +61,7 @@ pub struct PanelSpec {
     pub earthshine: bool,
 }
 
-/// A part without orientation; never blocked, and without earthshine.
+/// A sphere, for a part without an orientation. It is never shaded or hidden and receives no earthshine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereSpec {

@@ -64,7 +64,7 @@ pub struct ChassisAndSail {
     half_both_m: f64,
 }
 
-/// Fractions of the sail's area without light.
+/// Fractions of the sail's area that reflect no light to the observer.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Blocked {
     /// Fraction shaded by the chassis or hidden behind it: BF of the paper, [0, 1].
