@@ -66,7 +66,7 @@ pub struct Marginal {
 pub struct Posterior {
     /// One per free parameter.
     pub marginals: Vec<Marginal>,
-    /// `(n_free, n_free)`.
+    /// Covariance of the free parameters; shape `(n_free, n_free)`.
     pub covariance: Vec<Vec<f64>>,
     /// Fraction of accepted proposals.
     pub acceptance: f64,

@@ -75,7 +75,7 @@ struct PreparedPoints {
     count: usize,
     directions: Vec<Directions<BLOCK>>,
     lit: Vec<LitPanels<BLOCK>>,
-    /// One for each block; empty without earthshine.
+    /// Earthshine of each block; empty without earthshine.
     earth: Vec<EarthBlock>,
     exponents: LogNodes<NODES>,
     zero_mag: f64,

@@ -30,7 +30,7 @@ enum Division {
 /// Directions of one latitude, equally spaced.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct GridRow {
-    /// Radians.
+    /// Latitude, radians.
     pub latitude_rad: f64,
     first_rad: f64,
     step_rad: f64,

@@ -50,7 +50,7 @@ pub struct SkyView<'a> {
     pub(super) sun: Position<Gcrs>,
     pub(super) radius_km: f64,
     per_radius_km: f64,
-    /// q² - r² of the figure in the module docs, km²; negative.
+    /// The difference q² - r² of the figure in the module docs, km²; negative.
     below_km2: f64,
     sun_azimuth_rad: f64,
     sun_altitude_rad: f64,
@@ -260,8 +260,8 @@ impl<'a> SkyView<'a> {
         }
     }
 
-    /// Returns the direction at an azimuth (its sine and cosine), the range of the satellite, and the effect of
-    /// distance and air.
+    /// Returns the unit vector of a direction (from sine and cosine of its azimuth), the range of the satellite, and
+    /// the dimming by distance and air.
     fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
         let (range_km, dimming) = row.range_and_dimming.unwrap_or_else(|| {

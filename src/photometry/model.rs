@@ -242,7 +242,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Same as [`Self::standard_magnitudes`] for satellites at many positions above one observer.
+    /// Writes the magnitudes of [`Self::standard_magnitudes`] for satellites at many positions above one observer.
     ///
     /// NaN for a satellite at the observer's position or at the Earth's centre.
     pub fn standard_magnitudes_at(&self, positions: &SatellitePositions, out: &mut [f64]) {

@@ -38,13 +38,13 @@ const WIDEST_PANEL: f64 = 230.0;
 pub struct Corner<'a> {
     /// Title; may be empty.
     pub title: &'a str,
-    /// `(n_param)`, 2 to 9: name of each parameter, with its unit, if any.
+    /// Name of each of the 2 to 9 parameters, with its unit, if any; shape `(n_param)`.
     pub names: &'a [String],
-    /// `(n_param)` columns of equal length, finite, in the parameters' units.
+    /// Columns of equal length, finite, in the parameters' units; shape `(n_param)`.
     pub samples: &'a [Vec<f64>],
-    /// `(n_param)` true values, if known; drawn as orange lines.
+    /// True values, if known; drawn as orange lines; shape `(n_param)`.
     pub truths: Option<&'a [f64]>,
-    /// `(n_param)` lower and upper bounds of the samples, if any: no axis extends past them.
+    /// Lower and upper bounds of the samples, if any: no axis extends past them; shape `(n_param)`.
     pub bounds: Option<&'a [[f64; 2]]>,
 }
 

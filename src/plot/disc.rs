@@ -122,7 +122,7 @@ impl Raster {
             _ => None,
         };
         let mut lines = contours((self.side, self.side), SQUARE, level, value);
-        // Pixel centres are half a pixel inside.
+        // The grid of the contours counts from the centre of the first pixel, which is half a pixel inside.
         lines.iter_mut().flatten().for_each(|(x, y)| (*x, *y) = (*x + 0.5, *y + 0.5));
         lines
     }

@@ -32,13 +32,13 @@ pub struct NightTimeline<'a> {
     pub title: &'a str,
     /// Text after the number of exposures in the caption.
     pub caption: &'a str,
-    /// `(n_exposure)` shutter openings, MJD (UTC), within two days.
+    /// Shutter openings, MJD (UTC), within two days; shape `(n_exposure)`.
     pub start_mjd: &'a [f64],
-    /// `(n_exposure)` lengths, seconds, 0 or more.
+    /// Lengths, seconds, 0 or more; shape `(n_exposure)`.
     pub duration_s: &'a [f64],
-    /// `(n_exposure)` number of lit satellites that cross, 0 or more.
+    /// Number of lit satellites that cross, 0 or more; shape `(n_exposure)`.
     pub n_streaks: &'a [f64],
-    /// `(n_exposure)` brightest magnitude, mag; NaN without a streak or without a magnitude.
+    /// Brightest magnitude, mag; NaN without a streak or without a magnitude; shape `(n_exposure)`.
     pub brightest_mag: &'a [f64],
     /// Magnitude limit, drawn as a dashed line.
     pub limit_mag: Option<f64>,

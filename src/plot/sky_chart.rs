@@ -52,15 +52,15 @@ pub struct SkyChart<'a> {
 pub struct SkyTrack {
     /// The satellite's name.
     pub name: String,
-    /// `(n_point)` times, MJD (UTC), increasing.
+    /// Times, MJD (UTC), increasing; shape `(n_point)`.
     pub time_mjd: Vec<f64>,
-    /// `(n_point)` azimuths from north through east, degrees.
+    /// Azimuths from north through east, degrees; shape `(n_point)`.
     pub azimuth_deg: Vec<f64>,
-    /// `(n_point)` altitudes, 0 to 90 degrees.
+    /// Altitudes, 0 to 90 degrees; shape `(n_point)`.
     pub altitude_deg: Vec<f64>,
-    /// `(n_point)` magnitudes; NaN in the Earth's shadow.
+    /// Magnitudes; NaN in the Earth's shadow; shape `(n_point)`.
     pub magnitude: Vec<f64>,
-    /// `(n_point)` one sigma of the magnitudes, mag; NaN without one.
+    /// One sigma of the magnitudes, mag; NaN without one; shape `(n_point)`.
     pub sigma_mag: Vec<f64>,
 }
 

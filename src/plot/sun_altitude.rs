@@ -27,11 +27,11 @@ pub struct SunAltitude<'a> {
     pub title: &'a str,
     /// Text after the number of exposures in the caption.
     pub caption: &'a str,
-    /// `(n_exposure)` altitude of the Sun in the middle of the exposure, degrees.
+    /// Altitude of the Sun in the middle of the exposure, degrees; shape `(n_exposure)`.
     pub sun_altitude_deg: &'a [f64],
-    /// `(n_exposure)` number of lit satellites that cross, 0 or more.
+    /// Number of lit satellites that cross, 0 or more; shape `(n_exposure)`.
     pub n_trails: &'a [f64],
-    /// `(n_exposure)` number of those brighter than the limit, and the limit, mag.
+    /// Number of those brighter than the limit, and the limit, mag; shape `(n_exposure)`.
     pub n_bright: Option<(&'a [f64], f64)>,
     /// Width of the bins, degrees, 0.1 to 30.
     pub bin_deg: f64,

@@ -14,8 +14,8 @@ use streakcast::streaks::{Blur, RadialProfile, Seeing};
 use streakcast::streaks::{PathNode, StreakPath, draw};
 
 const SIZE: usize = 4096;
-/// As in `peers/streaks.py`: a slope that favours neither rows nor columns, the centre of the frame, one count of light
-/// per pixel.
+/// Streaks as in `peers/streaks.py`: an angle that favours neither rows nor columns, through the centre of the frame,
+/// one count of light per pixel.
 const ANGLE_RAD: f64 = 0.7;
 
 fn blurs() -> Vec<(&'static str, Blur)> {

@@ -127,7 +127,7 @@ pub fn serve(more: &[&str]) -> Server {
     Server::start(&[SHARED, RULES, &["--telescope", "rubin"], more].concat())
 }
 
-/// One server for all tests that send only requests; it stops with the last of them.
+/// Returns the server shared by all tests that only send requests; it stops with the last of them.
 pub fn shared() -> Arc<Server> {
     static SERVER: Mutex<Weak<Server>> = Mutex::new(Weak::new());
     let mut known = SERVER.lock().unwrap_or_else(PoisonError::into_inner);

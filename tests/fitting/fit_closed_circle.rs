@@ -139,7 +139,7 @@ fn check_paper_tests(tests: &PaperTests, truth: Earthshine) {
     let known: Vec<f64> =
         tests.offsets.iter().filter(|layer| layer.sigma_deg.is_some()).map(|layer| layer.panel_offset_deg).collect();
     let mean = known.iter().sum::<f64>() / known.len() as f64;
-    /// Tolerance between layers of some hundred pixels each.
+    /// Tolerance of the offset between layers of some hundred pixels each.
     const OFFSET_DEG: f64 = 0.5;
     assert!(known.len() > 3 && mean.abs() < OFFSET_DEG, "{mean}");
     // The glossy lobe exists, and Akaike's criterion keeps it.
@@ -250,7 +250,7 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         let (pixels, fit) = fitted(&form, &measurements, paper, &free(robust));
         assert!(pixels.kept().count() > 1_000);
         let found = rms(&fit.residuals_mag);
-        /// Range around the paper's 0.24 mag.
+        /// Accepted RMS, around the paper's 0.24 mag.
         const RMS_MAG: std::ops::Range<f64> = 0.2..0.3;
         assert!(RMS_MAG.contains(&found), "{found}");
         check_coefficients(&fit, 2.0);
@@ -261,7 +261,7 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         let (_, plain) = fitted(&form, &measurements, paper, &free(Loss::Squares));
         let c3 = plain.value("c3").expect("c3") / TRUTH.c3 - 1.0;
         println!("  by squares over all pixels c3 is off by {:+.1} %", 100.0 * c3);
-        /// Fraction of c3.
+        /// Least bias, as a fraction of c3.
         const BIAS: f64 = 0.05;
         assert!(c3 > BIAS, "{c3}: the bias by wrong associations is gone");
 

@@ -28,7 +28,7 @@ fn golden(name: &str) -> csv::Reader<std::fs::File> {
 
 #[test]
 fn valid_modes_and_quartiles_against_scipy() {
-    // Golden values are printed to 1e-9; their grid for the kernel's mode is finer than 1e-5 mag.
+    // Tolerances: golden values are printed to 1e-9, and their grid for the kernel's mode is finer than 1e-5 mag.
     const PRINTED_MAG: f64 = 2e-9;
     const GRID_MAG: f64 = 2e-5;
     let mut compared = 0;
@@ -389,7 +389,7 @@ fn verif_long_files_are_read_in_chunks_without_loss() {
 
 #[test]
 fn verif_simulated_photometry_survives_a_file() {
-    // Times are printed to a microsecond, distances to a metre, phases to 0.001 deg, magnitudes to 1e-5.
+    // Tolerance for rounding: times to 1 µs, distances to 1 m, phases to 0.001 deg, magnitudes to 1e-5.
     const ROUNDING_MAG: f64 = 1e-4;
     let (model, options) = (model(), quiet());
     let history = History::new(shell("2023-05-20T20:00:00 UTC"));

@@ -234,7 +234,7 @@ fn verif_long_exposures_against_draws_of_the_errors() {
 #[test]
 fn verif_single_satellites_against_the_sum_over_their_errors() {
     const AGE_DAYS: f64 = 20.0;
-    /// Pieces of 10 s in passes of the field of about 120 s.
+    /// Relative tolerance: pieces of 10 s are coarse for passes that take about 120 s to cross the field.
     const TOLERANCE: f64 = 0.05;
     const DELAYS: usize = 400;
     const REACH_SIGMAS: f64 = 4.0;
@@ -348,8 +348,8 @@ fn verif_longer_exposures_have_no_less() {
 /// chord; a probability takes it at the closest approach.
 const SAME: f64 = 1e-3;
 
-/// Every listed crossing is among the satellites, with the same probability, also where it enters or leaves the Earth's
-/// shadow.
+/// Every crossing that passes list is among the satellites of the probabilities, with the same probability, also where
+/// it enters or leaves the Earth's shadow.
 #[test]
 fn verif_probabilities_hold_every_crossing() {
     let field = Field::circle(3.5f64.to_radians()).expect("a field");

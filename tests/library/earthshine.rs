@@ -175,7 +175,7 @@ fn verif_a_uniformly_lit_earth_gives_its_solid_angle() {
 
 #[test]
 fn valid_diffuse_light_against_the_worked_ratios() {
-    // Relative to direct light on the chassis, at 550 km; computed independently on a mesh, and printed rounded.
+    // Relative tolerance of light relative to direct light on the chassis, at 550 km, computed on a mesh and rounded.
     const MESH_AND_ROUNDING: f64 = 0.03;
     for (sun_deg, expected) in [(-2.0_f64, 0.118), (-8.0, 0.0044), (-14.0, 2.8e-4), (-20.0, 3e-6)] {
         let sun = sun_deg.to_radians();

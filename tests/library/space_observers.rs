@@ -30,8 +30,8 @@ fn sky(elements: Vec<ElementSet>, observer: &ElementSet) -> Sky {
     Sky::with_models(elements, observer, EopTable::embedded(), &choice)
 }
 
-/// Skyfield has its own UT1 table, of which only TEME's rotation by 10⁻⁴ s remains here. Its Sun and Earth are DE421:
-/// 0.01". All else is the same SGP4.
+/// Tolerance of directions: Skyfield has its own UT1, of which only a rotation of TEME by 10⁻⁴ s remains, and Sun and
+/// Earth from DE421 (0.01"); SGP4 is the same.
 const DIRECTION_ARCSEC: f64 = 0.02;
 
 #[test]
@@ -146,7 +146,7 @@ fn is_inside(
     false
 }
 
-/// 120 exposures of 1,000 satellites: no crossing is missed and none is false.
+/// In 120 exposures of 1,000 satellites no crossing is missed and none is false.
 #[test]
 fn verif_no_crossing_is_lost_from_orbit() {
     let mut random = Random(7);

@@ -30,9 +30,9 @@ pub trait LogProbability: Sync {
 pub struct Chain {
     walkers: usize,
     parameters: usize,
-    /// `(n_step, n_walker, n_param)`, the last index fastest.
+    /// Positions of the walkers; shape `(n_step, n_walker, n_param)`, the last index fastest.
     positions: Vec<f64>,
-    /// `(n_step, n_walker)`.
+    /// Logarithms of the probability; shape `(n_step, n_walker)`.
     log_probabilities: Vec<f64>,
     /// Accepted proposals, `(n_walker)`.
     accepted: Vec<u64>,
@@ -246,7 +246,7 @@ const SCALE: f64 = 2.0;
 /// Proposed move of a walker.
 struct Proposal {
     to: Vec<f64>,
-    /// ln z^(n-1).
+    /// Logarithm of the factor z^(n-1) of the acceptance probability.
     log_factor: f64,
 }
 

@@ -59,7 +59,7 @@ pub struct LitFace {
     pub face: Face,
     /// Incidence on the lit side: from behind for the back, from the front for transmitted light.
     pub incidence: Incidence,
-    /// |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ contributes f times this, m² sr⁻¹.
+    /// Unobstructed projected area |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ contributes f times this, m² sr⁻¹.
     pub open_m2: f64,
     /// BF, the fraction of the panel that is shaded or hidden, [0, 1].
     pub blocked: f64,

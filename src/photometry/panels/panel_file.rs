@@ -186,9 +186,9 @@ pub enum LawSpec {
     },
     /// A binomial expansion of the logarithm; its coefficients are numbers of a laboratory fit.
     Binomial {
-        /// b\[k\]\[i\].
+        /// Coefficients b\[k\]\[i\].
         b: Vec<Vec<f64>>,
-        /// c\[k\]\[j\], as many rows as b.
+        /// Coefficients c\[k\]\[j\], with as many rows as b.
         c: Vec<Vec<f64>>,
         /// Ratio of successive widths.
         d: f64,

@@ -43,7 +43,7 @@ fn verif_a_corner_plot_shows_quantiles_and_names() {
     assert!(orange(&pixels(&with_truths)) > 1000);
 }
 
-/// Samples that accumulate at a bound of 0: no tick of their axis is below it, unlike without the bound.
+/// If samples accumulate at a bound of 0, no tick of their axis is below it; without the bound there is one.
 #[test]
 fn verif_corner_plots_end_at_bounds() {
     let (names, mut samples) = posterior(2, 4_000);
