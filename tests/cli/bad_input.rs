@@ -98,7 +98,7 @@ fn errors_for_unknown_values_list_the_allowed_ones() {
         &[&["serve", "--schedule", "x", "--bind", "nonsense"]],
         &["'nonsense' for '--bind", "allowed: an IP address and a port of 0 to 65535, for example 127.0.0.1:8642"],
     );
-    fails(&[&["map", "sky", "--model", "v1.5", "--sun-altitude-deg", "120"]], &["120 deg: allowed -90 to 90 deg"]);
+    fails(&[&["map", "sky", "--model", "v1.5", "--sun-altitude-deg", "120"]], &["120 deg; allowed: -90 to 90 deg"]);
 }
 
 #[test]
@@ -133,11 +133,11 @@ fn invalid_times_and_angles() {
         let arguments: Vec<&str> = POINTING[..1].iter().chain(others).chain(change).copied().collect();
         fails(&[&arguments, SITE, SHELLS], parts);
     };
-    with(&["--start", "2024-08-14T03:30:00"], &["names no time scale", "37 s", "--time-scale"]);
-    with(&["--start", "60536.1"], &["names no time scale", "37 s"]);
+    with(&["--start", "2024-08-14T03:30:00"], &["has no time scale", "37 s", "--time-scale"]);
+    with(&["--start", "60536.1"], &["has no time scale", "37 s"]);
     with(&["--start", "1850-01-01T00:00:00Z"], &["1957", "2099"]);
     with(&["--start", "3000-01-01T00:00:00Z"], &["1957", "2099"]);
-    with(&["--start", "2024-08-14T23:59:60Z"], &["no leap second"]);
+    with(&["--start", "2024-08-14T23:59:60Z"], &["only where a leap second was inserted"]);
     with(&["--start", "yesterday"], &["invalid time 'yesterday'", "ISO 8601"]);
     with(&["--exposure", "30"], &["exposure is 30, without a unit", "30s"]);
     with(&["--exposure", "-30s"], &["exposure is -30 s; allowed: 0 s or more"]);
@@ -201,7 +201,7 @@ fn invalid_schedules() {
     fails(&[&flag(&folder.path().display().to_string())], &["is a directory"]);
     fails(&[&flag("/nowhere.csv")], &["/nowhere.csv"]);
     let mjd = b"exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n1,60536.14,30,280,-30\n";
-    schedule("mjd.csv", mjd, &["missing time scale of column start_mjd", "--time-scale utc, tai or tt", "37 s"]);
+    schedule("mjd.csv", mjd, &["the time scale of column start_mjd is missing", "--time-scale utc, tai or tt", "37 s"]);
     let early = format!("{HEADER}1,1850-08-14T03:30:00Z,30,280,-30\n");
     // Rows that cannot be evaluated are reported in the result and are not an error.
     let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);

@@ -168,7 +168,7 @@ fn verif_invalid_arguments() {
     let known = "bluebird, direct-to-cell";
     fails(&[&["map", "body", "--model", "nope", "--sun-latitude-deg", "-14"], &out], &["unknown model 'nope'", known]);
     fails(&[&["map", "body", "--model", "no.json", "--sun-latitude-deg", "-14"], &out], &["model no.json"]);
-    fails(&[BODY, &["--height-km", "0"], &out], &["height 0 km: allowed above 0, at most 100000 km"]);
+    fails(&[BODY, &["--height-km", "0"], &out], &["height is 0 km; allowed: above 0, at most 100000 km"]);
     fails(&[SKY, &["--height-km", "-550"], &out], &["height -550 km"]);
     fails(&[SKY, &["--height-km", "nan"], &out], &["height NaN km"]);
     fails(
@@ -177,8 +177,8 @@ fn verif_invalid_arguments() {
     );
     fails(&[&["map", "body", "--model", "v1.5", "--sun-latitude-deg", "95"], &out], &["Sun's latitude 95"]);
     fails(&[SKY, &["--sun-azimuth-deg", "1000"], &out], &["Sun's azimuth 1000"]);
-    fails(&[SKY, &["--step-deg", "7"], &out], &["step 7 deg: allowed 0.1 to 5 deg"]);
-    fails(&[SKY, &["--nside", "0"], &out], &["nside 0: allowed 1 to 1024"]);
+    fails(&[SKY, &["--step-deg", "7"], &out], &["step is 7 deg; allowed: 0.1 to 5 deg"]);
+    fails(&[SKY, &["--nside", "0"], &out], &["nside is 0; allowed: 1 to 1024"]);
     fails(&[SKY, &["--nside", "8", "--step-deg", "2"], &out], &["cannot be used with"]);
     fails(&[SKY, &["--site", "Nowhere at all"], &out], &["Nowhere at all"]);
     fails(&[SKY, &["--lat", "91", "--lon", "0"], &out], &["lat"]);
@@ -190,7 +190,7 @@ fn verif_invalid_arguments() {
     {
         fails(
             &[SKY, &["--picture", "map.gif"], &out],
-            &["invalid picture name map.gif: expected a name that ends in .png or .svg"],
+            &["invalid picture name map.gif; allowed: a name that ends in .png or .svg"],
         );
         fails(&[SKY, &["--picture", "no/such/folder/map.png"], &out], &["no/such/folder"]);
         fails(&[&["map", "paper", "-o", "no/such/folder"]], &["cannot create the folder no/such/folder"]);
