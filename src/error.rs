@@ -13,13 +13,11 @@ use crate::identify::IdentifyError;
 use crate::images::ImagesError;
 use crate::maps::MapError;
 use crate::orbit::OrbitError;
-use crate::passes::{FieldError, SkyError};
+use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
 #[cfg(feature = "plot")]
 use crate::plot::PlotError;
 use crate::schedule::ScheduleError;
-#[cfg(feature = "fits")]
-use crate::streaks::InjectionError;
 use crate::streaks::StreaksError;
 
 /// Errors of all modules, with their messages.
@@ -41,12 +39,9 @@ pub enum Error {
     /// Brightness models and bands.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),
-    /// Exposures, crossings and passes.
+    /// Exposures, fields of view, crossings and passes.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// Fields of view.
-    #[error(transparent)]
-    Field(#[from] FieldError),
     /// Schedules and policies.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
@@ -59,13 +54,9 @@ pub enum Error {
     /// Frames, detectors and telescopes.
     #[error(transparent)]
     Images(#[from] ImagesError),
-    /// Streaks in frames.
+    /// Streaks and their injection into frames.
     #[error(transparent)]
     Streaks(#[from] StreaksError),
-    /// Injection into frames.
-    #[cfg(feature = "fits")]
-    #[error(transparent)]
-    Injection(#[from] InjectionError),
     /// Maps.
     #[error(transparent)]
     Maps(#[from] MapError),

@@ -9,15 +9,13 @@ use crate::forecast::ForecastError;
 use crate::frames::FramesError;
 use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
-#[cfg(feature = "fits")]
-use crate::images::FrameError;
 use crate::images::ImagesError;
 use crate::orbit::OrbitError;
-use crate::passes::{FieldError, SkyError};
+use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
 use crate::schedule::ScheduleError;
 #[cfg(feature = "fits")]
-use crate::streaks::InjectionError;
+use crate::streaks::StreaksError;
 
 /// Errors of a configuration, or of a request for a forecast, an identification or an injection.
 ///
@@ -189,16 +187,13 @@ pub enum ConfigError {
     /// Frame of a request.
     #[cfg(feature = "fits")]
     #[error(transparent)]
-    Frame(#[from] FrameError),
+    Frame(ImagesError),
     /// Bands, model files, standard magnitudes.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),
-    /// Models of satellites, and the sky.
+    /// Models of satellites, fields of view, and the sky.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// Field of view.
-    #[error(transparent)]
-    Field(#[from] FieldError),
     /// Policy.
     #[error(transparent)]
     Policy(ScheduleError),
@@ -214,7 +209,7 @@ pub enum ConfigError {
     /// Injection.
     #[cfg(feature = "fits")]
     #[error(transparent)]
-    Injection(#[from] InjectionError),
+    Streaks(#[from] StreaksError),
 }
 
 impl ConfigError {
@@ -229,7 +224,7 @@ impl ConfigError {
             Self::Invalid(_) | Self::Angle(_) | Self::Schedule(_) | Self::Forecast(_) | Self::Identify(_)
         );
         #[cfg(feature = "fits")]
-        return is_general || matches!(self, Self::Frame(_) | Self::Injection(_));
+        return is_general || matches!(self, Self::Frame(_) | Self::Streaks(_));
         #[cfg(not(feature = "fits"))]
         is_general
     }

@@ -21,10 +21,10 @@ pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
         })
 }
 
-/// Opens the image given, else the only one.
+/// Opens the given image, or the only one that is not a mask, a weight or a variance.
 fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
-    let file = FrameFile::open(path)?;
-    let images = file.images();
+    let file = FrameFile::open(path).map_err(ConfigError::Frame)?;
+    let images = file.light_images();
     let shown = path.display();
     let hdu = match (hdu, images.as_slice()) {
         (Some(hdu), _) => hdu,
@@ -37,7 +37,7 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigEr
             )));
         }
     };
-    file.image_size(hdu)?;
+    file.image_size(hdu).map_err(ConfigError::Frame)?;
     Ok((file, hdu))
 }
 
