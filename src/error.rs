@@ -13,13 +13,11 @@ use crate::identify::IdentifyError;
 use crate::images::ImagesError;
 use crate::maps::MapError;
 use crate::orbit::OrbitError;
-use crate::passes::{FieldError, SkyError};
+use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
 #[cfg(feature = "plot")]
 use crate::plot::PlotError;
 use crate::schedule::ScheduleError;
-#[cfg(feature = "fits")]
-use crate::streaks::InjectionError;
 use crate::streaks::StreaksError;
 
 /// Errors of all modules, with their messages.
@@ -41,12 +39,9 @@ pub enum Error {
     /// Error in brightness models or bands.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),
-    /// Error in the computation of crossings and passes.
+    /// Error in an exposure, a field of view, crossings or passes.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// Error in a field of view.
-    #[error(transparent)]
-    Field(#[from] FieldError),
     /// Error in a schedule or a policy.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
@@ -59,13 +54,9 @@ pub enum Error {
     /// Error in frames, detectors or telescopes.
     #[error(transparent)]
     Images(#[from] ImagesError),
-    /// Error in drawing streaks into frames.
+    /// Error in drawing streaks or injecting them into frames.
     #[error(transparent)]
     Streaks(#[from] StreaksError),
-    /// Error of an injection into frames.
-    #[cfg(feature = "fits")]
-    #[error(transparent)]
-    Injection(#[from] InjectionError),
     /// Error of a map.
     #[error(transparent)]
     Maps(#[from] MapError),

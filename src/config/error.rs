@@ -9,15 +9,13 @@ use crate::forecast::ForecastError;
 use crate::frames::FramesError;
 use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
-#[cfg(feature = "fits")]
-use crate::images::FrameError;
 use crate::images::ImagesError;
 use crate::orbit::OrbitError;
-use crate::passes::{FieldError, SkyError};
+use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
 use crate::schedule::ScheduleError;
 #[cfg(feature = "fits")]
-use crate::streaks::InjectionError;
+use crate::streaks::StreaksError;
 
 /// Errors of a configuration, or of a request for a forecast, an identification or an injection.
 ///
@@ -187,16 +185,13 @@ pub enum ConfigError {
     /// Error in the frame of a request.
     #[cfg(feature = "fits")]
     #[error(transparent)]
-    Frame(#[from] FrameError),
+    Frame(ImagesError),
     /// Error in bands, model files or standard magnitudes.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),
-    /// Error in the models of satellites or the prepared sky.
+    /// Error in the models of satellites, the field of view or the prepared sky.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// Error in the field of view.
-    #[error(transparent)]
-    Field(#[from] FieldError),
     /// Error in the policy.
     #[error(transparent)]
     Policy(ScheduleError),
@@ -212,7 +207,7 @@ pub enum ConfigError {
     /// Error of an injection.
     #[cfg(feature = "fits")]
     #[error(transparent)]
-    Injection(#[from] InjectionError),
+    Streaks(#[from] StreaksError),
 }
 
 impl ConfigError {
@@ -228,7 +223,7 @@ impl ConfigError {
             Self::Invalid(_) | Self::Angle(_) | Self::Schedule(_) | Self::Forecast(_) | Self::Identify(_)
         );
         #[cfg(feature = "fits")]
-        return is_general || matches!(self, Self::Frame(_) | Self::Injection(_));
+        return is_general || matches!(self, Self::Frame(_) | Self::Streaks(_));
         #[cfg(not(feature = "fits"))]
         is_general
     }

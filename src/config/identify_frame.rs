@@ -21,10 +21,11 @@ pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
         })
 }
 
-/// Opens a frame; returns it with the given HDU, or else with the HDU of its only image.
+/// Opens a frame; returns it with the given HDU, or else with the HDU of its only image that is not a mask, a weight or
+/// a variance.
 fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
-    let file = FrameFile::open(path)?;
-    let images = file.images();
+    let file = FrameFile::open(path).map_err(ConfigError::Frame)?;
+    let images = file.light_images();
     let shown = path.display();
     let hdu = match (hdu, images.as_slice()) {
         (Some(hdu), _) => hdu,
@@ -41,7 +42,7 @@ fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigEr
             )));
         }
     };
-    file.image_size(hdu)?;
+    file.image_size(hdu).map_err(ConfigError::Frame)?;
     Ok((file, hdu))
 }
 

@@ -16,9 +16,9 @@ use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{
-    ArrayFrame, ArrayInjected, FrameOverrides, Glint, Injection, InjectionError, InjectionPlan, InjectionSky,
-    Injections, LightCurve, MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber,
-    SyntheticFrame, SyntheticPlan, Tumbling,
+    ArrayFrame, ArrayInjected, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LightCurve,
+    MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan,
+    Tumbling,
 };
 
 /// Default β of the Moffat profile, usual for telescopes.
@@ -190,7 +190,7 @@ impl InjectionConfig {
             noise: !self.no_noise,
             seed: self.seed,
             truth_points: self.truth_points,
-            mask_preset: MaskPreset::by_name(&self.mask_bits).map_err(InjectionError::from)?,
+            mask_preset: MaskPreset::by_name(&self.mask_bits)?,
             pixels_only: self.pixels_only,
         })
     }
@@ -294,7 +294,7 @@ impl InjectionConfig {
             glints: self.glint.iter().filter_map(glint).collect(),
             curve: self.light_curve.as_deref().map(read_light_curve).transpose()?,
         };
-        modulation.check().map_err(InjectionError::from)?;
+        modulation.check()?;
         Ok(modulation)
     }
 
@@ -321,7 +321,7 @@ impl InjectionConfig {
             magnitude: range(&self.magnitude, [f64::NAN; 2]),
             rate_rad_s: range(&self.streak_rate_deg_s, DEFAULT_RATES_DEG_S).map(f64::to_radians),
         };
-        streaks.check().map_err(InjectionError::from)?;
+        streaks.check()?;
         Ok(Some(RandomPlan { streaks, is_per_square_degree: self.streak_density.is_some() }))
     }
 
@@ -350,7 +350,7 @@ impl InjectionConfig {
         scheduled: Option<&Exposure>,
     ) -> Result<SyntheticPlan, ConfigError> {
         let text = text_of("synthetic frame", path)?;
-        let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string()).map_err(InjectionError::from)?;
+        let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string())?;
         // Relative paths in a file start from the folder of the file.
         let folder = path.parent().unwrap_or(Path::new(""));
         frame.star_list = frame.star_list.map(|list| folder.join(list));

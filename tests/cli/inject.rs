@@ -532,7 +532,7 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
         (&plain, &plain, [random, seeing].concat(), &["plain.fits", "input"]),
         (&plain, &output, random.to_vec(), &["--seeing", "--telescope"]),
         (&plain, &output, [random, seeing, &["--psf", "moffat:1"]].concat(), &["moffat:1", "2 to 100"]),
-        (&plain, &output, [random, seeing, &["--hdu", "4"]].concat(), &["no HDU 4", "0 to 0"]),
+        (&plain, &output, [random, seeing, &["--hdu", "4"]].concat(), &["HDU 4 is missing", "0 to 0"]),
         (&plain, &output, [random, seeing, &["--glint", "3,0"]].concat(), &["--glint", "3 numbers"]),
         (&plain, &output, [random, seeing, &["--tumbling", "0,1"]].concat(), &["period", "0.02 to 1e5"]),
         (&plain, &output, [random, seeing, &["--exposure", "0s"]].concat(), &["exposure", "above 0"]),
