@@ -122,15 +122,18 @@ impl EphemerisConfig {
 fn steps(first: Epoch, last: Epoch, step_s: f64) -> Result<Vec<Epoch>, ConfigError> {
     let span_s = seconds_between(first, last);
     if span_s < 0.0 {
-        return Err(ConfigError::invalid(format!("end is {:.3} s before start; allowed: not before start", -span_s)));
+        return Err(ConfigError::invalid(format!(
+            "--end is {:.3} s before --start; allowed: not before --start",
+            -span_s
+        )));
     }
     if step_s <= 0.0 {
-        return Err(ConfigError::invalid("step is 0 s; allowed: above 0 s"));
+        return Err(ConfigError::invalid("--step is 0 s; allowed: above 0 s"));
     }
     // The last time is included despite rounding.
     let count = (span_s / step_s + 1e-6).floor() + 1.0;
     if count > MOST_TIMES as f64 {
-        let message = format!("step of {step_s} s gives {count:.0} times; allowed: at most {MOST_TIMES}");
+        let message = format!("--step is {step_s} s, which gives {count:.0} times; allowed: at most {MOST_TIMES}");
         return Err(ConfigError::invalid(message));
     }
     Ok((0..count as usize).map(|number| seconds_after(first, step_s * number as f64)).collect())
@@ -163,7 +166,7 @@ mod tests {
             (format!("{{{span}}}"), "missing times"),
             (format!(r#"{{{span}, "step": "0s"}}"#), "allowed: above 0 s"),
             (format!(r#"{{{span}, "step": "10"}}"#), "10"),
-            (format!(r#"{{{span}, "step": "0.01s"}}"#), "gives 8640001 times; allowed: at most 1000000"),
+            (format!(r#"{{{span}, "step": "0.01s"}}"#), "which gives 8640001 times; allowed: at most 1000000"),
             (r#"{"times": ["2026-08-14"], "min_altitude": 91}"#.to_owned(), "allowed: -90 to 90 deg"),
             (r#"{"times": ["yesterday"]}"#.to_owned(), "yesterday"),
             (r#"{"times": ["2026-08-14T00:00:00Z"], "generation": ["x"]}"#.to_owned(), "unknown generation 'x'"),

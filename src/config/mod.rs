@@ -1,9 +1,9 @@
 //! Configuration: one document for satellites, site, models, camera and rules, filled by flags, files and plugins.
 //!
-//! [`Config`] is the document; [`ForecastConfig`], [`EphemerisConfig`],
-//! [`IdentifyConfig`] and `InjectionConfig` are those of a request.
-//! Each is resolved once, with all checks: to an [`ObservationPlan`], a [`PreparedSky`], a
-//! [`ForecastRequest`](crate::forecast::ForecastRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
+//! [`Config`] holds the options of all requests; [`ForecastConfig`], [`EphemerisConfig`], [`IdentifyConfig`] and
+//! `InjectionConfig` hold those of one kind of request. Each is checked and resolved once, to an [`ObservationPlan`], a
+//! [`PreparedSky`], a [`ForecastRequest`](crate::forecast::ForecastRequest), an
+//! [`EphemerisRequest`](crate::forecast::EphemerisRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
 //! [`streaks`](crate::streaks). The command line derives its flags from the same structures (feature `cli`).
 
 mod document;
@@ -32,7 +32,7 @@ pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
-pub use identify::{IdentifyConfig, IdentifyPlan};
+pub use identify::{IdentifyConfig, IdentifyPlan, STREAK_FORMS};
 #[cfg(feature = "fits")]
 pub use injection::InjectionConfig;
 #[cfg(feature = "fits")]

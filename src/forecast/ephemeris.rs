@@ -42,8 +42,8 @@ pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, For
     let is_selected = |index: &usize| request.selection.contains(&sky.elements()[*index]);
     let indices: Vec<usize> = (0..sky.elements().len()).filter(is_selected).collect();
     if indices.is_empty() {
-        let (satellites, wanted) = (sky.elements().len(), request.selection.description());
-        return Err(ForecastError::EmptySelection { satellites, wanted });
+        let (satellites, selection) = (sky.elements().len(), request.selection.description());
+        return Err(ForecastError::EmptySelection { satellites, selection });
     }
     let (mut points, left_out) = sky.ephemeris(&indices, &request.times, Some(&request.photometry))?;
     if let Some(lowest_rad) = request.min_altitude_rad {

@@ -1,9 +1,9 @@
 //! Forecast of the passes of a night over a site, ephemerides, statistics of a site, and reproduction of published
 //! counts.
 //!
-//! `request` is the request, `outlook` computes the night and its passes, `pass_table` and `exports` write them.
-//! `ephemeris` computes places of selected satellites at given times.
-//! `statistics` counts lit satellites as a function of the Sun's altitude, `reproduce` compares with published counts.
+//! `request` defines the request, `outlook` computes the night and its passes, `pass_table` and `exports` write the
+//! passes. `ephemeris` computes places of selected satellites at given times. `statistics` counts lit satellites as a
+//! function of the Sun's altitude, `reproduce` compares with published counts.
 
 mod ephemeris;
 mod error;

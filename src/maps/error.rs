@@ -7,7 +7,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum MapError {
     /// A number out of range.
-    #[error("{what} {given}{unit}: allowed {allowed}")]
+    #[error("{what} is {given}{unit}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the number.
         what: &'static str,
@@ -20,7 +20,7 @@ pub enum MapError {
     },
     /// A satellite below the observer.
     #[error(
-        "satellite height {height_km} km is below site {site}: allowed heights above {site_km:.1} km (over the sphere of 6378.137 km)"
+        "satellite height is {height_km} km, below site {site}; allowed: above {site_km:.1} km (over the sphere of 6378.137 km)"
     )]
     BelowSite {
         /// Given height.

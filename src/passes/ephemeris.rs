@@ -74,7 +74,7 @@ impl Sky {
     ///
     /// # Errors
     /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the elements of a
-    /// telescope in orbit give no position; [`SkyError::Exposure`] for more than a million points.
+    /// telescope in orbit give no position; [`SkyError::Invalid`] for more than a million points.
     pub fn ephemeris(
         &self,
         element_indices: &[usize],
@@ -83,12 +83,11 @@ impl Sky {
     ) -> Result<(Vec<EphemerisPoint>, Vec<LeftOut>), SkyError> {
         let count = element_indices.len().saturating_mul(times.len());
         if count > MOST_POINTS {
-            let problem = format!(
-                "{} satellites at {} times are {count} points; allowed: at most {MOST_POINTS}",
-                element_indices.len(),
-                times.len()
-            );
-            return Err(SkyError::Exposure { id: "ephemeris".to_owned(), problem });
+            return Err(SkyError::invalid(
+                "number of places (satellites times times)",
+                count,
+                format!("at most {MOST_POINTS}"),
+            ));
         }
         let at_time = |(time_index, epoch): (usize, &Epoch)| {
             let moment = self.moment(*epoch)?;

@@ -90,7 +90,7 @@ fn errors_name_what_is_allowed() {
         (&[PLACES, SKY, &at, &["--drag", "none"]], "station-keeping, published"),
         (&[&["ephemeris", "--name", "NO SUCH"], SKY, &at], "none of the 4408 satellites has a name with NO SUCH"),
         (&[&["ephemeris"], SKY, &at], "missing selection of satellites; specify --norad ID"),
-        (&[&["ephemeris", "--name", "S1"], SKY, &many], "points; allowed: at most 1000000"),
+        (&[&["ephemeris", "--name", "S1"], SKY, &many], "allowed: at most 1000000"),
     ] {
         let (code, stdout, stderr) = run(words);
         assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");

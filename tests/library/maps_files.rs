@@ -127,7 +127,7 @@ mod pictures {
         assert!(body.contains(notes[1]) && !body.contains(notes[0]));
     }
 
-    /// Extinction near the horizon makes faint magnitudes; the colour scale covers the rest of the sky.
+    /// Magnitudes that extinction makes faint near the horizon do not determine the colour scale.
     #[test]
     fn verif_extinction_does_not_change_the_colour_scale() {
         let model = ModelLibrary::embedded().get("oneweb").unwrap();

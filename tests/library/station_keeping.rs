@@ -1,7 +1,9 @@
-//! Satellites that hold their orbits: lateness and crossings with elements 1 to 14 days old, against later elements of the same satellites.
+//! Satellites that hold their orbits: lateness and crossings with elements 1 to 14 days old, against later elements of
+//! the same satellites.
 //!
-//! The Starlink catalogue of every day of June 2026. The calibration used even catalogue numbers and elements of 2, 9, 16 and 23 June;
-//! these tests use odd numbers and other days. The widening of the core sigmas was chosen on those days too.
+//! The Starlink catalogue of every day of June 2026. The calibration used even catalogue numbers and elements of 2, 9,
+//! 16 and 23 June; these tests use odd numbers and other days. The widening of the core sigmas was chosen on those days
+//! too.
 
 use std::collections::BTreeMap;
 
@@ -51,7 +53,8 @@ struct Cell {
     inside: usize,
 }
 
-/// 68 % of the lateness is within these limits, seconds, and one sigma holds 63 to 73 % (with three sigma of the sample's scatter).
+/// 68 % of the delays are within these limits, seconds, and one sigma contains 63 to 73 % (with three sigma of the
+/// sample's scatter).
 #[test]
 fn valid_lateness_of_station_keeping_satellites() {
     if crate::common::data_dir().is_none() {

@@ -115,7 +115,7 @@ impl Columns<'_> {
 /// Returns the epoch of a two-part Julian date, TAI, within the supported years.
 pub fn start_of(index: usize, jd1: f64, jd2: f64) -> PyResult<Epoch> {
     let jd = jd1 + jd2;
-    // Checked first: the count of nanoseconds would overflow far outside.
+    // The range is checked first, because the count of nanoseconds would overflow for distant times.
     let epoch =
         (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
     epoch.ok_or_else(|| PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099")))

@@ -1,4 +1,5 @@
-//! Forecasts of nights, ephemerides, and identification of streaks: JSON documents to requests of the library, results to tables.
+//! Forecasts of nights, ephemerides and identification of streaks: converts JSON documents to requests of the library,
+//! and results to tables.
 
 use hifitime::Epoch;
 use pyo3::prelude::*;
@@ -160,7 +161,7 @@ fn exception(error: ConfigError) -> PyErr {
         error if !error.is_of_request() => failure::setup(error),
         ConfigError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
             let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
-            failure::request(format!("{name} {given}{unit}; allowed: {allowed}"))
+            failure::request(format!("{name} is {given}{unit}; allowed: {allowed}"))
         }
         other => failure::request(failure::as_arguments(&other.to_string())),
     }

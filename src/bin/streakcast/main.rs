@@ -2,6 +2,7 @@
 
 mod arguments;
 mod cache;
+mod clock;
 mod failure;
 mod help;
 mod notices;
@@ -54,7 +55,7 @@ enum Verb {
     Passes(Box<PassesArguments>),
     /// Give a verdict for each exposure of a schedule, with reasons and the next clear start
     Flag(Box<FlagArguments>),
-    /// Write the schedule file again with its cells unchanged and added verdicts and streaks
+    /// Write a copy of the schedule file with verdicts and streaks added and all other cells unchanged
     Annotate(Box<AnnotateArguments>),
     /// Find time windows in which targets can be exposed without a crossing above the limits
     Windows(Box<WindowsArguments>),
@@ -62,7 +63,7 @@ enum Verb {
     Forecast(Box<ForecastArguments>),
     /// Compute places, rates, brightness and lateness of chosen satellites at given times
     Ephemeris(Box<EphemerisArguments>),
-    /// Wait until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
+    /// Wait until an exposure can start without a crossing, before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
     /// Identify the satellite of a measured streak: ranked candidates
     Identify(Box<IdentifyArguments>),
@@ -80,7 +81,7 @@ enum Verb {
     /// Fit a brightness model to photometry
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
-    /// Serve a web page and an HTTP API for a schedule: its nights, and the effect of other start times
+    /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
     /// Count sunlit satellites over a site, their magnitudes, and the trails per exposure

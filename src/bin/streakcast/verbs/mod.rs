@@ -1,4 +1,4 @@
-//! Verbs: one file or folder each, with its flags.
+//! Verbs of the command line, each in a file or folder with its flags.
 
 pub mod annotate;
 pub mod doctor;
