@@ -17,7 +17,8 @@ use crate::photometry::PhotometryOptions;
 
 /// Half of the arc that is propagated around each time, seconds.
 const HALF_ARC_S: f64 = 1.0;
-/// Half of the step of the central differences for rates, seconds. Their error is (ω h)²/6 of a rate: 10⁻⁷ at 0.5 deg/s.
+/// Half of the step of the central differences for rates, seconds. Their error is (ω h)²/6 of a rate: 10⁻⁷ at
+/// 0.5 deg/s.
 const RATE_STEP_S: f64 = 0.1;
 /// Largest number of points in one request.
 const MOST_POINTS: usize = 1_000_000;
