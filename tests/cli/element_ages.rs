@@ -66,8 +66,12 @@ fn verif_old_elements_warn_with_their_effect_on_verdicts() {
     let flag = ["flag", "--schedule", night, "--elements", &file, "--format", "json"];
     let (code, stdout, stderr) = run(&[&flag, FIELD]);
     assert_eq!(code, 0, "{stderr}");
-    let warning = stderr.lines().find(|line| line.contains("days old")).unwrap_or_else(|| panic!("{stderr}"));
-    assert!(warning.starts_with("warning: elements 7.") && warning.contains(" s late (68 %, "), "{warning}");
+    let warning =
+        stderr.lines().find(|line| line.contains("would change verdict")).unwrap_or_else(|| panic!("{stderr}"));
+    assert!(
+        warning.starts_with("warning: elements 8.0 days old: ") && warning.contains(" s late (68 %, "),
+        "{warning}"
+    );
     // The share is the mean of p_any without a nominal crossing, and of 1 - p_any with one.
     let answer: Value = serde_json::from_str(&stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();

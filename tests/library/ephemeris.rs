@@ -144,8 +144,7 @@ fn requests_are_filtered_by_name_and_altitude() {
     let (sky, start) = oneweb();
     let config = Config::from_toml("shells = 'oneweb'\nsite = 'rubin'\n", "t.toml").expect("a configuration");
     let request = |more: &str| {
-        let text =
-            format!(r#"{{"times": ["2026-08-14T23:29:05Z", "2026-08-14T23:39:05Z"], "name": ["S1 P24-"]{more}}}"#);
+        let text = format!(r#"{{"times": ["2026-08-14T23:29:05Z", "2026-08-14T23:39:05Z"], "name": ["S1 P"]{more}}}"#);
         serde_json::from_str::<EphemerisConfig>(&text).expect("a request").resolve(&config).expect("a request")
     };
     let all = ephemeris(&sky, &request("")).expect("places");
@@ -155,7 +154,7 @@ fn requests_are_filtered_by_name_and_altitude() {
     assert_eq!(up.points, expected);
     assert!(0 < expected.len() && expected.len() < all.points.len(), "{} of {}", expected.len(), all.points.len());
     let elements = sky.elements();
-    assert!(all.points.iter().all(|point| elements[point.element_index].name.contains("S1 P24-")));
+    assert!(all.points.iter().all(|point| elements[point.element_index].name.contains("S1 P")));
     let rows = all.points.iter().map(|place| EphemerisRow { place, elements: &elements[place.element_index] });
     assert_eq!(ephemeris_table(rows).rows.len(), all.points.len());
 
