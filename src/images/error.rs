@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::detector::DetectorError;
 use super::exposure::ExposureError;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use super::fits::FrameError;
 use super::wcs::WcsError;
 
@@ -12,7 +12,7 @@ use super::wcs::WcsError;
 #[derive(Debug, Error)]
 pub enum ImagesError {
     /// Error of a frame in a file.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
     Frame(#[from] FrameError),
     /// Error of the time of an exposure.

@@ -52,7 +52,7 @@ fn rubins_night_is_flagged() {
     assert!(stderr.contains("missing time scale of column observationStartMJD"), "{stderr}");
 }
 
-/// An error of 37 s changes the result: of 30 s visits crossed by one satellite, almost none keeps that satellite.
+/// A time error of 37 s changes the result: almost no visit of 30 s is still crossed by the same satellite.
 #[test]
 fn tai_read_as_utc_finds_other_satellites() {
     let Some(data) = crate::common::data_dir() else { return };

@@ -167,8 +167,8 @@ mod verbs {
         let reproduce: [(&[&str], &str); 5] = [
             (&["hu2022"], "--schedule"),
             (&["hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
-            (&["lu2024b", "--schedule", "a.db"], "--schedule is not for reproduce lu2024b"),
-            (&["bassa2022", "--time-scale", "utc"], "--time-scale is not for reproduce bassa2022"),
+            (&["lu2024b", "--schedule", "a.db"], "--schedule has no effect on reproduce lu2024b"),
+            (&["bassa2022", "--time-scale", "utc"], "--time-scale has no effect on reproduce bassa2022"),
             (&["smith1999"], "hu2022, lu2024b, bassa2022"),
         ];
         let cases = statistics.iter().map(|case| (STATISTICS, case));
