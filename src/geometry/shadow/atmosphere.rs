@@ -237,7 +237,7 @@ mod tests {
     use crate::frames::{Gcrs, Position};
     use crate::geometry::{Illumination, ShadowModel};
 
-    /// The standard's own table: height (km), density against 1.225 kg/m³.
+    /// Densities printed in the standard itself: height (km), density against 1.225 kg/m³.
     #[test]
     fn valid_densities_against_the_standard() {
         for (height_km, expected) in [
