@@ -204,13 +204,17 @@ pub enum FitError {
         place: Vec<f64>,
     },
     /// Starting positions in a plane, which the stretch move cannot leave.
-    #[error("the starting positions of the walkers are equal in parameter {parameter}; allowed: positions that differ in each")]
+    #[error(
+        "the starting positions of the walkers are equal in parameter {parameter}; allowed: positions that differ in each"
+    )]
     FlatWalkers {
         /// Index of the constant parameter.
         parameter: usize,
     },
     /// A chain of unexpected length.
-    #[error("the chain has {given} numbers; allowed: as many as {walkers} walkers and {parameters} parameters give in whole steps")]
+    #[error(
+        "the chain has {given} numbers; allowed: as many as {walkers} walkers and {parameters} parameters give in whole steps"
+    )]
     ChainShape {
         /// Length of the chain.
         given: usize,

@@ -223,7 +223,7 @@ mod tests {
 
     #[test]
     fn verif_sigma_of_modes_errs_on_the_safe_side() {
-        /// Ratios: modes jump when a few of many points are omitted.
+        /// Accepted ratios of sigma to scatter: modes jump when a few of many points are omitted.
         const ALIKE: [(DensityMode, std::ops::Range<f64>); 2] =
             [(DensityMode::Kernel, 0.75..2.0), (DensityMode::HalfSample, 0.75..3.0)];
         for (mode, alike) in ALIKE {

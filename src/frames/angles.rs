@@ -3,7 +3,8 @@
 use super::error::FramesError;
 use super::vector::{Direction, Gcrs};
 
-const RIGHT_ASCENSION: &str = "a right ascension; allowed: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
+const RIGHT_ASCENSION: &str =
+    "a right ascension; allowed: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
 const DECLINATION: &str = "a declination; allowed: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
 
 /// Parses a right ascension and returns degrees in [0, 360). A plain number is degrees; `12h34m56.7s`, `12h34m`,

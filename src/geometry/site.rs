@@ -259,8 +259,8 @@ impl ObserverState {
 mod tests {
     use super::*;
 
-    /// A campus is some hundred metres wide, and a name denotes one dome of it: the entry of astropy is often another
-    /// dome, or rounded to an arcminute. At 1000 km, 1 km is three arcminutes: better positions must be given as
+    /// Tolerance of positions, metres: a campus is some hundred metres wide, and the entry of astropy is often another
+    /// dome of it, or rounded to an arcminute. At 1000 km, 1 km is three arcminutes; better positions must be given as
     /// numbers.
     const CAMPUS_M: f64 = 1000.0;
 

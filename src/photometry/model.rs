@@ -16,7 +16,7 @@ use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, 
 use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::ViewingGeometry;
 
-/// Added in quadrature for a conversion from the model's band to another with the Sun's colour, mag. Assumed:
+/// Sigma added in quadrature for a conversion from the model's band to another with the Sun's colour, mag. Assumed:
 /// satellites are up to a few tenths redder or bluer than the Sun, and no survey by type is public.
 const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 

@@ -48,7 +48,7 @@ fn moved(set: &ElementSet, sigma: OrbitUncertainty, [late, inclination, node]: [
     set
 }
 
-/// The same satellites with errors drawn once.
+/// Returns the same satellites displaced by one draw of their errors.
 fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<ElementSet> {
     let of = |set: &ElementSet| {
         let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), age_days);

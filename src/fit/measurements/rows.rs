@@ -253,8 +253,8 @@ impl<'l> Rows<'l> {
         Ok(Some(number))
     }
 
-    /// Number within the block of the track, else the satellite, the night, the degree of the Sun's altitude, or the
-    /// file.
+    /// Returns the number, within the block, of the group of a row: its track, or else its satellite, night, degree of
+    /// the Sun's altitude, or file.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
             // Rows of a track are mostly consecutive.
