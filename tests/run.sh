@@ -17,7 +17,8 @@ done
 command -v cargo >/dev/null || { echo "tests/run.sh: cargo is not installed (see https://rustup.rs)" >&2; exit 2; }
 
 log=$(mktemp -d)
-trap 'rm -rf "$log"' EXIT
+beside=""
+trap 'if [ -n "$beside" ]; then kill -- "-$beside" 2>/dev/null || true; fi; rm -rf "$log"' EXIT
 begin=$SECONDS
 
 # step NAME COMMAND...: runs a command and prints its time. After a failure it prints the lines with errors, then the
@@ -38,6 +39,22 @@ step() {
         exit "$code"
     fi
     cat "$log/step" >>"$log/all"
+}
+
+# start_beside COMMAND...: starts a command beside the following steps, in a process group of its own; `finish_beside` waits for it.
+start_beside() {
+    set -m
+    "$@" >"$log/beside" 2>&1 &
+    beside=$!
+    set +m
+}
+
+finish_beside() {
+    local code=0
+    wait "$beside" || code=$?
+    beside=""
+    cat "$log/beside"
+    return "$code"
 }
 
 # skipped WHAT: prints what is skipped, here and in the summary.
@@ -64,6 +81,7 @@ counts() {
 
 lint=(-- -D warnings)
 step "cargo fmt --check" cargo fmt --check
+step "cargo fmt --check (plugins/python)" cargo fmt --check --manifest-path plugins/python/Cargo.toml
 if [ "$mode" = quick ]; then
     step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
     step "cargo test --lib, import rules" cargo test --lib --test imports
@@ -77,6 +95,13 @@ else
     mkdir "$log/bin"
     cp "$target/debug/streakcast" "$log/bin/streakcast"
     export STREAKCAST=$log/bin/streakcast STREAKCAST_BIN=$log/bin/streakcast
+    # In environments of their own, from the package index; STREAKCAST_PLUGINS=no skips them. They take as long as all other
+    # steps after `cargo test` and mostly use one core, so they run beside them.
+    if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
+        skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
+    else
+        start_beside plugins/test.sh
+    fi
     step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps
     step "default features" cargo check --quiet
     step "without features" cargo check --quiet --no-default-features
@@ -110,12 +135,9 @@ else
     fi
     # Commands that need real data are skipped with a message if the folder STREAKCAST_DATA is missing.
     step "commands of the README and the documentation" tests/docs.py
-    # Plugins are installed from the package index into virtual environments; STREAKCAST_PLUGINS=no skips them.
-    if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
-        skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
-    else
-        step "plugins/test.sh" plugins/test.sh
+    if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
         step "docs/build.sh" docs/build.sh
+        step "plugins/test.sh (the rest of it)" finish_beside
     fi
 fi
 counts

@@ -14,7 +14,7 @@ use crate::orbit::OrbitError;
 use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
 use crate::schedule::ScheduleError;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use crate::streaks::StreaksError;
 
 /// Errors of a configuration, or of a request for a forecast, an identification or an injection.
@@ -183,7 +183,7 @@ pub enum ConfigError {
     #[error(transparent)]
     Images(#[from] ImagesError),
     /// Error in the frame of a request.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
     Frame(ImagesError),
     /// Error in bands, model files or standard magnitudes.
@@ -205,7 +205,7 @@ pub enum ConfigError {
     #[error(transparent)]
     Identify(#[from] IdentifyError),
     /// Error of an injection.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
     Streaks(#[from] StreaksError),
 }
@@ -222,9 +222,9 @@ impl ConfigError {
             self,
             Self::Invalid(_) | Self::Angle(_) | Self::Schedule(_) | Self::Forecast(_) | Self::Identify(_)
         );
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         return is_general || matches!(self, Self::Frame(_) | Self::Streaks(_));
-        #[cfg(not(feature = "fits"))]
+        #[cfg(not(all(feature = "fits", unix)))]
         is_general
     }
 }

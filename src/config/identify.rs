@@ -19,7 +19,7 @@ const ANGLE_SIGMA_DEG: f64 = 1.0;
 /// Default position error of an end (one sigma), arcsec.
 const POSITION_SIGMA_ARCSEC: f64 = 5.0;
 /// Default position error of an end that was measured by eye in a frame (one sigma), pixels.
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 const POSITION_SIGMA_PIX: f64 = 3.0;
 
 /// Forms in which a streak can be given.
@@ -61,26 +61,26 @@ pub struct IdentifyConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
     pub length: Option<String>,
     /// Frame (FITS) of the streak: source of world coordinates and times
-    #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "FILE"))]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "FILE"))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub image: Option<PathBuf>,
     /// First end in the frame, pixels counted from 1 as in FITS and DS9
     #[cfg_attr(
-        all(feature = "cli", feature = "fits"),
+        all(feature = "cli", feature = "fits", unix),
         arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "to_pix"])
     )]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub from_pix: Option<String>,
     /// Second end in the frame
     #[cfg_attr(
-        all(feature = "cli", feature = "fits"),
+        all(feature = "cli", feature = "fits", unix),
         arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "from_pix"])
     )]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub to_pix: Option<String>,
     /// HDU of the frame, counted from 0; the only image if omitted
-    #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "N", requires = "image"))]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "N", requires = "image"))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub hdu: Option<usize>,
     /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
@@ -227,12 +227,12 @@ impl IdentifyConfig {
         Ok(Line::Middle { position: direction(ra, dec)?, angle_deg, length_deg })
     }
 
-    #[cfg(not(feature = "fits"))]
+    #[cfg(not(all(feature = "fits", unix)))]
     fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
         Err(ConfigError::invalid("this build cannot read frames; it needs the cargo feature fits"))
     }
 
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
         use super::identify_frame::{ends, pixel};
         let (Some(path), Some(from), Some(to)) = (&self.image, &self.from_pix, &self.to_pix) else {
@@ -278,7 +278,7 @@ impl IdentifyConfig {
         let duration_s = given(&self.exposure, &config.exposure.duration)
             .map(|length| parse_duration_s("exposure", &length))
             .transpose()?;
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         if let Some(path) = &self.image {
             return super::identify_frame::exposure(path, self.hdu, start, duration_s);
         }

@@ -10,11 +10,11 @@ mod error;
 mod forecast;
 mod health;
 mod identify;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod identify_frame;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod injection;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod injection_plan;
 mod inputs;
 mod observation;
@@ -30,9 +30,9 @@ pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
 pub use identify::{IdentifyConfig, IdentifyPlan, STREAK_FORMS};
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use injection::InjectionConfig;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use injection_plan::{SkyOf, inject_frames, inject_into_array};
 pub use inputs::LoadedInputs;
 pub use observation::{MOST_SAMPLES, ObservationPlan};

@@ -148,7 +148,7 @@ pub struct Numbers(pub Vec<f64>);
 
 impl Numbers {
     /// Reads `LEAST` to `MOST` finite numbers.
-    #[cfg(all(feature = "cli", feature = "fits"))]
+    #[cfg(all(feature = "cli", feature = "fits", unix))]
     pub(super) fn parse<const LEAST: usize, const MOST: usize>(text: &str) -> Result<Self, String> {
         let numbers: Option<Vec<f64>> = text
             .split(',')

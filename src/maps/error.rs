@@ -31,11 +31,11 @@ pub enum MapError {
         site_km: f64,
     },
     /// Failure to write a FITS file.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error("FITS: {0}")]
     Fits(String),
     /// Failure of the temporary folder in which FITS files are written.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error("cannot write a FITS file in the scratch folder: {0}")]
     Scratch(String),
 }

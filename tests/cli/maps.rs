@@ -142,7 +142,7 @@ fn verif_the_papers_figures_in_another_band() {
     fails(&[&paper, &["--threads", "0"]], &["threads is 0"]);
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn verif_fits_by_format_or_by_name() {
     // A name that CFITSIO would interpret as an expression.
@@ -216,7 +216,7 @@ fn verif_a_provisional_model_and_a_hidden_sun_are_reported() {
 fn verif_file_name_extensions() {
     let folder = tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).display().to_string();
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     for name in ["a.FITS", "a.fit", "a.Fits"] {
         assert_eq!(answers(&[SKY, &["--nside", "4", "-o", &path(name)]]), "");
         assert!(fs::read(path(name)).unwrap().starts_with(b"SIMPLE  ="), "{name}");
@@ -336,7 +336,7 @@ fn verif_a_model_is_a_name_or_a_path() {
     assert!(here("nope")[1].contains("unknown model 'nope', and no file of that name; allowed:"));
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn verif_an_invalid_temporary_folder_is_reported_once_with_a_remedy() {
     let folder = tempdir().unwrap();

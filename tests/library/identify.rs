@@ -79,7 +79,7 @@ fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
 
 /// Starlink-1102 in exposure 941420 of the Dark Energy Camera (see streak_real.rs), with elements 11.5 and 9.5 days
 /// old, the latter within a manoeuvre.
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn valid_starlink_1102_is_identified_in_decam() {
     use streakcast::images::{FrameFile, PixelPosition, Wcs};

@@ -3,7 +3,7 @@
 use crate::common::maps::{options, v15};
 use streakcast::maps::{BodyView, Earth, Grid, PAPER_FIGURES, SkyView};
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn verif_fits_contains_the_table() {
     use fitsio::FitsFile;
@@ -41,7 +41,7 @@ fn verif_fits_contains_the_table() {
 }
 
 /// Names in headers are transliterated to ASCII, and truncated text is marked.
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn verif_fits_headers_accept_names_of_any_language() {
     use fitsio::FitsFile;

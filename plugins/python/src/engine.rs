@@ -15,7 +15,8 @@ use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, Sna
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict, VerdictKind,
-    WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures, streak_table,
+    WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures,
+    streak_table,
 };
 
 use crate::columns::{columns, times};

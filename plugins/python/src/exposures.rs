@@ -8,6 +8,7 @@ use streakcast::config::parse_time_scale;
 use streakcast::frames::is_covered;
 use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, epoch_from_mjd};
+use streakcast::output::format_utc;
 use streakcast::passes::Exposure;
 use streakcast::schedule::ScheduledExposure;
 
@@ -153,4 +154,10 @@ pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<Schedule
 /// Returns the lower-case name of a time scale.
 pub fn scale_name(scale: TimeScale) -> String {
     scale.to_string().to_ascii_lowercase()
+}
+
+/// Returns a time as ISO 8601 text (UTC), to the nanosecond.
+#[pyfunction]
+pub fn utc_text(jd1: f64, jd2: f64) -> PyResult<String> {
+    Ok(format_utc(start_of(0, jd1, jd2)?, 9))
 }

@@ -4,7 +4,7 @@
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use streakcast::config::{Config, ForecastConfig, IdentifyConfig, ConfigError};
+use streakcast::config::{Config, ConfigError, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
     ForecastError, ForecastRequest, PassRow, Selection, forecast as compute_forecast, night_table, pass_table,
 };

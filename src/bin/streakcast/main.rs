@@ -26,7 +26,7 @@ use verbs::flag::FlagArguments;
 use verbs::forecast::ForecastArguments;
 use verbs::gate::GateArguments;
 use verbs::identify::IdentifyArguments;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use verbs::inject::InjectArguments;
 use verbs::lists::ListArguments;
 use verbs::map::MapArguments;
@@ -70,7 +70,7 @@ enum Verb {
     #[cfg(feature = "plot")]
     Plot(Box<PlotArguments>),
     /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     Inject(Box<InjectArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
     #[cfg(feature = "fetch")]
@@ -113,7 +113,7 @@ fn main() -> ExitCode {
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "plot")]
         Verb::Plot(typed) => verbs::plot::run(*typed),
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         Verb::Inject(typed) => verbs::inject::run(*typed),
         #[cfg(feature = "fetch")]
         Verb::Fetch(typed) => verbs::fetch::run(&typed),

@@ -195,7 +195,7 @@ pub fn check(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Checks that a file can be replaced atomically, which excludes pipes and devices.
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub fn check_whole(path: &Path) -> anyhow::Result<()> {
     check_name(path)?;
     streakcast::output::AtomicFile::check(path).map_err(|error| cannot_write(path, &error))
@@ -211,7 +211,7 @@ fn check_name(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes a file of bytes atomically.
-#[cfg(any(feature = "fit", feature = "fits", feature = "plot"))]
+#[cfg(any(feature = "fit", all(feature = "fits", unix), feature = "plot"))]
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))
 }

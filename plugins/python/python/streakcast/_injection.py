@@ -209,6 +209,8 @@ def inject(
         sky_cache, _ = model._open()
         config, setup = model._state["config"], {**model._state["setup"], **camera}
 
+    if not hasattr(_core, "inject"):
+        raise NotImplementedError("inject is not in this build: it needs CFITSIO, which does not build on Windows")
     if is_file:
         if output is None:
             raise ValueError("missing output file; specify output=...")

@@ -10,7 +10,7 @@ pub mod flag;
 pub mod forecast;
 pub mod gate;
 pub mod identify;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub mod inject;
 mod judged;
 pub mod lists;

@@ -12,7 +12,7 @@ use streakcast::output::{Provenance, Section, Table};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 
 use crate::failure::Outcome;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use crate::output::write_bytes;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded};
@@ -21,7 +21,7 @@ use super::arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb}
 #[cfg(feature = "plot")]
 use super::pictures;
 use super::target::Target;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use super::target::fits_bytes;
 use crate::verbs::judged::begin;
 
@@ -73,7 +73,7 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
             let map = view.map(*grid);
             write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN)?;
         }
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]
@@ -113,7 +113,7 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
             let map = view.map(*grid);
             write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN)?;
         }
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]

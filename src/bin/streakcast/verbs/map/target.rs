@@ -2,16 +2,16 @@
 
 use std::ffi::OsStr;
 use std::path::Path;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use streakcast::maps::{DEFAULT_NSIDE, MapError};
 use streakcast::maps::{DEFAULT_STEP_DEG, Grid};
 
 use super::arguments::MapOutputArguments;
-#[cfg(any(feature = "fits", feature = "plot"))]
+#[cfg(any(all(feature = "fits", unix), feature = "plot"))]
 use crate::output::check;
 use crate::output::{FORMATS, Format, Output};
 
@@ -21,7 +21,7 @@ pub enum Target {
     #[cfg(feature = "plot")]
     Nothing,
     Table(Output, Grid),
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     Fits(PathBuf, Grid),
 }
 
@@ -104,7 +104,7 @@ impl Target {
         }
     }
 
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     fn fits(typed: &MapOutputArguments, grid: Grid) -> anyhow::Result<Self> {
         let path =
             typed.output.clone().ok_or_else(|| anyhow!("missing output file for format fits; specify -o map.fits"))?;
@@ -117,14 +117,16 @@ impl Target {
         Ok(Self::Fits(path, if typed.nside.is_some() { grid } else { Grid::healpix(DEFAULT_NSIDE)? }))
     }
 
-    #[cfg(not(feature = "fits"))]
+    #[cfg(not(all(feature = "fits", unix)))]
     fn fits(_: &MapOutputArguments, _: Grid) -> anyhow::Result<Self> {
-        Err(anyhow!("format fits needs a build with the cargo feature fits; allowed: {FORMATS}"))
+        Err(anyhow!(
+            "format fits needs a build with the Cargo feature fits, which does not exist on Windows; allowed: {FORMATS}"
+        ))
     }
 }
 
 /// Returns the bytes of a FITS file. CFITSIO writes it to the temporary folder of the system first.
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub fn fits_bytes(made: impl FnOnce(&Path) -> Result<Vec<u8>, MapError>) -> anyhow::Result<Vec<u8>> {
     made(&std::env::temp_dir()).map_err(|error| match error {
         MapError::Scratch(_) => anyhow!("{error}; the environment variable TMPDIR sets another folder"),
