@@ -196,12 +196,12 @@ pub enum FitError {
         least: usize,
     },
     /// A starting position with probability zero.
-    #[error("the starting position of walker {walker} is {place:?}; allowed: positions with a probability above 0")]
+    #[error("the starting position of walker {walker} is {position:?}; allowed: positions with a probability above 0")]
     WalkerStart {
         /// Number of the walker.
         walker: usize,
         /// Starting position.
-        place: Vec<f64>,
+        position: Vec<f64>,
     },
     /// Starting positions in a plane, which the stretch move cannot leave.
     #[error(
