@@ -288,7 +288,7 @@ impl BrightnessModel {
 
     /// Returns the apparent magnitude with its sigma, source and range flag.
     ///
-    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` where that is 0 or NaN,
+    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` where it is 0 or NaN,
     /// where no lit surface is visible, and, with extinction, where the satellite is at or below the observer's
     /// horizon.
     pub fn brightness(

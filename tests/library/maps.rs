@@ -294,7 +294,9 @@ fn verif_invalid_requests() {
     let high = Site::new_deg("balloon", 0.0, 0.0, 40_000.0).unwrap();
     let below = SkyView::new(&model, Earth::Ellipsoid(high), 30.0, 0.0, 0.0, options()).unwrap_err().to_string();
     assert!(below.contains("below site balloon; allowed: above 40.0 km"), "{below}");
-    assert!(BodyView::new(&model, -2.0, 550.0, options()).unwrap_err().to_string().contains("Sun's latitude is -114.5"));
+    assert!(
+        BodyView::new(&model, -2.0, 550.0, options()).unwrap_err().to_string().contains("Sun's latitude is -114.5")
+    );
     assert!(BodyView::new(&model, -0.2, f64::INFINITY, options()).is_err());
 }
 
