@@ -314,7 +314,7 @@ fn imports(path: &Path, text: &str) -> (Names, Imports) {
             let base = match names[0] {
                 "crate" => root,
                 "super" => &module[..module.len().saturating_sub(supers)],
-                // A name of the same folder in a mod.rs, or of another crate.
+                // The path begins with a name of the same folder (in a mod.rs) or of another crate.
                 _ => &module[..],
             };
             names.drain(..supers.max(usize::from(["crate", "self"].contains(&names[0]))));

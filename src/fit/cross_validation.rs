@@ -47,8 +47,8 @@ pub struct FormScore {
     pub aic: f64,
     /// Sigma that contains 68.3 % of the points held out.
     pub sigma_68_mag: f64,
-    /// Fraction of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a
-    /// predicted sigma.
+    /// Fraction of the points of each fold within the sigma of the *other* folds: unseen points within a predicted
+    /// sigma.
     pub within_one_sigma: f64,
 }
 

@@ -92,7 +92,7 @@ pub enum FitError {
         allowed: &'static str,
     },
     /// Missing element sets.
-    #[error("{what} requires element sets; none are given")]
+    #[error("element sets for {what} are missing; allowed: element sets with their history")]
     NoHistory {
         /// Operation that requires them.
         what: &'static str,
@@ -196,21 +196,25 @@ pub enum FitError {
         least: usize,
     },
     /// A starting position with probability zero.
-    #[error("walker {walker} starts at a position with zero or invalid probability: {place:?}")]
+    #[error("the starting position of walker {walker} is {position:?}; allowed: positions with a probability above 0")]
     WalkerStart {
         /// Number of the walker.
         walker: usize,
         /// Starting position.
-        place: Vec<f64>,
+        position: Vec<f64>,
     },
     /// Starting positions in a plane, which the stretch move cannot leave.
-    #[error("the starting positions of the walkers do not differ in parameter {parameter}")]
+    #[error(
+        "the starting positions of the walkers are equal in parameter {parameter}; allowed: positions that differ in each"
+    )]
     FlatWalkers {
         /// Index of the constant parameter.
         parameter: usize,
     },
     /// A chain of unexpected length.
-    #[error("the chain has {given} numbers, which do not match {walkers} walkers and {parameters} parameters")]
+    #[error(
+        "the chain has {given} numbers; allowed: as many as {walkers} walkers and {parameters} parameters give in whole steps"
+    )]
     ChainShape {
         /// Length of the chain.
         given: usize,

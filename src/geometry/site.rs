@@ -31,7 +31,7 @@ pub struct Site {
 }
 
 /// Number of common letters, at the beginning or as a whole name, that makes two names similar.
-const ALIKE: usize = 4;
+const LEAST_COMMON_LETTERS: usize = 4;
 
 struct Entry {
     site: Site,
@@ -158,7 +158,7 @@ fn nearest_names(key: &str) -> Vec<String> {
                 let changes = strsim::levenshtein(key, known);
                 let letters = key.chars().count().max(known.chars().count());
                 let alike = key.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
-                (3 * changes <= letters || alike >= ALIKE).then_some(changes)
+                (3 * changes <= letters || alike >= LEAST_COMMON_LETTERS).then_some(changes)
             };
             Some((entry.keys.iter().filter_map(distance).min()?, entry.site.name.as_str()))
         })
@@ -169,7 +169,7 @@ fn nearest_names(key: &str) -> Vec<String> {
 
 /// Returns true if a part long enough to be significant occurs in a text.
 fn is_within(part: &str, whole: &str) -> bool {
-    part.chars().count() >= ALIKE && whole.contains(part)
+    part.chars().count() >= LEAST_COMMON_LETTERS && whole.contains(part)
 }
 
 /// Observer at a site, with the Earth-fixed quantities computed once.
@@ -259,8 +259,8 @@ impl ObserverState {
 mod tests {
     use super::*;
 
-    /// A campus is some hundred metres wide, and a name denotes one dome of it: the entry of astropy is often another
-    /// dome, or rounded to an arcminute. At 1000 km, 1 km is three arcminutes: better positions must be given as
+    /// Tolerance of positions, metres: a campus is some hundred metres wide, and the entry of astropy is often another
+    /// dome of it, or rounded to an arcminute. At 1000 km, 1 km is three arcminutes; better positions must be given as
     /// numbers.
     const CAMPUS_M: f64 = 1000.0;
 

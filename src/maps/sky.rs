@@ -87,7 +87,7 @@ impl<'a> SkyView<'a> {
     /// radians.
     ///
     /// # Errors
-    /// A Sun's altitude beyond ±90°, an azimuth beyond ±360°, a height outside 0 to 100,000 km or below the site.
+    /// An altitude of the Sun beyond ±90°, an azimuth beyond ±360°, a height outside 0 to 100,000 km or below the site.
     pub fn new(
         model: &'a BrightnessModel,
         earth: Earth,

@@ -16,7 +16,7 @@ use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, 
 use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::ViewingGeometry;
 
-/// Added in quadrature for a conversion from the model's band to another with the Sun's colour, mag. Assumed:
+/// Sigma added in quadrature for a conversion from the model's band to another with the Sun's colour, mag. Assumed:
 /// satellites are up to a few tenths redder or bluer than the Sun, and no survey by type is public.
 const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
@@ -288,7 +288,7 @@ impl BrightnessModel {
 
     /// Returns the apparent magnitude with its sigma, source and range flag.
     ///
-    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` where that is 0 or NaN,
+    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` where it is 0 or NaN,
     /// where no lit surface is visible, and, with extinction, where the satellite is at or below the observer's
     /// horizon.
     pub fn brightness(

@@ -7,7 +7,7 @@ use super::axes::Frame;
 use super::contour::contours;
 use super::picture::{PAPER, Pixels};
 
-/// Empty cells around the counted ones, so that every line is closed.
+/// Number of empty cells around the counted ones, so that every line is closed.
 const BORDER: usize = 3;
 
 /// Number of smoothing passes before lines are drawn.

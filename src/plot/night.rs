@@ -20,7 +20,7 @@ const MAGNITUDES: [f64; 2] = [112.0, 430.0];
 const NUMBERS: [f64; 2] = [438.0, 528.0];
 const STRIP: [f64; 2] = [536.0, 566.0];
 const CLEAR: RGBColor = RGBColor(208, 208, 208);
-/// Exposures with streaks without a magnitude, and rows that could not be judged.
+/// Colour of exposures with streaks without a magnitude, and of rows that could not be judged.
 const UNKNOWN: RGBColor = RGBColor(90, 90, 90);
 const LIMIT: RGBColor = RGBColor(213, 94, 0);
 const DAY_S: f64 = 86_400.0;

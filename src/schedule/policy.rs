@@ -190,8 +190,8 @@ impl Policy {
         self.kinds_of_telescope().next().map(|(name, _)| name)
     }
 
-    /// Returns the limits taken from the telescope, by their keys, with the numbers by band in its file; an empty table
-    /// if the file has none of that kind.
+    /// Returns the keys of the limits that the policy takes from the telescope, each with the numbers by band in the
+    /// telescope's file; a table is empty if the file has no limits of that kind.
     pub fn limits_of_telescope(&self, telescope: &Telescope) -> Vec<(&'static str, MagnitudeLimit)> {
         let limits = telescope.limits.keys();
         self.kinds_of_telescope()

@@ -169,14 +169,14 @@ fn verif_invalid_arguments() {
     fails(&[&["map", "body", "--model", "nope", "--sun-latitude-deg", "-14"], &out], &["unknown model 'nope'", known]);
     fails(&[&["map", "body", "--model", "no.json", "--sun-latitude-deg", "-14"], &out], &["model no.json"]);
     fails(&[BODY, &["--height-km", "0"], &out], &["height is 0 km; allowed: above 0, at most 100000 km"]);
-    fails(&[SKY, &["--height-km", "-550"], &out], &["height -550 km"]);
-    fails(&[SKY, &["--height-km", "nan"], &out], &["height NaN km"]);
+    fails(&[SKY, &["--height-km", "-550"], &out], &["height is -550 km"]);
+    fails(&[SKY, &["--height-km", "nan"], &out], &["height is NaN km"]);
     fails(
         &[&["map", "sky", "--model", "v1.5", "--sun-altitude-deg", "-91"], &out],
-        &["Sun's altitude -91", "-90 to 90"],
+        &["Sun's altitude is -91", "-90 to 90"],
     );
-    fails(&[&["map", "body", "--model", "v1.5", "--sun-latitude-deg", "95"], &out], &["Sun's latitude 95"]);
-    fails(&[SKY, &["--sun-azimuth-deg", "1000"], &out], &["Sun's azimuth 1000"]);
+    fails(&[&["map", "body", "--model", "v1.5", "--sun-latitude-deg", "95"], &out], &["Sun's latitude is 95"]);
+    fails(&[SKY, &["--sun-azimuth-deg", "1000"], &out], &["Sun's azimuth is 1000"]);
     fails(&[SKY, &["--step-deg", "7"], &out], &["step is 7 deg; allowed: 0.1 to 5 deg"]);
     fails(&[SKY, &["--nside", "0"], &out], &["nside is 0; allowed: 1 to 1024"]);
     fails(&[SKY, &["--nside", "8", "--step-deg", "2"], &out], &["cannot be used with"]);

@@ -88,13 +88,13 @@ fn verif_each_reason_is_counted_with_its_first_row() {
         ),
         (DropReason::Unparsable, row("2021-01-01", "2191-01-01"), "1957 to 2100"),
         (DropReason::Unparsable, row(",0,", ",2,"), "Penumbra is '2'; allowed: 0 or 1"),
-        (DropReason::Unparsable, row("697.324", "-697"), "Distance '-697'"),
-        (DropReason::Unparsable, row("46056", "star"), "NORAD 'star'"),
-        (DropReason::Unparsable, row(GOOD.trim_end(), "2021-01-01,8.1,7.1"), "Date '2021-01-01', expected"),
-        (DropReason::WrongFilter, row("Clear", "Pol"), "Filter 'Pol'"),
-        (DropReason::NoMagnitude, GOOD.replace("7.18581", "99.0"), "Mag '99.0'"),
-        (DropReason::NoMagnitude, GOOD.replace("7.18581", "nan"), "Mag 'nan'"),
-        (DropReason::NoMagnitude, GOOD.replace("7.18581", ""), "Mag ''"),
+        (DropReason::Unparsable, row("697.324", "-697"), "Distance is '-697'"),
+        (DropReason::Unparsable, row("46056", "star"), "NORAD is 'star'"),
+        (DropReason::Unparsable, row(GOOD.trim_end(), "2021-01-01,8.1,7.1"), "Date is '2021-01-01'; allowed: a time"),
+        (DropReason::WrongFilter, row("Clear", "Pol"), "Filter is 'Pol'"),
+        (DropReason::NoMagnitude, GOOD.replace("7.18581", "99.0"), "Mag is '99.0'"),
+        (DropReason::NoMagnitude, GOOD.replace("7.18581", "nan"), "Mag is 'nan'"),
+        (DropReason::NoMagnitude, GOOD.replace("7.18581", ""), "Mag is ''"),
         (DropReason::Duplicate, GOOD.to_owned(), ""),
         (DropReason::PenumbraFlag, row(",0,", ",1,"), ""),
         // A satellite at a distance of 2900 km at midnight in January, at 550 km height.
@@ -252,7 +252,7 @@ fn verif_files_that_cannot_be_read() {
     let plain = PhotometryOptions::default();
     assert!(error_of("", &plain).contains("has no rows"));
     assert!(error_of(HEADER, &plain).contains("has no rows"));
-    assert!(error_of("a,b\n1,2\n", &plain).contains("unknown format"));
+    assert!(error_of("a,b\n1,2\n", &plain).contains("is unknown; allowed: pomenis, mmt"));
     let named = |format: Format| PhotometryOptions { format: Some(format), ..PhotometryOptions::default() };
     assert!(error_of("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
     assert!(error_of("a,b\n1,2\n", &named(Format::Csv)).contains("requires a column map"));

@@ -258,8 +258,8 @@ fn valid_stations_are_distinguished() {
     for number in [44713, 44714, 44724] {
         let sets = history(&[data.join(format!("tle/history/starlink_{number}.txt"))]);
         let intervals = Stations::new(&sets, &StationRule::default()).intervals(NoradId(number));
-        let stands = |one: &&StationInterval| one.phase == OrbitPhase::OnStation;
-        let longest = intervals.iter().filter(stands).max_by_key(|one| one.end - one.start).unwrap();
+        let is_on_station = |one: &&StationInterval| one.phase == OrbitPhase::OnStation;
+        let longest = intervals.iter().filter(is_on_station).max_by_key(|one| one.end - one.start).unwrap();
         println!("{number}: {} intervals, longest {longest:?}", intervals.len());
         assert!((longest.end - longest.start).to_unit(hifitime::Unit::Day) > 30.0, "{number}");
         let raised = intervals.iter().position(|one| one.phase == OrbitPhase::Raising).unwrap();

@@ -253,12 +253,12 @@ fn verif_an_invalid_folder_is_named() {
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
     for (text, expected) in [
         ("sun altitude,sat altitude,sat height,measured_ab\n-20,40,530000,7\n", "no column 'az diff'"),
-        ("sun altitude,sat altitude,sat height,measured_ab,az diff\n-20,40,530000,x,10\n", "row 1: measured_ab 'x'"),
+        ("sun altitude,sat altitude,sat height,measured_ab,az diff\n-20,40,530000,x,10\n", "row 1: measured_ab is 'x'"),
         (
             "sun altitude,sat altitude,sat height,measured_ab,az diff\n-20,NaN,530000,7,10\n",
-            "row 1: sat altitude 'NaN'",
+            "row 1: sat altitude is 'NaN'",
         ),
-        ("sun altitude,sat altitude,sat height,measured_ab,az diff\n-20,40,530,7,10\n", "row 1: sat height '530'"),
+        ("sun altitude,sat altitude,sat height,measured_ab,az diff\n-20,40,530,7,10\n", "row 1: sat height is '530'"),
     ] {
         std::fs::write(&path, text).unwrap();
         let error = Photometry::read(folder.path()).unwrap_err().to_string();

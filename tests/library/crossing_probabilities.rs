@@ -48,7 +48,7 @@ fn moved(set: &ElementSet, sigma: OrbitUncertainty, [late, inclination, node]: [
     set
 }
 
-/// The same satellites with errors drawn once.
+/// Returns the same satellites displaced by one draw of their errors.
 fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<ElementSet> {
     let of = |set: &ElementSet| {
         let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), age_days);
@@ -381,8 +381,9 @@ fn verif_passes_without_light_are_the_same_but_for_it() {
     let exposures = exposures(start, 360, &mut Random(20_261_123));
     let sky = sky(published(1.0, start, 1584));
     let lit = PassOptions { min_probability: Some(0.01), samples: 3, ..PassOptions::default() };
-    let ask = |options: &PassOptions| sky.field_passes(&exposures, &field, options).expect("passes").by_exposure;
-    let mut expected = ask(&lit);
+    let passes_with =
+        |options: &PassOptions| sky.field_passes(&exposures, &field, options).expect("passes").by_exposure;
+    let mut expected = passes_with(&lit);
     let dark = |point: &mut TrackPoint| point.brightness = None;
     let mut bright = 0;
     for pass in expected.iter_mut().flatten() {
@@ -390,5 +391,5 @@ fn verif_passes_without_light_are_the_same_but_for_it() {
         [&mut pass.enter, &mut pass.mid, &mut pass.exit].into_iter().chain(&mut pass.samples).for_each(dark);
     }
     assert!(bright > 10, "{bright} passes with light");
-    assert_eq!(ask(&PassOptions { without_light: true, ..lit }), expected);
+    assert_eq!(passes_with(&PassOptions { without_light: true, ..lit }), expected);
 }

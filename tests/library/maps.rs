@@ -284,9 +284,9 @@ fn verif_invalid_requests() {
         (0.0, 0.0, -0.2, "height is 0 km; allowed: above 0"),
         (-5.0, 0.0, -0.2, "height -5 km"),
         (f64::NAN, 0.0, -0.2, "height NaN km"),
-        (550.0, 0.0, 1.6, "Sun's altitude 91.6"),
-        (550.0, 7.0, -0.2, "Sun's azimuth 401"),
-        (550.0, f64::NAN, -0.2, "Sun's azimuth NaN"),
+        (550.0, 0.0, 1.6, "Sun's altitude is 91.6"),
+        (550.0, 7.0, -0.2, "Sun's azimuth is 401"),
+        (550.0, f64::NAN, -0.2, "Sun's azimuth is NaN"),
     ] {
         let text = sky(height_km, azimuth, altitude).unwrap_err().to_string();
         assert!(text.contains(part), "{text}");
@@ -294,7 +294,9 @@ fn verif_invalid_requests() {
     let high = Site::new_deg("balloon", 0.0, 0.0, 40_000.0).unwrap();
     let below = SkyView::new(&model, Earth::Ellipsoid(high), 30.0, 0.0, 0.0, options()).unwrap_err().to_string();
     assert!(below.contains("below site balloon; allowed: above 40.0 km"), "{below}");
-    assert!(BodyView::new(&model, -2.0, 550.0, options()).unwrap_err().to_string().contains("Sun's latitude -114.5"));
+    assert!(
+        BodyView::new(&model, -2.0, 550.0, options()).unwrap_err().to_string().contains("Sun's latitude is -114.5")
+    );
     assert!(BodyView::new(&model, -0.2, f64::INFINITY, options()).is_err());
 }
 

@@ -13,8 +13,8 @@ use streakcast::orbit::Propagator;
 /// and high orbits that graze the shadow are the worst case.
 const MOMENT_S: f64 = 0.02;
 
-/// Angle between the Sun's edge and the spherical Earth of the golden cone: the same closed form, with our satellite
-/// and our Sun.
+/// Angle between the edges of the Sun and of a spherical Earth, by the closed form of the golden cone, from our
+/// positions of satellite and Sun.
 fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
     let to_sun = *sun - *satellite;
     let (r, d) = (satellite.norm_km(), to_sun.norm_km());

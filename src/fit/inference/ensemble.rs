@@ -168,7 +168,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
         }
         let log_probabilities = posterior.of_many(&starts);
         if let Some(walker) = log_probabilities.iter().position(|value| !value.is_finite()) {
-            return Err(FitError::WalkerStart { walker, place: starts[walker].clone() });
+            return Err(FitError::WalkerStart { walker, position: starts[walker].clone() });
         }
         let chain = Chain { walkers, parameters, accepted: vec![0; walkers], ..Chain::default() };
         Ok(Self { posterior, seed, positions: starts, log_probabilities, chain })

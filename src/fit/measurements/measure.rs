@@ -162,7 +162,7 @@ fn check(placement: &Placement) -> Result<(), FitError> {
         PositionSource::Elements { .. } | PositionSource::Recorded { radius: Some(OrbitRadius::Elements) }
             if placement.history.is_none() =>
         {
-            Err(FitError::NoHistory { what: "geometry by element sets" })
+            Err(FitError::NoHistory { what: "the geometry" })
         }
         PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
             positive("height_km", height, "more than 0 km")

@@ -84,7 +84,7 @@ pub(super) fn lit_fraction(above: f64, limb: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Agreement with the direct sum over the disk; the cell size of the sum dominates the difference.
+    /// Tolerance for the direct sum over the disk; the cell size of the sum dominates the difference.
     const TOLERANCE: f64 = 5e-5;
 
     #[test]

@@ -9,7 +9,8 @@ use serde::{Deserialize, Serialize};
 use super::attitude::Axes;
 use crate::photometry::phase::lambert_sphere;
 
-/// Capacity: the intersection of eight quadrilaterals, each cut by a plane and by the panel, has no more corners.
+/// Largest number of corners: the intersection of eight quadrilaterals, each cut by a plane and by the panel, has no
+/// more corners.
 const MAX_CORNERS: usize = 48;
 
 /// A convex polygon of at most 48 corners in the plane of a panel (u and v along its edges), metres.

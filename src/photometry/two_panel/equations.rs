@@ -44,7 +44,7 @@ use crate::photometry::model_file::SatelliteShape;
 /// Logarithm of a mirror cosine that is not positive: every power of it is 0.
 const NO_LOBE: f64 = -1e5;
 
-/// Replaces a cosine of 0 as a divisor.
+/// Divisor used in place of a cosine of 0.
 const TINY: f64 = 1e-60;
 
 /// A rectangular sail hinged to the edge of a rectangular chassis.

@@ -71,7 +71,7 @@ fn verif_empty_nights_are_labelled_and_invalid_ones_rejected() {
     assert!(refused(&Default::default()).contains("nothing to draw: no exposures"));
     let mut long = clear.clone();
     long[0][119] += 3.0;
-    assert!(refused(&long).contains("allowed: 2 d"));
+    assert!(refused(&long).contains("allowed: at most 2 d"));
     let mut uneven = clear.clone();
     uneven[3].pop();
     assert!(refused(&uneven).contains("brightest magnitudes: 119 values; allowed: 120"));
