@@ -495,3 +495,20 @@ fn a_policy_with_limits_of_the_telescope_needs_a_telescope() {
     fails(&[&flag(&schedule), &["--policy", &policy]], &["allowed: a number, a table of numbers by band, or"]);
     fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);
 }
+
+/// Memory and time grow with the exposure: 11.4 million years took 172 GB, 1e300 s is beyond every date.
+#[test]
+fn exposures_longer_than_a_day_are_refused() {
+    let pointing = [&POINTING[..3], &POINTING[5..]].concat();
+    for (exposure, given) in [("99999999999h", "359999999996400 s"), ("1e300s", "1e300 s"), ("24.01h", "86436 s")] {
+        let parts = [&format!("exposure is {given}")[..], "allowed: 0 to 86400 s"];
+        fails(&[&pointing, &["--exposure", exposure], SITE, SHELLS], &parts);
+    }
+    let folder = TempDir::new().unwrap();
+    for duration in ["86401", "1e300"] {
+        let row = format!("{HEADER}a,2024-08-14T03:30:00Z,{duration},280,-30\n");
+        let (code, stdout, _) = run(&[&flag(&file(&folder, "long.csv", row.as_bytes())), &["--format", "csv"]]);
+        assert_eq!(code, 0);
+        assert!(stdout.contains("invalid") && stdout.contains("allowed: 0 to 86400"), "{stdout}");
+    }
+}

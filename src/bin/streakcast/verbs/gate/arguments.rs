@@ -11,7 +11,7 @@ use streakcast::config::{
 };
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_moment, parse_right_ascension_deg};
 use streakcast::geometry::Site;
-use streakcast::schedule::{MagnitudeLimit, Policy};
+use streakcast::schedule::MagnitudeLimit;
 
 use super::clock::Clock;
 use crate::required::Required;
@@ -151,9 +151,6 @@ impl Request {
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
         let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
         let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
-        if max_wait_s > Policy::LONGEST_DELAY_S {
-            return Err(anyhow!("max-wait is {max_wait_s} s; allowed: 0 to {} s", Policy::LONGEST_DELAY_S));
-        }
         let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
         if !(0.1..=600.0).contains(&timeout_s) {
             return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 600 s"));
