@@ -62,6 +62,7 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("rand_distr", &["fit", "images", "streaks"]),
     ("sha2", &["elements", "fit"]),
     ("saphyr", &["schedule"]),
+    ("saphyr_parser", &["schedule"]),
     ("tempfile", &["output"]),
     ("fitsio", &["images"]),
     ("fitsio_sys", &["images"]),

@@ -512,3 +512,17 @@ fn exposures_longer_than_a_day_are_refused() {
         assert!(stdout.contains("invalid") && stdout.contains("allowed: 0 to 86400"), "{stdout}");
     }
 }
+
+/// Nested block sequences and mappings overflowed the stack of the YAML loader.
+#[test]
+fn deeply_nested_ecsv_headers_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let rows = format!("{HEADER}a,2024-08-14T03:30:00Z,30,280,-30\n");
+    for marker in ["- ", "? "] {
+        let header = |depth| format!("# %ECSV 1.0\n# ---\n# delimiter: ','\n# meta:\n#  {}a\n", marker.repeat(depth));
+        let deep = file(&folder, "deep.ecsv", (header(100_000) + &rows).as_bytes());
+        fails(&[&flag(&deep)], &["deep.ecsv, line 5", "nested too deeply; allowed: 64 levels"]);
+        let shallow = file(&folder, "shallow.ecsv", (header(50) + &rows).as_bytes());
+        assert_eq!(run(&[&flag(&shallow)]).0, 0, "{marker}");
+    }
+}
