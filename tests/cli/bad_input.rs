@@ -526,3 +526,47 @@ fn deeply_nested_ecsv_headers_are_refused() {
         assert_eq!(run(&[&flag(&shallow)]).0, 0, "{marker}");
     }
 }
+
+/// A named pipe without a writer blocked the run, a device without end filled the memory.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let pipe = folder.path().join("pipe").display().to_string();
+    assert!(Process::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let strict: &[&str] = &["gate", "--strict", "--exposure", "30s", "--ra", "280", "--dec", "-30", "--fov", "3.5deg"];
+    for (path, kind) in [(pipe.as_str(), "is a named pipe"), ("/dev/zero", "is a device")] {
+        let parts = [path, kind, "allowed: a file"];
+        fails(&[&flag(path)], &parts);
+        fails(&[POINTING, SITE, &["--elements", path]], &parts);
+        fails(&[strict, SITE, &["--elements", path]], &parts);
+        fails(&[strict, SITE, SHELLS, &["--eop", path]], &parts);
+        fails(&[strict, SITE, SHELLS, &["--config", path]], &parts);
+        let targets: &[&str] = &["gate", "--strict", "--exposure", "30s", "--target", "M31", "--fov", "3.5deg"];
+        fails(&[targets, SITE, SHELLS, &["--targets", path]], &parts);
+    }
+    fails(&[strict, SITE, &["--elements", "/dev/fd/0"]], &["/dev/fd/0 is a stream", "allowed: a file"]);
+}
+
+/// A shell gives `<(command)` as the name of an open descriptor.
+#[cfg(unix)]
+#[test]
+fn a_schedule_can_come_from_a_stream() {
+    let row = format!("{HEADER}a,2024-08-14T03:30:00Z,30,280,-30\n");
+    for path in ["/dev/stdin", "/dev/fd/0"] {
+        let output = Command::new(STREAKCAST).args(flag(path)).write_stdin(row.clone()).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{path}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// The file is sparse: its 3 GB take no space.
+#[test]
+fn files_above_2_gb_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let large = file(&folder, "large.txt", b"");
+    fs::File::options().write(true).open(&large).unwrap().set_len(3_000_000_000).unwrap();
+    let parts = ["large.txt", "more than 2000000000 bytes; allowed: at most 2000000000"];
+    fails(&[POINTING, SITE, &["--elements", &large]], &parts);
+    fails(&[&flag(&large)], &parts);
+    fails(&[POINTING, SITE, SHELLS, &["--eop", &large]], &parts);
+}
