@@ -570,3 +570,19 @@ fn files_above_2_gb_are_refused() {
     fails(&[&flag(&large)], &parts);
     fails(&[POINTING, SITE, SHELLS, &["--eop", &large]], &parts);
 }
+
+/// A terminal obeys control characters: they could clear the screen, or rename the window.
+#[test]
+fn control_characters_of_files_are_escaped_for_people() {
+    let folder = TempDir::new().unwrap();
+    let row = format!("{HEADER}a\u{1b}[2J,2024-08-14T03:30:00Z,30\u{9b}\u{7},280,-30\n");
+    let schedule = file(&folder, "controls.csv", row.as_bytes());
+    let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "table"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stdout.contains("a\\u{1b}[2J"), "{stdout}");
+    assert!(stderr.contains("30\\u{9b}\\u{7}"), "{stderr}");
+    assert!(!(stdout + &stderr).contains(|c: char| c.is_control() && c != '\n'));
+    // Data for programs keep the cells as they are.
+    assert!(run(&[&flag(&schedule), &["--format", "csv"]]).1.contains("a\u{1b}[2J"));
+    fails(&[POINTING, SITE, &["--shells", "x\u{1b}[2J"]], &["x\\u{1b}[2J"]);
+}
