@@ -42,6 +42,8 @@ pub mod frames;
 pub mod geometry;
 pub mod identify;
 pub mod images;
+#[doc(hidden)]
+pub mod input;
 pub mod maps;
 #[doc(hidden)]
 pub mod math;

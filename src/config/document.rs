@@ -9,6 +9,7 @@ use super::values::{
     FieldChoice, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice, TelescopeChoice, is_file_name,
     one_or_many,
 };
+use crate::input;
 use crate::schedule::MagnitudeLimit;
 
 /// Largest NORAD catalogue number: nine digits.
@@ -244,7 +245,7 @@ impl Config {
     /// The file cannot be read, is not TOML, or has an unknown key or an invalid value.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let shown = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Io {
+        let text = input::read_to_string(path).map_err(|source| ConfigError::Io {
             what: "configuration",
             path: shown.clone(),
             source,

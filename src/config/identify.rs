@@ -8,6 +8,7 @@ use serde::Deserialize;
 use super::document::Config;
 use super::error::ConfigError;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s};
+use crate::input;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
 use crate::passes::Exposure;
@@ -300,7 +301,7 @@ fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, ConfigError> {
 fn in_regions(path: &Path) -> Result<(Line, f64), ConfigError> {
     let shown = path.display().to_string();
     let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{shown}: {error}"));
-    let text = std::fs::read_to_string(path).map_err(|error| fail(&error))?;
+    let text = input::read_to_string(path).map_err(|error| fail(&error))?;
     let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
     // The middle line of a box drawn around a streak is more accurate than the sides of the box.
     let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;

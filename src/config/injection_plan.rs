@@ -1,6 +1,5 @@
 //! Resolution of the options of an injection to a plan, and its execution on frames.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -11,6 +10,7 @@ use super::error::ConfigError;
 use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
 use super::values::{NameOrTable, Numbers, parse_angle_deg, parse_duration_s};
+use crate::input;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
 use crate::passes::Exposure;
@@ -390,7 +390,7 @@ fn arcsec(what: &'static str, text: &str) -> Result<f64, ConfigError> {
 }
 
 fn text_of(what: &str, path: &Path) -> Result<String, ConfigError> {
-    fs::read_to_string(path).map_err(|error| ConfigError::invalid(format!("{what} {}: {error}", path.display())))
+    input::read_to_string(path).map_err(|error| ConfigError::invalid(format!("{what} {}: {error}", path.display())))
 }
 
 fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {

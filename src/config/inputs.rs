@@ -7,6 +7,7 @@ use hifitime::Epoch;
 use super::document::Config;
 use super::error::ConfigError;
 use super::values::is_file_name;
+use crate::input;
 use crate::elements::{Constellation, Generation, Keep, ReadOptions, Satellites, SourceFile};
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
@@ -167,9 +168,5 @@ impl Config {
 
 /// Reads a text file; `what` is its purpose in errors.
 pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, ConfigError> {
-    let error = |source| ConfigError::Io { what, path: path.display().to_string(), source };
-    if path.is_dir() {
-        return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; allowed: a file")));
-    }
-    std::fs::read_to_string(path).map_err(error)
+    input::read_to_string(path).map_err(|source| ConfigError::Io { what, path: path.display().to_string(), source })
 }

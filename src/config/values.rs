@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use toml::Value;
 
 use super::error::ConfigError;
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::images::Telescope;
 use crate::schedule::Policy;
 
@@ -181,13 +182,14 @@ const ANGLE_UNITS: &[(&str, f64)] = &[
 ];
 
 /// Parses a duration like `30s`, `30.0s`, `2.5min` or `1h` into seconds. A number without a unit is rejected.
+/// No duration on the command line is longer than the longest exposure.
 ///
 /// # Errors
-/// Another form, an unknown unit, a number that is negative or not finite.
+/// Another form, an unknown unit, a number that is negative, above a day or not finite.
 pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, ConfigError> {
     let allowed = "a number with its unit: 30s, 2.5min, 1h";
     let seconds = with_unit(what, text, DURATION_UNITS, allowed)?;
-    in_range(what, seconds, "s", "0 s or more", |seconds| seconds >= 0.0)
+    in_range(what, seconds, "s", "0 to 86400 s", |seconds| (0.0..=LONGEST_EXPOSURE_S).contains(&seconds))
 }
 
 /// Parses an angle like `3.5deg`, `210arcmin` or `30arcsec` into degrees, above 0, at most 180. A number without a unit
@@ -224,7 +226,9 @@ pub(super) fn in_range(
     if is_allowed(value) {
         return Ok(value);
     }
-    Err(ConfigError::OutOfRange { what, given: format!("{value} {unit}").trim_end().to_owned(), allowed })
+    // Decimal digits of 1e300 would fill the screen.
+    let number = if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") };
+    Err(ConfigError::OutOfRange { what, given: format!("{number} {unit}").trim_end().to_owned(), allowed })
 }
 
 fn invalid(what: &'static str, given: &str, allowed: &'static str) -> ConfigError {
@@ -283,7 +287,10 @@ mod tests {
     #[test]
     fn errors_of_range_have_the_range() {
         let message = |answer: Result<f64, ConfigError>| answer.unwrap_err().to_string();
-        assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure is -5 s; allowed: 0 s or more");
+        assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure is -5 s; allowed: 0 to 86400 s");
+        assert_eq!(parse_duration_s("exposure", "24h").unwrap(), LONGEST_EXPOSURE_S);
+        let above = message(parse_duration_s("exposure", "1e300s"));
+        assert_eq!(above, "exposure is 1e300 s; allowed: 0 to 86400 s");
         for (text, given) in [("0deg", "0"), ("-1deg", "-1"), ("181deg", "181")] {
             let expected = format!("fov is {given} deg; allowed: above 0 deg, at most 180 deg");
             assert_eq!(message(parse_angle_deg("fov", text)), expected);

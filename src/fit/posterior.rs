@@ -18,6 +18,7 @@ use super::error::FitError;
 use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times};
 use super::objective::Objective;
 use super::solve::Fit;
+use crate::input;
 use crate::math::quantile::quantile;
 use crate::output::AtomicFile;
 
@@ -208,7 +209,7 @@ fn write_array<T: npyz::AutoSerialize + Copy>(
 /// [`FitError::ChainFile`] if the file is missing, truncated or invalid.
 pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
-    let file = File::open(path).map_err(|error| failed(error.to_string()))?;
+    let file = input::open(path).map_err(|error| failed(error.to_string()))?;
     let mut archive = ZipArchive::new(file)
         .map_err(|_| failed("invalid .npz file; allowed: a chain written by fit run --mcmc".to_owned()))?;
     let (positions, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;

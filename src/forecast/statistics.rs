@@ -18,6 +18,7 @@ use std::f64::consts::{PI, TAU};
 use hifitime::{Epoch, TimeScale};
 
 use super::error::ForecastError;
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
@@ -133,8 +134,8 @@ impl StatisticsRequest {
         if !(self.field_rad > 0.0 && self.field_rad <= PI) {
             return out_of_range("fov", self.field_rad.to_degrees(), " deg", "above 0 deg, at most 180 deg");
         }
-        if !(self.exposure_s >= 0.0 && self.exposure_s.is_finite()) {
-            return out_of_range("exposure", self.exposure_s, " s", "0 s or more");
+        if !(0.0..=LONGEST_EXPOSURE_S).contains(&self.exposure_s) {
+            return out_of_range("exposure", self.exposure_s, " s", "0 to 86400 s");
         }
         if !(1..=10_000).contains(&self.moments) {
             return out_of_range("moments", self.moments as f64, "", "1 to 10000");

@@ -495,3 +495,94 @@ fn a_policy_with_limits_of_the_telescope_needs_a_telescope() {
     fails(&[&flag(&schedule), &["--policy", &policy]], &["allowed: a number, a table of numbers by band, or"]);
     fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);
 }
+
+/// Memory and time grow with the exposure: 11.4 million years took 172 GB, 1e300 s is beyond every date.
+#[test]
+fn exposures_longer_than_a_day_are_refused() {
+    let pointing = [&POINTING[..3], &POINTING[5..]].concat();
+    for (exposure, given) in [("99999999999h", "359999999996400 s"), ("1e300s", "1e300 s"), ("24.01h", "86436 s")] {
+        let parts = [&format!("exposure is {given}")[..], "allowed: 0 to 86400 s"];
+        fails(&[&pointing, &["--exposure", exposure], SITE, SHELLS], &parts);
+    }
+    let folder = TempDir::new().unwrap();
+    for duration in ["86401", "1e300"] {
+        let row = format!("{HEADER}a,2024-08-14T03:30:00Z,{duration},280,-30\n");
+        let (code, stdout, _) = run(&[&flag(&file(&folder, "long.csv", row.as_bytes())), &["--format", "csv"]]);
+        assert_eq!(code, 0);
+        assert!(stdout.contains("invalid") && stdout.contains("allowed: 0 to 86400"), "{stdout}");
+    }
+}
+
+/// Nested block sequences and mappings overflowed the stack of the YAML loader.
+#[test]
+fn deeply_nested_ecsv_headers_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let rows = format!("{HEADER}a,2024-08-14T03:30:00Z,30,280,-30\n");
+    for marker in ["- ", "? "] {
+        let header = |depth| format!("# %ECSV 1.0\n# ---\n# delimiter: ','\n# meta:\n#  {}a\n", marker.repeat(depth));
+        let deep = file(&folder, "deep.ecsv", (header(100_000) + &rows).as_bytes());
+        fails(&[&flag(&deep)], &["deep.ecsv, line 5", "nested too deeply; allowed: 64 levels"]);
+        let shallow = file(&folder, "shallow.ecsv", (header(50) + &rows).as_bytes());
+        assert_eq!(run(&[&flag(&shallow)]).0, 0, "{marker}");
+    }
+}
+
+/// A named pipe without a writer blocked the run, a device without end filled the memory.
+#[cfg(unix)]
+#[test]
+fn pipes_and_devices_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let pipe = folder.path().join("pipe").display().to_string();
+    assert!(Process::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let strict: &[&str] = &["gate", "--strict", "--exposure", "30s", "--ra", "280", "--dec", "-30", "--fov", "3.5deg"];
+    for (path, kind) in [(pipe.as_str(), "is a named pipe"), ("/dev/zero", "is a device")] {
+        let parts = [path, kind, "allowed: a file"];
+        fails(&[&flag(path)], &parts);
+        fails(&[POINTING, SITE, &["--elements", path]], &parts);
+        fails(&[strict, SITE, &["--elements", path]], &parts);
+        fails(&[strict, SITE, SHELLS, &["--eop", path]], &parts);
+        fails(&[strict, SITE, SHELLS, &["--config", path]], &parts);
+        let targets: &[&str] = &["gate", "--strict", "--exposure", "30s", "--target", "M31", "--fov", "3.5deg"];
+        fails(&[targets, SITE, SHELLS, &["--targets", path]], &parts);
+    }
+    fails(&[strict, SITE, &["--elements", "/dev/fd/0"]], &["/dev/fd/0 is a stream", "allowed: a file"]);
+}
+
+/// A shell gives `<(command)` as the name of an open descriptor.
+#[cfg(unix)]
+#[test]
+fn a_schedule_can_come_from_a_stream() {
+    let row = format!("{HEADER}a,2024-08-14T03:30:00Z,30,280,-30\n");
+    for path in ["/dev/stdin", "/dev/fd/0"] {
+        let output = Command::new(STREAKCAST).args(flag(path)).write_stdin(row.clone()).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{path}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+/// The file is sparse: its 3 GB take no space.
+#[test]
+fn files_above_2_gb_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let large = file(&folder, "large.txt", b"");
+    fs::File::options().write(true).open(&large).unwrap().set_len(3_000_000_000).unwrap();
+    let parts = ["large.txt", "more than 2000000000 bytes; allowed: at most 2000000000"];
+    fails(&[POINTING, SITE, &["--elements", &large]], &parts);
+    fails(&[&flag(&large)], &parts);
+    fails(&[POINTING, SITE, SHELLS, &["--eop", &large]], &parts);
+}
+
+/// A terminal obeys control characters: they could clear the screen, or rename the window.
+#[test]
+fn control_characters_of_files_are_escaped_for_people() {
+    let folder = TempDir::new().unwrap();
+    let row = format!("{HEADER}a\u{1b}[2J,2024-08-14T03:30:00Z,30\u{9b}\u{7},280,-30\n");
+    let schedule = file(&folder, "controls.csv", row.as_bytes());
+    let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "table"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stdout.contains("a\\u{1b}[2J"), "{stdout}");
+    assert!(stderr.contains("30\\u{9b}\\u{7}"), "{stderr}");
+    assert!(!(stdout + &stderr).contains(|c: char| c.is_control() && c != '\n'));
+    // Data for programs keep the cells as they are.
+    assert!(run(&[&flag(&schedule), &["--format", "csv"]]).1.contains("a\u{1b}[2J"));
+    fails(&[POINTING, SITE, &["--shells", "x\u{1b}[2J"]], &["x\\u{1b}[2J"]);
+}

@@ -6,6 +6,8 @@ use std::process::ExitCode;
 use clap::Command;
 use clap::error::ErrorKind;
 
+use crate::screen::printable;
+
 /// Result of a verb without an error.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -38,7 +40,8 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
 /// Writes a message on one line of standard error, and ignores a closed standard error.
 fn report(message: &str) {
     let message: Vec<&str> = message.split_whitespace().collect();
-    let _ = io::Write::write_all(&mut io::stderr(), format!("error: {}\n", message.join(" ")).as_bytes());
+    let line = format!("error: {}\n", message.join(" "));
+    let _ = io::Write::write_all(&mut io::stderr(), printable(&line).as_bytes());
 }
 
 /// Prints help and version on standard output, and a usage error on one line of standard error.

@@ -8,6 +8,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 use streakcast::config::PreparedSky;
 use streakcast::orbit::LeftOut;
 
+use crate::screen::printable;
+
 /// Smallest number of exposures for which a progress bar is shown.
 const LONG_WORK: usize = 2000;
 
@@ -54,7 +56,7 @@ impl Notices {
     pub fn info(&self, line: &str) {
         if !self.quiet {
             // A closed standard error is ignored.
-            let _ = writeln!(stderr(), "{line}");
+            let _ = writeln!(stderr(), "{}", printable(line));
         }
     }
 

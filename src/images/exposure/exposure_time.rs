@@ -2,6 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
 use super::super::error::ImagesError;
@@ -58,9 +59,6 @@ pub struct ExposureTime {
     /// Keyword of the length.
     pub duration_from: String,
 }
-
-/// Longest exposure, s: 115 days, beyond any sum of exposures.
-const LONGEST_S: f64 = 1e7;
 
 /// Sources of the start, for errors.
 const START_KEYWORDS: &str =
@@ -128,8 +126,8 @@ fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ImagesError> {
         let allowed = "EXPTIME, XPOSURE, EXPOSURE, ITIME, ..., or for example --exposure 30s";
         ImagesError::invalid("length of the exposure", "missing", allowed)
     })?;
-    if !(seconds > 0.0 && seconds <= LONGEST_S) {
-        let allowed = format!("above 0 s, at most {LONGEST_S} s (a bias frame has no exposure)");
+    if !(seconds > 0.0 && seconds <= LONGEST_EXPOSURE_S) {
+        let allowed = format!("above 0 s, at most {LONGEST_EXPOSURE_S} s (a bias frame has no exposure)");
         return Err(ImagesError::invalid(name, format!("{seconds} s"), allowed));
     }
     match lengths.find(|(other, _)| (other - seconds).abs() > LENGTH_SLACK_S + LENGTH_SLACK * seconds) {

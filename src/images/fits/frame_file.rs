@@ -1,7 +1,6 @@
 //! Reader of frames in FITS files.
 
 use std::fs::File;
-use std::io;
 use std::path::{Path, PathBuf};
 
 use super::super::error::ImagesError;
@@ -11,6 +10,7 @@ use super::cfitsio::{CPixel, Handle};
 use super::hdu::{HduInfo, HduKind, scan};
 use super::tile_header::columns;
 use super::tile_table::TileTable;
+use crate::input;
 
 /// Words in EXTNAME or EXTTYPE of images that do not contain light.
 const NON_LIGHT_WORDS: [&str; 9] = ["MASK", "VARIANCE", "WEIGHT", "WHT", "IVAR", "DQ", "ERR", "FLAG", "SIGMA"];
@@ -33,10 +33,8 @@ impl FrameFile {
     /// header does not describe its data; or bytes between HDUs belong to none.
     pub fn open(path: &Path) -> Result<Self, ImagesError> {
         let io = ImagesError::io(path);
+        input::check_regular(path).map_err(&io)?;
         let mut file = File::open(path).map_err(&io)?;
-        if file.metadata().map_err(&io)?.is_dir() {
-            return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "is a directory")));
-        }
         let (hdus, headers) = scan(path, &mut file)?.into_iter().unzip();
         Ok(Self { path: path.to_owned(), hdus, headers })
     }

@@ -67,7 +67,7 @@ impl Annotation<'_> {
 
 /// Returns the text of a schedule.
 pub(super) fn read_text(input: &Path) -> Result<String, ScheduleError> {
-    std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
+    crate::input::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
 }
 
 /// Insertions into a text and removals from it; all other bytes are kept.

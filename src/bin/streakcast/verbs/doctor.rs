@@ -19,7 +19,7 @@ use super::judged::{begin, judge};
 use crate::cache::{FetchRecord, cache_folder, records_in};
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
-use crate::screen::Style;
+use crate::screen::{Style, printable};
 
 #[derive(Args)]
 pub struct DoctorArguments {
@@ -69,7 +69,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     health.findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     let findings = finding_table(&health.findings);
     if is_text {
-        output.write_text(&page(&health, &cached, now))?;
+        output.write_text(&printable(&page(&health, &cached, now)))?;
     } else {
         let mut provenance = Provenance::new();
         provenance.state("now_utc", format_utc(now, 0));

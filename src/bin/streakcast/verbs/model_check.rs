@@ -1,6 +1,5 @@
 //! `model check`: validates model files and compares the models with published references.
 
-use std::fs;
 
 use anyhow::anyhow;
 use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
@@ -36,7 +35,7 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     let mut checked = Vec::new();
     for path in &typed.files {
         let origin = path.display().to_string();
-        let text = fs::read_to_string(path).map_err(|error| anyhow!("model {origin}: {error}"))?;
+        let text = streakcast::input::read_to_string(path).map_err(|error| anyhow!("model {origin}: {error}"))?;
         checked.push((origin.clone(), BrightnessModel::from_json(&text, &origin)?));
     }
     if typed.files.is_empty() {

@@ -226,7 +226,7 @@ impl Credentials {
 
 fn of_file(path: &Path, notices: &Notices) -> anyhow::Result<Credentials> {
     let shown = path.display();
-    let text = std::fs::read_to_string(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?;
+    let text = streakcast::input::read_to_string(path).map_err(|error| anyhow!("credentials {shown}: {error}"))?;
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;

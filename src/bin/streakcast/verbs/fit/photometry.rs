@@ -1,7 +1,6 @@
 //! Photometry from the flags: tables, geometry and selection.
 
 use std::collections::HashMap;
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
@@ -27,7 +26,7 @@ pub fn read_options(typed: &TableArguments, config: &Config) -> anyhow::Result<P
         let text = if given.contains('=') {
             given.clone()
         } else {
-            fs::read_to_string(given).map_err(|error| anyhow!("columns {given}: {error}"))?
+            streakcast::input::read_to_string(given.as_ref()).map_err(|error| anyhow!("columns {given}: {error}"))?
         };
         Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
     });

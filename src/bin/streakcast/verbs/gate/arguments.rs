@@ -1,7 +1,7 @@
 //! Flags of `gate`, and the request that they define, with checks that precede the reading of elements.
 
 use std::cell::Cell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::anyhow;
@@ -11,7 +11,8 @@ use streakcast::config::{
 };
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_moment, parse_right_ascension_deg};
 use streakcast::geometry::Site;
-use streakcast::schedule::{MagnitudeLimit, Policy};
+use streakcast::input::is_stream;
+use streakcast::schedule::MagnitudeLimit;
 
 use super::clock::Clock;
 use crate::required::Required;
@@ -79,6 +80,11 @@ pub enum Host {
 /// Default margin, seconds: covers the delay of a host from the end of this command to the shutter opening.
 const DEFAULT_MARGIN_S: f64 = 2.0;
 
+/// Returns the error of a stream as an input file: the gate must not wait for the writer of a stream.
+fn stream_error(path: &Path) -> anyhow::Error {
+    anyhow!("{} is a stream, for which gate could wait without end; allowed: a file", path.display())
+}
+
 /// A request to the gate.
 pub struct Request {
     pub config: Config,
@@ -107,7 +113,14 @@ impl Request {
             rules: RulesConfig { policy: typed.policy, limit_mag: typed.limit_mag, max_delay: None },
             ..typed.config
         };
+        let config_file = flags.run.file.clone();
+        if let Some(path) = config_file.iter().chain(&typed.targets).find(|path| is_stream(path)) {
+            return Err(stream_error(path));
+        }
         let config = flags.with_file()?;
+        if let Some(path) = config.files().iter().find(|path| is_stream(path)) {
+            return Err(stream_error(path));
+        }
         let has_name = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
         let has_pointing = config.exposure.ra.is_some() && config.exposure.dec.is_some();
         let required = Required::of(&config)
@@ -151,9 +164,6 @@ impl Request {
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
         let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
         let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
-        if max_wait_s > Policy::LONGEST_DELAY_S {
-            return Err(anyhow!("max-wait is {max_wait_s} s; allowed: 0 to {} s", Policy::LONGEST_DELAY_S));
-        }
         let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
         if !(0.1..=600.0).contains(&timeout_s) {
             return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 600 s"));

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
+use streakcast::input;
 use streakcast::output::write_atomically;
 
 /// Counters over all runs that wrote the same file.
@@ -31,7 +32,8 @@ pub struct Before {
 
 /// Reads the status of the last run; returns the default if there is no valid file.
 pub fn read(path: Option<&Path>) -> Before {
-    let text = path.and_then(|path| std::fs::read_to_string(path).ok());
+    let regular = path.filter(|path| input::check_regular(path).is_ok());
+    let text = regular.and_then(|path| input::read_to_string(path).ok());
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
 }
 

@@ -1,6 +1,5 @@
 //! `map body` and `map sky`: write the table of a map, its picture, or both.
 
-use std::fs;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -129,7 +128,7 @@ pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<Bright
         path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json")) || name.contains(std::path::is_separator);
     let known = library.get(name).filter(|_| !is_path);
     if known.is_none() && (is_path || path.is_file()) {
-        let text = fs::read_to_string(name).map_err(|error| anyhow!("model {name}: {error}"))?;
+        let text = streakcast::input::read_to_string(name.as_ref()).map_err(|error| anyhow!("model {name}: {error}"))?;
         return Ok(Arc::new(BrightnessModel::from_json(&text, name)?));
     }
     known.ok_or_else(|| {

@@ -1,6 +1,5 @@
 //! Tables with access by column name, from a result or from the output file of a verb.
 
-use std::fs;
 use std::path::Path;
 
 use anyhow::{anyhow, bail};
@@ -39,7 +38,7 @@ impl Columns {
     /// Reads a file as [`Columns::read`]. In a JSON document, the first of `sections` that it contains is the table.
     pub fn read_first(path: &Path, sections: &[&str]) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
-        let text = fs::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
+        let text = streakcast::input::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
         let columns = match text.trim_start().chars().next() {
             Some('{' | '[') => Self::from_json(&origin, &text, sections)?,
             Some(_) => Self::from_csv(&origin, &text)?,

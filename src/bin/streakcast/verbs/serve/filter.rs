@@ -129,7 +129,7 @@ impl Token {
     pub fn of(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
         let text = match (&typed.token_file, &typed.token_env) {
             (Some(path), _) => {
-                let text = std::fs::read_to_string(path)
+                let text = streakcast::input::read_to_string(path)
                     .map_err(|error| anyhow!("cannot read the token of {}: {error}", path.display()))?;
                 text.lines().next().unwrap_or_default().trim().to_owned()
             }
