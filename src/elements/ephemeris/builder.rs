@@ -8,7 +8,7 @@ use nalgebra::Matrix6;
 use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
 
 /// Number of states that the interpolation requires.
-const FEWEST_STATES: usize = 4;
+const FEWEST_STATES: usize = 8;
 /// Allowed distances from the Earth's centre, km. A file in metres is outside.
 const RADII_KM: std::ops::RangeInclusive<f64> = 6_378.0..=1_000_000.0;
 /// Least eigenvalue of the correlation matrix of a covariance; files have ten digits or fewer.

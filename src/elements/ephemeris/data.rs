@@ -19,7 +19,7 @@ pub struct Ephemeris {
     pub file: Arc<str>,
     /// Frame of positions and velocities.
     pub frame: EphemerisFrame,
-    /// States, at least four, at increasing times.
+    /// States, at least eight, at increasing times.
     pub states: Vec<EphemerisState>,
     /// Covariances in order of time; empty if omitted.
     pub covariances: Vec<PositionCovariance>,
