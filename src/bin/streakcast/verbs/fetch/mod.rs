@@ -2,9 +2,10 @@
 //! file is replaced only by data that have been read as element sets.
 //!
 //! `sources` holds the addresses, `request` sends requests, `verify` checks data and holds the sidecar with the time of
-//! the last request, `run` combines them.
+//! the last request, `run` combines them, and `ephemerides` downloads files of chosen satellites.
 
 mod arguments;
+mod ephemerides;
 mod request;
 mod run;
 mod sources;
