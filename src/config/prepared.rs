@@ -13,7 +13,7 @@ use super::warnings;
 use crate::elements::{Constellation, ElementSet, Ephemeris, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
-use crate::orbit::LeftOut;
+use crate::orbit::{EphemerisCoverage, LeftOut};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
@@ -147,7 +147,7 @@ impl PreparedSky {
     /// For the times of preparation they are `warnings`; a cached sky is used for other times too.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
-        let uncovered = self.sky.ephemeris_coverage(first, last).filter(|(_, covered)| !covered);
+        let uncovered = self.sky.ephemeris_coverage(first, last).filter(|(_, part)| *part != EphemerisCoverage::Whole);
         let uncovered = names(uncovered.map(|(index, _)| index), self.sky.elements());
         let all = self.sky.ephemeris_coverage(first, last).count();
         warnings.extend(warnings::of_uncovered(&uncovered, all));
@@ -242,12 +242,17 @@ fn without_elements(ephemerides: &[Arc<Ephemeris>], elements: &[ElementSet]) -> 
 
 /// Use of the ephemerides between two times, with the names of satellites for which element sets are used.
 fn ephemerides_json(sky: &Sky, without_elements: &[String], first: Epoch, last: Epoch) -> serde_json::Value {
-    let (covered, uncovered): (Vec<_>, Vec<_>) = sky.ephemeris_coverage(first, last).partition(|(_, covered)| *covered);
-    let uncovered = names(uncovered.into_iter().map(|(index, _)| index), sky.elements());
+    let of = |wanted: EphemerisCoverage| {
+        let found = sky.ephemeris_coverage(first, last).filter(move |(_, part)| *part == wanted);
+        names(found.map(|(index, _)| index), sky.elements())
+    };
+    let (whole, part, none) = (of(EphemerisCoverage::Whole), of(EphemerisCoverage::Part), of(EphemerisCoverage::None));
     json!({
-        "satellites_covered": covered.len(),
-        "satellites_not_covered": uncovered.len(),
-        "not_covered": uncovered.iter().take(LISTED).collect::<Vec<_>>(),
+        "satellites_covered": whole.len(),
+        "satellites_partly_covered": part.len(),
+        "satellites_not_covered": none.len(),
+        "partly_covered": part.iter().take(LISTED).collect::<Vec<_>>(),
+        "not_covered": none.iter().take(LISTED).collect::<Vec<_>>(),
         "without_element_set": without_elements.iter().take(LISTED).collect::<Vec<_>>(),
         "interpolation": "Lagrange, degree 7",
     })

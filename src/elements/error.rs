@@ -8,7 +8,8 @@ use super::element_set::NoradId;
 use super::record::{ElementFormat, Rejected};
 
 /// Accepted formats, for messages.
-const ALLOWED: &str = "TLE, 2LE, 3LE, OMM (JSON, CSV, XML, KVN), or ephemerides as OEM (KVN, XML) or Modified ITC, plain or gzipped";
+const ALLOWED: &str =
+    "TLE, 2LE, 3LE, OMM (JSON, CSV, XML, KVN), or ephemerides as OEM (KVN, XML) or Modified ITC, plain or gzipped";
 
 fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
     match first {

@@ -23,9 +23,7 @@ use super::propagator::State;
 use super::uncertainty::OrbitUncertainty;
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::elements::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisState, PositionCovariance};
-use crate::frames::{
-    EopTable, OrientationTable, Position, Teme, Velocity, eme2000_to_gcrs, seconds_between,
-};
+use crate::frames::{EopTable, OrientationTable, Position, Teme, Velocity, eme2000_to_gcrs, seconds_between};
 
 /// Number of states of the polynomial.
 const NODES: usize = 8;

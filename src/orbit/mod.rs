@@ -11,7 +11,7 @@ mod uncertainty;
 
 pub use arc::OrbitArc;
 pub use lateness::Lateness;
-pub use propagator::{DECAYED_RADIUS_KM, LeftOut, OrbitError, Propagator, SatelliteIndex, State};
+pub use propagator::{DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex, State};
 pub use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
 pub use station_keeping::{DragModel, StationKeeping};
 pub use uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};

@@ -347,6 +347,17 @@ pub struct SatelliteIndex {
     ephemerides: BTreeMap<usize, Vec<Propagator>>,
 }
 
+/// Part of an interval for which ephemerides are used.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum EphemerisCoverage {
+    /// One ephemeris covers all of it, with the delays searched.
+    Whole,
+    /// Ephemerides cover parts of it.
+    Part,
+    /// Element sets are used.
+    None,
+}
+
 /// Source of positions of one satellite over an interval of the search.
 pub(super) enum PositionSource<'a> {
     /// SGP4 cannot be initialised.
@@ -378,12 +389,7 @@ impl SatelliteIndex {
     }
 
     /// Adds ephemerides to the satellites of the same `elements`; those of other satellites are ignored.
-    pub fn with_ephemerides(
-        mut self,
-        elements: &[ElementSet],
-        ephemerides: &[Arc<Ephemeris>],
-        eop: &EopTable,
-    ) -> Self {
+    pub fn with_ephemerides(mut self, elements: &[ElementSet], ephemerides: &[Arc<Ephemeris>], eop: &EopTable) -> Self {
         if ephemerides.is_empty() {
             return self;
         }
@@ -427,9 +433,19 @@ impl SatelliteIndex {
         !self.ephemerides.is_empty()
     }
 
-    /// Returns the positions of satellites with ephemerides in the catalogue.
-    pub fn with_ephemeris(&self) -> impl Iterator<Item = usize> + '_ {
-        self.ephemerides.keys().copied()
+    /// Returns the satellites with ephemerides by their positions in the catalogue, and the part of an interval for
+    /// which these are used.
+    pub fn ephemeris_coverage(&self, ends: [Epoch; 2]) -> impl Iterator<Item = (usize, EphemerisCoverage)> + '_ {
+        self.ephemerides.iter().map(move |(&position, of_one)| {
+            let coverage = if of_one.iter().any(|one| one.covers(ends, EPHEMERIS_MARGIN_S)) {
+                EphemerisCoverage::Whole
+            } else if of_one.iter().any(|one| one.overlaps(ends)) {
+                EphemerisCoverage::Part
+            } else {
+                EphemerisCoverage::None
+            };
+            (position, coverage)
+        })
     }
 
     /// Returns the largest errors of one sigma in the ephemerides of a satellite: seconds along the track, kilometres
@@ -470,5 +486,4 @@ impl SatelliteIndex {
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
-
 }

@@ -16,8 +16,8 @@ use crate::elements::{ElementSet, Ephemeris, Satellites};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{
-    DragModel, Lateness, LeftOut, MAX_WINDOW_S, OrbitArc, OrbitClass, OrbitUncertainty, Propagator, Reach,
-    SatelliteIndex, uncertainty,
+    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, OrbitArc, OrbitClass, OrbitUncertainty, Propagator,
+    Reach, SatelliteIndex, uncertainty,
 };
 use crate::photometry::BrightnessModel;
 
@@ -111,14 +111,14 @@ impl Sky {
         }
     }
 
-    /// Satellites with ephemerides: index of the element set, and true if an ephemeris covers the time between two
-    /// epochs with the delays searched.
-    pub fn ephemeris_coverage(&self, first: Epoch, last: Epoch) -> impl Iterator<Item = (usize, bool)> + '_ {
-        let covered = move |element_index| {
-            let propagator = self.index.propagator_over(element_index, [first, last]);
-            propagator.is_some_and(|one| one.stated_uncertainty(first).is_some())
-        };
-        self.index.with_ephemeris().map(move |element_index| (element_index, covered(element_index)))
+    /// Satellites with ephemerides by the index of their element sets, and the part of the time between two epochs for
+    /// which these are used.
+    pub fn ephemeris_coverage(
+        &self,
+        first: Epoch,
+        last: Epoch,
+    ) -> impl Iterator<Item = (usize, EphemerisCoverage)> + '_ {
+        self.index.ephemeris_coverage([first, last])
     }
 
     /// The drag that SGP4 applies.

@@ -509,7 +509,8 @@ fn ephemeris() -> Vec<u8> {
 fn manifest() -> Vec<u8> {
     let older = EPHEMERIS.replace("2270000", "2261600").replace("1407628800", "1407600000");
     let other = EPHEMERIS.replace("90001", "90002");
-    format!("{EPHEMERIS}\n{older}\n{other}\n../MEME_90001_X_Y_Operational_9999999999_UNCLASSIFIED.txt\nREADME\n").into_bytes()
+    format!("{EPHEMERIS}\n{older}\n{other}\n../MEME_90001_X_Y_Operational_9999999999_UNCLASSIFIED.txt\nREADME\n")
+        .into_bytes()
 }
 
 #[test]
@@ -550,8 +551,10 @@ fn ephemerides_of_candidates_are_fetched_once_and_used() {
     assert_eq!((&used["satellites_covered"], &used["satellites_not_covered"]), (&1.into(), &0.into()), "{used}");
     assert!(!stderr.contains("do not cover"), "{stderr}");
     let (used, stderr) = forecast("2024-08-14T00:10:00Z", "2024-08-14T05:20:00Z");
-    assert_eq!((&used["satellites_covered"], &used["not_covered"][0]), (&0.into(), &"SAMPLE & SON (90001)".into()));
+    assert_eq!((&used["satellites_covered"], &used["partly_covered"][0]), (&0.into(), &"SAMPLE & SON (90001)".into()));
     assert!(stderr.contains("the ephemerides of 1 of 1 satellite do not cover the whole time"), "{stderr}");
+    let (used, _) = forecast("2024-08-15T00:10:00Z", "2024-08-15T05:20:00Z");
+    assert_eq!((&used["satellites_not_covered"], &used["not_covered"][0]), (&1.into(), &"SAMPLE & SON (90001)".into()));
 }
 
 #[test]
@@ -569,7 +572,6 @@ fn a_truncated_ephemeris_is_not_stored() {
     let (code, _, stderr) =
         cache.source(&["starlink-ephemerides", "--norad", "44713"], &server.url, "2024-08-14T00:31:00Z", &[]);
     assert!(code != 0 && stderr.contains("none of the satellites has an ephemeris"), "{stderr}");
-    let (code, _, stderr) =
-        cache.source(&source, &server.url, "2024-08-14T00:31:00Z", &["--max-satellites", "0"]);
+    let (code, _, stderr) = cache.source(&source, &server.url, "2024-08-14T00:31:00Z", &["--max-satellites", "0"]);
     assert!(code != 0 && stderr.contains("the number of satellites is 1; allowed: 1 to 0"), "{stderr}");
 }

@@ -30,8 +30,11 @@ fn utc(text: &str) -> Epoch {
 
 /// The propagator of the first element set with its ephemeris.
 fn propagator(elements: &[ElementSet], ephemerides: &[Arc<Ephemeris>]) -> Propagator {
-    let index =
-        SatelliteIndex::new(elements, DragModel::Published).with_ephemerides(elements, ephemerides, &EopTable::embedded());
+    let index = SatelliteIndex::new(elements, DragModel::Published).with_ephemerides(
+        elements,
+        ephemerides,
+        &EopTable::embedded(),
+    );
     let (first, last) = ephemerides[0].interval();
     let middle = first + 0.5 * (last - first);
     let found = index.propagator_over(0, [middle, middle]).expect("a propagator").clone();
@@ -263,17 +266,14 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
         // The errors of synthetic satellites do not grow.
         .map(|set| ElementSet { origin: Origin::Published, ..set })
         .collect();
-    let wrong: Vec<ElementSet> = right
-        .iter()
-        .map(|set| ElementSet { mean_anomaly_deg: set.mean_anomaly_deg - 3.0, ..set.clone() })
-        .collect();
+    let wrong: Vec<ElementSet> =
+        right.iter().map(|set| ElementSet { mean_anomaly_deg: set.mean_anomaly_deg - 3.0, ..set.clone() }).collect();
     // Covered from 3 h to 33 h.
     let ephemerides: Vec<_> = right.iter().map(|set| sgp4_ephemeris(set, start + 3.0 * Unit::Hour, 30)).collect();
     let observer = Observer::new(Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site"));
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     let sky = |sets: &[ElementSet]| {
-        Sky::with_models(sets.to_vec(), observer.clone(), EopTable::embedded(), &choice)
-            .with_drag(DragModel::Published)
+        Sky::with_models(sets.to_vec(), observer.clone(), EopTable::embedded(), &choice).with_drag(DragModel::Published)
     };
     let (right, wrong) = (sky(&right), sky(&wrong));
     let mixed = wrong.clone().with_ephemerides(ephemerides);
@@ -303,7 +303,8 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
         same_passes(&found, &of(if is_covered { &right } else { &wrong }), &exposures[0].id);
         *(if is_covered { &mut covered } else { &mut uncovered }) += found.len();
         let odds = mixed.crossing_probabilities(&exposures, &field).expect("an answer").remove(0);
-        for pass in found.iter().filter(|pass| pass.lit && pass.mid.altitude_rad.is_some_and(|altitude| altitude > 0.3)) {
+        for pass in found.iter().filter(|pass| pass.lit && pass.mid.altitude_rad.is_some_and(|altitude| altitude > 0.3))
+        {
             assert!(odds.iter().any(|one| one.element_index == pass.element_index), "{}: {pass:?}", exposures[0].id);
             // An ephemeris without a covariance: a kilometre at 7.6 km/s, as for element sets at their epoch.
             let is_a_kilometre = (pass.along_track_sigma_s - 0.132).abs() < 1e-3;
@@ -385,8 +386,16 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
         (name, lines(&meme, 4 + 4 * 20 - 1), ":81: number of terms of the covariance is 14; allowed: 21"),
         (name, meme.replace("\nUVW\n", "\nECI\n"), ":4: frame of the covariance is \"ECI\"; allowed: UVW"),
         ("a.txt", meme.clone(), "a.txt:1: name of the file is \"a.txt\"; allowed: MEME_"),
-        (name, meme.replace("\n2024227000100.000 ", "\n2024227006100.000 "), ":9: time of the state is \"2024227006100.000\""),
-        (name, meme.replace("\n2024227000200.000 ", "\n2024227000100.000 "), ":13: time of the state is 2024-08-14T00:01:00"),
+        (
+            name,
+            meme.replace("\n2024227000100.000 ", "\n2024227006100.000 "),
+            ":9: time of the state is \"2024227006100.000\"",
+        ),
+        (
+            name,
+            meme.replace("\n2024227000200.000 ", "\n2024227000100.000 "),
+            ":13: time of the state is 2024-08-14T00:01:00",
+        ),
         ("b.oem", oem.replace("= GCRF", "= MOONME"), "b.oem:10: REF_FRAME is MOONME; allowed: EME2000, J2000, GCRF"),
         ("b.oem", oem.replace("= RTN", "= VNC"), "COV_REF_FRAME is VNC; allowed: RTN"),
         ("b.oem", oem.replace("= TAI", "= MRT"), "b.oem:11: TIME_SYSTEM is MRT; allowed: UTC"),
@@ -394,21 +403,34 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
         ("b.oem", swapped, "b.oem:22: time of the state is "),
         ("b.oem", lines(&oem, 50), "b.oem:50: time of the last state is 2024-08-14T00:32:00"),
         ("b.oem", lines(&oem, 113), "end of the file is inside the covariances"),
-        ("b.oem", oem.replace("4.0000000000e-04\n", "-4.0000000000e-04\n"), "least eigenvalue of the correlation matrix is"),
-        ("b.oem", oem.replace("4.0000000000e-04\n", "4.0000000000e-07\n"), "least eigenvalue of the correlation matrix is -"),
+        (
+            "b.oem",
+            oem.replace("4.0000000000e-04\n", "-4.0000000000e-04\n"),
+            "least eigenvalue of the correlation matrix is",
+        ),
+        (
+            "b.oem",
+            oem.replace("4.0000000000e-04\n", "4.0000000000e-07\n"),
+            "least eigenvalue of the correlation matrix is -",
+        ),
         ("c.xml", xml[..xml.len() / 2].to_owned(), "c.xml:30: XML is "),
         ("c.xml", xml.replace("<X>", "<W>").replace("</X>", "</W>"), "X is missing; allowed: a value"),
         ("c.xml", xml.replace("<X>", "<X>0"), ""),
     ] {
         match read(name, &text) {
-            Err(message) => assert!(message.contains(expected) && message.contains("; allowed: "), "{expected}: {message}"),
+            Err(message) => {
+                assert!(message.contains(expected) && message.contains("; allowed: "), "{expected}: {message}")
+            }
             Ok(_) => assert_eq!(expected, "", "{name} is accepted"),
         }
     }
     // A file in metres.
     let metres = oem.replace(" 6928.000000000 ", " 6928000.000000000 ");
     let message = read("m.oem", &metres).expect_err("metres");
-    assert!(message.contains("distance from the Earth's centre is 6928000 km; allowed: 6378 to 1000000 km"), "{message}");
+    assert!(
+        message.contains("distance from the Earth's centre is 6928000 km; allowed: 6378 to 1000000 km"),
+        "{message}"
+    );
 }
 
 #[test]

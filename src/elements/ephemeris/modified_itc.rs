@@ -30,19 +30,29 @@ pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, 
     let mut stop = None;
     let mut axes = None;
     // The header ends at the first line that begins with a time.
-    while let Some((line, header)) = lines.next_if(|(_, line)| !line.starts_with(|c: char| c.is_ascii_digit() && axes.is_some())) {
+    while let Some((line, header)) =
+        lines.next_if(|(_, line)| !line.starts_with(|c: char| c.is_ascii_digit() && axes.is_some()))
+    {
         if let Some((_, rest)) = header.split_once(STOP) {
             let given: String = rest.split_whitespace().take(2).collect::<Vec<_>>().join(" ");
             let allowed = "a date and time such as 2023-02-01 11:24:42 UTC";
-            stop = Some(parse_iso(&given).ok_or_else(|| Problem::new(line, "ephemeris_stop", format!("{given:?}"), allowed))?);
+            stop = Some(
+                parse_iso(&given).ok_or_else(|| Problem::new(line, "ephemeris_stop", format!("{given:?}"), allowed))?,
+            );
         } else if !header.contains(':') {
             if header.trim() != "UVW" {
-                return Err(Problem::new(line, "frame of the covariance", format!("{:?}", excerpt(header.as_bytes())), "UVW"));
+                return Err(Problem::new(
+                    line,
+                    "frame of the covariance",
+                    format!("{:?}", excerpt(header.as_bytes())),
+                    "UVW",
+                ));
             }
             axes = Some(CovarianceAxes::Radial);
         }
     }
-    let axes = axes.ok_or_else(|| Problem::new(1, "frame of the covariance", "missing", "a line UVW after the header"))?;
+    let axes =
+        axes.ok_or_else(|| Problem::new(1, "frame of the covariance", "missing", "a line UVW after the header"))?;
     let mut last = 1;
     while let Some((line, state)) = lines.next() {
         let fields: Vec<&str> = state.split_whitespace().collect();

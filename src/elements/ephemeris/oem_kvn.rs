@@ -11,7 +11,8 @@ const OPENING: &str = "CCSDS_OEM_VERS";
 
 /// Returns true if one of the first lines starts an OEM.
 pub(in super::super) fn looks_like(text: &str) -> bool {
-    let opens = |line: &str| line.trim_start().strip_prefix(OPENING).is_some_and(|rest| rest.trim_start().starts_with('='));
+    let opens =
+        |line: &str| line.trim_start().strip_prefix(OPENING).is_some_and(|rest| rest.trim_start().starts_with('='));
     text.lines().take(40).any(opens)
 }
 
@@ -98,7 +99,9 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
             },
         }
     }
-    let cut = |what: &str| Err(Problem::new(last, "end of the file", what, "the end of a segment (the file may be truncated)"));
+    let cut = |what: &str| {
+        Err(Problem::new(last, "end of the file", what, "the end of a segment (the file may be truncated)"))
+    };
     match part {
         Part::Metadata => return cut("inside the metadata"),
         Part::Covariance => return cut("inside the covariances"),

@@ -55,7 +55,10 @@ pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::R
         found.len() - new.len()
     ));
     if found.is_empty() {
-        return Err(anyhow!("{}: none of the satellites has an ephemeris; allowed: numbers of Starlinks", manifest.name));
+        return Err(anyhow!(
+            "{}: none of the satellites has an ephemeris; allowed: numbers of Starlinks",
+            manifest.name
+        ));
     }
     let mut out = std::io::stdout().lock();
     for name in found {
@@ -120,13 +123,7 @@ fn manifest_text(source: &Source, options: &RequestOptions, now: Epoch, folder: 
 }
 
 /// Downloads a file beside the manifest, and stores it if it is a valid ephemeris.
-fn download(
-    name: &str,
-    manifest: &Source,
-    options: &RequestOptions,
-    now: Epoch,
-    folder: &Path,
-) -> anyhow::Result<()> {
+fn download(name: &str, manifest: &Source, options: &RequestOptions, now: Epoch, folder: &Path) -> anyhow::Result<()> {
     let base = manifest.url.rsplit_once('/').map_or("", |(base, _)| base);
     let source = Source { file: name.to_owned(), url: format!("{base}/{name}"), login: None, ..*manifest };
     let bytes = answer(&source, options)?;
@@ -167,12 +164,13 @@ fn satellites(typed: &StarlinkEphemeridesArguments) -> anyhow::Result<BTreeSet<u
         let fail = |error: csv::Error| anyhow!("candidates {}: {error}", path.display());
         let mut table = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(fail)?;
         let columns = table.headers().map_err(fail)?.clone();
-        let column = COLUMNS.iter().find_map(|name| columns.iter().position(|column| column == *name)).ok_or_else(|| {
-            anyhow!(
-                "candidates {}: the column norad_ids is missing; allowed: a CSV table of flag or passes",
-                path.display()
-            )
-        })?;
+        let column =
+            COLUMNS.iter().find_map(|name| columns.iter().position(|column| column == *name)).ok_or_else(|| {
+                anyhow!(
+                    "candidates {}: the column norad_ids is missing; allowed: a CSV table of flag or passes",
+                    path.display()
+                )
+            })?;
         for row in table.records() {
             let row = row.map_err(fail)?;
             let numbers = row.get(column).unwrap_or_default().split(|c: char| !c.is_ascii_digit());
