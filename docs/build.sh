@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds the documentation site: `docs/build.sh [FOLDER]`, in target/site by default. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer
 # and a package index. Pages of verbs, columns and the HTTP API, and all pictures, are made by the command line itself.
-#   docs/build.sh --images    makes docs/images/ anew, which README.md shows; needs chromium
+#   docs/build.sh --images    makes docs/images/ anew, which README.md and pages show; needs chromium
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -37,6 +37,7 @@ if [ "${1:-}" = --images ]; then
     until [ -s "$work/address" ]; do sleep 0.1; done
     "${CHROMIUM:-chromium}" --headless --no-sandbox --hide-scrollbars --window-size=1240,1392 --force-device-scale-factor=0.75 \
         --virtual-time-budget=10000 --screenshot="$work/serve.png" "$(cat "$work/address")" 2>/dev/null
+    "$python" docs/lateness.py docs/tables/lateness.md docs/images/lateness.svg
     # 256 colours keep the files small.
     "$venv/bin/python" -c 'import sys; from PIL import Image
 for name in ("field", "serve"):

@@ -20,7 +20,7 @@ FIELD = ["--fov", "3.5deg", "--telescope", "rubin"]
 
 #: How-to guide of each verb that has one.
 GUIDES = {
-    "annotate": "annotate", "doctor": "elements", "fetch": "elements", "fit": "fit", "flag": "policy", "forecast": "forecast", "gate": "gate",
+    "annotate": "annotate", "doctor": "elements", "ephemeris": "forecast", "fetch": "elements", "fit": "fit", "flag": "policy", "forecast": "forecast", "gate": "gate",
     "identify": "identify", "inject": "inject", "map": "maps", "model": "models", "plot": "plots", "reproduce": "statistics", "serve": "serve",
     "statistics": "statistics", "windows": "windows",
 }  # fmt: skip
@@ -32,6 +32,7 @@ TABLES = [
     ("windows", ["windows", *SATELLITES, *FIELD, "--targets", "targets.csv", "--night", "2026-08-14"], None),
     ("forecast", ["forecast", *SATELLITES, "--night", "2026-08-14", "--max-mag", "5", "--light-curves", "curves.ecsv"], None),
     ("forecast --light-curves", None, "curves.ecsv"),
+    ("ephemeris", ["ephemeris", *SATELLITES, "--name", "S1 P24-1", "--times", "2026-08-14T23:29:05Z"], None),
     ("identify", ["identify", *SATELLITES, "--end", "198.655,5.967", "--end", "199.194,9.426", "--start", "2026-08-14T23:29:05Z", "--exposure", "30s"], None),
     ("inject --truth", ["inject", "--synthetic", "examples/synthetic.toml", "-o", "frame.fits", "--random-streaks", "1", "--magnitude", "5", "--exposure",
                         "30s", "--seeing", "1.5arcsec", "--truth", "truth.ecsv"], "truth.ecsv"),

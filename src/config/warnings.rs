@@ -2,17 +2,17 @@
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{ElementSet, RejectReason, Rejected, Satellites};
+use crate::elements::{RejectReason, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::output::{counted, format_utc};
-use crate::passes::OrbitingObserver;
+use crate::passes::{OrbitingObserver, Sky};
 
-/// Largest difference between epoch and request without a warning, days.
+/// Largest difference between the epoch of an element set and the request without a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
-/// The same for the elements of a telescope in orbit, days.
+/// Largest difference between the epoch of a telescope's elements and the request without a warning, days.
 const OLD_OBSERVER_DAYS: f64 = 3.0;
 
-/// Number of objects named in a warning.
+/// Largest number of rejected records quoted in a warning.
 const NAMED: usize = 3;
 
 /// Warning of element sets that SGP4 cannot propagate to the time of the request.
@@ -99,18 +99,24 @@ fn first_of(names: &[String]) -> String {
 }
 
 /// Warning of element sets with epochs more than two weeks before or after the request.
-pub(super) fn of_age(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
+pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) -> Option<String> {
+    let elements = &sky.elements()[..from_files];
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    // All epochs are UTC: comparing their durations avoids leap seconds, and a server calls this with each answer.
+    // All epochs are UTC. Comparing durations skips the conversion with leap seconds, which matters in each server
+    // response.
     let days_after = |epoch: Epoch, days: f64| (epoch.to_time_scale(TimeScale::UTC) + days * Unit::Day).duration;
     let near = days_after(first, -OLD_ELEMENTS_DAYS)..=days_after(last, OLD_ELEMENTS_DAYS);
-    let old: Vec<&ElementSet> = elements.iter().filter(|set| !near.contains(&set.epoch.duration)).collect();
-    let farthest = old.iter().map(|set| days(set.epoch, first).max(days(last, set.epoch))).max_by(f64::total_cmp)?;
+    let old: Vec<usize> = (0..from_files).filter(|&index| !near.contains(&elements[index].epoch.duration)).collect();
+    let age_days = |index: usize| days(elements[index].epoch, first).max(days(last, elements[index].epoch));
+    let farthest = old.iter().map(|&index| age_days(index)).max_by(f64::total_cmp)?;
+    let mut late_s: Vec<f64> = old.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
+    late_s.sort_by(f64::total_cmp);
     Some(format!(
         "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
-         positions and probabilities are correspondingly less certain",
+         they are early or late by {:.1} s (68 %, median)",
         old.len(),
         elements.len(),
+        late_s[late_s.len() / 2],
     ))
 }
 
@@ -164,6 +170,8 @@ mod tests {
     use super::*;
     use crate::elements::Constellation;
     use crate::frames::parse_instant;
+    use crate::geometry::{Observer, Site};
+    use crate::passes::ModelChoice;
 
     fn utc(text: &str) -> Epoch {
         parse_instant(text, None).unwrap()
@@ -172,13 +180,15 @@ mod tests {
     #[test]
     fn ages_count_to_both_sides_and_only_outside_the_night() {
         let sets = Constellation::by_name("kuiper").unwrap().element_sets(utc("2024-08-14T00:00:00Z"));
-        let warning = |first: &str, last: &str| of_age(&sets[..10], utc(first), utc(last));
+        let site = Observer::new(Site::from_mpc("X05").unwrap());
+        let sky = Sky::with_models(sets, site, EopTable::embedded(), &ModelChoice::default());
+        let warning = |first: &str, last: &str| of_age(&sky, 10, utc(first), utc(last));
         assert_eq!(warning("2024-08-01T00:00:00Z", "2024-08-27T00:00:00Z"), None);
         assert_eq!(warning("2024-08-27T00:00:00Z", "2024-08-28T00:00:00Z"), None);
         let older = warning("2024-09-03T00:00:00Z", "2024-09-03T06:00:00Z").unwrap();
         assert!(
             older.starts_with("10 of 10 element sets are more than 14 days")
-                && older.contains("(the farthest by 20.0 days)"),
+                && older.contains("(the farthest by 20.0 days): they are early or late by 0.1 s (68 %, median)"),
             "{older}"
         );
         let newer = warning("2024-07-01T00:00:00Z", "2024-07-15T00:00:00Z").unwrap();

@@ -1,7 +1,7 @@
 //! Reading one file of element sets: decompression, detection of the format, valid and rejected records.
 
 use std::borrow::Cow;
-use std::io::Read;
+use std::io::ErrorKind;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -15,6 +15,7 @@ use super::error::ElementsError;
 use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
+use crate::input;
 
 /// Source of element sets, for the provenance of every result.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,7 +57,7 @@ pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading
     if path.is_dir() {
         return Err(ElementsError::Directory { file: file() });
     }
-    let bytes = std::fs::read(path).map_err(|source| ElementsError::Unreadable { file: file(), source })?;
+    let bytes = input::read(path).map_err(|source| ElementsError::Unreadable { file: file(), source })?;
     read_bytes(&file(), &bytes, checksums)
 }
 
@@ -112,7 +113,7 @@ struct Content {
 
 fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, ElementsError> {
     let gzipped = bytes.starts_with(&[0x1f, 0x8b]);
-    let unpacked = unpack(name, bytes)?;
+    let unpacked = unpack(name, bytes, input::LARGEST_INPUT)?;
     let decoded = decode(&unpacked);
     let text = String::from_utf8_lossy(&decoded);
     if text.bytes().all(|byte| byte.is_ascii_whitespace() || byte == 0) {
@@ -161,15 +162,15 @@ fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
         .collect()
 }
 
-fn unpack<'a>(name: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, ElementsError> {
+/// Decompresses gzip, up to `limit` bytes.
+fn unpack<'a>(name: &str, bytes: &'a [u8], limit: u64) -> Result<Cow<'a, [u8]>, ElementsError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
-    let mut unpacked = Vec::with_capacity(bytes.len() * 4);
-    MultiGzDecoder::new(bytes)
-        .read_to_end(&mut unpacked)
-        .map_err(|source| ElementsError::BrokenGzip { file: name.into(), source })?;
-    Ok(Cow::Owned(unpacked))
+    input::read_at_most(MultiGzDecoder::new(bytes), limit).map(Cow::Owned).map_err(|source| match source.kind() {
+        ErrorKind::FileTooLarge => ElementsError::Unreadable { file: name.into(), source },
+        _ => ElementsError::BrokenGzip { file: name.into(), source },
+    })
 }
 
 /// Removes a byte order mark and converts UTF-16 (as written by Windows shells) to UTF-8.
@@ -230,4 +231,25 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
 /// Returns lower-case hex.
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Write;
+
+    use flate2::{Compression, write::GzEncoder};
+
+    use super::*;
+
+    /// A gzip file of 1 kB can contain 1 MB, one of 2 MB can contain 2 GB.
+    #[test]
+    fn verif_decompression_is_bounded() {
+        let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
+        encoder.write_all(&vec![b' '; 1_000_000]).unwrap();
+        let bomb = encoder.finish().unwrap();
+        assert!(bomb.len() < 2000);
+        assert_eq!(unpack("bomb.gz", &bomb, 1_000_000).unwrap().len(), 1_000_000);
+        let error = unpack("bomb.gz", &bomb, 999_999).unwrap_err().to_string();
+        assert_eq!(error, "cannot read bomb.gz: more than 999999 bytes; allowed: at most 999999");
+    }
 }

@@ -146,7 +146,7 @@ mod tests {
     const SIMULATIONS: u64 = 300;
     const GROUPS: u32 = 60;
     const IN_GROUP: usize = 12;
-    /// Line in the phase angle: value at its beginning, and change over a radian.
+    /// True line in the phase angle: value at its beginning, and change over a radian.
     const TRUTH: [f64; 2] = [6.0, 1.5];
 
     /// Groups of points with a common offset of 0.3 mag (one sigma) and a common interval of phase angles; a fraction

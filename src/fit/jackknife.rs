@@ -42,7 +42,7 @@ const CHUNK: usize = 1 << 16;
 /// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
 /// * [`FitError::Setting`] for invalid options;
 /// * [`FitError::NoMinimum`] if a descent ends at no finite cost;
-/// * those of [`Problem::new`] if the remaining tracks make too few pixels.
+/// * the errors of [`Problem::new`] if the remaining tracks make too few pixels.
 pub fn jackknife(
     form: &dyn Form,
     measurements: &Measurements,
@@ -207,8 +207,8 @@ mod tests {
     fn verif_sigma_is_the_scatter_where_groups_share_an_offset() {
         let [scatter, own, by_sets] = sigmas(0.3, fine());
         /// Relative tolerance; the scatter of 48 simulations has an error of 10 %.
-        const ALIKE: f64 = 0.25;
-        assert!((by_sets / scatter - 1.0).abs() < ALIKE, "{by_sets} {scatter}");
+        const TOLERANCE: f64 = 0.25;
+        assert!((by_sets / scatter - 1.0).abs() < TOLERANCE, "{by_sets} {scatter}");
         // Pixels taken as independent give too small a sigma.
         assert!(own < 0.7 * scatter, "{own} {scatter}");
     }
@@ -217,16 +217,16 @@ mod tests {
     fn verif_sigma_is_that_of_the_curvature_where_points_are_independent() {
         let [scatter, own, by_sets] = sigmas(0.0, fine());
         /// Relative tolerance.
-        const ALIKE: f64 = 0.3;
-        assert!((by_sets / own - 1.0).abs() < ALIKE, "{by_sets} {own} {scatter}");
+        const TOLERANCE: f64 = 0.3;
+        assert!((by_sets / own - 1.0).abs() < TOLERANCE, "{by_sets} {own} {scatter}");
     }
 
     #[test]
     fn verif_sigma_of_modes_errs_on_the_safe_side() {
-        /// Ratios: modes jump when a few of many points are omitted.
-        const ALIKE: [(DensityMode, std::ops::Range<f64>); 2] =
+        /// Accepted ratios of sigma to scatter: modes jump when a few of many points are omitted.
+        const TOLERANCE: [(DensityMode, std::ops::Range<f64>); 2] =
             [(DensityMode::Kernel, 0.75..2.0), (DensityMode::HalfSample, 0.75..3.0)];
-        for (mode, alike) in ALIKE {
+        for (mode, alike) in TOLERANCE {
             for offset_mag in [0.0, 0.3] {
                 let [scatter, _, by_sets] = sigmas(offset_mag, coarse(mode));
                 assert!(alike.contains(&(by_sets / scatter)), "{by_sets} {scatter}");

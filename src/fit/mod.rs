@@ -1,11 +1,17 @@
 //! Photometry to brightness models: readers, selection, reduction, fits, posteriors, and checks of models.
 //!
-//! `measurements` reads photometry and reduces it; `point` makes points of a fit from it. A `form` is a brightness law with free parameters:
-//! `two_panel_form` the paper's (evaluated by `two_panel_kernel`), `panels_form` any panels, `phase` the baselines. `objective` is the cost of a
-//! form under a loss function, `solve` its least squares from several starts (`linear_starts`), with the errors of `covariance` or, for pixels,
-//! `jackknife`. `soundness` lists the faults of a fit, `cross_validation` compares forms on unseen points, `paper_tests` repeats the paper's tests, `posterior` draws with walkers
-//! and stores their chains, `model_of_fit` makes the model file, `report` the output. `inference` contains the numerical
-//! methods, `checks` the comparison of models with published results.
+//! - `measurements`, `point`: photometry, read, selected and reduced; the points of a fit
+//! - `form`, `two_panel_form`, `two_panel_kernel`, `panels_form`, `log_nodes`, `phase`: brightness laws with free
+//!   parameters: the trait, the two panels of Lu (2024), any panels, and the baselines
+//! - `objective`, `solve`, `linear_starts`: the cost of a law under a loss function, and its least squares from
+//!   several starts
+//! - `covariance`, `jackknife`: errors of the parameters, from groups of points or, for pixels, from sets of tracks
+//! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on unseen points, the tests
+//!   of Lu (2024)
+//! - `posterior`: draws with walkers, and the files of their chains
+//! - `model_of_fit`, `report`: model file and report of a fit
+//! - `inference`: numerical methods without astronomy
+//! - `checks`: comparison of models with published results
 
 pub mod checks;
 mod covariance;

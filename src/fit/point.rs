@@ -127,7 +127,7 @@ mod tests {
 
     #[test]
     fn verif_few_points_do_not_have_the_largest_weight() {
-        /// Pixels keep magnitudes as f32, mag.
+        /// Rounding of magnitudes in pixels, which are f32, mag.
         const ROUNDED: f64 = 1e-6;
         let (narrow, wide) = ([5.0, 5.1, 5.2, 5.3, 5.4], [5.0, 5.3, 5.6, 5.9, 6.2, 6.5, 6.8]);
         // IQR 0.2 and 0.9; cells of one, two and four points get the median of these.

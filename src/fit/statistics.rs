@@ -169,7 +169,7 @@ mod tests {
     /// Lu (2024), section 4.2: RMSE 0.2408 (k = 7) and 0.2423 (k = 5), AIC -13232 and -13176; both give n = 4651.
     #[test]
     fn valid_aic_against_both_printed_pairs() {
-        /// Four printed digits of the RMSE: 4651 · 2 · 0.00005/0.24.
+        /// Tolerance of the criterion for an RMSE printed with four digits: 4651 · 2 · 0.00005/0.24.
         const ROUNDING: f64 = 2.0;
         let n = 4651;
         // The RMSE printed as 0.2408 is within half a unit of its last digit.
@@ -197,9 +197,9 @@ mod tests {
     /// scipy.stats.ttest_rel([1.1, 2.3, 2.9, 4.2, 5.0], [1.0, 2.0, 3.1, 3.9, 4.6]), SciPy 1.17.1.
     #[test]
     fn valid_paired_test_against_scipy() {
-        /// t and p.
+        /// Student's t and its probability p.
         const SCIPY: (f64, f64) = (1.685854460847049, 0.16710331573259815);
-        /// Digits of the printed figures.
+        /// Relative tolerance of the printed figures.
         const DIGITS: f64 = 1e-10;
         let test = paired_t_test(&[1.1, 2.3, 2.9, 4.2, 5.0], &[1.0, 2.0, 3.1, 3.9, 4.6]).expect("five pairs");
         assert!((test.t - SCIPY.0).abs() < DIGITS && (test.p - SCIPY.1).abs() < DIGITS, "{test:?}");

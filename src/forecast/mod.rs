@@ -1,8 +1,11 @@
-//! Forecast of the passes of a night over a site, statistics of a site, and reproduction of published counts.
+//! Forecast of the passes of a night over a site, ephemerides, statistics of a site, and reproduction of published
+//! counts.
 //!
-//! `request` is the request, `outlook` computes the night and its passes, `pass_table` and `exports` write them.
-//! `statistics` counts lit satellites as a function of the Sun's altitude, `reproduce` compares with published counts.
+//! `request` defines the request, `outlook` computes the night and its passes, `pass_table` and `exports` write the
+//! passes. `ephemeris` computes places of selected satellites at given times. `statistics` counts lit satellites as a
+//! function of the Sun's altitude, `reproduce` compares with published counts.
 
+mod ephemeris;
 mod error;
 mod exports;
 mod outlook;
@@ -11,6 +14,7 @@ mod reproduce;
 mod request;
 mod statistics;
 
+pub use ephemeris::{Ephemeris, EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
 pub use error::ForecastError;
 pub use exports::{AngleType, EmptyNight, calendar, score_report, tdm};
 pub use outlook::{Forecast, Night, forecast, night_table};

@@ -3,8 +3,9 @@
 use super::error::FramesError;
 use super::vector::{Direction, Gcrs};
 
-const RIGHT_ASCENSION: &str = "a right ascension: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
-const DECLINATION: &str = "a declination: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
+const RIGHT_ASCENSION: &str =
+    "a right ascension; allowed: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
+const DECLINATION: &str = "a declination; allowed: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
 
 /// Parses a right ascension and returns degrees in [0, 360). A plain number is degrees; `12h34m56.7s`, `12h34m`,
 /// `12:34:56.7` and `12 34 56.7` are hours; `188.5deg`, `188.5d` and `188d30m` are degrees.
@@ -114,7 +115,8 @@ fn parse(text: &str) -> Option<Angle> {
     (!numbers.is_empty()).then_some(Angle { negative, value, unit })
 }
 
-/// Reads a direction: right ascension and declination as [`parse_right_ascension_deg`] and [`parse_declination_deg`] do.
+/// Parses a direction from a right ascension and a declination, as [`parse_right_ascension_deg`] and
+/// [`parse_declination_deg`] do.
 ///
 /// # Errors
 /// [`FramesError::BadAngle`] for another form or a value out of range.
@@ -187,6 +189,6 @@ mod tests {
             assert!(parse_declination_deg(text).is_err(), "{text}");
         }
         let error = parse_declination_deg("12h").expect_err("hours");
-        assert!(error.to_string().starts_with("\"12h\" is not a declination: degrees"), "{error}");
+        assert!(error.to_string().starts_with("\"12h\" is not a declination; allowed: degrees"), "{error}");
     }
 }

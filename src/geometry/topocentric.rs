@@ -66,7 +66,7 @@ mod tests {
         assert_eq!(moving.geometric, plain.geometric);
     }
 
-    /// Light deflection and the other effects in TETE of astropy, arcsec.
+    /// Tolerance, arcsec: light deflection and other effects that astropy includes in TETE.
     const TOLERANCE_ARCSEC: f64 = 0.1;
 
     /// (UTC, RA and declination of date, RA and declination ICRS), degrees; astropy 8.0.2,

@@ -158,7 +158,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Rounding of positions of 1.5e8 km against angles, and of a few operations, radians.
+    /// Tolerance of angles, radians: rounding of positions of 1.5e8 km and of a few operations.
     const ROUNDING_RAD: f64 = 1e-12;
 
     fn unit(longitude: f64, latitude: f64) -> Vector3<f64> {

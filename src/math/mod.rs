@@ -1,4 +1,5 @@
-//! Numerical routines without astronomy: elementary functions, interpolation, quadrature, minima, quantiles, HEALPix, vector loops.
+//! Numerical routines without astronomy: elementary functions, interpolation, quadrature, minima, quantiles, HEALPix,
+//! and vector loops.
 
 pub(crate) mod elementary;
 pub mod healpix;

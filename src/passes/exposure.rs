@@ -3,6 +3,7 @@
 use hifitime::Epoch;
 
 use super::error::{SkyError, check_epoch};
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
 
@@ -14,7 +15,7 @@ pub struct Exposure {
     pub id: String,
     /// Shutter opening.
     pub start: Epoch,
-    /// Length, seconds, at least 0.
+    /// Length, seconds, from 0 to [`LONGEST_EXPOSURE_S`].
     pub duration_s: f64,
     /// Centre of the field, ICRS astrometric.
     pub pointing: Direction<Gcrs>,
@@ -28,8 +29,8 @@ impl Exposure {
     /// identifier empty.
     ///
     /// # Errors
-    /// [`SkyError`] for a text of another form or out of range. A negative length is rejected when the exposure is
-    /// used.
+    /// [`SkyError`] for a text of another form or out of range. A length out of range is rejected when the exposure
+    /// is used.
     pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, SkyError> {
         let pointing = parse_direction(ra, dec).map_err(SkyError::Direction)?;
         Ok(Self {
@@ -41,14 +42,18 @@ impl Exposure {
         })
     }
 
-    /// Rejects numbers that are not finite, negative lengths, and times outside the years of the Sun's ephemeris.
+    /// Rejects numbers that are not finite, lengths below 0 or above a day, and times outside the years of the Sun's ephemeris.
     pub(super) fn check(&self) -> Result<(), SkyError> {
-        let fail = |problem: String| Err(SkyError::Exposure { id: self.id.clone(), problem });
-        if !(self.duration_s >= 0.0 && self.duration_s.is_finite()) {
-            return fail(format!("duration is {} s; allowed: 0 or more", self.duration_s));
+        let id = &self.id;
+        if !(0.0..=LONGEST_EXPOSURE_S).contains(&self.duration_s) {
+            let given = format!("{} s", self.duration_s);
+            return Err(SkyError::invalid(format!("exposure {id}: duration"), given, format!("0 to {LONGEST_EXPOSURE_S} s")));
         }
-        if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) || !self.rotation_rad.is_finite() {
-            return fail("pointing or rotation is not a finite number".to_owned());
+        if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) {
+            return Err(SkyError::invalid(format!("exposure {id}: pointing"), "not a direction", "finite numbers"));
+        }
+        if !self.rotation_rad.is_finite() {
+            return Err(SkyError::invalid(format!("exposure {id}: rotation"), self.rotation_rad, "finite numbers"));
         }
         check_epoch(self.start)
     }

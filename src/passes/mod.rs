@@ -2,7 +2,7 @@
 //!
 //! [`Sky`] is the entry type: a catalogue with a viewpoint. `field_passes` computes crossings, their probability and
 //! brightness, `visible_passes` the visible passes of a night (`above_horizon` their intervals), `snapshots` all
-//! satellites at given times, `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search
+//! satellites at given times, `ephemeris` chosen satellites at given times, `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search
 //! windows), `candidates` (the search), `track` (lines of sight), `crossing` (chords through a field), `probability`,
 //! and `evaluator` (positions and brightness along a line of sight).
 
@@ -11,6 +11,7 @@ mod altaz;
 mod candidates;
 mod crossing;
 mod delayed_track;
+mod ephemeris;
 mod error;
 mod evaluator;
 mod exposure;
@@ -27,9 +28,10 @@ mod visible_passes;
 
 pub use altaz::AltAz;
 pub use delayed_track::{DelayedTrack, ExposureInterval, Sighting};
+pub use ephemeris::EphemerisPoint;
 pub use error::SkyError;
 pub use exposure::Exposure;
-pub use field::{Field, FieldError, FieldOnSky};
+pub use field::{Field, FieldOnSky};
 pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
 };

@@ -20,7 +20,7 @@ pub enum MagnitudeSource {
     StandardMagnitude,
     /// The mean of a constellation or class of objects, by name.
     Mean(Arc<str>),
-    /// A guess with a sigma that covers most satellites.
+    /// An assumed mean for unknown satellites, with a sigma that covers most of them.
     Prior,
 }
 
@@ -66,7 +66,7 @@ pub enum Earthshine {
 }
 
 impl Earthshine {
-    /// Returns the name in provenance.
+    /// Returns the name written to the provenance.
     pub fn name(self) -> &'static str {
         match self {
             Self::Off => "off",

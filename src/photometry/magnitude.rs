@@ -5,7 +5,7 @@ use std::fmt;
 /// Distance of standard magnitudes, km (the paper's d).
 pub const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// Reflection of a square metre along its own plane for a cosine of 0 rounded to 1e-16, with a margin, m² sr⁻¹.
+/// Largest reflection that is only the rounding of a cosine of 0 (1e-16 on a square metre, with a margin), m² sr⁻¹.
 const LEAST_REFLECTION_M2_SR: f64 = 1e-12;
 
 /// Apparent magnitude at the observer; smaller is brighter.
@@ -78,7 +78,7 @@ pub fn airmass(altitude_rad: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// Rounding of a few operations on numbers near 10, mag.
+    /// Tolerance, mag: rounding of a few operations on numbers near 10.
     const ROUNDING_MAG: f64 = 1e-12;
 
     #[test]

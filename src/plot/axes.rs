@@ -91,7 +91,7 @@ impl Axis {
         if let Some(ticks) = (2..=8).rev().map(|most| self.multiples(most)).find(|ticks| fits(ticks)) {
             return ticks;
         }
-        // Short axes: some ticks, and the labels that fit.
+        // On a short axis some ticks are kept, with only those labels that fit.
         let mut ticks = self.multiples(4);
         let mut last: Option<(f64, f64)> = None;
         for (value, label) in &mut ticks {

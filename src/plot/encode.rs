@@ -12,7 +12,7 @@ use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 use super::error::PlotError;
 use super::picture::{Picture, Underlay, font_style_sheet};
 
-/// Supersampling factor of PNGs: smooth lines and letters.
+/// Supersampling factor of PNGs, for smooth lines and letters.
 const FINE: usize = 2;
 
 /// Subdivision of a pixel for the coordinates of an SVG.

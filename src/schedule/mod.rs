@@ -28,7 +28,7 @@ pub use horizon::lowest_altitudes_rad;
 pub use nights::{Shard, ShardError, evening_mjd, night_of};
 pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{MagnitudeLimit, OfTelescope, Policy};
-pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
+pub use report::{AgeEffect, FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use tables::{StreakRow, exposure_table, flag_table, streak_table};
 pub use targets::{ListedTarget, read_targets};

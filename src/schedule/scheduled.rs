@@ -1,4 +1,4 @@
-//! Schedules: exposures in the order of their rows; an invalid row has the reason instead of its exposure.
+//! Schedules: exposures in the order of their rows; an invalid row contains the reason instead of an exposure.
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
@@ -8,6 +8,7 @@ use hifitime::{Epoch, TimeScale};
 use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
 use super::policy::MagnitudeLimit;
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::frames::{
     Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
 };
@@ -89,9 +90,6 @@ impl Schedule {
             .collect()
     }
 }
-
-/// Longest valid exposure: one day.
-pub(super) const LONGEST_EXPOSURE_S: f64 = 86_400.0;
 
 /// Converts a raw table to a schedule.
 ///

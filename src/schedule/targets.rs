@@ -6,8 +6,8 @@ use hifitime::Epoch;
 
 use super::error::ScheduleError;
 use super::formats::{Cell, display, read_raw};
-use super::scheduled::LONGEST_EXPOSURE_S;
 use super::windows::WindowTarget;
+use crate::constants::LONGEST_EXPOSURE_S;
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
 use crate::passes::Exposure;
 

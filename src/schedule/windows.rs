@@ -18,7 +18,7 @@ pub enum Blocking {
     /// All lit satellites: the verdict of an exposure in a window is `clear`.
     #[default]
     Any,
-    /// Satellites that exceed a magnitude limit of the policy: the verdict is not `avoid` for any single satellite.
+    /// Satellites for any of which the verdict would be `avoid` by a magnitude limit of the policy.
     Avoided,
     /// Satellites brighter than a limit, of any probability unless the policy has one; all lit satellites if no limit
     /// applies to the band.

@@ -12,24 +12,27 @@ use streakcast::frames::{
     parse_right_ascension_deg, seconds_after, seconds_between,
 };
 use streakcast::geometry::{Observer, ObserverState, Site, SunTable, aspect};
-use streakcast::orbit::Propagator;
+use streakcast::orbit::{DragModel, Propagator};
+use streakcast::passes::{ModelChoice, Sky};
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
 
-/// Right ascension is printed to 0.01 s (0.15"), declination to 0.1"; 1 m across the line of sight is 0.35" at 600 km.
+/// Median error allowed by the printed digits: right ascension 0.01 s (0.15"), declination 0.1"; 1 m across the line of
+/// sight is 0.35" at 600 km.
 const MEDIAN_ARCSEC: f64 = 0.3;
 const WORST_ARCSEC: f64 = 1.0;
-/// Printed to 10⁻¹⁴ au (1.5 m); the site is known to a metre.
+/// Tolerance of ranges: printed to 10⁻¹⁴ au (1.5 m), and the site is known to a metre.
 const RANGE_KM: f64 = 5e-3;
-/// Rates in "/h to seven digits; ours are differences over a second on an arc of 10 minutes.
+/// Relative tolerance of rates: printed in "/h to seven digits; ours are differences over a second on a 10-minute arc.
 const RATE_RELATIVE: f64 = 2e-4;
 const RANGE_RATE_KM_S: f64 = 2e-4;
-/// Printed to 0.0001 degrees; the choice of the pole for the horizon has the same effect (0.47" = 0.00013 degrees in
-/// July 2021).
+/// Tolerance of azimuth and elevation: printed to 0.0001 degrees; the choice of the pole for the horizon has the same
+/// effect (0.47" = 0.00013 degrees in July 2021).
 const HORIZON_DEG: f64 = 3e-4;
 
 /// A row of the file `dat`:
-/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r S-T-O`.
+/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r
+/// S-T-O`.
 struct Row {
     name: String,
     epoch: Epoch,
@@ -39,6 +42,10 @@ struct Row {
     elevation_deg: f64,
     range_km: f64,
     range_rate_km_s: f64,
+    /// Azimuth times the cosine of the elevation, and elevation, arcseconds a minute.
+    horizon_rate_arcsec_min: [f64; 2],
+    elongation_deg: f64,
+    phase_angle_deg: f64,
 }
 
 fn read_row(line: &str) -> Option<Row> {
@@ -63,6 +70,9 @@ fn read_row(line: &str) -> Option<Row> {
         elevation_deg: number(9)?,
         range_km: number(15)? * AU_KM,
         range_rate_km_s: number(16)?,
+        horizon_rate_arcsec_min: [number(10)?, number(11)?],
+        elongation_deg: number(17)?,
+        phase_angle_deg: number(19)?,
     })
 }
 
@@ -146,15 +156,15 @@ fn valid_directions_against_horizons() {
         directions.see(setting.seen(&row.name, row.epoch).direction.separation_rad(&row.direction) / ARCSEC_RAD);
     }
     middle.see(setting.separations_arcsec(|sight| sight.direction).0);
-    // The light-time effect of the Earth's motion is really tested: without it all directions are 20" off.
+    // The light-time effect of the Earth's motion matters here: without it all directions are 20" off.
     let (plain, _) = setting.separations_arcsec(|sight| sight.geometric.direction().expect("not at the site"));
     assert!((15.0..30.0).contains(&plain), "{plain}");
 }
 
-/// 48.520031 N, 123.417137 W, 244.14 m is the position that these rows give with the pole at its origin. With the pole
-/// of July 2021 (0.235", 0.403") the same rows give 48.519974 N, 123.417006 W, 244.16 m: the longitude of the Minor
-/// Planet Center's list, 236.5830, to half a metre. So Horizons applies polar motion, and a site determined without it
-/// is displaced by the pole, here 11.6 m or 3.6".
+/// Horizons applies polar motion. Its rows give the position 48.520031 N, 123.417137 W, 244.14 m with the pole at its
+/// origin, and 48.519974 N, 123.417006 W, 244.16 m with the pole of July 2021 (0.235", 0.403"), which has the longitude
+/// of the Minor Planet Center's list, 236.5830, to half a metre. A site determined without polar motion is displaced by
+/// the pole, here 11.6 m or 3.6".
 #[test]
 fn valid_directions_without_polar_motion_from_the_displaced_site() {
     let site = Site::new_deg("658 displaced by the pole", 48.520_031, -123.417_137, 244.14).expect("a site");
@@ -217,4 +227,55 @@ fn valid_apparent_horizon_against_horizons() {
     }));
     println!("geometric azimuth and altitude: worst {worst:.1e} deg");
     assert!(worst < 0.002, "{worst}");
+}
+
+/// Horizons' range and range rate are those of the light path, to the satellite at emission and from the barycentric
+/// position of the site at reception: up to (8 + 30) km/s of 4 ms farther or nearer than the distance at reception.
+const LIGHT_PATH_KM: f64 = 0.2;
+/// The same in the rate: 0.2 km, turning at up to 0.02 rad/s.
+const LIGHT_PATH_RATE_KM_S: f64 = 4e-3;
+/// Rates of azimuth and elevation are apparent in Horizons: 20" of aberration turn with the sky and the satellite.
+const HORIZON_RATE_RELATIVE: f64 = 5e-4;
+/// Aberration of 20" at the satellite or observer, and rounding to 0.0001 degrees.
+const SUN_ANGLE_DEG: f64 = 0.012;
+
+#[test]
+fn valid_ephemeris_against_horizons() {
+    let Some(setting) = full_setting() else { return };
+    let sets: Vec<ElementSet> = setting.elements.values().cloned().collect();
+    let sky = Sky::with_models(sets, setting.observer.clone(), EopTable::embedded(), &ModelChoice::default())
+        .with_drag(DragModel::Published);
+    let by_name: HashMap<&str, usize> =
+        sky.elements().iter().enumerate().map(|(index, set)| (set.name.as_ref(), index)).collect();
+    let authority = "JPL Horizons";
+    let mut direction = Agreement::new("Ephemeris of Starlinks: directions", authority, WORST_ARCSEC, "arcsec");
+    let mut rate = Agreement::new("Ephemeris of Starlinks: rates, relative", authority, RATE_RELATIVE, "");
+    let mut horizon = Agreement::new("Ephemeris of Starlinks: altitude and azimuth", authority, 0.002, "deg");
+    let mut turning =
+        Agreement::new("Ephemeris of Starlinks: horizontal rates, relative", authority, HORIZON_RATE_RELATIVE, "");
+    let mut range = Agreement::new("Ephemeris of Starlinks: ranges", authority, LIGHT_PATH_KM, "km");
+    let mut range_rate = Agreement::new("Ephemeris of Starlinks: range rates", authority, LIGHT_PATH_RATE_KM_S, "km/s");
+    let mut sun = Agreement::new("Ephemeris of Starlinks: phase and elongation", authority, SUN_ANGLE_DEG, "deg");
+    for row in &setting.rows {
+        let (points, _) = sky.ephemeris(&[by_name[row.name.as_str()]], &[row.epoch], None).expect("a place");
+        let [place] = points.as_slice() else { panic!("{} places", points.len()) };
+        direction.see(place.point.direction.separation_rad(&row.direction) / ARCSEC_RAD);
+        let per_hour = 3600.0 / ARCSEC_RAD;
+        let [ra, dec] = row.rate_arcsec_h;
+        let ours = place.ra_cos_dec_rate_rad_s.hypot(place.dec_rate_rad_s) * per_hour;
+        // Both components are of date in Horizons: precession turns them by degrees near the pole.
+        rate.see((ours / ra.hypot(dec) - 1.0).abs());
+        let theirs = Direction::<Gcrs>::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
+        let (altitude, azimuth) = (place.point.altitude_rad.expect("a site"), place.point.azimuth_rad.expect("a site"));
+        horizon.see(Direction::from_lon_lat_rad(azimuth, altitude).separation_rad(&theirs).to_degrees());
+        let [azimuth_rate, altitude_rate] = row.horizon_rate_arcsec_min;
+        let per_minute = 60.0 / ARCSEC_RAD;
+        let ours = [place.azimuth_cos_altitude_rate_rad_s, place.altitude_rate_rad_s];
+        let [our_azimuth, our_altitude] = ours.map(|rate| rate.expect("a site") * per_minute);
+        turning.see((our_azimuth.hypot(our_altitude) / azimuth_rate.hypot(altitude_rate) - 1.0).abs());
+        range.see((place.point.range_km - row.range_km).abs());
+        range_rate.see((place.range_rate_km_s - row.range_rate_km_s).abs());
+        sun.see((place.point.geometry.phase_angle_rad().to_degrees() - row.phase_angle_deg).abs());
+        sun.see((place.elongation_rad.to_degrees() - row.elongation_deg).abs());
+    }
 }

@@ -14,13 +14,14 @@ mod crossing_probabilities;
 mod crossings;
 mod earthshine;
 mod ephemerides;
+mod ephemeris;
 mod forecast_reference;
 mod frames;
 mod horizons;
 mod identify;
 mod magnitude_sigma;
 mod maps;
-#[cfg(any(feature = "fits", feature = "plot"))]
+#[cfg(any(all(feature = "fits", unix), feature = "plot"))]
 mod maps_files;
 mod maps_paper;
 mod model_files;

@@ -9,12 +9,12 @@ use streakcast::frames::{EopTable, Gcrs, OrientationTable, Position, seconds_aft
 use streakcast::geometry::{Illumination, SunTable, illumination};
 use streakcast::orbit::Propagator;
 
-/// Sun and Earth differ (epv00 and DE421: 11 km), times are bisected to 0.1 ms; high orbits that graze the shadow are
-/// the worst case.
+/// Tolerance of times: the positions of Sun and Earth differ (epv00 and DE421: 11 km), times are bisected to 0.1 ms,
+/// and high orbits that graze the shadow are the worst case.
 const MOMENT_S: f64 = 0.02;
 
-/// Angle between the Sun's edge and the spherical Earth of the golden cone: the same closed form, with our satellite
-/// and our Sun.
+/// Angle between the edges of the Sun and of a spherical Earth, by the closed form of the golden cone, from our
+/// positions of satellite and Sun.
 fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
     let to_sun = *sun - *satellite;
     let (r, d) = (satellite.norm_km(), to_sun.norm_km());

@@ -1,11 +1,13 @@
-//! Forecasts of nights and identification of streaks: JSON documents to requests of the library, results to tables.
+//! Forecasts of nights, ephemerides and identification of streaks: converts JSON documents to requests of the library,
+//! and results to tables.
 
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use streakcast::config::{Config, ForecastConfig, IdentifyConfig, ConfigError};
+use streakcast::config::{Config, ConfigError, EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
-    ForecastError, ForecastRequest, PassRow, Selection, forecast as compute_forecast, night_table, pass_table,
+    EphemerisRow, ForecastError, ForecastRequest, PassRow, Selection, ephemeris as compute_ephemeris, ephemeris_table,
+    forecast as compute_forecast, night_table, pass_table,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
@@ -83,6 +85,35 @@ impl Nights {
     }
 }
 
+/// Returns the places of satellites at given times as columns, and warnings.
+#[pyfunction]
+#[pyo3(signature = (request, setup, config, sky_cache))]
+pub fn ephemeris<'py>(
+    py: Python<'py>,
+    request: &str,
+    setup: &str,
+    config: Option<&str>,
+    sky_cache: Py<SkyCache>,
+) -> PyResult<(Bound<'py, PyList>, Vec<String>)> {
+    let given: EphemerisConfig = serde_json::from_str(request).map_err(failure::request)?;
+    let setup: Config = setup_of(setup, config)?;
+    let (table, warnings) = failure::without_lock(py, || {
+        let request = given.resolve(&setup).map_err(exception)?;
+        // The configuration rejects an empty list of times.
+        let (first, last) = request.times.iter().fold((request.times[0], request.times[0]), |(first, last), time| {
+            (first.min(*time), last.max(*time))
+        });
+        let prepared = sky_cache.get().over(first, last).map_err(failure::setup)?;
+        let elements = prepared.sky.elements();
+        let found = compute_ephemeris(&prepared.sky, &request).map_err(|error| exception(error.into()))?;
+        let rows = found.points.iter().map(|place| EphemerisRow { place, elements: &elements[place.element_index] });
+        let left_out = prepared.left_out_warning(&found.left_out, first).map_err(failure::setup)?;
+        let warnings = [left_out, request.selection.unknown_warning(elements)].into_iter().flatten();
+        Ok((ephemeris_table(rows), warnings.map(|warning| failure::as_arguments(&warning)).collect()))
+    })?;
+    Ok((columns(py, &table)?, warnings))
+}
+
 /// Returns the candidate satellites of a measured streak: `candidates` and `streak` as columns, `unknown_probability`,
 /// `n_candidates` and `warnings`.
 #[pyfunction]
@@ -130,7 +161,7 @@ fn exception(error: ConfigError) -> PyErr {
         error if !error.is_of_request() => failure::setup(error),
         ConfigError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
             let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
-            failure::request(format!("{name} {given}{unit}; allowed: {allowed}"))
+            failure::request(format!("{name} is {given}{unit}; allowed: {allowed}"))
         }
         other => failure::request(failure::as_arguments(&other.to_string())),
     }

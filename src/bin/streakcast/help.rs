@@ -2,17 +2,17 @@
 
 use clap::{Arg, Command};
 
-/// Flags of which some are required together, on the command line or in the configuration file.
+/// Flags of which one, or one set, is required on the command line or in the configuration file.
 struct Group {
-    /// Heading of the flags; empty for flags without one.
+    /// Heading of the flags; empty for flags without a heading.
     heading: &'static str,
-    /// Heading with the rule.
+    /// Heading that states which flags are required.
     marked_heading: &'static str,
-    /// Ids of the flags without a heading.
+    /// Ids of the flags that have no heading.
     ids: &'static [&'static str],
     /// Alternatives in the usage line.
     usage: &'static str,
-    /// Alternatives in words, for the flags in `ids`.
+    /// Alternatives in words, for the help of the flags in `ids`.
     rule: &'static str,
 }
 
@@ -43,6 +43,20 @@ const TIME_RANGE: Group = Group {
     ids: &["night", "start", "end"],
     usage: "(--night <DATE> | --start <TIME> --end <TIME>)",
     rule: "--night, or --start and --end",
+};
+const TIMES: Group = Group {
+    heading: "",
+    marked_heading: "",
+    ids: &["times", "times_file", "start", "end", "step"],
+    usage: "(--times <TIME>... | --times-file <FILE> | --start <TIME> --end <TIME> --step <TIME>)",
+    rule: "--times, --times-file, or --start, --end and --step",
+};
+const SELECTION: Group = Group {
+    heading: "",
+    marked_heading: "",
+    ids: &["norad", "name", "generation"],
+    usage: "(--norad <ID>... | --name <TEXT>... | --generation <KIND>...)",
+    rule: "--norad, --name or --generation",
 };
 const FRAMES: Group = Group {
     heading: "",
@@ -136,6 +150,15 @@ const VERBS: &[VerbHelp] = &[
         examples: [
             "--start 2024-08-14T00:00:00Z --end 2024-08-14T00:10:00Z --shells oneweb --mpc X05 --max-mag 8",
             "--night 2024-08-14 --elements active.tle --lat 48.2 --lon 16.4 --format ics -o passes.ics",
+        ],
+    },
+    VerbHelp {
+        path: "ephemeris",
+        flags: &[],
+        groups: &[SELECTION, TIMES, SATELLITES, SITE],
+        examples: [
+            "--name S1 --start 2024-08-14T03:30:00Z --end 2024-08-14T03:31:00Z --step 30s --shells oneweb --mpc X05 --min-altitude 20",
+            "--norad 25544 --times 2024-08-14T03:30:00Z --elements active.tle --site Paranal --format ecsv",
         ],
     },
     VerbHelp {
@@ -339,7 +362,7 @@ const VERBS: &[VerbHelp] = &[
 
 /// Adds required flags and examples to the help of all verbs.
 pub fn complete(command: Command) -> Command {
-    // Examples are not wrapped: they can be copied.
+    // Without wrapping, examples can be copied.
     VERBS.iter().fold(command.term_width(0), |command, help| {
         let names: Vec<&str> = help.path.split(' ').collect();
         at(command, &names, help)

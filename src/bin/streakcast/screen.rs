@@ -1,8 +1,21 @@
-//! Tables on a terminal: selected columns, aligned, with coloured verdicts.
+//! Text for terminals: tables of selected columns, aligned, with coloured verdicts; control characters escaped.
+
+use std::borrow::Cow;
 
 use comfy_table::presets::NOTHING;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table as Screen};
 use streakcast::output::{Kind, Table, Value};
+
+/// Escapes control characters in text that quotes files: a terminal obeys them. Line ends are kept. Overrides of the
+/// direction of writing are escaped too, because they hide what a line contains.
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_hidden = |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    if !text.contains(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    let escaped = |c: char| if is_hidden(c) { c.escape_default().to_string() } else { c.to_string() };
+    Cow::Owned(text.chars().map(escaped).collect())
+}
 
 /// Column on the terminal: name in the table, heading, and number of decimals.
 pub struct Shown {
@@ -11,21 +24,21 @@ pub struct Shown {
     pub decimals: Option<usize>,
 }
 
-/// Shorthand for a list of [`Shown`].
+/// Returns a column with the decimals of the table.
 pub const fn shown(column: &'static str, heading: &'static str) -> Shown {
     Shown { column, heading, decimals: None }
 }
 
-/// As [`shown`], with numbers and seconds rounded to `decimals`.
+/// Returns a column with numbers and seconds rounded to `decimals`.
 pub const fn rounded(column: &'static str, heading: &'static str, decimals: usize) -> Shown {
     Shown { column, heading, decimals: Some(decimals) }
 }
 
 /// Style of a table on a terminal.
 pub struct Style<'a> {
-    /// Columns; those missing from the table, and those without values, are omitted.
+    /// Columns in their order. Columns without a value in any row, or missing from the table, are omitted.
     pub columns: &'a [Shown],
-    /// Row in bold.
+    /// Index of the row in bold, if any.
     pub bold_row: Option<usize>,
 }
 
@@ -58,7 +71,7 @@ pub fn render(table: &Table, style: &Style<'_>, styled: bool) -> String {
                 (kind, _) => kind,
             };
             let value = row.get(index)?;
-            let text = column.text(value);
+            let text = printable(&column.text(value)).into_owned();
             let mut cell = Cell::new(if text.is_empty() { "-" } else { &text });
             if matches!(column.kind, Kind::Real { .. } | Kind::Integer) {
                 cell = cell.set_alignment(CellAlignment::Right);

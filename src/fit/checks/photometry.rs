@@ -6,6 +6,7 @@ use std::path::Path;
 
 use super::super::error::FitError;
 use super::super::measurements::{DropReason, Format, PhotometryOptions, Placement, RecordReader, Selection, measure};
+use crate::input;
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude, StandardMagnitudes};
 
@@ -134,7 +135,7 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Ve
 /// Selection by name: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
 fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, FitError> {
     let unreadable = |problem: String| FitError::CheckUnreadable { path: path.to_owned(), problem };
-    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    let bytes = input::read(path).map_err(|error| unreadable(error.to_string()))?;
     // Names are Latin-1; the numbers are ASCII.
     let text = String::from_utf8_lossy(&bytes);
     let table = StandardMagnitudes::from_qs_mag(&text).map_err(|error| unreadable(error.to_string()))?;

@@ -123,7 +123,8 @@ mod tests {
         }
         let least = LEAST_ALTITUDE_DEG.to_radians();
         let element = (std::f64::consts::FRAC_PI_2 - least) / STEPS[1] as f64 * std::f64::consts::TAU / STEPS[2] as f64;
-        // Step sizes of both grids at the borders of the cone and of the shadow, and the density near the pole.
+        // Relative tolerance: the steps of both grids are coarse at the borders of the cone and of the shadow, and the
+        // density is steep near the pole.
         const GRID_TOLERANCE: f64 = 0.01;
         assert!((seen * element / expected - 1.0).abs() < GRID_TOLERANCE, "{} {expected}", seen * element);
     }

@@ -270,7 +270,7 @@ mod tests {
         let problem = Curve { t: (0..33).map(|i| 10.0 * f64::from(i)).collect(), y: y.to_vec(), model };
         let wide = ([-10.0; 5], [10.0; 5]);
         let found = minimise(&problem, &[0.5, 1.5, -1.0, 0.01, 0.02], &wide.0, &wide.1, &LeastSquares::default());
-        /// The published figure has six digits.
+        /// Tolerance of the published figure, which has six digits.
         const DIGITS: f64 = 5e-11;
         assert!((2.0 * found.cost - 5.46489e-5).abs() < DIGITS, "{found:?}");
         assert_ne!(found.stop, Stop::Evaluations);

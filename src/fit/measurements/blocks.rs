@@ -1,12 +1,12 @@
 //! Files of any length, plain or gzipped, as a head and blocks of whole rows.
 
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
 use super::super::error::FitError;
+use crate::input;
 use crate::elements::NoradId;
 
 /// Bytes per block.
@@ -46,7 +46,7 @@ impl Blocks {
     /// Opens a file and reads its head.
     pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), FitError> {
         let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
-        let file = File::open(path).map_err(unreadable)?;
+        let file = input::open(path).map_err(unreadable)?;
         Self::of(Box::new(file), name)
     }
 

@@ -124,7 +124,7 @@ impl DropCounts {
         self.counts.iter().sum()
     }
 
-    /// Occurring reasons with their counts and first examples.
+    /// Reasons that occurred, with their counts and first examples.
     pub fn iter(&self) -> impl Iterator<Item = (DropReason, u64, Option<&DropExample>)> {
         DropReason::ALL
             .into_iter()
@@ -132,7 +132,7 @@ impl DropCounts {
             .filter(|of| of.1 > 0)
     }
 
-    /// Table with one row per occurring reason.
+    /// Table with one row per reason that occurred.
     pub fn table(&self) -> Table {
         let row = |(reason, count, example): (DropReason, u64, Option<&DropExample>)| {
             vec![

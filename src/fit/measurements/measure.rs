@@ -89,7 +89,7 @@ impl Measurements {
 /// Returns all measurements of a source, 130 bytes each.
 ///
 /// # Errors
-/// Those of [`measure_each`].
+/// The errors of [`measure_each`].
 pub fn measure(
     source: &mut impl RecordSource,
     placement: &Placement,
@@ -162,7 +162,7 @@ fn check(placement: &Placement) -> Result<(), FitError> {
         PositionSource::Elements { .. } | PositionSource::Recorded { radius: Some(OrbitRadius::Elements) }
             if placement.history.is_none() =>
         {
-            Err(FitError::NoHistory { what: "geometry by element sets" })
+            Err(FitError::NoHistory { what: "the geometry" })
         }
         PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
             positive("height_km", height, "more than 0 km")

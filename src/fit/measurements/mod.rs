@@ -4,11 +4,14 @@
 //! file ── RecordReader ── Record ── Placement ── Selection ── Measurement ── Reducer ── Pixel
 //! ```
 //!
-//! `format` describes the published tables and counts rows by filter, `column_map` any other table. `blocks` cuts files into whole rows, `rows` parses them into `record`s,
-//! and `reader` does so in parallel in bounded memory. `placement` computes the viewing geometry with
-//! `ephemeris`, by element sets (`offset`: along-track delay), recorded angles, or distance and phase (`triangle`); `identify` finds the satellites
-//! of tracks. `selection` decides which records are used, `dropped` counts the others by reason, `measure` does both. `reduce` makes pixels
-//! with the `density_mode` of their magnitudes.
+//! - `format`, `column_map`: layouts of the published tables, and of any other table
+//! - `blocks`, `rows`, `record`, `reader`: whole rows of a file, parsed into records in parallel and in bounded memory
+//! - `placement`, `ephemeris`, `offset`, `triangle`: viewing geometry by element sets (with a fitted delay), by
+//!   recorded angles, or by distance and phase
+//! - `identify`: satellites of tracks
+//! - `selection`, `dropped`, `measure`: records that are used, counts of the others by reason, and the conversion to
+//!   measurements
+//! - `reduce`, `density_mode`: pixels with the mode of their magnitudes
 //!
 //! ```
 //! use streakcast::fit::measurements::{

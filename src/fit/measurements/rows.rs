@@ -149,7 +149,7 @@ impl<'l> Rows<'l> {
                 self.parsed.dropped.add(reason, || {
                     let given = layout.text(cell, field).unwrap_or_default();
                     let column = layout.map.column(field).unwrap_or_default();
-                    let problem = format!("{column} '{given}', expected {expected}");
+                    let problem = format!("{column} is '{given}'; allowed: {expected}");
                     DropExample { file: String::new(), row, problem }
                 });
             }
@@ -253,8 +253,8 @@ impl<'l> Rows<'l> {
         Ok(Some(number))
     }
 
-    /// Number within the block of the track, else the satellite, the night, the degree of the Sun's altitude, or the
-    /// file.
+    /// Returns the number, within the block, of the group of a row: its track, or else its satellite, night, degree of
+    /// the Sun's altitude, or file.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
             // Rows of a track are mostly consecutive.
@@ -363,13 +363,13 @@ impl Layout {
         let epoch = match self.columns[Field::TimeOfDay as usize] {
             Some(_) => {
                 let time = self.text(cell, Field::TimeOfDay).ok_or_else(wrong)?;
-                of_clock(clocked(&format!("{date} {time}")), scale)
+                in_scale(date_and_time(&format!("{date} {time}")), scale)
             }
             // Z means UTC and contradicts another scale.
             None if date.ends_with('Z') && scale != TimeScale::UTC => None,
             None => match date.parse::<f64>() {
                 Ok(days) => epoch_from_mjd(days, scale).or_else(|_| epoch_from_jd(days, scale)).ok(),
-                Err(_) => of_clock(clocked(date), scale),
+                Err(_) => in_scale(date_and_time(date), scale),
             },
         };
         // From Sputnik to the end of the Sun's ephemeris.
@@ -412,12 +412,12 @@ impl Layout {
 }
 
 /// Reinterprets a date that was read as UTC in another time scale.
-fn of_clock(read: Option<Epoch>, scale: TimeScale) -> Option<Epoch> {
+fn in_scale(read: Option<Epoch>, scale: TimeScale) -> Option<Epoch> {
     read.map(|epoch| Epoch::from_duration(epoch.to_utc_duration(), scale))
 }
 
 /// Parses date and time; hours of one digit (`2024-01-01 5:03:02`) occur in tables of photometry.
-fn clocked(text: &str) -> Option<Epoch> {
+fn date_and_time(text: &str) -> Option<Epoch> {
     parse_iso(text).or_else(|| {
         let (date, time) = text.split_once(['T', ' '])?;
         let time = time.trim_start();

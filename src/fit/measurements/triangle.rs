@@ -6,7 +6,8 @@
 //! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     s  unit vector to the Sun
 //! ```
 //!
-//! up to the mirror image α → -α, which is irrelevant for a satellite that is symmetric about the Sun's plane.
+//! The solution is unique up to its mirror image, α → -α, which is equally bright if the satellite is symmetric about
+//! the Sun's plane.
 
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::geometry::ViewingGeometry;
@@ -60,8 +61,8 @@ mod tests {
             prop_assume!(truth.observer_latitude_rad > -1.4 && truth.sun_latitude_rad.abs() < 1.4);
             let along_km = telescope.vector().dot(&sun.vector().normalize());
             let found = geometry(6928.137, truth.range_km, truth.phase_angle_rad(), 6370.0, along_km).expect("a geometry");
-            // The formulas neglect the Sun's parallax, 4.6e-5 rad over 6928 km; its effect on the longitude is larger
-            // by 1/(cos cos sin).
+            // Tolerance: the formulas neglect the Sun's parallax, 4.6e-5 rad over 6928 km; its effect on the longitude
+            // is larger by 1/(cos cos sin).
             const PARALLAX_RAD: f64 = 1e-4;
             prop_assert!((found.observer_latitude_rad - truth.observer_latitude_rad).abs() < 1e-9);
             prop_assert!((found.sun_latitude_rad - truth.sun_latitude_rad).abs() < PARALLAX_RAD / truth.sun_latitude_rad.cos());

@@ -50,7 +50,7 @@ const LAYERS: [(f64, f64, f64); 8] = [
     (71.0, 214.65, -2.0),
     (84.852, 186.946, 0.0),
 ];
-/// g₀ M / R of the standard, K/km.
+/// The constant g₀ M / R of the standard, K/km.
 const HYDROSTATIC_K_KM: f64 = 34.163_195;
 /// The Earth's radius of the standard, km.
 const STANDARD_RADIUS_KM: f64 = 6356.766;
@@ -61,13 +61,13 @@ const COLUMN_KM: f64 = 8.434_5;
 static LAYER_DENSITY: LazyLock<[f64; 8]> = LazyLock::new(|| {
     let mut densities = [1.0; 8];
     for layer in 1..8 {
-        densities[layer] = densities[layer - 1] * fall(layer - 1, LAYERS[layer].0);
+        densities[layer] = densities[layer - 1] * relative_density(layer - 1, LAYERS[layer].0);
     }
     densities
 });
 
 /// Density relative to the bottom of the layer.
-fn fall(layer: usize, geopotential_km: f64) -> f64 {
+fn relative_density(layer: usize, geopotential_km: f64) -> f64 {
     let (base_km, base_k, gradient) = LAYERS[layer];
     let above_km = geopotential_km - base_km;
     if gradient == 0.0 {
@@ -85,7 +85,7 @@ fn density(height_km: f64) -> (f64, f64) {
     let layer = LAYERS.iter().rposition(|(base_km, ..)| geopotential_km >= *base_km).unwrap_or(0);
     let (base_km, base_k, gradient) = LAYERS[layer];
     let temperature_k = base_k + gradient * (geopotential_km - base_km);
-    let density = LAYER_DENSITY[layer] * fall(layer, geopotential_km);
+    let density = LAYER_DENSITY[layer] * relative_density(layer, geopotential_km);
     (density, -density * (HYDROSTATIC_K_KM + gradient) / temperature_k * scale * scale)
 }
 
@@ -237,7 +237,7 @@ mod tests {
     use crate::frames::{Gcrs, Position};
     use crate::geometry::{Illumination, ShadowModel};
 
-    /// The standard's own table: height (km), density against 1.225 kg/m³.
+    /// Densities printed in the standard itself: height (km), density against 1.225 kg/m³.
     #[test]
     fn valid_densities_against_the_standard() {
         for (height_km, expected) in [

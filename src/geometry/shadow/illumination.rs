@@ -139,7 +139,7 @@ impl ShadowModel {
         if above >= 1.0 {
             return Illumination::Sunlit;
         }
-        match disk::lit_fraction(above, limb.bend_radii()) {
+        match disk::lit_fraction(above, limb.limb_radius_in_suns()) {
             lit if lit <= 0.0 => Illumination::Umbra,
             lit if lit >= 1.0 => Illumination::Sunlit,
             lit_fraction => Illumination::Penumbra { lit_fraction },
@@ -197,7 +197,7 @@ impl Limb {
     ///
     /// On the sphere the limb is a small circle with the curvature of a plane circle of radius tan(earth_rad). Making
     /// the Sun's ellipse round scales lengths along the limb by the ratio of its axes, and the radius by its square.
-    fn bend_radii(&self) -> f64 {
+    fn limb_radius_in_suns(&self) -> f64 {
         // Beyond 10⁴ (at the surface itself) the limb is straight to one part in 10⁶.
         self.earth_rad.tan().clamp(0.0, 1e4) / self.sun_across_rad * (self.sun_across_rad / self.sun_along_rad).powi(2)
     }

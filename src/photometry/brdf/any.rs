@@ -14,7 +14,7 @@ pub enum Law {
     Abg(Abg),
     /// A bell-shaped lobe.
     Gaussian(Gaussian),
-    /// The logarithm expanded in reciprocal quantities.
+    /// A polynomial for the logarithm of the reflectance.
     Binomial(Binomial),
     /// A lobe about the transmitted direction.
     Straight(Straight),
@@ -27,29 +27,30 @@ pub enum Law {
 impl Law {
     /// Returns the exponent of the Phong lobe of the same width, for the sampling of extended sources.
     pub fn equivalent_exponent(&self) -> f64 {
-        /// Exponent for binomials, whose lobes may have any width: the narrowest for which the rule for the Earth is
-        /// tested.
-        const SHARP: f64 = 200.0;
+        /// Exponent used for binomial laws, whose lobes may have any width: the narrowest lobe for which the sum over
+        /// the Earth is tested.
+        const LARGEST_EXPONENT: f64 = 200.0;
         // cosⁿθ falls to half at θ² ≈ 2 ln 2 / n
         let of_half_width = |theta: f64| 2.0 * std::f64::consts::LN_2 / theta.powi(2);
         let exponent = match self {
             Self::Lambert(_) => 1.0,
-            // The width counts, not the direction of the lobe.
+            // Only the width of the lobe matters here, not its direction.
             Self::Phong(Phong { exponent, .. })
             | Self::Straight(Straight { exponent, .. })
             | Self::Retro(Retro { exponent, .. }) => *exponent,
             // A facet tilted by β across the plane of incidence deflects light by θ = 2β cos φ_i, that is by β at 60°,
             // as oblique as a satellite's horizon is to its nadir panels: e^(-tan²β/2w²) ≈ e^(-θ²/2w²), and cosⁿθ ≈
             // e^(-nθ²/2). For light along the normal the lobe is twice as wide, 2w. Slopes below 0.07 would need more
-            // than SHARP: for 0.04 the error of earthshine is up to 0.04 mag near the horizon, 0.002 mag elsewhere.
+            // than LARGEST_EXPONENT: for 0.04 the error of earthshine is up to 0.04 mag near the horizon, 0.002 mag
+            // elsewhere.
             Self::Facets(law) => law.slope.powi(-2),
             // e^((cos θ - 1)/w) ≈ e^(-θ²/2w)
             Self::Gaussian(law) => 1.0 / law.width,
             // Half maximum at x^g = B.
             Self::Abg(law) => of_half_width(law.b.powf(1.0 / law.g.max(0.1))),
-            Self::Binomial(_) => SHARP,
+            Self::Binomial(_) => LARGEST_EXPONENT,
         };
-        exponent.clamp(1.0, SHARP)
+        exponent.clamp(1.0, LARGEST_EXPONENT)
     }
 }
 

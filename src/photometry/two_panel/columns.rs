@@ -43,10 +43,11 @@ pub(in crate::photometry) enum Columns<'a> {
 /// Number of geometries evaluated together: their intermediate values, some 7 kB, stay in the first-level cache.
 const BLOCK: usize = 32;
 
-/// Least light with a magnitude, m² sr⁻¹.
+/// Smallest light for which a magnitude is computed, m² sr⁻¹.
 const LEAST_M2_SR: f64 = 1e-300;
 
-/// Writes magnitudes at 1000 km into `out`; NaN where no lit surface is visible. `zero_mag` is that of 1 m² sr⁻¹.
+/// Writes magnitudes at 1000 km into `out`; NaN where no lit surface is visible. `zero_mag` is the magnitude of a
+/// reflection of 1 m² sr⁻¹.
 pub(in crate::photometry) fn standard_magnitudes(
     model: &SatelliteModel,
     zero_mag: f64,
@@ -130,17 +131,17 @@ fn of_positions<const F: bool>(positions: &[[f64; BLOCK]; 3], observer: [f64; 3]
         //                                                                 Lu (2024), eqs. 8, 9
         let across = cross(p, s);
         let across_km2 = norm::<F>(across);
-        let per_place_km = 1.0 / norm::<F>(p);
-        let per_place_sun = per_place_km / norm::<F>(s);
+        let per_radius_km = 1.0 / norm::<F>(p);
+        let per_radius_sun = per_radius_km / norm::<F>(s);
         let per_eye_km = 1.0 / norm::<F>(e);
         // With the Sun in the zenith azimuths are undefined: the observer is then taken at an azimuth of 90°.
         let per_across_eye = per_eye_km / greater(across_km2, f64::MIN_POSITIVE);
-        sun_x[lane] = across_km2 * per_place_sun;
-        sun_z[lane] = dot::<F>(p, s) * per_place_sun;
+        sun_x[lane] = across_km2 * per_radius_sun;
+        sun_z[lane] = dot::<F>(p, s) * per_radius_sun;
         // x · e = (p × s) · (p × e) / (|p| |p × s| |e|)
-        eye_x[lane] = dot::<F>(across, cross(p, e)) * (per_place_km * per_across_eye);
+        eye_x[lane] = dot::<F>(across, cross(p, e)) * (per_radius_km * per_across_eye);
         eye_y[lane] = dot::<F>(across, e) * per_across_eye;
-        eye_z[lane] = dot::<F>(p, e) * (per_place_km * per_eye_km);
+        eye_z[lane] = dot::<F>(p, e) * (per_radius_km * per_eye_km);
     }
     Directions { sun: [sun_x, sun_z], observer: [eye_x, eye_y, eye_z] }
 }

@@ -67,7 +67,7 @@ impl Annotation<'_> {
 
 /// Returns the text of a schedule.
 pub(super) fn read_text(input: &Path) -> Result<String, ScheduleError> {
-    std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
+    crate::input::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
 }
 
 /// Insertions into a text and removals from it; all other bytes are kept.
@@ -87,7 +87,7 @@ impl Edits {
 
     /// Returns the edited text.
     pub fn apply(mut self, text: &str) -> String {
-        // A removal that ends at the position of an insertion is applied first, one that starts there after it.
+        // A removal that ends at the position of an insertion is applied before it; one that starts there, after it.
         self.0.sort_by_key(|(range, _)| (range.start, range.end));
         let mut out = String::with_capacity(text.len() * 2);
         let mut written = 0;

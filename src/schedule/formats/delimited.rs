@@ -4,10 +4,15 @@
 use std::path::Path;
 
 use hifitime::TimeScale;
-use saphyr::{LoadableYamlNode, YamlOwned};
+use saphyr::{LoadableYamlNode, ScanError, YamlOwned};
+use saphyr_parser::{Event, Parser};
 
 use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
+
+/// Deepest accepted nesting of an ECSV header. Astropy writes about five levels; the YAML loader calls itself once a
+/// level, which overflows the stack after some thousands.
+const DEEPEST_HEADER: usize = 64;
 
 /// Byte positions of the header and the rows of a CSV file.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,8 +140,15 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
     let header_count = lines.iter().take_while(|line| of(**line).starts_with('#')).count();
     let (header_lines, body) = lines.split_at(header_count);
     let yaml: Vec<&str> = header_lines.iter().skip(1).map(|line| uncommented(of(*line))).collect();
-    let documents = YamlOwned::load_from_str(&yaml.join("\n"))
-        .map_err(|problem| error(problem.marker().line() + 1, format!("the ECSV header is not YAML: {problem}")))?;
+    let yaml = yaml.join("\n");
+    let not_yaml = |problem: ScanError| {
+        error(problem.marker().line() + 1, format!("the ECSV header is not YAML: {problem}"))
+    };
+    if let Some(line) = line_too_deep(&yaml).map_err(not_yaml)? {
+        let what = format!("the ECSV header is nested too deeply; allowed: {DEEPEST_HEADER} levels");
+        return Err(error(line + 1, what));
+    }
+    let documents = YamlOwned::load_from_str(&yaml).map_err(not_yaml)?;
     let header = documents.into_iter().next();
     let delimiter = header.as_ref().and_then(|header| get(header, "delimiter")).and_then(YamlOwned::as_str);
     let delimiter = match delimiter.unwrap_or(" ") {
@@ -171,10 +183,27 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
     Ok((EcsvLayout { delimiter, names, datatype_end, header_lines, names_line, rows }, header))
 }
 
+/// Returns the line of YAML, from 1, in which the nesting exceeds the limit. The parser of events needs no recursion.
+fn line_too_deep(yaml: &str) -> Result<Option<usize>, ScanError> {
+    let mut depth = 0_usize;
+    for event in Parser::new_from_str(yaml) {
+        let (event, span) = event?;
+        match event {
+            Event::SequenceStart(..) | Event::MappingStart(..) => depth += 1,
+            Event::SequenceEnd | Event::MappingEnd => depth -= 1,
+            _ => {}
+        }
+        if depth > DEEPEST_HEADER {
+            return Ok(Some(span.start.line()));
+        }
+    }
+    Ok(None)
+}
+
 /// Reads ECSV text, separated by commas or blanks.
 ///
 /// # Errors
-/// As [`ecsv_layout`].
+/// The errors of [`ecsv_layout`].
 pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let (layout, header) = parse_ecsv(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Ecsv, layout.names);

@@ -3,10 +3,17 @@
 use std::path::Path;
 
 use rusqlite::types::ValueRef;
-use rusqlite::{Connection, OpenFlags};
+use rusqlite::{Connection, ErrorCode, OpenFlags};
 
 use super::super::error::ScheduleError;
 use super::columns::{Cell, ColumnMap, RawTable, ScheduleFormat, display};
+use crate::input::LARGEST_INPUT;
+
+/// Largest number of rows: Rubin's ten years have 2.1 million. A view can have rows without end.
+const MOST_ROWS: usize = 10_000_000;
+/// Largest number of instructions of SQLite's virtual machine: ten times those of the largest number of rows, which
+/// takes some ten seconds. A view can also compute without end and return no row.
+const MOST_INSTRUCTIONS: i32 = 1_000_000_000;
 
 /// Opens a database read-only.
 ///
@@ -20,10 +27,16 @@ pub(in crate::schedule) fn open_read_only(path: &Path) -> Result<Connection, Sch
 /// Reads the columns of `observations` that a schedule needs, in the order of the rows.
 ///
 /// # Errors
-/// No table `observations`, missing columns, or any error of SQLite.
+/// No table `observations`, missing columns, rows without end, or any error of SQLite.
 pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
+    read_bounded(path, MOST_ROWS, MOST_INSTRUCTIONS)
+}
+
+fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result<RawTable, ScheduleError> {
     let sqlite = |source| ScheduleError::Sqlite { path: display(path), source };
+    let without_end = |what: String| ScheduleError::Format { path: display(path), what };
     let connection = open_read_only(path)?;
+    connection.progress_handler(most_instructions, Some(|| true)).map_err(sqlite)?;
     let names = column_names(&connection).map_err(sqlite)?;
     if names.is_empty() {
         let what =
@@ -42,10 +55,25 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     let query = format!("SELECT {} FROM observations", quoted.join(", "));
     let mut statement = connection.prepare(&query).map_err(sqlite)?;
     let mut rows = statement.query([]).map_err(sqlite)?;
-    while let Some(row) = rows.next().map_err(sqlite)? {
+    let next_error = |error: rusqlite::Error| match error.sqlite_error_code() {
+        Some(ErrorCode::OperationInterrupted) => without_end(format!(
+            "its rows take more than {most_instructions} instructions of SQLite; copy them into a table observations"
+        )),
+        _ => sqlite(error),
+    };
+    let mut text_bytes = 0;
+    while let Some(row) = rows.next().map_err(next_error)? {
+        if table.rows.len() == most_rows {
+            return Err(without_end(format!("SQLite with more than {most_rows} rows; split it")));
+        }
         let cells: Result<Vec<Cell>, rusqlite::Error> =
             (0..table.names.len()).map(|index| row.get_ref(index).map(cell)).collect();
-        table.rows.push(Ok(cells.map_err(sqlite)?));
+        let cells = cells.map_err(sqlite)?;
+        text_bytes += cells.iter().map(|cell| if let Cell::Text(text) = cell { text.len() as u64 } else { 0 }).sum::<u64>();
+        if text_bytes > LARGEST_INPUT {
+            return Err(without_end(format!("SQLite with more than {LARGEST_INPUT} bytes of text; split it")));
+        }
+        table.rows.push(Ok(cells));
     }
     Ok(table)
 }
@@ -68,4 +96,31 @@ fn tables(connection: &Connection) -> Result<String, rusqlite::Error> {
     let mut statement = connection.prepare("SELECT name FROM sqlite_master WHERE type = 'table' ORDER BY name")?;
     let names: Vec<String> = statement.query_map([], |row| row.get(0))?.collect::<Result<_, _>>()?;
     Ok(if names.is_empty() { "none".to_owned() } else { names.join(", ") })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Reads a view `observations` over the numbers from 1 on that `condition` selects.
+    fn read_view(condition: &str, most_rows: usize) -> Result<RawTable, ScheduleError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("view.db");
+        let query = format!(
+            "CREATE VIEW observations AS WITH RECURSIVE numbers(n) AS (SELECT 1 UNION ALL SELECT n + 1 FROM numbers)
+             SELECT n AS observationId, 60000.0 AS observationStartMJD, 30.0 AS visitExposureTime, 10.0 AS fieldRA,
+             -10.0 AS fieldDec, 0.0 AS rotSkyPos, 'r' AS band FROM numbers {condition}"
+        );
+        Connection::open(&path).unwrap().execute_batch(&query).unwrap();
+        read_bounded(&path, most_rows, 1_000_000)
+    }
+
+    #[test]
+    fn verif_views_without_end_are_refused() {
+        assert_eq!(read_view("LIMIT 1000", 1000).unwrap().rows.len(), 1000);
+        let error = |condition, most_rows| read_view(condition, most_rows).unwrap_err().to_string();
+        assert!(error("", 1000).contains("SQLite with more than 1000 rows; split it"));
+        assert!(error("WHERE n < 0", 1000).contains("its rows take more than 1000000 instructions of SQLite"));
+        assert!(error("", usize::MAX).contains("its rows take more than 1000000 instructions of SQLite"));
+    }
 }

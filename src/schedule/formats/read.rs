@@ -1,23 +1,24 @@
 //! Reads a schedule file; its first bytes determine the format.
 
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read;
 use std::path::Path;
 
 use super::super::error::ScheduleError;
 use super::columns::{RawTable, display};
 use super::{delimited, json, votable};
+use crate::input;
 
 /// Reads a file into a raw table.
 ///
 /// # Errors
-/// As [`Schedule::read`](super::super::Schedule::read), except for errors in columns and time scales.
+/// The errors of [`Schedule::read`](super::super::Schedule::read), except for errors in columns and time scales.
 pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleError> {
     let io_error = |source| ScheduleError::Io { path: display(path), source };
     if fs::metadata(path).map_err(io_error)?.is_dir() {
         return Err(ScheduleError::Directory { path: display(path) });
     }
-    let mut file = File::open(path).map_err(io_error)?;
+    let mut file = input::open(path).map_err(io_error)?;
     let mut head = Vec::new();
     file.by_ref().take(16).read_to_end(&mut head).map_err(io_error)?;
     if head == *b"SQLite format 3\0" {
@@ -35,8 +36,8 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
     if let Some(what) = what {
         return Err(ScheduleError::Format { path: display(path), what: what.to_owned() });
     }
-    let mut bytes = head;
-    file.read_to_end(&mut bytes).map_err(io_error)?;
+    input::check_size(&file).map_err(io_error)?;
+    let bytes = input::read_at_most(head.as_slice().chain(file), input::LARGEST_INPUT).map_err(io_error)?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let valid = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count();

@@ -23,7 +23,7 @@ fn verif_cells_have_their_colours_at_their_positions() {
         let scale = picture.scales()[0];
         assert!((scale.least + scale.greatest).abs() < 1e-12);
         // The layout: a margin of 66 and a radius of 270 at the left, 46 + 32 + 66 + 270 above.
-        let mut looked_at = 0;
+        let mut compared = 0;
         for (cell, value) in &residuals {
             let (longitude, latitude) = ring_centre_rad(8, *cell).unwrap();
             let distance = 270.0 * (latitude + std::f64::consts::FRAC_PI_2) / std::f64::consts::FRAC_PI_2;
@@ -38,9 +38,9 @@ fn verif_cells_have_their_colours_at_their_positions() {
             let expected = if *cell == missing { [205; 3] } else { scale.colour(*value) };
             let apart = found.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
             assert!(apart <= COLOUR_STEPS, "cell {cell} at {x} {y}: {found:?} for {expected:?}");
-            looked_at += 1;
+            compared += 1;
         }
-        assert!(looked_at > if is_folded { 100 } else { 200 }, "{looked_at}");
+        assert!(compared > if is_folded { 100 } else { 200 }, "{compared}");
         has(&picture, &["O−C", "(a) Sun at latitude −8°", "O−C, mag", "0°", "90°", "180°", "−60°", "Sun", "no cell"]);
         assert_eq!(words(&picture).contains(&"270°".to_owned()), !is_folded);
     }
@@ -76,11 +76,11 @@ fn verif_layers_reject_invalid_input() {
         let panels = vec![LayerPanel { title: "p", quantity, cells }];
         layers(&Layers { title: "", caption: "", nside, is_folded: true, panels }).map(|_| ()).unwrap_err().to_string()
     };
-    assert!(refused(0, Quantity::Magnitude, &[(1, 1.0)]).contains("nside is 0, allowed: 1 to 1024"));
-    assert!(refused(4, Quantity::Magnitude, &[(192, 1.0)]).contains("is 192, allowed: below 12 nside²"));
+    assert!(refused(0, Quantity::Magnitude, &[(1, 1.0)]).contains("nside is 0; allowed: 1 to 1024"));
+    assert!(refused(4, Quantity::Magnitude, &[(192, 1.0)]).contains("is 192; allowed: below 12 nside²"));
     assert!(refused(4, Quantity::Magnitude, &[(191, f64::NAN)]).contains("value 0 (counted from 0) is NaN"));
     assert!(refused(4, Quantity::Count, &[(191, 0.0)]).contains("1 sample or more"));
-    assert!(refused(4, Quantity::Spread, &[(191, 0.1), (191, 0.2)]).contains("is twice, allowed: once"));
+    assert!(refused(4, Quantity::Spread, &[(191, 0.1), (191, 0.2)]).contains("is given twice; allowed: once"));
     assert!(refused(4, Quantity::Spread, &[]).contains("nothing to draw: no cells"));
     let none = layers(&Layers { title: "", caption: "", nside: 4, is_folded: true, panels: Vec::new() });
     assert!(matches!(none, Err(PlotError::OutOfRange { .. })));

@@ -8,7 +8,7 @@ True
 
 `StreakModel` holds satellites, site, field of view, brightness models and policy, and computes crossings for arrays of
 exposures. `StreakModel.forecast` lists the visible passes of nights, `StreakModel.overhead` returns the positions of
-all satellites above the site, `StreakModel.identify` ranks the satellites that may have made a streak.
+all satellites above the site, `StreakModel.ephemeris` those of given satellites at any times, `StreakModel.identify` ranks the satellites that may have made a streak.
 `inject` adds streaks to frames and arrays. `body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` use the
 brightness models only and need no satellites.
 

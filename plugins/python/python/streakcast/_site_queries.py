@@ -1,4 +1,4 @@
-"""Methods of `StreakModel` that need no field of view: forecasts, satellites overhead, identification of streaks."""
+"""Methods of `StreakModel` that need no field of view: forecasts, ephemerides, satellites overhead, identification."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._quantities import number, scalar
 from ._state import ModelState
 from ._streak import streak_request
 from ._tables import TableLike, table_of
-from ._times import TimeLike
+from ._times import TimeLike, to_tai
 
 #: One number, with or without its unit.
 Numbers = Any
@@ -103,7 +103,7 @@ class SiteQueries(ModelState):
         if (start is None) != (end is None):
             raise ValueError("start and end require each other; specify both or neither")
         if (night is None) == (start is None):
-            raise ValueError("specify either night, or start and end")
+            raise ValueError("night and start are both given or both missing; specify night, or start and end")
         if start is None:
             times = [{"night": date} for date in _dates(night)]
         else:
@@ -195,6 +195,73 @@ class SiteQueries(ModelState):
         result, warnings = engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light))
         self._warn_once(sky_cache, warnings)
         return Overhead(**result)
+
+    def ephemeris(
+        self,
+        times: TimeLike,
+        *,
+        norad: Any = None,
+        name: Any = None,
+        generation: Any = None,
+        min_altitude: Union[Numbers, None] = None,
+        scale: Union[str, None] = None,
+        output: str = "auto",
+    ) -> TableLike:
+        """Returns the places of satellites at given times, as printed by ``streakcast ephemeris``.
+
+        The element set of each satellite closest to the middle of the times is used, as on the command line.
+
+        Parameters
+        ----------
+        times : time or array of times, any shape
+            Times of reception, in any order.
+        norad, name, generation : int, str, or sequences of these
+            Catalogue numbers, parts of names, or generations (``"starlink-v2mini"``); at least one of them is required.
+        min_altitude : float or `~astropy.units.Quantity`, optional
+            Omits places below this altitude, degrees, without refraction; default: none is omitted.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of bare numbers in ``times``.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`.
+
+        Returns
+        -------
+        QTable or dict of arrays, ``(n_places,)`` each
+            One row per satellite and time, satellite by satellite: ICRS astrometric right ascension and declination with
+            rates, altitude and azimuth with rates, range and range rate, elongation, phase angle, illumination,
+            magnitude with sigma and source, age of the element set, and errors along the track (``along_track_sigma_s``,
+            the half width that holds 68 % of the delays) and across it.
+
+        Raises
+        ------
+        StreakcastError
+            No satellite of the given number, name or generation; more than a million places.
+        ValueError
+            No selection of satellites.
+        TypeError
+            A bare number as time without a scale.
+
+        Warns
+        -----
+        StreakcastWarning
+            Numbers that are not in the element sets; omitted satellites; old element sets.
+        """
+        request: dict[str, Any] = dict(
+            norad=_norad_ids(norad), name=_texts(name, "name"), generation=_texts(generation, "generation"),
+        )  # fmt: skip
+        if not any(request.values()):
+            raise ValueError("norad, name and generation are missing; allowed: at least one of them")
+        if min_altitude is not None:
+            request["min_altitude"] = scalar(min_altitude, "deg", "min_altitude")
+        jd1, jd2 = to_tai(times, self._scale(scale), "times")
+        request["times"] = [_core.utc_text(*parts) for parts in zip(np.ravel(jd1).tolist(), np.ravel(jd2).tolist())]
+        if not request["times"]:
+            raise ValueError("times is empty; allowed: one time or several")
+        sky_cache, _ = self._open()
+        setup, config = json.dumps(self._state["setup"]), self._state["config"]
+        table, warnings = _core.ephemeris(json.dumps(request), setup, config, sky_cache)
+        self._warn_once(sky_cache, warnings)
+        return table_of(table, output)
 
     def identify(
         self,
@@ -318,7 +385,7 @@ def _norad_ids(value: Any) -> list[int]:
     numbers = [] if value is None else [_count(one, "norad", 1) for one in np.ravel(value).tolist()]
     for one in numbers:
         if one > 999_999_999:
-            raise ValueError(f"norad {one}; allowed: NORAD catalogue numbers, 1 to 999999999")
+            raise ValueError(f"norad is {one}; allowed: NORAD catalogue numbers, 1 to 999999999")
     return numbers
 
 
@@ -328,7 +395,7 @@ def _count(value: Any, what: str, least: int) -> int:
     except TypeError:
         raise TypeError(f"{what} is {value!r}; allowed: integers, {least} or more") from None
     if count < least:
-        raise ValueError(f"{what} {count}; allowed: {least} or more")
+        raise ValueError(f"{what} is {count}; allowed: {least} or more")
     return count
 
 

@@ -1,7 +1,8 @@
-//! Verbs: one file or folder each, with its flags.
+//! Verbs of the command line, each in a file or folder with its flags.
 
 pub mod annotate;
 pub mod doctor;
+pub mod ephemeris;
 #[cfg(feature = "fetch")]
 pub mod fetch;
 #[cfg(feature = "fit")]
@@ -10,7 +11,7 @@ pub mod flag;
 pub mod forecast;
 pub mod gate;
 pub mod identify;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub mod inject;
 mod judged;
 pub mod lists;

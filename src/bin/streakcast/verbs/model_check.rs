@@ -1,6 +1,5 @@
-//! `model check`: validation of model files and comparison with published references.
+//! `model check`: validates model files and compares the models with published references.
 
-use std::fs;
 
 use anyhow::anyhow;
 use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
@@ -30,13 +29,13 @@ const CHECK_ON_SCREEN: &[Shown] = &[
     shown("verdict", "verdict"),
 ];
 
-/// Validates model files, or the shipped ones, and compares them with published references.
+/// Validates the given model files, or else the bundled ones, and compares the models with published references.
 pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     let notices = Notices::new(typed.quiet);
     let mut checked = Vec::new();
     for path in &typed.files {
         let origin = path.display().to_string();
-        let text = fs::read_to_string(path).map_err(|error| anyhow!("model {origin}: {error}"))?;
+        let text = streakcast::input::read_to_string(path).map_err(|error| anyhow!("model {origin}: {error}"))?;
         checked.push((origin.clone(), BrightnessModel::from_json(&text, &origin)?));
     }
     if typed.files.is_empty() {
@@ -46,7 +45,7 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     }
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     let photometry = typed.data.as_deref().map(Photometry::read).transpose()?;
-    // Shipped files are validated by tests.
+    // Tests validate the bundled files.
     if !typed.files.is_empty() {
         checked.iter().for_each(|(origin, model)| notices.info(&format!("{origin}: {} is valid", model.source())));
     }

@@ -1,9 +1,9 @@
-//! Steps of a download: check and set the time of the request, send it, verify the response, replace the file.
+//! Steps of a download: check and record the time of the request, send it, verify the response, replace the file.
 
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use anyhow::anyhow;
 use hifitime::Epoch;
@@ -32,7 +32,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let file = folder.join(&source.file);
     notices.info(&format!("usage policy of {}: {}", source.name, source.policy));
 
-    // Only one process at a time sends a request.
+    // The lock prevents simultaneous requests of several processes.
     let lock_path = folder.join(format!("{}.lock", source.file));
     let lock = File::create(&lock_path).map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
     lock.lock().map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
@@ -50,7 +50,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let validators = if is_cached {
         Validators { etag: record.etag.clone(), last_modified: record.last_modified.clone() }
     } else {
-        // The validators of a file that has changed are not valid.
+        // The file was changed or deleted, so that the stored validators do not apply to it.
         record = FetchRecord { asked_utc: record.asked_utc, ..FetchRecord::default() };
         Validators::default()
     };
@@ -119,9 +119,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
 pub(super) fn now_of(common: &CommonFetchArguments) -> anyhow::Result<Epoch> {
     Ok(match &common.now {
         Some(now) => parse_moment(now, None)?,
-        None => Epoch::from_unix_seconds(
-            SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_secs_f64(),
-        ),
+        None => crate::clock::now(),
     })
 }
 
@@ -138,7 +136,7 @@ pub(super) fn folder_of(common: &CommonFetchArguments) -> anyhow::Result<PathBuf
 pub(super) fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOptions> {
     let timeout_s = parse_duration_s("timeout", &common.timeout)?;
     if !(0.1..=3_600.0).contains(&timeout_s) {
-        return Err(anyhow!("timeout {timeout_s} s: allowed 0.1 to 3600 s"));
+        return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 3600 s"));
     }
     Ok(RequestOptions {
         timeout: Duration::from_secs_f64(timeout_s),
@@ -147,13 +145,13 @@ pub(super) fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOp
     })
 }
 
-/// Returns true if the file has the hash of the sidecar.
+/// Returns true if the file has the SHA-256 stored in its sidecar.
 fn is_intact(file: &Path, record: &FetchRecord) -> bool {
     let Ok(bytes) = fs::read(file) else { return false };
     verify("", &bytes, None, true).is_ok_and(|source| Some(source.sha256) == record.sha256)
 }
 
-/// Returns the cached file before the next allowed request.
+/// Prints the path of the cached file while no new request is allowed.
 fn use_cached(
     file: &Path,
     record: &FetchRecord,
@@ -182,7 +180,7 @@ fn use_cached(
     print_path(file)
 }
 
-/// Prints only the path on standard output, for `--elements "$(streakcast fetch ...)"`.
+/// Prints the path on standard output and nothing else, for `--elements "$(streakcast fetch ...)"`.
 fn print_path(file: &Path) -> anyhow::Result<Outcome> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", file.display())?;

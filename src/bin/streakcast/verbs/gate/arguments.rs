@@ -1,7 +1,7 @@
-//! Flags of `gate`, and the request of them, checked before elements are read.
+//! Flags of `gate`, and the request that they define, with checks that precede the reading of elements.
 
 use std::cell::Cell;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::anyhow;
@@ -11,7 +11,8 @@ use streakcast::config::{
 };
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_moment, parse_right_ascension_deg};
 use streakcast::geometry::Site;
-use streakcast::schedule::{MagnitudeLimit, Policy};
+use streakcast::input::is_stream;
+use streakcast::schedule::MagnitudeLimit;
 
 use super::clock::Clock;
 use crate::required::Required;
@@ -36,13 +37,14 @@ pub struct GateArguments {
     /// Longest wait with its unit
     #[arg(long, value_name = "TIME", default_value = "90s")]
     pub max_wait: String,
-    /// Margin kept clear before and after the exposure, with its unit; that of the policy, else 2s, if omitted
+    /// Margin kept clear before and after the exposure, with its unit; if omitted that of the policy, or else 2s
     #[arg(long, value_name = "TIME")]
     pub margin: Option<String>,
-    /// Exit with code 1 if there is no clear start in time, 2 on a fault; without it both exit with 0 and a line of log
+    /// Exit with code 1 if no clear start is within --max-wait, 2 on a fault; otherwise both are only logged, with exit
+    /// code 0
     #[arg(long)]
     pub strict: bool,
-    /// Read the job from standard input: ekos (JSON of its pre-capture script)
+    /// Read the job from standard input: ekos (JSON that Ekos sends to its pre-capture script)
     #[arg(long, value_name = "HOST", help_heading = "Host")]
     pub stdin: Option<Host>,
     /// File of target coordinates by name (TOML), for hosts that send only the name
@@ -63,7 +65,7 @@ pub struct GateArguments {
     /// File of the result and of counters over all runs (JSON), for hosts that show neither output nor log
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub status_file: Option<PathBuf>,
-    /// Rehearsal at this time: waits pass at once
+    /// Rehearse at this time, with waits that take no time
     #[arg(long, value_name = "TIME", help_heading = "Time")]
     pub now: Option<String>,
     #[command(flatten)]
@@ -75,8 +77,13 @@ pub enum Host {
     Ekos,
 }
 
-/// Default margin: allowed delay of a host from the end of this command to the shutter opening, seconds.
+/// Default margin, seconds: covers the delay of a host from the end of this command to the shutter opening.
 const DEFAULT_MARGIN_S: f64 = 2.0;
+
+/// Returns the error of a stream as an input file: the gate must not wait for the writer of a stream.
+fn stream_error(path: &Path) -> anyhow::Error {
+    anyhow!("{} is a stream, for which gate could wait without end; allowed: a file", path.display())
+}
 
 /// A request to the gate.
 pub struct Request {
@@ -106,7 +113,14 @@ impl Request {
             rules: RulesConfig { policy: typed.policy, limit_mag: typed.limit_mag, max_delay: None },
             ..typed.config
         };
+        let config_file = flags.run.file.clone();
+        if let Some(path) = config_file.iter().chain(&typed.targets).find(|path| is_stream(path)) {
+            return Err(stream_error(path));
+        }
         let config = flags.with_file()?;
+        if let Some(path) = config.files().iter().find(|path| is_stream(path)) {
+            return Err(stream_error(path));
+        }
         let has_name = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
         let has_pointing = config.exposure.ra.is_some() && config.exposure.dec.is_some();
         let required = Required::of(&config)
@@ -127,7 +141,7 @@ impl Request {
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
             return Err(anyhow!(
-                "max_lost_fraction of the policy is not for gate; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+                "the policy has max_lost_fraction, which gate does not support; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
             ));
         }
         let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
@@ -144,18 +158,15 @@ impl Request {
         let duration = text(&config.exposure.duration);
         let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
         if config.is_in_orbit() {
-            return Err(anyhow!("gate is not for a telescope in orbit; specify a site"));
+            return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
         }
         let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
         let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
         let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
-        if max_wait_s > Policy::LONGEST_DELAY_S {
-            return Err(anyhow!("max-wait {max_wait_s} s: allowed 0 to {} s", Policy::LONGEST_DELAY_S));
-        }
         let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
         if !(0.1..=600.0).contains(&timeout_s) {
-            return Err(anyhow!("timeout {timeout_s} s: allowed 0.1 to 600 s"));
+            return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 600 s"));
         }
         let clock = match &typed.now {
             Some(now) => Clock::Rehearsal(Cell::new(parse_moment(now, config.time_scale()?)?)),

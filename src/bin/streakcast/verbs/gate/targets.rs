@@ -26,7 +26,7 @@ struct Coordinates {
 /// blanks by underscores).
 pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Target, format!("targets {}: {what}", path.display()));
-    let text = std::fs::read_to_string(path).map_err(|error| fault(error.to_string()))?;
+    let text = streakcast::input::read_to_string(path).map_err(|error| fault(error.to_string()))?;
     let file: File = toml::from_str(&text).map_err(|error| fault(error.message().to_owned()))?;
     let key = |name: &str| name.to_lowercase().replace(|c: char| c.is_whitespace() || c == '_' || c == '-', "");
     let found = file

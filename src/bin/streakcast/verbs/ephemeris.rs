@@ -1,0 +1,103 @@
+//! `ephemeris`: places of chosen satellites at given times.
+
+use crate::arguments::{OutputArguments, reject_camera};
+use clap::Args;
+use serde_json::json;
+use streakcast::config::{Config, EphemerisConfig, PreparedSky, state_scales};
+use streakcast::forecast::{EphemerisRequest, EphemerisRow, ephemeris, ephemeris_table};
+use streakcast::output::{Section, format_utc};
+
+use super::judged::begin;
+use super::passes::left_out_table;
+use crate::failure::Outcome;
+use crate::output::Answer;
+use crate::required::Required;
+use crate::screen::{Shown, Style, rounded, shown};
+
+#[derive(Args)]
+pub struct EphemerisArguments {
+    #[command(flatten)]
+    pub ephemeris: EphemerisConfig,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+const ON_SCREEN: &[Shown] = &[
+    shown("name", "name"),
+    shown("norad_id", "norad"),
+    rounded("utc", "time (UTC)", 1),
+    rounded("ra_deg", "RA deg", 4),
+    rounded("dec_deg", "dec deg", 4),
+    rounded("ra_cos_dec_rate_deg_s", "dRA cos(dec) deg/s", 4),
+    rounded("dec_rate_deg_s", "ddec deg/s", 4),
+    rounded("altitude_deg", "alt deg", 2),
+    rounded("azimuth_deg", "az deg", 2),
+    rounded("range_km", "range km", 1),
+    rounded("range_rate_km_s", "km/s", 3),
+    shown("illumination", "light"),
+    rounded("magnitude", "mag", 1),
+    rounded("magnitude_sigma", "sigma", 1),
+    rounded("element_age_days", "age d", 1),
+    rounded("along_track_sigma_s", "late s", 1),
+];
+
+pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
+    reject_camera(&typed.config, "an ephemeris")?;
+    let config = typed.config.with_file()?;
+    let EphemerisConfig { times, times_file, start, norad, name, generation, .. } = &typed.ephemeris;
+    let has_times = !times.is_empty() || times_file.is_some() || start.is_some();
+    let has_names = !norad.is_empty() || !name.is_empty() || !generation.is_empty();
+    Required::of(&config)
+        .input(has_names, "selection of satellites", "--norad ID, --name TEXT or --generation KIND")
+        .input(has_times, "times", "--times TIME..., --times-file FILE, or --start, --end and --step")
+        .satellites()
+        .site()
+        .check()?;
+    let request = typed.ephemeris.resolve(&config)?;
+    let output = typed.output.open(&config)?;
+    let notices = begin(&config)?;
+    // The configuration rejects an empty list of times.
+    let (first, last) = request
+        .times
+        .iter()
+        .fold((request.times[0], request.times[0]), |(first, last), time| (first.min(*time), last.max(*time)));
+    let mut prepared = config.prepare(first, last)?;
+    notices.warn(&prepared.warnings);
+    notices.warn(&request.selection.unknown_warning(prepared.sky.elements()));
+    let found = ephemeris(&prepared.sky, &request)?;
+    notices.warn_left_out(&prepared, &found.left_out, first)?;
+    state(&mut prepared, &config, &typed.ephemeris, &request);
+    let elements = prepared.sky.elements();
+    let rows = found.points.iter().map(|place| EphemerisRow { place, elements: &elements[place.element_index] });
+    let table = ephemeris_table(rows);
+    output.write(&Answer {
+        sections: vec![
+            Section { name: "ephemeris", table: &table },
+            Section { name: "left_out", table: &left_out_table(&found.left_out) },
+        ],
+        main: &table,
+        provenance: &prepared.provenance,
+        style: Style { columns: ON_SCREEN, bold_row: None },
+    })?;
+    Ok(if found.points.is_empty() { Outcome::No } else { Outcome::Done })
+}
+
+fn state(prepared: &mut PreparedSky, config: &Config, given: &EphemerisConfig, request: &EphemerisRequest) {
+    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    state_scales(&mut prepared.provenance, &scale, &request.photometry);
+    prepared.provenance.state(
+        "options",
+        json!({
+            "times": request.times.len(),
+            "times_file": given.times_file.as_ref().map(|path| path.display().to_string()),
+            "start_utc": given.start.as_ref().and(request.times.first()).map(|epoch| format_utc(*epoch, 3)),
+            "step": given.step,
+            "norad": given.norad,
+            "name": given.name,
+            "generation": given.generation,
+            "min_altitude_deg": given.min_altitude,
+        }),
+    );
+}

@@ -1,0 +1,184 @@
+//! Configuration of an ephemeris.
+
+use std::path::PathBuf;
+
+use hifitime::Epoch;
+use serde::Deserialize;
+
+use super::document::Config;
+#[cfg(feature = "cli")]
+use super::document::norad_id;
+use super::error::ConfigError;
+use super::forecast::selection;
+use super::inputs::read_text;
+use super::values::parse_duration_s;
+use crate::forecast::EphemerisRequest;
+use crate::frames::{parse_moment, seconds_after, seconds_between};
+
+/// Largest number of times.
+const MOST_TIMES: usize = 1_000_000;
+
+/// Times and satellites of an ephemeris, in addition to [`Config`].
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct EphemerisConfig {
+    /// Only satellites with these NORAD catalogue numbers
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "ID",
+            num_args = 1..,
+            value_delimiter = ',',
+            value_parser = norad_id
+        )
+    )]
+    pub norad: Vec<u32>,
+    /// Only satellites with one of these texts in their names, in upper or lower case
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1..))]
+    pub name: Vec<String>,
+    /// Only satellites of these generations, for example starlink-v2mini,oneweb
+    #[cfg_attr(feature = "cli", arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ','))]
+    pub generation: Vec<String>,
+    /// Times, for example 2024-08-14T23:30:00Z
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "TIME",
+            num_args = 1..,
+            conflicts_with_all = ["times_file", "start", "end", "step"]
+        )
+    )]
+    pub times: Vec<String>,
+    /// File of times, one a line; lines that begin with # are omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", conflicts_with_all = ["start", "end", "step"]))]
+    pub times_file: Option<PathBuf>,
+    /// First time
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
+    pub start: Option<String>,
+    /// Last time, included if it is a whole number of steps after the first
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
+    pub end: Option<String>,
+    /// Time between two rows with its unit, for example 10s or 1min
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
+    pub step: Option<String>,
+    /// Only places at or above this altitude, degrees; all if omitted, also below the horizon
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true))]
+    pub min_altitude: Option<f64>,
+}
+
+impl EphemerisConfig {
+    /// Resolves the request.
+    ///
+    /// # Errors
+    /// An unknown generation; missing or invalid times, or more than a million; an altitude out of range.
+    pub fn resolve(&self, config: &Config) -> Result<EphemerisRequest, ConfigError> {
+        let selection = selection(&self.generation, &self.name, &self.norad)?;
+        if let Some(altitude) = self.min_altitude.filter(|altitude| !(-90.0..=90.0).contains(altitude)) {
+            return Err(ConfigError::invalid(format!("--min-altitude is {altitude} deg; allowed: -90 to 90 deg")));
+        }
+        Ok(EphemerisRequest {
+            times: self.epochs(config)?,
+            selection,
+            min_altitude_rad: self.min_altitude.map(f64::to_radians),
+            photometry: config.photometry()?,
+        })
+    }
+
+    fn epochs(&self, config: &Config) -> Result<Vec<Epoch>, ConfigError> {
+        let scale = config.time_scale()?;
+        let epochs: Vec<Epoch> = match (&self.times_file, &self.start, &self.end, &self.step) {
+            (None, None, None, None) => {
+                self.times.iter().map(|text| Ok(parse_moment(text, scale)?)).collect::<Result<_, ConfigError>>()?
+            }
+            (Some(path), None, None, None) if self.times.is_empty() => {
+                let text = read_text("times", path)?;
+                let lines = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim()));
+                let read = |(number, line): (usize, &str)| {
+                    parse_moment(line, scale).map_err(|error| {
+                        ConfigError::invalid(format!("times {}, line {number}: {error}", path.display()))
+                    })
+                };
+                let is_time = |(_, line): &(usize, &str)| !line.is_empty() && !line.starts_with('#');
+                lines.filter(is_time).map(read).collect::<Result<_, _>>()?
+            }
+            (None, Some(start), Some(end), Some(step)) if self.times.is_empty() => {
+                let (first, last) = (parse_moment(start, scale)?, parse_moment(end, scale)?);
+                steps(first, last, parse_duration_s("step", step)?)?
+            }
+            _ => Vec::new(),
+        };
+        if epochs.is_empty() {
+            let message = "missing times; specify --times TIME..., --times-file FILE, or --start, --end and --step";
+            return Err(ConfigError::invalid(message));
+        }
+        Ok(epochs)
+    }
+}
+
+/// Returns the times from the first to the last.
+fn steps(first: Epoch, last: Epoch, step_s: f64) -> Result<Vec<Epoch>, ConfigError> {
+    let span_s = seconds_between(first, last);
+    if span_s < 0.0 {
+        return Err(ConfigError::invalid(format!(
+            "--end is {:.3} s before --start; allowed: not before --start",
+            -span_s
+        )));
+    }
+    if step_s <= 0.0 {
+        return Err(ConfigError::invalid("--step is 0 s; allowed: above 0 s"));
+    }
+    // The last time is included despite rounding.
+    let count = (span_s / step_s + 1e-6).floor() + 1.0;
+    if count > MOST_TIMES as f64 {
+        let message = format!("--step is {step_s} s, which gives {count:.0} times; allowed: at most {MOST_TIMES}");
+        return Err(ConfigError::invalid(message));
+    }
+    Ok((0..count as usize).map(|number| seconds_after(first, step_s * number as f64)).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn resolve(json: &str) -> Result<EphemerisRequest, ConfigError> {
+        let config = Config::from_toml("shells = 'oneweb'\nmpc = 'X05'", "t.toml").unwrap();
+        serde_json::from_str::<EphemerisConfig>(json).unwrap().resolve(&config)
+    }
+
+    #[test]
+    fn times_of_steps_and_lists() {
+        let span = r#""start": "2026-08-14T00:00:00Z", "end": "2026-08-14T00:00:01Z""#;
+        let times = |step: &str| resolve(&format!(r#"{{{span}, "step": "{step}"}}"#)).unwrap().times;
+        assert_eq!((times("0.1s").len(), times("0.3s").len(), times("2s").len()), (11, 4, 1));
+        assert_eq!(seconds_between(times("0.1s")[0], times("0.1s")[10]), 1.0);
+        let listed = resolve(r#"{"times": ["2026-08-14T00:00:05Z", "2026-08-14T00:00:00Z"]}"#).unwrap().times;
+        assert_eq!(seconds_between(listed[1], listed[0]), 5.0);
+    }
+
+    #[test]
+    fn errors_name_what_is_allowed() {
+        let span = r#""start": "2026-08-14T00:00:00Z", "end": "2026-08-15T00:00:00Z""#;
+        for (json, part) in [
+            ("{}".to_owned(), "missing times; specify --times"),
+            (format!("{{{span}}}"), "missing times"),
+            (format!(r#"{{{span}, "step": "0s"}}"#), "allowed: above 0 s"),
+            (format!(r#"{{{span}, "step": "10"}}"#), "10"),
+            (format!(r#"{{{span}, "step": "0.01s"}}"#), "which gives 8640001 times; allowed: at most 1000000"),
+            (r#"{"times": ["2026-08-14"], "min_altitude": 91}"#.to_owned(), "allowed: -90 to 90 deg"),
+            (r#"{"times": ["yesterday"]}"#.to_owned(), "yesterday"),
+            (r#"{"times": ["2026-08-14T00:00:00Z"], "generation": ["x"]}"#.to_owned(), "unknown generation 'x'"),
+            (r#"{"times_file": "no-such"}"#.to_owned(), "no-such"),
+        ] {
+            let message = resolve(&json).unwrap_err().to_string();
+            assert!(message.contains(part), "{json}: {message}");
+        }
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("times.txt");
+        std::fs::write(&path, "# times\n2026-08-14T00:00:00Z\n\nnever\n").unwrap();
+        let message = resolve(&format!(r#"{{"times_file": "{}"}}"#, path.display())).unwrap_err().to_string();
+        assert!(message.contains("times.txt, line 4: "), "{message}");
+    }
+}

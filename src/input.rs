@@ -1,0 +1,111 @@
+//! Input files: only regular files of bounded size are read, so that no input blocks a run or exhausts the memory.
+
+use std::fs::{self, File, FileType};
+use std::io::{self, ErrorKind, Read};
+use std::path::Path;
+
+/// Largest number of bytes that are read from a file, or decompressed from one: 2 GB, above any catalogue or schedule.
+/// Files are read into memory as a whole.
+pub const LARGEST_INPUT: u64 = 2_000_000_000;
+
+/// Opens a regular file, or an open stream of the process (see [`is_stream`]).
+///
+/// # Errors
+/// The file is a pipe, device, socket or directory, or the system reports an error.
+pub fn open(path: &Path) -> io::Result<File> {
+    if !is_stream(path) {
+        check_regular(path)?;
+    }
+    File::open(path)
+}
+
+/// Reads a file of at most [`LARGEST_INPUT`] bytes.
+///
+/// # Errors
+/// The errors of [`open`], and a file that is too large.
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    let file = open(path)?;
+    check_size(&file)?;
+    read_at_most(file, LARGEST_INPUT)
+}
+
+/// Reads a text file in UTF-8 of at most [`LARGEST_INPUT`] bytes.
+///
+/// # Errors
+/// The errors of [`read`], and invalid UTF-8.
+pub fn read_to_string(path: &Path) -> io::Result<String> {
+    String::from_utf8(read(path)?)
+        .map_err(|_| io::Error::new(ErrorKind::InvalidData, "stream did not contain valid UTF-8"))
+}
+
+/// Reads all bytes of a reader, for example of a decoder, if they are at most `limit`.
+///
+/// # Errors
+/// [`ErrorKind::FileTooLarge`] above the limit, and the errors of the reader.
+pub fn read_at_most(reader: impl Read, limit: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    reader.take(limit + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > limit { Err(too_large(limit)) } else { Ok(bytes) }
+}
+
+/// Checks the size of a regular file before any of it is read.
+///
+/// # Errors
+/// More than [`LARGEST_INPUT`] bytes, or the system reports an error.
+pub fn check_size(file: &File) -> io::Result<()> {
+    if file.metadata()?.len() > LARGEST_INPUT { Err(too_large(LARGEST_INPUT)) } else { Ok(()) }
+}
+
+/// Returns true for the names of streams that the process has open: standard input, and the descriptors that shells
+/// give as `<(command)`. Reading them can take as long as their writer takes.
+pub fn is_stream(path: &Path) -> bool {
+    path == Path::new("/dev/stdin") || path.starts_with("/dev/fd") || path.starts_with("/proc/self/fd")
+}
+
+/// Checks that a path is a regular file, without opening it: opening a named pipe waits for its writer.
+///
+/// # Errors
+/// A pipe, device, socket or directory, or the system reports an error.
+pub fn check_regular(path: &Path) -> io::Result<()> {
+    let kind = fs::metadata(path)?.file_type();
+    if kind.is_file() {
+        return Ok(());
+    }
+    let error = if kind.is_dir() { ErrorKind::IsADirectory } else { ErrorKind::InvalidInput };
+    Err(io::Error::new(error, format!("is a {}; allowed: a file", kind_name(kind))))
+}
+
+#[cfg(unix)]
+fn kind_name(kind: FileType) -> &'static str {
+    use std::os::unix::fs::FileTypeExt;
+    if kind.is_dir() {
+        "directory"
+    } else if kind.is_fifo() {
+        "named pipe"
+    } else if kind.is_socket() {
+        "socket"
+    } else {
+        "device"
+    }
+}
+
+#[cfg(not(unix))]
+fn kind_name(kind: FileType) -> &'static str {
+    if kind.is_dir() { "directory" } else { "device" }
+}
+
+fn too_large(limit: u64) -> io::Error {
+    io::Error::new(ErrorKind::FileTooLarge, format!("more than {limit} bytes; allowed: at most {limit}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_endless_readers_are_cut_off() {
+        assert_eq!(read_at_most(io::repeat(0).take(1000), 1000).unwrap().len(), 1000);
+        let error = read_at_most(io::repeat(0), 1000).unwrap_err();
+        assert_eq!(error.to_string(), "more than 1000 bytes; allowed: at most 1000");
+    }
+}

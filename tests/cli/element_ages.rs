@@ -1,0 +1,110 @@
+//! Effect of the age of element sets: drag of satellites that hold their orbits, and warnings about lateness and
+//! verdicts.
+
+use std::fs;
+
+use serde_json::Value;
+use streakcast::elements::{Constellation, ElementSet, NoradId, Origin, format_tle};
+
+use crate::common::cli::{json, path, run};
+
+const EPOCH: &str = "2026-08-07T00:00:00 UTC";
+const FIELD: &[&str] = &["--mpc", "X05", "--fov", "3.5deg", "--limit-mag", "7"];
+
+/// Writes the satellites of a simulated constellation as real ones with this name, a week before examples/night.csv.
+fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivative_rev_day2: f64) -> String {
+    let sets = Constellation::by_name(shells).unwrap().element_sets(EPOCH.parse().unwrap());
+    let text = |(number, set): (u32, &ElementSet)| {
+        let set = ElementSet {
+            norad_id: NoradId(60_000 + number),
+            mean_motion_dot_rev_day2: half_derivative_rev_day2,
+            // B* of a circular orbit at 550 km with this ṅ/2, in order of magnitude.
+            bstar_per_earth_radius: 5.0 * half_derivative_rev_day2,
+            origin: Origin::Published,
+            ..set.clone()
+        };
+        let [line1, line2] = format_tle(&set).unwrap();
+        format!("{name}{number}\n{line1}\n{line2}\n")
+    };
+    let file = path(folder, "old.tle");
+    fs::write(&file, (1..).zip(&sets).map(text).collect::<String>()).unwrap();
+    file
+}
+
+/// A V2 Mini by its name, with a published drag: D t² = P ṅ/2 t² are 50 s after 7 days.
+#[test]
+fn verif_published_drag_changes_places_and_is_stated() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = catalogue(&folder, "starlink-gen1", "STARLINK-31", 1.8e-4);
+    let words =
+        ["ephemeris", "--norad", "60001", "--times", "2026-08-14T00:00:00Z", "--elements", &file, "--mpc", "X05"];
+    let answer = |drag: &[&str]| json(&[&words, drag, &["--quiet"]]);
+    let (default, ours) = (answer(&[]), answer(&["--drag", "station-keeping"]));
+    let published = answer(&["--drag", "published"]);
+    assert_eq!(default, ours);
+    let stated = [&ours, &published].map(|answer| answer["provenance"]["drag"].as_str().unwrap_or_default());
+    assert_eq!(stated, ["station-keeping", "published"]);
+    let number = |answer: &Value, name: &str| answer["ephemeris"][0][name].as_f64().unwrap();
+    let [ra, dec] = ["ra_deg", "dec_deg"].map(|name| number(&published, name) - number(&ours, name));
+    let moved_deg = (ra * number(&ours, "dec_deg").to_radians().cos()).hypot(dec);
+    assert!(moved_deg > 0.5, "{moved_deg}");
+    // Without drag the stated error is smaller.
+    let late_s = |answer: &Value| number(answer, "along_track_sigma_s");
+    assert!(late_s(&ours) < 0.5 * late_s(&published), "{} {}", late_s(&ours), late_s(&published));
+}
+
+fn share(text: &str) -> f64 {
+    let (before, _) = text.split_once(" % of the visits would change verdict").unwrap_or_else(|| panic!("{text}"));
+    before.rsplit(' ').next().unwrap().parse().unwrap()
+}
+
+#[test]
+fn verif_old_elements_warn_with_their_effect_on_verdicts() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = catalogue(&folder, "starlink-gen1", "ONEWEB-", 2e-5);
+    let night = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/night.csv");
+    let flag = ["flag", "--schedule", night, "--elements", &file, "--format", "json"];
+    let (code, stdout, stderr) = run(&[&flag, FIELD]);
+    assert_eq!(code, 0, "{stderr}");
+    let warning =
+        stderr.lines().find(|line| line.contains("would change verdict")).unwrap_or_else(|| panic!("{stderr}"));
+    assert!(
+        warning.starts_with("warning: elements 8.0 days old: ") && warning.contains(" s late (68 %, "),
+        "{warning}"
+    );
+    // The share is the mean of p_any without a nominal crossing, and of 1 - p_any with one.
+    let answer: Value = serde_json::from_str(&stdout).unwrap();
+    let flags = answer["flags"].as_array().unwrap();
+    let change = |flag: &Value| {
+        let p = flag["p_any"].as_f64().unwrap();
+        if flag["n_streaks"] == 0 { p } else { 1.0 - p }
+    };
+    let expected = 100.0 * flags.iter().map(change).sum::<f64>() / flags.len() as f64;
+    assert!((share(warning) - expected).abs() < 0.06, "{expected}: {warning}");
+    assert!(expected > 1.0, "{expected}");
+
+    let doctor = ["doctor", "--now", "2026-08-14T23:00:00Z", "--elements", &file, "--schedule", night, "--cache"];
+    let cache = path(&folder, "cache");
+    let answer = json(&[&doctor, &[&cache], FIELD, &["--quiet"]]);
+    let finding = |subject: &str| {
+        let all = answer["findings"].as_array().unwrap();
+        all.iter().find(|one| one["subject"] == subject).unwrap_or_else(|| panic!("{answer}")).clone()
+    };
+    assert_eq!(finding("schedule")["severity"], "warning");
+    assert!((share(finding("schedule")["finding"].as_str().unwrap()) - expected).abs() < 0.06);
+    let elements = finding("elements");
+    let text = elements["finding"].as_str().unwrap();
+    assert!(text.contains("median age 8.0 days; early or late by ") && text.contains(" s (68 %, median)"), "{text}");
+    // A schedule that cannot be read is a finding.
+    let (code, stdout, _) =
+        run(&[&["doctor", "--schedule", "no-such.csv", "--cache", &cache, "--format", "json"], FIELD]);
+    assert!(code == 2 && stdout.contains("no-such.csv"), "{stdout}");
+}
+
+/// Simulated satellites never age.
+#[test]
+fn verif_new_elements_do_not_warn() {
+    let night = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/night.csv");
+    let (_, _, stderr) = run(&[&["flag", "--schedule", night, "--shells", "starlink-gen1"], FIELD]);
+    assert!(!stderr.contains("would change verdict"), "{stderr}");
+}

@@ -1,0 +1,102 @@
+//! `ephemeris`: columns and formats, times, and errors.
+
+use std::fs;
+
+use crate::common::cli::{SKY, done, json, path, records, run};
+
+const HEADER: &str = "norad_id,name,utc,julian_date_utc,ra_deg,dec_deg,ra_cos_dec_rate_deg_s,dec_rate_deg_s,altitude_deg,azimuth_deg,altitude_rate_deg_s,azimuth_cos_altitude_rate_deg_s,range_km,range_rate_km_s,elongation_deg,phase_angle_deg,illumination,lit_fraction,magnitude,magnitude_sigma,mag_source,element_epoch_utc,element_age_days,along_track_sigma_s,cross_track_sigma_deg";
+const PLACES: &[&str] = &["ephemeris", "--name", "S1 P24-1"];
+const STEPS: &[&str] = &["--start", "2026-08-14T23:29:05Z", "--end", "2026-08-14T23:30:05Z", "--step", "30s"];
+
+#[test]
+fn verif_columns_rows_and_formats_agree() {
+    let text = done(&[PLACES, SKY, STEPS]);
+    assert!(text.starts_with("# "), "provenance first");
+    let rows = records(&text);
+    assert_eq!(rows[0].iter().collect::<Vec<_>>().join(","), HEADER);
+    assert!(rows.len() > 10 && rows.len() % 3 == 1, "{} rows", rows.len());
+    // Satellite by satellite, in order of time.
+    assert_eq!((&rows[1][0], &rows[1][2]), (&rows[3][0], "2026-08-14T23:29:05.000000Z"));
+    assert_eq!((&rows[3][2], &rows[1][3]), ("2026-08-14T23:30:05.000000Z", "2461267.47853009"));
+
+    let answer = json(&[PLACES, SKY, STEPS]);
+    let places = answer["ephemeris"].as_array().unwrap();
+    assert_eq!(places.len(), rows.len() - 1);
+    for (row, place) in rows[1..].iter().zip(places) {
+        for (name, cell) in rows[0].iter().zip(row) {
+            let value = &place[name];
+            let same = value.as_str().map_or_else(|| cell.parse().ok() == value.as_f64(), |text| text == cell);
+            assert!(same || cell.is_empty() && value.is_null(), "{name}: {cell} {value}");
+        }
+    }
+    for (key, value) in [("drag", "station-keeping"), ("frame", "ICRS astrometric topocentric"), ("time_scale", "utc")]
+    {
+        assert_eq!(answer["provenance"][key], value, "{}", answer["provenance"]);
+    }
+    let options = &answer["provenance"]["options"];
+    assert_eq!((&options["times"], &options["step"]), (&3.into(), &"30s".into()));
+    assert_eq!(answer["left_out"], serde_json::json!([]));
+
+    let lines = done(&[PLACES, SKY, STEPS, &["--format", "jsonl"]]);
+    assert_eq!(lines.lines().count(), rows.len());
+    for (format, part) in [("ecsv", "# %ECSV 1.0"), ("votable", "<VOTABLE"), ("table", "late s")] {
+        assert!(done(&[PLACES, SKY, STEPS, &["--format", format]]).contains(part), "{format}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "places.csv");
+    assert_eq!(done(&[PLACES, SKY, STEPS, &["-o", &file]]), "");
+    assert_eq!(records(&fs::read_to_string(file).unwrap()), rows);
+}
+
+#[test]
+fn verif_times_of_a_list_a_file_and_steps_are_the_same() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "times.txt");
+    let times = ["2026-08-14T23:29:05Z", "2026-08-14T23:29:35Z", "2026-08-14T23:30:05Z"];
+    fs::write(&file, format!("# UTC\n{}\n", times.join("\n"))).unwrap();
+    let rows = |more: &[&str]| records(&done(&[PLACES, SKY, more]));
+    let steps = rows(STEPS);
+    assert_eq!(rows(&["--times-file", &file]), steps);
+    assert_eq!(rows(&[&["--times"], &times[..]].concat()), steps);
+}
+
+/// The place at the time of entry is that of `passes`.
+#[test]
+fn verif_the_place_at_an_entry_is_that_of_the_pass() {
+    let exposure =
+        ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--fov", "3.5deg"];
+    let passes = json(&[&["passes"], SKY, &exposure]);
+    let pass = &passes["passes"].as_array().unwrap()[0];
+    let norad = pass["norad_id"].to_string();
+    let at = pass["enter_utc"].as_str().unwrap();
+    let answer = json(&[&["ephemeris", "--norad", &norad, "--times", at], SKY]);
+    let place = &answer["ephemeris"][0];
+    for (ours, theirs) in [("ra_deg", "enter_ra_deg"), ("dec_deg", "enter_dec_deg")] {
+        let [ours, theirs] = [&place[ours], &pass[theirs]].map(|value| value.as_f64().unwrap());
+        // Times are written to the microsecond, half a microsecond of 1 deg/s; degrees of passes to six decimals.
+        assert!((ours - theirs).abs() < 2e-6, "{ours} {theirs}");
+    }
+}
+
+#[test]
+fn errors_name_what_is_allowed() {
+    let at = ["--times", "2026-08-14T23:29:05Z"];
+    let many = ["--start", "2026-08-14T00:00:00Z", "--end", "2026-08-15T00:00:00Z", "--step", "1s"];
+    for (words, part) in [
+        (&[PLACES, SKY, &["--start", "2026-08-14T23:29:05Z"]][..], "missing times; specify --times"),
+        (&[PLACES, SKY, &["--times", "2026-08-14T23:29:05"]], "2026-08-14T23:29:05"),
+        (&[PLACES, SKY, &at, &["--step", "1s"]], "--step"),
+        (&[PLACES, SKY, &at, &["--fov", "1deg"]], "--fov has no effect on an ephemeris; allowed"),
+        (&[PLACES, SKY, &at, &["--drag", "none"]], "station-keeping, published"),
+        (&[&["ephemeris", "--name", "NO SUCH"], SKY, &at], "none of the 4408 satellites has a name with NO SUCH"),
+        (&[&["ephemeris"], SKY, &at], "missing selection of satellites; specify --norad ID"),
+        (&[&["ephemeris", "--name", "S1"], SKY, &many], "allowed: at most 1000000"),
+    ] {
+        let (code, stdout, stderr) = run(words);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(stderr.contains(part), "{part}: {stderr}");
+    }
+    // No place above the altitude is an answer.
+    let (code, stdout, _) = run(&[PLACES, SKY, &at, &["--min-altitude", "89.9"]]);
+    assert_eq!((code, records(&stdout).len()), (1, 1));
+}
