@@ -230,7 +230,10 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
             };
             for module in imported_modules(code) {
                 let is_known = MAY_IMPORT.iter().any(|(known, _)| *known == module);
-                if module != source.module && module != "constants" && module != "input" && !(is_known && allowed.contains(&module.as_str()))
+                if module != source.module
+                    && module != "constants"
+                    && module != "input"
+                    && !(is_known && allowed.contains(&module.as_str()))
                 {
                     violation(format!("{} must not import {module}", source.module));
                 }

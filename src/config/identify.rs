@@ -8,9 +8,9 @@ use serde::Deserialize;
 use super::document::Config;
 use super::error::ConfigError;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s};
-use crate::input;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
+use crate::input;
 use crate::passes::Exposure;
 
 /// Default clock error (one sigma), s.

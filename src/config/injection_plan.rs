@@ -10,9 +10,9 @@ use super::error::ConfigError;
 use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
 use super::values::{NameOrTable, Numbers, parse_angle_deg, parse_duration_s};
-use crate::input;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
+use crate::input;
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{

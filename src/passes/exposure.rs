@@ -47,7 +47,11 @@ impl Exposure {
         let id = &self.id;
         if !(0.0..=LONGEST_EXPOSURE_S).contains(&self.duration_s) {
             let given = format!("{} s", self.duration_s);
-            return Err(SkyError::invalid(format!("exposure {id}: duration"), given, format!("0 to {LONGEST_EXPOSURE_S} s")));
+            return Err(SkyError::invalid(
+                format!("exposure {id}: duration"),
+                given,
+                format!("0 to {LONGEST_EXPOSURE_S} s"),
+            ));
         }
         if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) {
             return Err(SkyError::invalid(format!("exposure {id}: pointing"), "not a direction", "finite numbers"));

@@ -9,7 +9,8 @@ use streakcast::output::{Kind, Table, Value};
 /// Escapes control characters in text that quotes files: a terminal obeys them. Line ends are kept. Overrides of the
 /// direction of writing are escaped too, because they hide what a line contains.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    let is_hidden = |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    let is_hidden =
+        |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
     if !text.contains(is_hidden) {
         return Cow::Borrowed(text);
     }

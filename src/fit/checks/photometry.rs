@@ -6,8 +6,8 @@ use std::path::Path;
 
 use super::super::error::FitError;
 use super::super::measurements::{DropReason, Format, PhotometryOptions, Placement, RecordReader, Selection, measure};
-use crate::input;
 use crate::geometry::ViewingGeometry;
+use crate::input;
 use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude, StandardMagnitudes};
 
 /// A published set of measurements.

@@ -6,8 +6,8 @@ use std::path::Path;
 use flate2::read::MultiGzDecoder;
 
 use super::super::error::FitError;
-use crate::input;
 use crate::elements::NoradId;
+use crate::input;
 
 /// Bytes per block.
 const BLOCK: usize = 1 << 20;

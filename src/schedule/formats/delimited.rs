@@ -141,9 +141,8 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
     let (header_lines, body) = lines.split_at(header_count);
     let yaml: Vec<&str> = header_lines.iter().skip(1).map(|line| uncommented(of(*line))).collect();
     let yaml = yaml.join("\n");
-    let not_yaml = |problem: ScanError| {
-        error(problem.marker().line() + 1, format!("the ECSV header is not YAML: {problem}"))
-    };
+    let not_yaml =
+        |problem: ScanError| error(problem.marker().line() + 1, format!("the ECSV header is not YAML: {problem}"));
     if let Some(line) = line_too_deep(&yaml).map_err(not_yaml)? {
         let what = format!("the ECSV header is nested too deeply; allowed: {DEEPEST_HEADER} levels");
         return Err(error(line + 1, what));

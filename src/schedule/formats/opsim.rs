@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
 fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result<RawTable, ScheduleError> {
     let sqlite = |source| ScheduleError::Sqlite { path: display(path), source };
     let without_end = |what: String| ScheduleError::Format { path: display(path), what };
-    let connection = open_read_only(path)?;
+    let mut connection = open_read_only(path)?;
     connection.progress_handler(most_instructions, Some(|| true)).map_err(sqlite)?;
     let names = column_names(&connection).map_err(sqlite)?;
     if names.is_empty() {
@@ -69,7 +69,8 @@ fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result
         let cells: Result<Vec<Cell>, rusqlite::Error> =
             (0..table.names.len()).map(|index| row.get_ref(index).map(cell)).collect();
         let cells = cells.map_err(sqlite)?;
-        text_bytes += cells.iter().map(|cell| if let Cell::Text(text) = cell { text.len() as u64 } else { 0 }).sum::<u64>();
+        text_bytes +=
+            cells.iter().map(|cell| if let Cell::Text(text) = cell { text.len() as u64 } else { 0 }).sum::<u64>();
         if text_bytes > LARGEST_INPUT {
             return Err(without_end(format!("SQLite with more than {LARGEST_INPUT} bytes of text; split it")));
         }

@@ -1,6 +1,5 @@
 //! `model check`: validates model files and compares the models with published references.
 
-
 use anyhow::anyhow;
 use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
 use streakcast::output::{Provenance, Section};

@@ -128,7 +128,8 @@ pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<Bright
         path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json")) || name.contains(std::path::is_separator);
     let known = library.get(name).filter(|_| !is_path);
     if known.is_none() && (is_path || path.is_file()) {
-        let text = streakcast::input::read_to_string(name.as_ref()).map_err(|error| anyhow!("model {name}: {error}"))?;
+        let text =
+            streakcast::input::read_to_string(name.as_ref()).map_err(|error| anyhow!("model {name}: {error}"))?;
         return Ok(Arc::new(BrightnessModel::from_json(&text, name)?));
     }
     known.ok_or_else(|| {
