@@ -280,8 +280,8 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
     let field = Field::circle(80_f64.to_radians()).expect("a field");
     let options = PassOptions { include_dark: true, ..PassOptions::default() };
     let (mut covered, mut uncovered) = (0, 0);
-    for step in 0..100 {
-        let hours = 0.3675 * f64::from(step);
+    for step in 0..150 {
+        let hours = 0.245 * f64::from(step);
         let opened = start + hours * Unit::Hour;
         let here = observer.state(&Orientation::at(opened, &EopTable::embedded()));
         let direction = Direction::<Horizontal>::from_lon_lat_rad(f64::from(step), 1.0);
