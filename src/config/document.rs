@@ -25,7 +25,7 @@ const MOST_NORAD: u32 = 999_999_999;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Config {
-    /// Element sets: TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN, plain or gzipped
+    /// Element sets (TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN) and ephemerides of operators (OEM, Modified ITC), plain or gzipped
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub elements: Vec<PathBuf>,

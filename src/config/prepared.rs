@@ -1,6 +1,7 @@
 //! Skies prepared for the times of a request, with their provenance and warnings.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use hifitime::Epoch;
 use serde_json::json;
@@ -9,10 +10,10 @@ use super::document::Config;
 use super::error::ConfigError;
 use super::inputs::LoadedInputs;
 use super::warnings;
-use crate::elements::{Constellation, ElementSet, Rejected, SourceFile};
+use crate::elements::{Constellation, ElementSet, Ephemeris, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
-use crate::orbit::LeftOut;
+use crate::orbit::{EphemerisCoverage, LeftOut};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
@@ -38,6 +39,15 @@ pub struct PreparedSky {
     from_files: usize,
     /// Epoch of the synthetic satellites; `None` without synthetic satellites.
     shells_made_for: Option<Epoch>,
+}
+
+/// Words for satellites of a catalogue, sorted by their element sets.
+fn names(satellites: impl Iterator<Item = usize>, elements: &[ElementSet]) -> Vec<String> {
+    let name = |index: usize| match &elements[index] {
+        set if set.name.is_empty() => set.norad_id.to_string(),
+        set => format!("{} ({})", set.name, set.norad_id),
+    };
+    satellites.map(name).collect()
 }
 
 impl Config {
@@ -73,6 +83,15 @@ impl LoadedInputs {
             provenance.attach("cut_short", warnings::cut_short(catalogue).collect::<Vec<_>>());
             elements = catalogue.at(middle);
         }
+        let ephemerides = self.catalogue.as_ref().map_or(&[][..], |catalogue| &catalogue.ephemerides);
+        let without_elements = without_elements(ephemerides, &elements);
+        if !without_elements.is_empty() && elements.is_empty() {
+            return Err(ConfigError::Missing {
+                what: "element sets of the satellites with ephemerides",
+                allowed: "files of element sets in --elements too",
+            });
+        }
+        of_files.extend(warnings::of_ephemerides_without_elements(&without_elements));
         let from_files = elements.len();
         let shells_made_for = (!self.constellations.is_empty()).then(|| start_of_utc_day(first));
         if let Some(day) = shells_made_for {
@@ -106,6 +125,10 @@ impl LoadedInputs {
         let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice)
             .with_drag(self.drag)
             .with_shadow(self.shadow);
+        let sky = if ephemerides.is_empty() { sky } else { sky.with_ephemerides(ephemerides.to_vec()) };
+        if !ephemerides.is_empty() {
+            provenance.state("ephemerides", ephemerides_json(&sky, &without_elements, first, last));
+        }
         if sky.left_out().len() == sky.elements().len() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }
@@ -125,6 +148,10 @@ impl PreparedSky {
     /// For the interval of [`LoadedInputs::prepare`] they equal `warnings`; a cached sky also serves other times.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
+        let uncovered = self.sky.ephemeris_coverage(first, last).filter(|(_, part)| *part != EphemerisCoverage::Whole);
+        let uncovered = names(uncovered.map(|(index, _)| index), self.sky.elements());
+        let all = self.sky.ephemeris_coverage(first, last).count();
+        warnings.extend(warnings::of_uncovered(&uncovered, all));
         warnings.extend(warnings::of_age(&self.sky, self.from_files, first, last));
         warnings.extend(self.shells_made_for.and_then(|day| warnings::of_shells(day, first, last)));
         warnings.extend(warnings::of_orientation(&self.eop, first, last));
@@ -206,6 +233,30 @@ fn source_json(source: &SourceFile) -> serde_json::Value {
         "bad_checksums_accepted": source.bad_checksums_accepted,
         "first_epoch_utc": format_utc(source.first_epoch, 3),
         "last_epoch_utc": format_utc(source.last_epoch, 3),
+    })
+}
+
+/// Returns the ephemerides of satellites without an element set, in words.
+fn without_elements(ephemerides: &[Arc<Ephemeris>], elements: &[ElementSet]) -> Vec<String> {
+    let without = ephemerides.iter().filter(|ephemeris| !elements.iter().any(|set| ephemeris.is_of(set)));
+    without.map(|ephemeris| ephemeris.to_string()).collect()
+}
+
+/// Use of the ephemerides between two times, with the names of satellites for which element sets are used.
+fn ephemerides_json(sky: &Sky, without_elements: &[String], first: Epoch, last: Epoch) -> serde_json::Value {
+    let of = |wanted: EphemerisCoverage| {
+        let found = sky.ephemeris_coverage(first, last).filter(move |(_, part)| *part == wanted);
+        names(found.map(|(index, _)| index), sky.elements())
+    };
+    let (whole, part, none) = (of(EphemerisCoverage::Whole), of(EphemerisCoverage::Part), of(EphemerisCoverage::None));
+    json!({
+        "satellites_covered": whole.len(),
+        "satellites_partly_covered": part.len(),
+        "satellites_not_covered": none.len(),
+        "partly_covered": part.iter().take(LISTED).collect::<Vec<_>>(),
+        "not_covered": none.iter().take(LISTED).collect::<Vec<_>>(),
+        "without_element_set": without_elements.iter().take(LISTED).collect::<Vec<_>>(),
+        "interpolation": "Lagrange, degree 7",
     })
 }
 

@@ -95,7 +95,8 @@ impl Config {
         };
         let missing =
             ConfigError::Missing { what: "elements of the telescope in orbit", allowed: "--observer-elements FILE" };
-        let mut sets = catalogue.ok_or(missing)?.element_sets;
+        let sets = catalogue.map(|catalogue| catalogue.element_sets).filter(|sets| !sets.is_empty());
+        let mut sets = sets.ok_or(missing)?;
         if let Some(id) = self.observer_norad {
             let count = sets.len();
             sets.retain(|set| set.norad_id.0 == id);

@@ -67,6 +67,37 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
     warnings
 }
 
+/// Warning of ephemerides of satellites without an element set.
+pub(super) fn of_ephemerides_without_elements(names: &[String]) -> Option<String> {
+    (!names.is_empty()).then(|| {
+        format!(
+            "{} ignored, because the satellite has no element set: {}",
+            counted(names.len(), "ephemeris", "ephemerides"),
+            first_of(names)
+        )
+    })
+}
+
+/// Warning of satellites whose ephemerides do not cover the time of the request; `all` is the number of satellites with
+/// ephemerides.
+pub(super) fn of_uncovered(names: &[String], all: usize) -> Option<String> {
+    (!names.is_empty()).then(|| {
+        format!(
+            "the ephemerides of {} of {} do not cover the whole time of the request; element sets are used for exposures that \
+             they do not cover: {}",
+            grouped(names.len()),
+            counted(all, "satellite", "satellites"),
+            first_of(names)
+        )
+    })
+}
+
+/// Returns the first names of a list.
+fn first_of(names: &[String]) -> String {
+    let more = if names.len() > NAMED { ", ..." } else { "" };
+    names[..names.len().min(NAMED)].join(", ") + more
+}
+
 /// Warning of element sets with epochs more than two weeks before or after the request.
 pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) -> Option<String> {
     let elements = &sky.elements()[..from_files];

@@ -8,7 +8,8 @@ use super::element_set::NoradId;
 use super::record::{ElementFormat, Rejected};
 
 /// Accepted formats, for messages.
-const ALLOWED: &str = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
+const ALLOWED: &str =
+    "TLE, 2LE, 3LE, OMM (JSON, CSV, XML, KVN), or ephemerides as OEM (KVN, XML) or Modified ITC, plain or gzipped";
 
 fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
     match first {
@@ -71,6 +72,20 @@ pub enum ElementsError {
         rejected: usize,
         /// First rejected record.
         first: Option<Box<Rejected>>,
+    },
+    /// An invalid ephemeris, which is rejected as a whole.
+    #[error("{file}:{line}: {what} is {given}; allowed: {allowed}")]
+    Ephemeris {
+        /// Given name.
+        file: String,
+        /// Line in the file, from 1.
+        line: usize,
+        /// Invalid quantity.
+        what: String,
+        /// Its value.
+        given: String,
+        /// Accepted values.
+        allowed: String,
     },
     /// An unknown name of a constellation.
     #[error("unknown shells {name:?}: expected one of {known}")]

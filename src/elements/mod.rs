@@ -1,6 +1,7 @@
-//! Element sets in all common formats, their history, simulated shells, and kinds of satellites.
+//! Element sets in all common formats, ephemerides of operators, histories, simulated shells, and kinds of satellites.
 
 mod element_set;
+mod ephemeris;
 mod epoch;
 mod error;
 mod generation;
@@ -20,6 +21,7 @@ mod tle_fields;
 mod tle_file;
 
 pub use element_set::{ElementSet, NoradId, Origin, share_of_stale};
+pub use ephemeris::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
 #[cfg(feature = "fit")]
 pub(crate) use epoch::parse_iso;
 pub use error::ElementsError;

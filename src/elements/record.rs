@@ -159,6 +159,12 @@ pub enum ElementFormat {
     OmmXml,
     /// Orbit mean-elements messages as lines of `KEYWORD = value` (CCSDS 502.0-B).
     OmmKvn,
+    /// Ephemeris in Modified ITC, as published for Starlink satellites.
+    ModifiedItc,
+    /// Orbit ephemeris messages as lines of `KEYWORD = value` (CCSDS 502.0-B).
+    OemKvn,
+    /// Orbit ephemeris messages as XML (CCSDS 505.0-B).
+    OemXml,
 }
 
 impl fmt::Display for ElementFormat {
@@ -169,6 +175,9 @@ impl fmt::Display for ElementFormat {
             Self::OmmCsv => "OMM CSV",
             Self::OmmXml => "OMM XML",
             Self::OmmKvn => "OMM KVN",
+            Self::ModifiedItc => "Modified ITC",
+            Self::OemKvn => "OEM KVN",
+            Self::OemXml => "OEM XML",
         })
     }
 }

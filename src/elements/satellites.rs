@@ -1,11 +1,13 @@
-//! A catalogue: element sets from any number of files in any mixture of formats, with their provenance.
+//! A catalogue: element sets and ephemerides from any number of files in any mixture of formats, with their provenance.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::element_set::ElementSet;
+use super::ephemeris::Ephemeris;
 use super::error::ElementsError;
 use super::history::{History, nearest_of_each};
 use super::record::Rejected;
@@ -56,6 +58,8 @@ pub enum Keep {
 pub struct Satellites {
     /// Element sets by catalogue number, and by epoch if several of one object are kept.
     pub element_sets: Vec<ElementSet>,
+    /// Ephemerides of operators, in the order of the files.
+    pub ephemerides: Vec<Arc<Ephemeris>>,
     /// Rejected records, by file and line.
     pub rejected: Vec<Rejected>,
     /// Files, in the given order.
@@ -69,12 +73,13 @@ pub struct Satellites {
 impl Satellites {
     /// Reads files, each in the format detected from its content.
     ///
-    /// Invalid records are listed in [`rejected`](Self::rejected); the others are kept.
+    /// Invalid records are listed in [`rejected`](Self::rejected); the others are kept. An ephemeris is valid as a whole.
     ///
     /// # Errors
     /// * no file is given;
     /// * a file cannot be read, is a directory, is empty, or is an invalid gzip file;
-    /// * a file is in none of the formats, or has no valid record.
+    /// * a file is in none of the formats, or has no valid record;
+    /// * an ephemeris is invalid.
     pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, ElementsError> {
         if paths.is_empty() {
             return Err(ElementsError::NoFiles);
@@ -142,6 +147,7 @@ impl Satellites {
         for reading in readings {
             catalogue.sources.push(reading.source);
             catalogue.rejected.extend(reading.rejected);
+            catalogue.ephemerides.extend(reading.ephemerides);
             if sets.is_empty() {
                 sets = reading.sets;
             } else {

@@ -10,6 +10,7 @@ use hifitime::Epoch;
 use sha2::{Digest, Sha256};
 
 use super::element_set::ElementSet;
+use super::ephemeris::{self, Ephemeris};
 use super::error::ElementsError;
 use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
 use super::tle::Checksums;
@@ -28,7 +29,7 @@ pub struct SourceFile {
     pub format: ElementFormat,
     /// True if the file was compressed with gzip.
     pub gzipped: bool,
-    /// Number of valid records, including duplicates.
+    /// Number of valid records, including duplicates; of states in an ephemeris.
     pub records: usize,
     /// Number of rejected records.
     pub rejected: usize,
@@ -36,7 +37,7 @@ pub struct SourceFile {
     pub cut_short: bool,
     /// Number of records accepted with a wrong checksum.
     pub bad_checksums_accepted: usize,
-    /// Earliest epoch.
+    /// Earliest epoch of an element set, or of a state.
     pub first_epoch: Epoch,
     /// Latest epoch.
     pub last_epoch: Epoch,
@@ -46,6 +47,7 @@ pub struct SourceFile {
 pub(super) struct FileReading {
     pub source: SourceFile,
     pub sets: Vec<ElementSet>,
+    pub ephemerides: Vec<Arc<Ephemeris>>,
     pub rejected: Vec<Rejected>,
 }
 
@@ -63,12 +65,13 @@ pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading
 pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, ElementsError> {
     // Hashing and parsing take about the same time and run in parallel.
     let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
-    let Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted } = content?;
+    let Content { format, gzipped, sets, mut ephemerides, rejected, cut_short, bad_checksums_accepted } = content?;
     let name: Arc<str> = Arc::from(name);
     let rejected: Vec<Rejected> =
         rejected.into_iter().map(|(line, reason)| Rejected { file: name.clone(), line, reason }).collect();
     // All are UTC here: comparing the raw durations avoids leap seconds.
-    let epochs = || sets.iter().map(|set| set.epoch);
+    let of_states = || ephemerides.iter().flat_map(|ephemeris| ephemeris.states.iter().map(|state| state.epoch));
+    let epochs = || sets.iter().map(|set| set.epoch).chain(of_states());
     let duration = |epoch: &Epoch| epoch.duration;
     let (Some(first_epoch), Some(last_epoch)) = (epochs().min_by_key(duration), epochs().max_by_key(duration)) else {
         return Err(ElementsError::NothingUsable {
@@ -79,18 +82,22 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
         });
     };
     let source = SourceFile {
-        name,
+        name: name.clone(),
         sha256,
         format,
         gzipped,
-        records: sets.len(),
+        records: epochs().count(),
         rejected: rejected.len(),
         cut_short,
         bad_checksums_accepted,
         first_epoch,
         last_epoch,
     };
-    Ok(FileReading { source, sets, rejected })
+    for ephemeris in &mut ephemerides {
+        ephemeris.file = name.clone();
+    }
+    let ephemerides = ephemerides.into_iter().map(Arc::new).collect();
+    Ok(FileReading { source, sets, ephemerides, rejected })
 }
 
 /// Content of a file, with rejected records by line.
@@ -98,6 +105,7 @@ struct Content {
     format: ElementFormat,
     gzipped: bool,
     sets: Vec<ElementSet>,
+    ephemerides: Vec<Ephemeris>,
     rejected: Vec<(usize, RejectReason)>,
     cut_short: bool,
     bad_checksums_accepted: usize,
@@ -113,7 +121,18 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
     }
     let format = sniff(&decoded, &text)
         .map_err(|what| ElementsError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
+    let no_sets = |ephemerides: Result<Vec<Ephemeris>, ephemeris::Problem>| {
+        let ephemerides = ephemerides.map_err(|problem| {
+            let ephemeris::Problem { line, what, given, allowed } = problem;
+            ElementsError::Ephemeris { file: name.into(), line, what, given, allowed }
+        })?;
+        let (sets, rejected) = (Vec::new(), Vec::new());
+        Ok(Content { format, gzipped, sets, ephemerides, rejected, cut_short: false, bad_checksums_accepted: 0 })
+    };
     let mut parsed = match format {
+        ElementFormat::ModifiedItc => return no_sets(ephemeris::parse_modified_itc(name, &text)),
+        ElementFormat::OemKvn => return no_sets(ephemeris::parse_oem_kvn(&text)),
+        ElementFormat::OemXml => return no_sets(ephemeris::parse_oem_xml(&text)),
         ElementFormat::Tle => tle_file::parse(&text, checksums),
         ElementFormat::OmmJson => omm_json::parse(&text, checksums),
         ElementFormat::OmmCsv => omm_csv::parse(&text, checksums),
@@ -124,7 +143,7 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
     let cut_short = parsed.is_cut_short();
     let Parsed { sets, rejected, bad_checksums_accepted, .. } = parsed;
     let rejected = line_numbers(text.as_bytes(), rejected);
-    Ok(Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted })
+    Ok(Content { format, gzipped, sets, ephemerides: Vec::new(), rejected, cut_short, bad_checksums_accepted })
 }
 
 /// Converts increasing byte offsets to line numbers from 1.
@@ -188,11 +207,16 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
             return Ok(ElementFormat::OmmJson);
         }
         Some(b'<') if omm_xml::looks_like(body) => return Ok(ElementFormat::OmmXml),
+        Some(b'<') if ephemeris::looks_like_oem_xml(body) => return Ok(ElementFormat::OemXml),
         Some(b'<') => return Err("it is a web page or another kind of XML".into()),
         _ => {}
     }
     // A CSV file may contain the two lines in columns, so it is tested before TLE.
-    if omm_kvn::looks_like(body) {
+    if ephemeris::looks_like_modified_itc(body) {
+        Ok(ElementFormat::ModifiedItc)
+    } else if ephemeris::looks_like_oem_kvn(body) {
+        Ok(ElementFormat::OemKvn)
+    } else if omm_kvn::looks_like(body) {
         Ok(ElementFormat::OmmKvn)
     } else if omm_csv::looks_like(body) {
         Ok(ElementFormat::OmmCsv)

@@ -30,10 +30,10 @@ pub use earth_orientation::{EarthOrientationParameters, EopStatus, EopTable};
 pub use equatorial::{annual_aberration, gcrs_to_of_date, itrs_to_horizontal, without_annual_aberration};
 pub use error::FramesError;
 pub use instant::{FIRST_YEAR, LAST_YEAR, is_covered, parse_instant, parse_moment};
-pub use orientation::{Orientation, OrientationTable};
+pub use orientation::{Orientation, OrientationTable, eme2000_to_gcrs};
 pub(crate) use sampled::Sampled;
 pub use time::{
     epoch_from_jd, epoch_from_mjd, leap_seconds_known_until, mjd_utc, seconds_after, seconds_between, tt_jd, ut1_jd,
     utc_jd,
 };
-pub use vector::{Body, Direction, Frame, Gcrs, Horizontal, Itrs, OfDate, Position, Rotation, Teme, Velocity};
+pub use vector::{Body, Direction, Eme2000, Frame, Gcrs, Horizontal, Itrs, OfDate, Position, Rotation, Teme, Velocity};

@@ -20,7 +20,7 @@ use super::earth_orientation::{EarthOrientationParameters, EopTable};
 use super::sampled::Sampled;
 use super::time::{seconds_between, tai_minus_utc_s, tt_jd, ut1_jd};
 use super::vector::Rotation;
-use super::vector::{Gcrs, Itrs, Teme};
+use super::vector::{Eme2000, Gcrs, Itrs, Teme};
 use crate::constants::DAY_S;
 
 /// The rotations between the three geocentric frames at one time.
@@ -87,6 +87,12 @@ fn itrs_to_teme(gmst_rad: f64, xp_rad: f64, yp_rad: f64) -> Rotation<Itrs, Teme>
 
 pub(super) fn matrix(rows: &[[f64; 3]; 3]) -> Matrix3<f64> {
     Matrix3::from_fn(|row, column| rows[row][column])
+}
+
+/// Returns the rotation from the mean equator and equinox of J2000 to GCRS: the frame bias of IAU 2000.
+pub fn eme2000_to_gcrs() -> Rotation<Eme2000, Gcrs> {
+    let (bias, _, _) = sofars::pnp::bp00(2_451_545.0, 0.0);
+    Rotation::from_matrix(matrix(&bias).transpose())
 }
 
 /// Orientations over an interval: the slow part sampled every half day, the Earth's rotation computed.

@@ -33,6 +33,10 @@ frame!(
     Gcrs, "GCRS"
 );
 frame!(
+    /// Mean equator and equinox of J2000, 23 milliarcseconds from GCRS.
+    Eme2000, "EME2000"
+);
+frame!(
     /// True equator and equinox of date: x to the equinox, z to the celestial intermediate pole.
     OfDate, "true equator and equinox of date"
 );

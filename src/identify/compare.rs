@@ -73,8 +73,7 @@ pub(super) fn compare(
     let propagator = interval.propagator(element_index)?;
     let mid_s = 0.5 * interval.duration_s();
     let middle = nearest_passage(interval, propagator, streak, mid_s, guess_s)?;
-    let age_days = interval.element_age_days(propagator, mid_s);
-    let errors = interval.uncertainty(element_index, age_days);
+    let errors = interval.uncertainty(element_index, propagator, mid_s);
     let sigmas = Sigmas::new(&errors, &middle, propagator, streak);
 
     // The time of the passage of the middle, and the density of delay and distance integrated over the exposure.

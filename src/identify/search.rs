@@ -104,7 +104,7 @@ fn one_satellite(
     if let Err(reason) = interval.state(propagator, mid_s, 0.0) {
         return (Vec::new(), Some(LeftOut { norad_id: propagator.norad_id(), element_index, reason }));
     }
-    let errors = interval.uncertainty(element_index, interval.element_age_days(propagator, mid_s));
+    let errors = interval.uncertainty(element_index, propagator, mid_s);
     let along_s = REACH_SIGMAS * errors.along_track_s.hypot(streak.time_sigma_s());
     let across_rad = REACH_SIGMAS * (errors.cross_track_km / NEAR_KM).hypot(streak.position_sigma_rad());
     let reach = Reach {

@@ -1,6 +1,7 @@
-//! Orbits: SGP4 for each element set, the errors of its predictions, and the search for satellites inside a cone.
+//! Orbits: SGP4 for each element set, interpolated ephemerides, the errors of its predictions, and the search for satellites inside a cone.
 
 mod arc;
+mod ephemeris;
 mod lateness;
 mod propagator;
 mod resonance;
@@ -10,7 +11,7 @@ mod uncertainty;
 
 pub use arc::OrbitArc;
 pub use lateness::Lateness;
-pub use propagator::{DECAYED_RADIUS_KM, LeftOut, OrbitError, Propagator, SatelliteIndex, State};
+pub use propagator::{DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex, State};
 pub use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
 pub use station_keeping::{DragModel, StationKeeping};
 pub use uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};

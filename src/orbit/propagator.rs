@@ -1,18 +1,23 @@
-//! SGP4 of one satellite, and of a whole catalogue.
+//! SGP4 or the ephemeris of one satellite, and of a whole catalogue.
 
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
+use std::sync::Arc;
 
 use hifitime::{Epoch, Unit};
 use rayon::prelude::*;
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
 use thiserror::Error;
 
+use super::ephemeris::{Attached, EphemerisTable};
+use super::lateness::Lateness;
 use super::resonance::Resonance;
 use super::station_keeping::DragModel;
+use super::uncertainty::OrbitUncertainty;
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
-use crate::elements::{ElementSet, NoradId};
-use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
+use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
+use crate::frames::{EopTable, Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Distance from the Earth's centre below which a satellite counts as decayed: one Earth radius of WGS72, as in the
 /// AFSPC code (error 6).
@@ -24,6 +29,9 @@ pub const DECAYED_RADIUS_KM: f64 = 6378.135;
 const LARGEST_GAP_KM: f64 = 1.0;
 /// The same over longer steps, km/s: 0.4 km in a minute by h³/12 · |r‴|, and some m/s where Moon and Sun pull most.
 const LARGEST_MISMATCH_KM_S: f64 = 0.1;
+/// An ephemeris is used where it covers this time before and after an exposure, seconds: the longest delay that is
+/// searched, and a minute for tracks.
+const EPHEMERIS_MARGIN_S: f64 = Lateness::LONGEST_S + 60.0;
 
 /// Reasons for a missing position.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -58,6 +66,14 @@ pub enum OrbitError {
         /// Predicted distance from the Earth's centre, km.
         radius_km: f64,
     },
+    /// The ephemeris in use has no state at the requested time.
+    #[error("satellite {norad_id}: its ephemeris does not cover {days_since_epoch:.4} days after the element epoch")]
+    NotCovered {
+        /// NORAD catalogue number.
+        norad_id: NoradId,
+        /// Days from the element epoch to the requested time.
+        days_since_epoch: f64,
+    },
 }
 
 /// Position and velocity in one frame.
@@ -70,7 +86,7 @@ pub struct State<F: crate::frames::Frame> {
 }
 
 /// SGP4 (or SDP4) constants of one satellite, in the AFSPC mode with WGS72: the model with which element sets are
-/// fitted.
+/// fitted. With an ephemeris attached, positions are interpolated in it.
 #[derive(Clone)]
 pub struct Propagator {
     constants: Constants,
@@ -82,6 +98,7 @@ pub struct Propagator {
     farthest_km: f64,
     /// Present for half-day and one-day orbits only.
     resonance: Option<Resonance>,
+    ephemeris: Option<Attached>,
 }
 
 impl fmt::Debug for Propagator {
@@ -126,7 +143,36 @@ impl Propagator {
             eccentricity: elements.eccentricity,
             farthest_km,
             resonance,
+            ephemeris: None,
         })
+    }
+
+    /// Returns the propagator of the same satellite with positions of an ephemeris.
+    fn with_ephemeris(&self, table: &Arc<EphemerisTable>) -> Self {
+        let start_minutes = self.minutes_since_epoch(table.start());
+        Self { ephemeris: Some(Attached { table: table.clone(), start_minutes }), ..self.clone() }
+    }
+
+    /// Returns the errors of one sigma that the attached ephemeris states for a time; `None` for SGP4.
+    pub fn stated_uncertainty(&self, epoch: Epoch) -> Option<OrbitUncertainty> {
+        let attached = self.ephemeris.as_ref()?;
+        Some(attached.table.uncertainty_at(attached.seconds(self.minutes_since_epoch(epoch))))
+    }
+
+    /// Returns the times in seconds of the attached ephemeris.
+    fn table_seconds(&self, times: [Epoch; 2]) -> Option<(&EphemerisTable, [f64; 2])> {
+        let attached = self.ephemeris.as_ref()?;
+        Some((&attached.table, times.map(|epoch| attached.seconds(self.minutes_since_epoch(epoch)))))
+    }
+
+    /// Returns true if the attached ephemeris covers an interval with a margin on both sides, seconds.
+    fn covers(&self, ends: [Epoch; 2], margin_s: f64) -> bool {
+        self.table_seconds(ends).is_some_and(|(table, [from_s, to_s])| table.covers(from_s - margin_s, to_s + margin_s))
+    }
+
+    /// Returns true if the attached ephemeris covers a part of an interval.
+    fn overlaps(&self, ends: [Epoch; 2]) -> bool {
+        self.table_seconds(ends).is_some_and(|(table, [from_s, to_s])| table.overlaps(from_s, to_s))
     }
 
     /// As [`Propagator::new`], without the published drag where the satellite holds its orbit by thrust.
@@ -259,6 +305,10 @@ impl Propagator {
 
     /// Returns the state in TEME, `minutes` after the element epoch.
     pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
+        if let Some(attached) = &self.ephemeris {
+            let not_covered = OrbitError::NotCovered { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0 };
+            return attached.table.state_at(attached.seconds(minutes)).ok_or(not_covered);
+        }
         let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
         let radius_km = (x * x + y * y + z * z).sqrt();
         // The distance cannot exceed twice the semi-major axis; where it does, the drag terms have diverged.
@@ -293,6 +343,29 @@ pub struct SatelliteIndex {
     /// Propagators in catalogue order; `None` where SGP4 cannot be initialised.
     propagators: Vec<Option<Propagator>>,
     left_out: Vec<LeftOut>,
+    /// Propagators with ephemerides by position in the catalogue, the latest start first.
+    ephemerides: BTreeMap<usize, Vec<Propagator>>,
+}
+
+/// Part of an interval for which ephemerides are used.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum EphemerisCoverage {
+    /// One ephemeris covers all of it, with the delays searched.
+    Whole,
+    /// Ephemerides cover parts of it.
+    Part,
+    /// Element sets are used.
+    None,
+}
+
+/// Source of positions of one satellite over an interval of the search.
+pub(super) enum PositionSource<'a> {
+    /// SGP4 cannot be initialised.
+    Absent,
+    /// One propagator for all exposures.
+    One(&'a Propagator),
+    /// An ephemeris for some exposures and SGP4, or another ephemeris, for others.
+    Several(&'a Propagator),
 }
 
 impl SatelliteIndex {
@@ -312,7 +385,85 @@ impl SatelliteIndex {
                     .ok()
             })
             .collect();
-        Self { propagators, left_out }
+        Self { propagators, left_out, ephemerides: BTreeMap::new() }
+    }
+
+    /// Adds ephemerides to the satellites of the same `elements`; those of other satellites are ignored.
+    pub fn with_ephemerides(mut self, elements: &[ElementSet], ephemerides: &[Arc<Ephemeris>], eop: &EopTable) -> Self {
+        if ephemerides.is_empty() {
+            return self;
+        }
+        let mut positions: HashMap<EphemerisObject, Vec<usize>> = HashMap::new();
+        for (position, set) in elements.iter().enumerate() {
+            let designator = EphemerisObject::Designator(set.international_designator.clone());
+            for object in [EphemerisObject::Norad(set.norad_id), designator] {
+                positions.entry(object).or_default().push(position);
+            }
+        }
+        let attached: Vec<(usize, Propagator)> = ephemerides
+            .par_iter()
+            .filter_map(|ephemeris| Some((positions.get(&ephemeris.object)?, ephemeris)))
+            .flat_map_iter(|(positions, ephemeris)| {
+                let table = Arc::new(EphemerisTable::new(ephemeris, eop));
+                let of = |&position: &usize| {
+                    let propagator = self.propagators[position].as_ref()?;
+                    Some((position, propagator.with_ephemeris(&table)))
+                };
+                positions.iter().filter_map(of).collect::<Vec<_>>()
+            })
+            .collect();
+        for (position, propagator) in attached {
+            self.ephemerides.entry(position).or_default().push(propagator);
+        }
+        for of_one in self.ephemerides.values_mut() {
+            of_one.sort_by_key(|one| std::cmp::Reverse(one.ephemeris.as_ref().map(|attached| attached.table.start())));
+        }
+        self
+    }
+
+    /// Returns the propagator of a satellite for an interval such as an exposure: with the latest ephemeris that covers
+    /// it and the delays searched, otherwise SGP4.
+    pub fn propagator_over(&self, element_index: usize, ends: [Epoch; 2]) -> Option<&Propagator> {
+        let of_one = self.ephemerides.get(&element_index).map_or(&[][..], Vec::as_slice);
+        of_one.iter().find(|one| one.covers(ends, EPHEMERIS_MARGIN_S)).or_else(|| self.propagator(element_index))
+    }
+
+    /// Returns true if satellites have ephemerides.
+    pub fn has_ephemerides(&self) -> bool {
+        !self.ephemerides.is_empty()
+    }
+
+    /// Returns the satellites with ephemerides by their positions in the catalogue, and the part of an interval for
+    /// which these are used.
+    pub fn ephemeris_coverage(&self, ends: [Epoch; 2]) -> impl Iterator<Item = (usize, EphemerisCoverage)> + '_ {
+        self.ephemerides.iter().map(move |(&position, of_one)| {
+            let coverage = if of_one.iter().any(|one| one.covers(ends, EPHEMERIS_MARGIN_S)) {
+                EphemerisCoverage::Whole
+            } else if of_one.iter().any(|one| one.overlaps(ends)) {
+                EphemerisCoverage::Part
+            } else {
+                EphemerisCoverage::None
+            };
+            (position, coverage)
+        })
+    }
+
+    /// Returns the largest errors of one sigma in the ephemerides of a satellite: seconds along the track, kilometres
+    /// across it; 0 without any.
+    pub fn largest_stated_errors(&self, element_index: usize) -> (f64, f64) {
+        let of_one = self.ephemerides.get(&element_index).map_or(&[][..], Vec::as_slice);
+        let errors = of_one.iter().filter_map(|one| Some(one.ephemeris.as_ref()?.table.largest_errors()));
+        errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), one| (along_s.max(one.0), cross_km.max(one.1)))
+    }
+
+    /// Returns the source of positions for exposures with a part in an interval, none of them longer than `longest_s`.
+    pub(super) fn source_over(&self, element_index: usize, ends: [Epoch; 2], longest_s: f64) -> PositionSource<'_> {
+        let Some(sgp4) = self.propagator(element_index) else { return PositionSource::Absent };
+        match self.ephemerides.get(&element_index).map(Vec::as_slice) {
+            Some([latest, ..]) if latest.covers(ends, longest_s + EPHEMERIS_MARGIN_S) => PositionSource::One(latest),
+            Some(of_one) if of_one.iter().any(|one| one.overlaps(ends)) => PositionSource::Several(sgp4),
+            _ => PositionSource::One(sgp4),
+        }
     }
 
     /// Returns the number of element sets, including those that cannot be propagated.
@@ -334,9 +485,5 @@ impl SatelliteIndex {
     /// Returns the satellites for which SGP4 cannot be initialised at any time.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
-    }
-
-    pub(super) fn propagators(&self) -> &[Option<Propagator>] {
-        &self.propagators
     }
 }

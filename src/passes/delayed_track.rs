@@ -78,9 +78,13 @@ impl ExposureInterval<'_> {
         self.duration_s
     }
 
-    /// Propagator of an element set; `None` if SGP4 cannot be initialised, and for the telescope itself.
+    /// Propagator of an element set, with its ephemeris if that covers the exposure; `None` if SGP4 cannot be
+    /// initialised, and for the telescope itself.
     pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
-        if self.sky.is_observer(element_index) { None } else { self.sky.index().propagator(element_index) }
+        if self.sky.is_observer(element_index) {
+            return None;
+        }
+        self.sky.propagator_over(self.scene.start, element_index, [MARGIN_S, MARGIN_S + self.duration_s])
     }
 
     /// Epoch of a time.
@@ -122,8 +126,8 @@ impl ExposureInterval<'_> {
     }
 
     /// One-sigma errors of the prediction of a satellite.
-    pub fn uncertainty(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
-        self.sky.uncertainty(element_index, age_days)
+    pub fn uncertainty(&self, element_index: usize, propagator: &Propagator, time_s: f64) -> OrbitUncertainty {
+        self.sky.uncertainty_of(element_index, propagator, self.epoch(time_s))
     }
 
     /// Computes the whole track of a delayed satellite, from a minute before the exposure to a minute after it.
@@ -201,7 +205,11 @@ impl DelayedTrack<'_> {
     ) -> PassEvaluator<'a> {
         let ExposureInterval { sky, scene, .. } = self.interval;
         let element_index = self.element_index;
-        let uncertainty = sky.uncertainty_at(element_index, self.interval.epoch(time_s));
+        let epoch = self.interval.epoch(time_s);
+        let uncertainty = match self.interval.propagator(element_index) {
+            Some(propagator) => sky.uncertainty_of(element_index, propagator, epoch),
+            None => sky.uncertainty_at(element_index, epoch),
+        };
         PassEvaluator { sky, scene, line, element_index, photometry, uncertainty }
     }
 }

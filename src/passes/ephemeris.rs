@@ -145,16 +145,14 @@ impl Sky {
         moment: &Moment,
         photometry: Option<&PhotometryOptions>,
     ) -> Result<Option<EphemerisPoint>, OrbitError> {
-        let Some(propagator) = self.index().propagator(element_index).filter(|_| !self.is_observer(element_index))
-        else {
-            return Ok(None);
-        };
         let Moment { scene, orientation, motion, site } = moment;
+        let propagator = self.propagator_over(scene.start, element_index, [0.0, 2.0 * HALF_ARC_S]);
+        let Some(propagator) = propagator.filter(|_| !self.is_observer(element_index)) else { return Ok(None) };
         let minutes = propagator.minutes_since_epoch(scene.start);
         let arc = OrbitArc::new(propagator, minutes, 0.0, 2.0 * HALF_ARC_S, &orientation.teme_to_gcrs)?;
         let line = SightLine { arc: &arc, observer: motion.clone() };
         let epoch = seconds_after(scene.start, HALF_ARC_S);
-        let uncertainty = self.uncertainty_at(element_index, epoch);
+        let uncertainty = self.uncertainty_of(element_index, propagator, epoch);
         let evaluator = PassEvaluator { sky: self, scene, line: &line, element_index, photometry, uncertainty };
         let here = site.as_ref().map(|[_, here, _]| here);
         let Some(point) = evaluator.point_over(HALF_ARC_S, here) else { return Ok(None) };

@@ -12,11 +12,12 @@ use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, Satellites};
+use crate::elements::{ElementSet, Ephemeris, Satellites};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{
-    DragModel, Lateness, LeftOut, OrbitArc, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, uncertainty,
+    DragModel, EphemerisCoverage, Lateness, LeftOut, MAX_WINDOW_S, OrbitArc, OrbitClass, OrbitUncertainty, Propagator,
+    Reach, SatelliteIndex, uncertainty,
 };
 use crate::photometry::BrightnessModel;
 
@@ -25,6 +26,7 @@ use crate::photometry::BrightnessModel;
 pub struct Sky {
     elements: Arc<Vec<ElementSet>>,
     index: Arc<SatelliteIndex>,
+    ephemerides: Arc<Vec<Arc<Ephemeris>>>,
     classes: Arc<Vec<OrbitClass>>,
     models: Arc<Vec<Arc<BrightnessModel>>>,
     viewpoint: Viewpoint,
@@ -41,6 +43,7 @@ impl Sky {
     /// Takes about 2 µs a satellite and core. The shadow is geometric.
     pub fn new(satellites: Satellites, viewpoint: impl Into<Viewpoint>) -> Self {
         Self::with_models(satellites.element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default())
+            .with_ephemerides(satellites.ephemerides)
     }
 
     /// As [`Sky::new`], with other models and another table of the Earth's orientation.
@@ -57,6 +60,7 @@ impl Sky {
         Self {
             elements: Arc::new(elements),
             index: Arc::new(index),
+            ephemerides: Arc::default(),
             classes: Arc::new(classes),
             models: Arc::new(models),
             viewpoint: viewpoint.into(),
@@ -83,13 +87,38 @@ impl Sky {
         if drag == self.drag {
             return self;
         }
+        let index = SatelliteIndex::new(&self.elements, drag);
         Self {
-            index: Arc::new(SatelliteIndex::new(&self.elements, drag)),
+            index: Arc::new(index.with_ephemerides(&self.elements, &self.ephemerides, &self.eop)),
             classes: Arc::new(self.elements.iter().map(|set| OrbitClass::of(set, drag)).collect()),
             windows: Arc::default(),
             drag,
             ..self
         }
+    }
+
+    /// The same sky with ephemerides, which are used for exposures that they cover, and SGP4 for others.
+    ///
+    /// An ephemeris of a satellite without an element set is ignored: the class and the brightness model of a satellite
+    /// are those of its element set.
+    pub fn with_ephemerides(self, ephemerides: Vec<Arc<Ephemeris>>) -> Self {
+        let index = SatelliteIndex::new(&self.elements, self.drag);
+        Self {
+            index: Arc::new(index.with_ephemerides(&self.elements, &ephemerides, &self.eop)),
+            ephemerides: Arc::new(ephemerides),
+            windows: Arc::default(),
+            ..self
+        }
+    }
+
+    /// Satellites with ephemerides by the index of their element sets, and the part of the time between two epochs for
+    /// which these are used.
+    pub fn ephemeris_coverage(
+        &self,
+        first: Epoch,
+        last: Epoch,
+    ) -> impl Iterator<Item = (usize, EphemerisCoverage)> + '_ {
+        self.index.ephemeris_coverage([first, last])
     }
 
     /// The drag that SGP4 applies.
@@ -143,6 +172,31 @@ impl Sky {
     /// One-sigma errors of a satellite's prediction at a time.
     pub(super) fn uncertainty_at(&self, element_index: usize, epoch: Epoch) -> OrbitUncertainty {
         self.uncertainty(element_index, self.element_age_days(element_index, epoch))
+    }
+
+    /// Propagator of a satellite between two times, seconds after `start`: its ephemeris if it covers them, otherwise
+    /// SGP4.
+    pub(super) fn propagator_over(
+        &self,
+        start: Epoch,
+        element_index: usize,
+        [from_s, to_s]: [f64; 2],
+    ) -> Option<&Propagator> {
+        // The search has windows with ephemerides for exposures up to this length.
+        if !self.index.has_ephemerides() || to_s - from_s > MAX_WINDOW_S {
+            return self.index.propagator(element_index);
+        }
+        self.index.propagator_over(element_index, [from_s, to_s].map(|time_s| seconds_after(start, time_s)))
+    }
+
+    /// One-sigma errors of the prediction of a propagator of this satellite.
+    pub(super) fn uncertainty_of(
+        &self,
+        element_index: usize,
+        propagator: &Propagator,
+        epoch: Epoch,
+    ) -> OrbitUncertainty {
+        propagator.stated_uncertainty(epoch).unwrap_or_else(|| self.uncertainty_at(element_index, epoch))
     }
 
     /// The observer on a site, for queries that need a horizon.
@@ -216,9 +270,11 @@ impl Sky {
                 let class = &self.classes[element_index];
                 let [first, last] = ends.map(|epoch| self.element_age_days(element_index, epoch).abs());
                 let age_days = first.max(last);
+                let (stated_s, stated_km) = self.index.largest_stated_errors(element_index);
+                let stated = Lateness::gaussian(stated_s);
                 Reach {
-                    along_track_s: class.lateness(age_days).reach_s(),
-                    cross_track_km: REACH_SIGMAS * class.cross_track_km(age_days),
+                    along_track_s: class.lateness(age_days).reach_s().max(stated.reach_s()),
+                    cross_track_km: REACH_SIGMAS * class.cross_track_km(age_days).max(stated_km),
                 }
             }
         };

@@ -169,7 +169,8 @@ impl Sky {
     ) -> Result<Option<SatelliteTrack>, OrbitError> {
         let element_index = interval.element_index;
         let [from_s, to_s] = interval.near_s;
-        let Some(propagator) = self.index().propagator(element_index) else { return Ok(None) };
+        let all_s = [times[0].time_s, times[times.len() - 1].time_s];
+        let Some(propagator) = self.propagator_over(scene.start, element_index, all_s) else { return Ok(None) };
         let mid_s = 0.5 * (from_s + to_s);
         let orientation = scene.orientation.at_s(mid_s);
         let Some(observer) = self.motion(scene, &orientation, None, mid_s) else { return Ok(None) };
@@ -177,7 +178,7 @@ impl Sky {
         let arc = |from_s: f64, to_s: f64| {
             OrbitArc::new(propagator, minutes, from_s, to_s - from_s, &orientation.teme_to_gcrs)
         };
-        let uncertainty = self.uncertainty_at(element_index, seconds_after(scene.start, mid_s));
+        let uncertainty = self.uncertainty_of(element_index, propagator, seconds_after(scene.start, mid_s));
         let near_arc = arc(from_s, to_s)?;
         let near_line = SightLine { arc: &near_arc, observer };
         let near =
@@ -209,8 +210,7 @@ impl Sky {
             indices.filter_map(snapshot).collect::<Vec<_>>()
         };
         let snapshots = if options.whole_tracks {
-            let (first_s, last_s) = (times[0].time_s, times[times.len() - 1].time_s);
-            let whole = arc(first_s, last_s)?;
+            let whole = arc(all_s[0], all_s[1])?;
             let line = SightLine { arc: &whole, observer: near_line.observer.clone() };
             points_on(&line, &mut (0..times.len()))
         } else {

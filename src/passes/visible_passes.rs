@@ -221,7 +221,8 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn passes(&self, element_index: usize, span: &Span, kept: &mut Vec<Outcome>) -> Result<(), OrbitError> {
-        let Some(propagator) = self.sky.index().propagator(element_index) else { return Ok(()) };
+        let ends = [span.from_s, span.until_s].map(|time_s| seconds_after(self.scene.start, time_s));
+        let Some(propagator) = self.sky.index().propagator_over(element_index, ends) else { return Ok(()) };
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let horizon = HorizonSearch { scene: self.scene, propagator, minutes, observer: self.observer };
         // The shadow is convex: a satellite that is dark at its rise and its set is dark in between, and one that stays
@@ -291,7 +292,7 @@ impl Search<'_> {
             line: &line,
             element_index,
             photometry: Some(&self.request.photometry),
-            uncertainty: self.sky.uncertainty_at(element_index, culminates),
+            uncertainty: self.sky.uncertainty_of(element_index, horizon.propagator, culminates),
         };
         let Some(culmination) = evaluator.point(above.top_s) else { return Ok(None) };
         if culmination.altitude_rad.is_some_and(|altitude_rad| altitude_rad < self.request.min_culmination_rad) {

@@ -494,3 +494,84 @@ fn a_request_without_a_response_starts_the_waiting_time() {
     let (code, _, stderr) = cache.run(&server.url, "2024-08-14T12:30:00Z", &[]);
     assert!(code == 0 && stderr.contains("(asking); the next one is allowed in 90 min"), "{stderr}");
 }
+
+const EPHEMERIS: &str = "MEME_90001_INVENTED-1_2270000_Operational_1407628800_UNCLASSIFIED.txt";
+
+/// The invented ephemeris as it is on the server, not compressed.
+fn ephemeris() -> Vec<u8> {
+    let path = crate::common::golden_dir().join("ephemerides").join(format!("{EPHEMERIS}.gz"));
+    let mut bytes = Vec::new();
+    flate2::read::GzDecoder::new(std::fs::File::open(path).unwrap()).read_to_end(&mut bytes).unwrap();
+    bytes
+}
+
+/// A manifest with an older file of the satellite, another satellite, and names that are not files of the folder.
+fn manifest() -> Vec<u8> {
+    let older = EPHEMERIS.replace("2270000", "2261600").replace("1407628800", "1407600000");
+    let other = EPHEMERIS.replace("90001", "90002");
+    format!("{EPHEMERIS}\n{older}\n{other}\n../MEME_90001_X_Y_Operational_9999999999_UNCLASSIFIED.txt\nREADME\n")
+        .into_bytes()
+}
+
+#[test]
+fn ephemerides_of_candidates_are_fetched_once_and_used() {
+    let cache = Cache::new();
+    let table = cache.folder().join("verdicts.csv");
+    std::fs::write(&table, "# software: streakcast\nid,norad_ids\n1,90001 44713\n2,\n3,90001\n").unwrap();
+    let source = ["starlink-ephemerides", "--candidates", table.to_str().unwrap()];
+    let server = Server::new(vec![Box::new(ok(manifest(), "")), Box::new(ok(ephemeris(), ""))]);
+    let (code, stdout, stderr) = cache.source(&source, &server.url, "2024-08-14T00:30:00Z", &[]);
+    assert_eq!(code, 0, "{stderr}");
+    let file = cache.folder().join(EPHEMERIS);
+    assert_eq!(stdout.trim_end(), file.display().to_string());
+    assert!(stderr.contains("1 of 2 satellites with ephemerides; 1 downloaded, 0 in the cache before"), "{stderr}");
+    let requests = server.requests();
+    assert!(requests[0].starts_with("GET /public-files/ephemerides/MANIFEST.txt "), "{requests:?}");
+    assert!(requests[1].starts_with(&format!("GET /public-files/ephemerides/{EPHEMERIS} ")), "{requests:?}");
+
+    // Within the waiting time and with the file in the cache, no request is sent.
+    let idle = Server::new(Vec::new());
+    let (code, again, stderr) = cache.source(&source, &idle.url, "2024-08-14T01:00:00Z", &[]);
+    assert_eq!((code, again), (0, stdout), "{stderr}");
+    assert!(idle.requests().is_empty());
+
+    // The ephemeris is used with the element set of the same satellite, and element sets where it ends.
+    let elements = crate::common::golden_dir().join("elements/sample.csv");
+    let forecast = |start: &str, end: &str| {
+        let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .args(["forecast", "--lat", "0", "--lon", "0", "--include-dark", "--format", "json", "--elements"])
+            .args([&elements, &file])
+            .args(["--start", start, "--end", end])
+            .output()
+            .unwrap();
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap();
+        (answer["provenance"]["ephemerides"].clone(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (used, stderr) = forecast("2024-08-14T00:10:00Z", "2024-08-14T01:20:00Z");
+    assert_eq!((&used["satellites_covered"], &used["satellites_not_covered"]), (&1.into(), &0.into()), "{used}");
+    assert!(!stderr.contains("do not cover"), "{stderr}");
+    let (used, stderr) = forecast("2024-08-14T00:10:00Z", "2024-08-14T05:20:00Z");
+    assert_eq!((&used["satellites_covered"], &used["partly_covered"][0]), (&0.into(), &"SAMPLE & SON (90001)".into()));
+    assert!(stderr.contains("the ephemerides of 1 of 1 satellite do not cover the whole time"), "{stderr}");
+    let (used, _) = forecast("2024-08-15T00:10:00Z", "2024-08-15T05:20:00Z");
+    assert_eq!((&used["satellites_not_covered"], &used["not_covered"][0]), (&1.into(), &"SAMPLE & SON (90001)".into()));
+}
+
+#[test]
+fn a_truncated_ephemeris_is_not_stored() {
+    let cache = Cache::new();
+    let whole = ephemeris();
+    let cut = whole[..whole.len() / 2].to_vec();
+    let server = Server::new(vec![Box::new(ok(manifest(), "")), Box::new(ok(cut, ""))]);
+    let source = ["starlink-ephemerides", "--norad", "90001"];
+    let (code, stdout, stderr) = cache.source(&source, &server.url, "2024-08-14T00:30:00Z", &[]);
+    assert!(code != 0 && stdout.is_empty(), "{stdout}");
+    assert!(stderr.contains(&format!("{EPHEMERIS}:")) && stderr.contains("may be truncated"), "{stderr}");
+    assert!(!cache.folder().join(EPHEMERIS).exists());
+    // Satellites without an ephemeris, and too many.
+    let (code, _, stderr) =
+        cache.source(&["starlink-ephemerides", "--norad", "44713"], &server.url, "2024-08-14T00:31:00Z", &[]);
+    assert!(code != 0 && stderr.contains("none of the satellites has an ephemeris"), "{stderr}");
+    let (code, _, stderr) = cache.source(&source, &server.url, "2024-08-14T00:31:00Z", &["--max-satellites", "0"]);
+    assert!(code != 0 && stderr.contains("the number of satellites is 1; allowed: 1 to 0"), "{stderr}");
+}

@@ -13,6 +13,7 @@ mod clear_windows;
 mod crossing_probabilities;
 mod crossings;
 mod earthshine;
+mod ephemerides;
 mod ephemeris;
 mod forecast_reference;
 mod frames;

@@ -289,6 +289,7 @@ const VERBS: &[VerbHelp] = &[
     verb("fetch celestrak", ["--group starlink", "--group active --elements-format json --cache elements"]),
     verb("fetch supgp", ["--file starlink", "--file oneweb --cache elements"]),
     verb("fetch space-track", ["--credentials account.txt", "--identity-env ST_USER --password-env ST_PASSWORD"]),
+    verb("fetch starlink-ephemerides", ["--candidates verdicts.csv", "--norad 48430,44713 --cache ephemerides"]),
     verb("fetch satchecker", ["--epoch 2024-08-14T00:30:00Z", "--epoch 2024-08-14T00:30:00Z --cache elements"]),
     verb(
         "fit",

@@ -26,7 +26,7 @@ use super::kepler::Phase;
 use super::kepler::SlowElements;
 use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Teme, seconds_between};
-use crate::orbit::propagator::{LeftOut, SatelliteIndex};
+use crate::orbit::propagator::{LeftOut, PositionSource, SatelliteIndex};
 
 /// Longest interval of one window, seconds. Over six hours a node moves by at most 2.5°, and drag changes the mean
 /// longitude of anything above 250 km by less than the margin.
@@ -114,17 +114,22 @@ enum Kind {
 impl Window {
     /// Propagates every satellite to both ends of the window, on all threads (about 1 µs per satellite and core).
     ///
+    /// A satellite with an ephemeris for some of the exposures in the window has no interpolation: two predictions of
+    /// it differ by more than the margins. Exposures longer than [`MAX_WINDOW_S`] use SGP4 only.
+    ///
     /// `reach` returns for each element index the distance from its prediction within which a satellite is searched.
     /// The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers split longer intervals.
     pub fn new(index: &SatelliteIndex, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Self {
         let span_s = seconds_between(start, end).max(1.0);
-        let made: Vec<(f64, Kind)> = index
-            .propagators()
-            .par_iter()
-            .enumerate()
+        let made: Vec<(f64, Kind)> = (0..index.len())
+            .into_par_iter()
             .with_min_len(64)
-            .map(|(element_index, propagator)| {
-                let Some(propagator) = propagator else { return (0.0, Kind::Absent) };
+            .map(|element_index| {
+                let propagator = match index.source_over(element_index, [start, end], MAX_WINDOW_S) {
+                    PositionSource::Absent => return (0.0, Kind::Absent),
+                    PositionSource::Several(sgp4) => return (sgp4.minutes_since_epoch(start), Kind::Always),
+                    PositionSource::One(propagator) => propagator,
+                };
                 let minutes = propagator.minutes_since_epoch(start);
                 let end_minutes = minutes + span_s / 60.0;
                 let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {

@@ -76,15 +76,20 @@ impl<'a> ExposedField<'a> {
         (found, left_out)
     }
 
+    /// Returns the propagator of a satellite for this exposure.
+    pub fn propagator(&self, element_index: usize) -> Option<&'a Propagator> {
+        self.sky.propagator_over(self.scene.start, element_index, [self.opened_s, self.closed_s])
+    }
+
     /// Returns a satellite near a time; `None` without a propagator.
     pub fn satellite(&self, element_index: usize, mid_s: f64) -> Option<NearSatellite<'a>> {
-        let propagator = self.sky.index().propagator(element_index)?;
+        let propagator = self.propagator(element_index)?;
         let orientation = self.scene.orientation.at_s(mid_s);
         Some(NearSatellite {
             propagator,
             minutes: propagator.minutes_since_epoch(self.scene.start),
             observer: self.sky.motion(self.scene, &orientation, self.flight.as_ref(), mid_s)?,
-            uncertainty: self.sky.uncertainty_at(element_index, seconds_after(self.scene.start, mid_s)),
+            uncertainty: self.sky.uncertainty_of(element_index, propagator, seconds_after(self.scene.start, mid_s)),
             orientation,
         })
     }

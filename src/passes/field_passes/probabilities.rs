@@ -128,6 +128,12 @@ impl Sky {
                 mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s)
             }
         };
+        let is_cut = |pass: &Pass, exposure: &Exposure| {
+            let shutter_s = [0.0, exposure.duration_s];
+            let middle = seconds_after(exposure.start, 0.5 * exposure.duration_s);
+            self.propagator_over(exposure.start, pass.element_index, shutter_s)
+                .is_some_and(|one| self.uncertainty_of(pass.element_index, one, middle).lateness.is_cut())
+        };
         let of = |(passes, exposure): (Vec<Pass>, &Exposure)| {
             let mut found: Vec<CrossingProbability> = passes
                 .iter()
@@ -137,7 +143,7 @@ impl Sky {
                     probability: pass.probability,
                     streak_length_rad: pass.probability * length_rad(pass, exposure),
                     range_km: pass.mid.range_km,
-                    is_lower_limit: self.uncertainty(pass.element_index, pass.element_age_days).lateness.is_cut(),
+                    is_lower_limit: is_cut(pass, exposure),
                 })
                 .collect();
             found.sort_by_key(|one| one.element_index);
@@ -183,7 +189,8 @@ impl ExposedField<'_> {
         let mid = seconds_after(self.scene.start, whole.mid_s());
         let of_one = |candidates: &[Candidate]| {
             let element_index = candidates[0].element_index as usize;
-            let sigma = self.sky.uncertainty_at(element_index, mid);
+            let propagator = self.propagator(element_index)?;
+            let sigma = self.sky.uncertainty_of(element_index, propagator, mid);
             let near_s = |candidate: &Candidate| {
                 let mid_s = parts[candidate.cone as usize].mid_s();
                 candidate.near_s.map(|time_s| mid_s + f64::from(time_s))
@@ -221,7 +228,7 @@ impl ExposedField<'_> {
         [from_s, to_s]: [f64; 2],
         sigma: OrbitUncertainty,
     ) -> Option<CrossingProbability> {
-        let propagator = self.sky.index().propagator(element_index)?;
+        let propagator = self.propagator(element_index)?;
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let teme_to_gcrs = &pieces[pieces.len() / 2].orientation.teme_to_gcrs;
         let arc = OrbitArc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs).ok()?;

@@ -26,7 +26,8 @@ class StreakModel(ExposureQueries):
         Name in the bundled table, a location, or ``{"latitude_deg": ..., "longitude_deg": ..., "height_m": ...}``. Also
         ``mpc="X05"`` or ``lat=, lon=, height=`` (degrees, degrees east, metres).
     elements : path or list of paths, optional
-        Element sets: TLE, 3LE, or OMM in CSV, JSON, XML or KVN, plain or gzipped.
+        Element sets (TLE, 3LE, or OMM in CSV, JSON, XML or KVN), and ephemerides of operators (OEM, Modified ITC) of
+        the same satellites, plain or gzipped.
     shells : str or list of str, optional
         Synthetic constellations by name (``"starlink-gen1"``), or paths of TOML files.
     telescope : str, path or dict, optional

@@ -20,6 +20,8 @@ pub enum FetchSource {
     SpaceTrack(SpaceTrackArguments),
     /// Download the element sets of SatChecker closest to a time
     Satchecker(SatcheckerArguments),
+    /// Download the newest public ephemerides of chosen Starlinks, for example the candidates of a schedule
+    StarlinkEphemerides(StarlinkEphemeridesArguments),
 }
 
 #[derive(Args)]
@@ -66,6 +68,21 @@ pub struct SatcheckerArguments {
     /// Time of the elements, for example 2024-08-14T00:30:00Z
     #[arg(long, value_name = "TIME")]
     pub epoch: String,
+    #[command(flatten)]
+    pub common: CommonFetchArguments,
+}
+
+#[derive(Args)]
+pub struct StarlinkEphemeridesArguments {
+    /// CSV tables of flag or passes: the satellites of the column norad_ids or norad_id
+    #[arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "norad")]
+    pub candidates: Vec<PathBuf>,
+    /// NORAD catalogue numbers, separated by commas
+    #[arg(long, value_name = "ID", value_delimiter = ',', num_args = 1..)]
+    pub norad: Vec<u32>,
+    /// Largest number of satellites; each file has about 2 MB
+    #[arg(long, value_name = "N", default_value_t = 500)]
+    pub max_satellites: usize,
     #[command(flatten)]
     pub common: CommonFetchArguments,
 }

@@ -2,9 +2,10 @@
 //! source allows. A cached file is replaced only by data that can be read as element sets.
 //!
 //! `sources` defines the addresses, `request` sends requests, `verify` checks the data and writes the sidecar with the
-//! time of the last request, `run` combines them.
+//! time of the last request, `run` combines them, and `ephemerides` downloads files of chosen satellites.
 
 mod arguments;
+mod ephemerides;
 mod request;
 mod run;
 mod sources;

@@ -2,15 +2,17 @@
 
 use std::fs::{self, File};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use anyhow::anyhow;
+use hifitime::Epoch;
 use streakcast::config::parse_duration_s;
 use streakcast::frames::parse_moment;
 use streakcast::output::{format_utc, write_atomically};
 
 use super::arguments::{CommonFetchArguments, FetchArguments, FetchSource};
+use super::ephemerides;
 use super::request::{Credentials, RequestOptions, Response, Validators, send};
 use super::sources::Source;
 use super::verify::verify;
@@ -22,16 +24,11 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let common = typed.source.common();
     let notices = Notices::new(common.quiet);
     let source = typed.source.source()?;
+    if let FetchSource::StarlinkEphemerides(typed) = &typed.source {
+        return ephemerides::run(typed, &source);
+    }
     let options = options(common)?;
-    let now = match &common.now {
-        Some(now) => parse_moment(now, None)?,
-        None => crate::clock::now(),
-    };
-    let folder = cache_folder(common.cache.as_deref())?;
-    fs::create_dir_all(&folder).map_err(|error| match folder.is_dir() || !folder.exists() {
-        true => anyhow!("cache {}: {error}; allowed: a writable folder", folder.display()),
-        false => anyhow!("cache {} is a file; allowed: a folder, or the name of a new one", folder.display()),
-    })?;
+    let (now, folder) = (now_of(common)?, folder_of(common)?);
     let file = folder.join(&source.file);
     notices.info(&format!("usage policy of {}: {}", source.name, source.policy));
 
@@ -118,7 +115,25 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     Err(anyhow!("{}: {refused}{kept}; next request allowed from {not_before}", source.name))
 }
 
-fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOptions> {
+/// Returns the time of the request.
+pub(super) fn now_of(common: &CommonFetchArguments) -> anyhow::Result<Epoch> {
+    Ok(match &common.now {
+        Some(now) => parse_moment(now, None)?,
+        None => crate::clock::now(),
+    })
+}
+
+/// Returns the cache folder, which is created if it is missing.
+pub(super) fn folder_of(common: &CommonFetchArguments) -> anyhow::Result<PathBuf> {
+    let folder = cache_folder(common.cache.as_deref())?;
+    fs::create_dir_all(&folder).map_err(|error| match folder.is_dir() || !folder.exists() {
+        true => anyhow!("cache {}: {error}; allowed: a writable folder", folder.display()),
+        false => anyhow!("cache {} is a file; allowed: a folder, or the name of a new one", folder.display()),
+    })?;
+    Ok(folder)
+}
+
+pub(super) fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOptions> {
     let timeout_s = parse_duration_s("timeout", &common.timeout)?;
     if !(0.1..=3_600.0).contains(&timeout_s) {
         return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 3600 s"));

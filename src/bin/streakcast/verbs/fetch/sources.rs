@@ -39,6 +39,7 @@ impl FetchSource {
             FetchSource::Supgp(typed) => &typed.common,
             FetchSource::SpaceTrack(typed) => &typed.common,
             FetchSource::Satchecker(typed) => &typed.common,
+            FetchSource::StarlinkEphemerides(typed) => &typed.common,
         }
     }
 
@@ -91,6 +92,14 @@ impl FetchSource {
                     wait_s: WAIT_S,
                 }
             }
+            FetchSource::StarlinkEphemerides(_) => Source {
+                name: "Starlink ephemerides",
+                file: "starlink-ephemerides.manifest.txt".to_owned(),
+                url: format!("{}/public-files/ephemerides/MANIFEST.txt", base("https://api.starlink.com")),
+                login: None,
+                policy: "no licence is stated; the files must not be redistributed",
+                wait_s: WAIT_S,
+            },
             FetchSource::Satchecker(typed) => {
                 let julian_date = julian_date(parse_moment(&typed.epoch, None)?);
                 let base = base("https://satchecker.cps.iau.org");

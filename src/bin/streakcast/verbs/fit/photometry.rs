@@ -53,7 +53,11 @@ pub fn history(typed: &PhotometryArguments) -> anyhow::Result<Option<History>> {
 /// Reads all element sets of these files.
 pub fn history_of(paths: &[PathBuf]) -> anyhow::Result<History> {
     let options = CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() };
-    Ok(Satellites::read(paths, &options)?.into_history())
+    let satellites = Satellites::read(paths, &options)?;
+    if let Some(ephemeris) = satellites.ephemerides.first() {
+        return Err(anyhow!("{} is an ephemeris; allowed: element sets", ephemeris.file));
+    }
+    Ok(satellites.into_history())
 }
 
 pub fn placement<'h>(typed: &PhotometryArguments, history: Option<&'h History>) -> anyhow::Result<Placement<'h>> {

@@ -1,0 +1,154 @@
+//! Checks of states and covariances, the same for every format.
+
+use std::sync::Arc;
+
+use hifitime::{Duration, Epoch};
+use nalgebra::Matrix6;
+
+use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
+
+/// Number of states that the interpolation requires.
+const FEWEST_STATES: usize = 8;
+/// Allowed distances from the Earth's centre, km. A file in metres is outside.
+const RADII_KM: std::ops::RangeInclusive<f64> = 6_378.0..=1_000_000.0;
+/// Least eigenvalue of the correlation matrix of a covariance; files have ten digits or fewer.
+const LEAST_EIGENVALUE: f64 = -1e-6;
+/// Number of terms of the lower triangle of a 6 × 6 matrix.
+pub(super) const TERMS: usize = 21;
+
+/// Invalid value in a file of ephemerides.
+#[derive(Debug)]
+pub(in super::super) struct Problem {
+    /// Line, from 1.
+    pub line: usize,
+    pub what: String,
+    pub given: String,
+    pub allowed: String,
+}
+
+impl Problem {
+    pub fn new(line: usize, what: impl Into<String>, given: impl ToString, allowed: impl Into<String>) -> Self {
+        Self { line, what: what.into(), given: given.to_string(), allowed: allowed.into() }
+    }
+}
+
+/// Ephemeris under construction.
+pub(super) struct Builder {
+    ephemeris: Ephemeris,
+}
+
+impl Builder {
+    pub fn new(object: EphemerisObject, name: &str, frame: EphemerisFrame) -> Self {
+        let (name, file) = (Arc::from(name), Arc::from(""));
+        Self { ephemeris: Ephemeris { object, name, file, frame, states: Vec::new(), covariances: Vec::new() } }
+    }
+
+    /// Adds a state: position in km and velocity in km/s.
+    pub fn state(&mut self, line: usize, epoch: Epoch, numbers: [f64; 6]) -> Result<(), Problem> {
+        if let Some(last) = self.ephemeris.states.last()
+            && epoch <= last.epoch
+        {
+            let allowed = format!("times after that of the state before it, {}", last.epoch);
+            return Err(Problem::new(line, "time of the state", epoch, allowed));
+        }
+        let [x, y, z, u, v, w] = numbers;
+        let radius_km = (x * x + y * y + z * z).sqrt();
+        if !RADII_KM.contains(&radius_km) {
+            let allowed = format!("{} to {} km", RADII_KM.start(), RADII_KM.end());
+            return Err(Problem::new(line, "distance from the Earth's centre", format!("{radius_km} km"), allowed));
+        }
+        self.ephemeris.states.push(EphemerisState { epoch, position_km: [x, y, z], velocity_km_s: [u, v, w] });
+        Ok(())
+    }
+
+    /// Adds a covariance: the lower triangle of position and velocity by rows, km², km²/s and km²/s².
+    pub fn covariance(
+        &mut self,
+        line: usize,
+        epoch: Epoch,
+        axes: CovarianceAxes,
+        terms: [f64; TERMS],
+    ) -> Result<(), Problem> {
+        if let Some(last) = self.ephemeris.covariances.last()
+            && epoch <= last.epoch
+        {
+            let allowed = format!("times after that of the covariance before it, {}", last.epoch);
+            return Err(Problem::new(line, "time of the covariance", epoch, allowed));
+        }
+        let mut terms_km2 = [0.0; 6];
+        terms_km2.copy_from_slice(&terms[..6]);
+        let least = least_eigenvalue(&terms);
+        if !(least >= LEAST_EIGENVALUE) {
+            return Err(Problem::new(
+                line,
+                "least eigenvalue of the correlation matrix",
+                least,
+                "a covariance without negative eigenvalues",
+            ));
+        }
+        self.ephemeris.covariances.push(PositionCovariance { epoch, axes, terms_km2 });
+        Ok(())
+    }
+
+    /// Returns the ephemeris; `line` is its last line, `stop` its stated end.
+    pub fn finish(self, line: usize, stop: Option<Epoch>) -> Result<Ephemeris, Problem> {
+        let states = &self.ephemeris.states;
+        if states.len() < FEWEST_STATES {
+            return Err(Problem::new(line, "number of states", states.len(), format!("{FEWEST_STATES} or more")));
+        }
+        let (last, before) = (states[states.len() - 1].epoch, states[states.len() - 2].epoch);
+        let step: Duration = last - before;
+        if let Some(stop) = stop
+            && stop > last + step
+        {
+            let allowed = format!("the stated end {stop}, or at most one step before it (the file may be truncated)");
+            return Err(Problem::new(line, "time of the last state", last, allowed));
+        }
+        Ok(self.ephemeris)
+    }
+}
+
+/// Returns the least eigenvalue of the correlation matrix; NaN where a term is not finite. A variance of 0 is allowed
+/// if all its covariances are 0.
+fn least_eigenvalue(terms: &[f64; TERMS]) -> f64 {
+    let term = |row: usize, column: usize| terms[row.max(column) * (row.max(column) + 1) / 2 + row.min(column)];
+    let scale = |axis: usize| if term(axis, axis) == 0.0 { 1.0 } else { term(axis, axis).sqrt() };
+    let correlation = Matrix6::from_fn(|row, column| term(row, column) / (scale(row) * scale(column)));
+    // A negative variance has no root.
+    if correlation.iter().any(|one| !one.is_finite()) {
+        return f64::NAN;
+    }
+    correlation.symmetric_eigenvalues().min()
+}
+
+/// Parses numbers; each must be finite.
+pub(super) fn number(line: usize, what: &str, text: &str) -> Result<f64, Problem> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    value.ok_or_else(|| Problem::new(line, what, format!("{:?}", text.trim()), "a finite number"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lower triangle with these variances and one covariance of the first two.
+    fn terms(variance: f64, covariance: f64) -> [f64; TERMS] {
+        let mut terms = [0.0; TERMS];
+        for axis in 0..6 {
+            terms[axis * (axis + 1) / 2 + axis] = variance;
+        }
+        terms[1] = covariance;
+        terms
+    }
+
+    #[test]
+    fn verif_least_eigenvalue_of_two_correlated_axes() {
+        // The eigenvalues of a correlation c are 1 - c, 1 + c.
+        assert!((least_eigenvalue(&terms(4.0, 3.0)) - 0.25).abs() < 1e-12);
+        assert!((least_eigenvalue(&terms(4.0, 5.0)) + 0.25).abs() < 1e-12);
+        assert_eq!(least_eigenvalue(&terms(0.0, 0.0)), 0.0);
+        assert!((least_eigenvalue(&terms(0.0, 1.0)) + 1.0).abs() < 1e-12);
+        assert!(least_eigenvalue(&terms(-1.0, 0.0)).is_nan());
+        assert!(least_eigenvalue(&terms(f64::NAN, 0.0)).is_nan());
+    }
+}

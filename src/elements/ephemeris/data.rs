@@ -1,0 +1,106 @@
+//! An ephemeris as read from a file.
+
+use std::fmt;
+use std::sync::Arc;
+
+use hifitime::Epoch;
+
+use super::super::element_set::{ElementSet, NoradId};
+
+/// States of one satellite in order of time.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Ephemeris {
+    /// Satellite.
+    pub object: EphemerisObject,
+    /// Name of the satellite; empty if omitted.
+    pub name: Arc<str>,
+    /// Given name of the file.
+    pub file: Arc<str>,
+    /// Frame of positions and velocities.
+    pub frame: EphemerisFrame,
+    /// States, at least eight, at increasing times.
+    pub states: Vec<EphemerisState>,
+    /// Covariances in order of time; empty if omitted.
+    pub covariances: Vec<PositionCovariance>,
+}
+
+/// Identifier of a satellite in an ephemeris.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum EphemerisObject {
+    /// NORAD catalogue number.
+    Norad(NoradId),
+    /// COSPAR designator in the form `1998-067A`.
+    Designator(Arc<str>),
+}
+
+/// Frame of an ephemeris.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum EphemerisFrame {
+    /// Mean equator and equinox of J2000 (EME2000).
+    Eme2000,
+    /// GCRF or ICRF, geocentric.
+    Gcrf,
+    /// True equator and mean equinox of date, the frame of SGP4.
+    Teme,
+    /// Earth-fixed, any realisation of ITRF.
+    Itrf,
+}
+
+/// Position and velocity at one time.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct EphemerisState {
+    /// Time.
+    pub epoch: Epoch,
+    /// Geocentric position, km.
+    pub position_km: [f64; 3],
+    /// Velocity with respect to the axes of the frame, km/s.
+    pub velocity_km_s: [f64; 3],
+}
+
+/// Covariance of a position at one time.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PositionCovariance {
+    /// Time.
+    pub epoch: Epoch,
+    /// Axes.
+    pub axes: CovarianceAxes,
+    /// Lower triangle by rows: xx, yx, yy, zx, zy, zz, km².
+    pub terms_km2: [f64; 6],
+}
+
+/// Axes of a covariance.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum CovarianceAxes {
+    /// Radial, along the track at right angles to it, out of the plane (RTN, RSW, UVW).
+    Radial,
+    /// Along the velocity, in the plane at right angles to it, out of the plane (TNW).
+    Tangential,
+    /// Frame of the states.
+    States,
+}
+
+impl Ephemeris {
+    /// Returns true if an element set is that of the same satellite.
+    pub fn is_of(&self, elements: &ElementSet) -> bool {
+        match &self.object {
+            EphemerisObject::Norad(norad_id) => elements.norad_id == *norad_id,
+            EphemerisObject::Designator(designator) => elements.international_designator == *designator,
+        }
+    }
+
+    /// Returns the times of the first and the last state.
+    pub fn interval(&self) -> (Epoch, Epoch) {
+        (self.states[0].epoch, self.states[self.states.len() - 1].epoch)
+    }
+}
+
+impl fmt::Display for Ephemeris {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let id: &dyn fmt::Display = match &self.object {
+            EphemerisObject::Norad(norad_id) => norad_id,
+            EphemerisObject::Designator(designator) => designator,
+        };
+        if self.name.is_empty() { write!(formatter, "{id}") } else { write!(formatter, "{} ({id})", self.name) }
+    }
+}

@@ -1,0 +1,126 @@
+//! Metadata of one segment of an OEM: satellite, frame, time system and end.
+
+use std::sync::Arc;
+
+use hifitime::{Epoch, TimeScale, Unit};
+
+use super::super::element_set::NoradId;
+use super::super::epoch::parse_iso;
+use super::builder::{Builder, Problem};
+use super::data::{CovarianceAxes, EphemerisFrame, EphemerisObject};
+
+const FRAMES: &str = "EME2000, J2000, GCRF, ICRF, TEME or ITRF with its year";
+const TIME_SYSTEMS: &str = "UTC, TAI, TT or GPS";
+
+/// Values of the keywords in the metadata of a segment.
+#[derive(Default)]
+pub(super) struct Metadata {
+    name: String,
+    object: Option<EphemerisObject>,
+    frame: Option<EphemerisFrame>,
+    /// Name of the frame as given.
+    frame_name: String,
+    /// TAI less the time system, seconds; `None` for UTC.
+    tai_lag_s: Option<f64>,
+    has_time_system: bool,
+    stop: Option<(usize, String)>,
+}
+
+impl Metadata {
+    /// Stores the value of a keyword; other keywords are ignored.
+    pub fn set(&mut self, line: usize, keyword: &str, value: &str) -> Result<(), Problem> {
+        let value = value.trim();
+        match keyword {
+            "OBJECT_NAME" => self.name = value.to_owned(),
+            "OBJECT_ID" => self.object = Some(object(line, value)?),
+            "CENTER_NAME" if !value.eq_ignore_ascii_case("EARTH") => {
+                return Err(Problem::new(line, "CENTER_NAME", value, "EARTH"));
+            }
+            "REF_FRAME" => {
+                self.frame = Some(frame(value).ok_or_else(|| Problem::new(line, "REF_FRAME", value, FRAMES))?);
+                self.frame_name = value.to_ascii_uppercase();
+            }
+            "TIME_SYSTEM" => {
+                self.has_time_system = true;
+                self.tai_lag_s = match value.to_ascii_uppercase().as_str() {
+                    "UTC" => None,
+                    "TAI" => Some(0.0),
+                    "TT" => Some(-32.184),
+                    "GPS" => Some(19.0),
+                    _ => return Err(Problem::new(line, "TIME_SYSTEM", value, TIME_SYSTEMS)),
+                };
+            }
+            "STOP_TIME" => self.stop = Some((line, value.to_owned())),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Starts the ephemeris of the segment after its metadata, which end at `line`; returns its stated end too.
+    pub fn builder(&self, line: usize) -> Result<(Builder, Option<Epoch>), Problem> {
+        let missing = |what: &str, allowed: &str| Problem::new(line, what, "missing", allowed);
+        let object = self.object.clone().ok_or_else(|| missing("OBJECT_ID", OBJECTS))?;
+        let frame = self.frame.ok_or_else(|| missing("REF_FRAME", FRAMES))?;
+        if !self.has_time_system {
+            return Err(missing("TIME_SYSTEM", TIME_SYSTEMS));
+        }
+        let stop = self.stop.as_ref().map(|(line, text)| self.epoch(*line, "STOP_TIME", text)).transpose()?;
+        Ok((Builder::new(object, &self.name, frame), stop))
+    }
+
+    /// Parses a time in the time system of the segment.
+    pub fn epoch(&self, line: usize, what: &str, text: &str) -> Result<Epoch, Problem> {
+        let allowed = "a date and time such as 2026-07-08T17:37:14.092";
+        let epoch = parse_iso(text).ok_or_else(|| Problem::new(line, what, format!("{text:?}"), allowed))?;
+        Ok(match self.tai_lag_s {
+            None => epoch,
+            Some(lag_s) => Epoch::from_duration(epoch.duration + lag_s * Unit::Second, TimeScale::TAI)
+                .to_time_scale(TimeScale::UTC),
+        })
+    }
+
+    /// Returns the axes of a covariance; those of the states if the keyword is omitted.
+    pub fn axes(&self, line: usize, name: Option<&str>) -> Result<CovarianceAxes, Problem> {
+        let Some(name) = name else { return Ok(CovarianceAxes::States) };
+        match name.to_ascii_uppercase().as_str() {
+            "RTN" | "RSW" | "UVW" => Ok(CovarianceAxes::Radial),
+            "TNW" => Ok(CovarianceAxes::Tangential),
+            other if other == self.frame_name => Ok(CovarianceAxes::States),
+            _ => {
+                let allowed = format!("RTN, RSW, UVW, TNW or the frame of the states, {}", self.frame_name);
+                Err(Problem::new(line, "COV_REF_FRAME", name, allowed))
+            }
+        }
+    }
+}
+
+const OBJECTS: &str = "a designator such as 1998-067A, or a NORAD catalogue number";
+
+fn object(line: usize, text: &str) -> Result<EphemerisObject, Problem> {
+    if let Ok(norad_id) = text.parse::<u32>() {
+        return Ok(EphemerisObject::Norad(NoradId(norad_id)));
+    }
+    // Also written 1998-067-A.
+    let mut parts = text.splitn(2, '-');
+    let (year, rest) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default().replace('-', ""));
+    let digits = rest.bytes().take_while(u8::is_ascii_digit).count();
+    let is_designator = year.len() == 4
+        && year.bytes().all(|byte| byte.is_ascii_digit())
+        && digits == 3
+        && (4..=6).contains(&rest.len())
+        && rest[digits..].bytes().all(|byte| byte.is_ascii_uppercase());
+    if !is_designator {
+        return Err(Problem::new(line, "OBJECT_ID", format!("{text:?}"), OBJECTS));
+    }
+    Ok(EphemerisObject::Designator(Arc::from(format!("{year}-{rest}"))))
+}
+
+fn frame(name: &str) -> Option<EphemerisFrame> {
+    match name.to_ascii_uppercase().as_str() {
+        "EME2000" | "J2000" => Some(EphemerisFrame::Eme2000),
+        "GCRF" | "ICRF" => Some(EphemerisFrame::Gcrf),
+        "TEME" => Some(EphemerisFrame::Teme),
+        name if name.starts_with("ITRF") => Some(EphemerisFrame::Itrf),
+        _ => None,
+    }
+}

@@ -1,0 +1,17 @@
+//! Ephemerides of operators: positions, velocities and covariances at given times, as Modified ITC and CCSDS OEM.
+//!
+//! `data` holds the types, `builder` checks states and covariances for all formats, `metadata` reads the metadata of an
+//! OEM, and each format has a file. An ephemeris with an error is rejected as a whole: its states depend on one another.
+
+mod builder;
+mod data;
+mod metadata;
+mod modified_itc;
+mod oem_kvn;
+mod oem_xml;
+
+pub(super) use builder::Problem;
+pub use data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
+pub(super) use modified_itc::{looks_like as looks_like_modified_itc, parse as parse_modified_itc};
+pub(super) use oem_kvn::{looks_like as looks_like_oem_kvn, parse as parse_oem_kvn};
+pub(super) use oem_xml::{looks_like as looks_like_oem_xml, parse as parse_oem_xml};
