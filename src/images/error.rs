@@ -1,7 +1,7 @@
 //! Errors of the module `images`.
 
 use std::fmt::Display;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use std::path::{Path, PathBuf};
 
 use thiserror::Error;
@@ -39,7 +39,7 @@ pub enum ImagesError {
         ctype2: String,
     },
     /// The operating system reported an error for a file.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error("{}: {source}", path.display())]
     Io {
         /// The file.
@@ -48,7 +48,7 @@ pub enum ImagesError {
         source: std::io::Error,
     },
     /// CFITSIO reported an error for a file.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error("{}: CFITSIO: {message} (status {status})", path.display())]
     Cfitsio {
         /// The file.
@@ -59,7 +59,7 @@ pub enum ImagesError {
         message: String,
     },
     /// Compressed pixels cannot be decompressed, or cannot be compressed again.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error("{}: HDU {hdu}: {problem}", path.display())]
     Tiles {
         /// The file.
@@ -104,7 +104,7 @@ impl ImagesError {
     }
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 impl ImagesError {
     /// Adds the file and the HDU of an invalid value.
     pub(crate) fn in_hdu(self, path: &Path, hdu: usize) -> Self {

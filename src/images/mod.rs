@@ -4,7 +4,7 @@ mod card;
 mod detector;
 mod error;
 mod exposure;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod fits;
 mod header;
 mod light_area;
@@ -23,7 +23,7 @@ pub use detector::{
 };
 pub use error::ImagesError;
 pub use exposure::{Calibration, CountBasis, ExposureTime, HeaderValue, PixelUnit, ZeroPoint};
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use fits::{
     Bitpix, Cells, Changed, FrameCopy, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat, Pixels, Rice,
     TableColumn, write_frame, write_table,

@@ -9,9 +9,9 @@ mod chip;
 mod count_scale;
 mod drawn;
 mod error;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod frame;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod injection;
 mod light;
 mod optics;
@@ -20,18 +20,18 @@ mod render;
 mod tracking;
 mod truth;
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub(crate) use background::BRIGHTEST_E;
 pub use background::{RandomStars, Star, background, flux_e};
 pub use chip::{Chip, ChipPath, circle_of, direction_on};
 pub use count_scale::CountScale;
 pub use drawn::{DrawnStreak, Shot, StreakPoint, draw_on_chip};
 pub use error::StreaksError;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use frame::{
     FrameOverrides, InjectOptions, Injected, StarField, SyntheticFrame, SyntheticShot, TargetChip, TargetFrame, inject,
 };
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use injection::{
     ArrayFrame, ArrayInjected, InjectedFrame, Injection, InjectionPlan, InjectionSky, Injections, Mark, RandomPlan,
     SyntheticPlan,

@@ -152,7 +152,7 @@ fn verif_amplifiers_and_invalid_values() {
     assert_eq!(of("GAIN    = 0.5 / [ADU/e-] inverse").gain_e_adu.expect("a gain").value, 2.0);
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn valid_real_headers() {
     use streakcast::images::FrameFile;
