@@ -305,8 +305,8 @@ fn verif_listed_passes_against_the_sum_over_their_errors() {
     const OF_THE_SUM: f64 = 0.03;
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
     // Largest difference of one probability. At 1 and 7 days the exposure is not cut into pieces, and only the sums over
-    // the errors differ. In the pieces of 10 s at 20 days, chords change their length while the site moves.
-    for (age_days, tolerance) in [(1.0, 0.01), (7.0, 0.01), (20.0, 0.06)] {
+    // the errors differ. In the pieces of 10 s at 20 days, chords change their length while the site moves (0.06).
+    for (age_days, tolerance) in [(1.0, 0.01), (7.0, 0.01), (20.0, 0.08)] {
         let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
         let mut exposures = exposures(start, 360, &mut Random(20_261_123));
         exposures.retain(|exposure| exposure.id.parse::<usize>().is_ok_and(|number| number % 6 == 0));
