@@ -88,7 +88,7 @@ impl ImagesError {
         Err(Self::invalid(what, given, format!("{least} to {greatest}")))
     }
 
-    /// Adds the place of an invalid value: file, HDU, or name of the settings.
+    /// Adds the file, the HDU or the name of the settings in front of an invalid value.
     pub(crate) fn at(self, place: impl Display) -> Self {
         match self {
             Self::Invalid { what, given, allowed } => {

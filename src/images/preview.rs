@@ -28,8 +28,8 @@ const SOFTENING: f64 = 8.0;
 const SAMPLED: usize = 200_000;
 const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
 
-/// Returns the frame as a PNG: grey, first row at the bottom, asinh stretch between the 2nd and the 99.7th percentile;
-/// `overlays` in orange.
+/// Returns the frame as a PNG in grey with the first row at the bottom, and `overlays` in orange. The brightness is an
+/// asinh stretch between the 2nd and the 99.7th percentile.
 ///
 /// Frames beyond 1600 pixels are averaged down, those below 400 enlarged. NaN pixels are dark blue.
 ///
@@ -60,7 +60,7 @@ pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, Image
     Ok(bytes.into_inner())
 }
 
-/// Number of pixels of the frame in one of the picture, or the reverse.
+/// Ratio of the frame to the picture: pixels of the frame in one pixel of the picture, or the reverse.
 #[derive(Copy, Clone, Debug, PartialEq)]
 enum Scale {
     Down(usize),

@@ -1,6 +1,6 @@
 //! Telescopes by name and from TOML files: aperture, seeing, pixels, field, and the limits of their detectors.
 //!
-//! A satellite is near enough to be out of focus: the image of a point is a disk with a hole, the shape of the mirror.
+//! A satellite is so near that it is out of focus: the image of a point is a disk with a hole, the shape of the mirror.
 //! Widths follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles are in arcseconds and
 //! degrees, as in files.
 
@@ -102,12 +102,12 @@ impl Telescope {
         self.seeing_arcsec.hypot(satellite).hypot(self.defocus_outer_arcsec(range_km))
     }
 
-    /// Magnitude of a satellite at 550 km overhead whose streak has the surface brightness of this one, for comparison
-    /// with the limits of a camera.
+    /// Magnitude at which a satellite 550 km overhead has a streak of the same surface brightness, for comparison with the
+    /// limits of a camera.
     ///
     /// `magnitude` is the apparent magnitude of the satellite without motion. A pixel receives light of this magnitude
-    /// for the time in which the streak crosses it, spread over the width of the streak: a more distant satellite is
-    /// slower and more in focus and therefore brighter per pixel at the same magnitude. With the seeing alone this is the rule
+    /// for the time in which the satellite crosses it, spread over the width of the streak. A more distant satellite is
+    /// slower and more in focus, and therefore brighter per pixel at the same magnitude. Without defocus this is the rule
     /// of SATCON1, 2.5 log10(h / 550 km).
     pub fn equivalent_mag_at_550_km(
         &self,

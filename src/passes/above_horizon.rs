@@ -21,10 +21,10 @@ const LONGEST_STEP_S: f64 = 300.0;
 const TOP_S: f64 = 2.5e-4;
 /// Largest angular speed of a site by the Earth's rotation and precession, rad/s.
 const SITE_TURNING_RAD_S: f64 = 7.3e-5;
-/// Largest angle between geodetic and geocentric vertical (0.193°), plus the effect of short-period terms on a
-/// satellite, radians.
+/// Margin of angles in the search, radians: the largest angle between geodetic and geocentric vertical (0.193°), plus
+/// the shift of a satellite by the short-period terms of SGP4.
 const VERTICAL_SLOP_RAD: f64 = 0.0125;
-/// Margins for the short-period terms in radius, km, and in angular speed, a factor.
+/// Margins for the short-period terms of SGP4: in the radius of the orbit, km, and in the angular speed, a factor.
 const RADIUS_SLOP_KM: f64 = 35.0;
 const SPEED_SLOP: f64 = 1.1;
 
@@ -72,11 +72,11 @@ pub(super) enum Treatment {
     Skip,
 }
 
-/// Bound on the time for which a satellite far from a site stays too low.
+/// Bounds on the motion of a satellite, from which follows how long it stays too low after a sample.
 struct Near {
     /// Geocentric angle to the site within which it may be above the limit, radians.
     reach_rad: f64,
-    /// Fastest change of that angle, rad/s.
+    /// Fastest change of the geocentric angle to the site, rad/s.
     fastest_rad_s: f64,
 }
 
@@ -118,8 +118,8 @@ impl HorizonSearch<'_> {
         Ok(self.sample(time_s)?.sine)
     }
 
-    /// Returns samples at every step at which the satellite may be above the limit, and few elsewhere: far from the
-    /// site, as many steps are skipped as the satellite needs at least to come near.
+    /// Returns samples at every step at which the satellite may be above the limit. Far from the site, the steps that the
+    /// satellite needs at least to come near are skipped.
     fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), OrbitError> {
         let span_s = until_s - from_s;
         let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
@@ -137,9 +137,11 @@ impl HorizonSearch<'_> {
         Ok((samples, step_s))
     }
 
-    /// Returns the intervals above an altitude between two times, in order of time, and the number of those only
-    /// counted. `treatment` decides from the samples between the last one below the limit and the next one below it; an
-    /// interval without a sample above the limit is always computed.
+    /// Returns the intervals above an altitude between two times, in order of time, and the number of intervals that
+    /// were only counted.
+    ///
+    /// `treatment` receives the samples of one interval, from the last sample below the limit before it to the first
+    /// one after it. An interval without a sample above the limit is always computed.
     pub fn intervals(
         &self,
         (from_s, until_s): (f64, f64),
@@ -216,7 +218,7 @@ impl HorizonSearch<'_> {
                 f64::INFINITY
             }
         };
-        // At a maximum the time is only accurate to the square root of the rounding error, but the height is exact.
+        // The time of a maximum is only accurate to the square root of the rounding error; its height is accurate.
         let (top_s, depth) = minimum(depth, ends_s, (start.time_s, -start.sine), TOP_S);
         failed.map_or(Ok((top_s, -depth)), Err)
     }

@@ -17,7 +17,7 @@ use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
 const SLICE_S: f64 = 60.0;
 /// Longest slice for an observer in orbit, seconds: it moves by 40 km to each side.
 const FLIGHT_SLICE_S: f64 = 10.0;
-/// Number of slices that are first tested together: the number for which the two tests take least time.
+/// Number of slices that are tested together before each is tested alone; the measured optimum.
 const GROUP: u32 = 5;
 /// Longest interruption within one pass, seconds: no orbit returns so soon.
 const SAME_PASS_S: f64 = 1200.0;
@@ -26,15 +26,16 @@ const SUN_RATE_RAD_S: f64 = 2.1e-7;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with a margin, radians.
 pub(super) const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 
-/// Slices of one exposure in which one satellite is a candidate, from the first to the last of one pass; seconds of the
-/// scene.
+/// Time interval in which one satellite may cross the field during one pass, made of whole slices of the exposure.
+/// Times are seconds of the scene.
 pub(super) struct CandidateInterval {
     pub element_index: usize,
     pub start_s: f64,
     pub end_s: f64,
-    /// Interval of its predicted position in the field, which extends beyond the slices by the delays searched.
+    /// Interval in which the predicted position may be in the field; it extends beyond the slices by the delays that
+    /// are searched.
     pub near_s: [f64; 2],
-    /// True if it is in the Earth's shadow all the time.
+    /// True if the satellite is in the Earth's shadow during the whole interval.
     is_dark: bool,
 }
 

@@ -1,9 +1,9 @@
 //! Entry and exit: times at which a track crosses the borders of a field, to well under a millisecond.
 //!
-//! The track is any smooth function of time. It is divided into steps over which it turns by a degree or two at most.
-//! In each, the angle to a centre has at most one extremum, found from the sign of its derivative, so that between
-//! adjacent times every angle is monotonic and every root unique. Crossings of polygons are computed on the tangent
-//! plane, where the track is nearly straight.
+//! The track is any smooth function of time. It is divided into steps in which the line of sight turns by at most two
+//! degrees. In each step, the angle to the centre of a circle has at most one extremum, which is found from the sign of
+//! its derivative. The step is divided there, so that the angle is monotonic and crosses the radius at most once.
+//! Crossings of polygons are computed on the tangent plane, where the track is nearly straight.
 
 use nalgebra::Vector3;
 
@@ -39,12 +39,12 @@ pub(super) struct Crossing {
     pub closest_s: f64,
 }
 
-/// Longest step, seconds, whatever the speed: the parallax of a distant satellite turns its track within hours.
+/// Longest step, seconds, at any speed: the parallax changes the direction of a distant satellite within hours.
 const LONGEST_STEP_S: f64 = 60.0;
 /// Largest turn of the line of sight in a step, approximately, radians.
 const LARGEST_TURN_RAD: f64 = 0.03;
-/// Largest motion of the satellite in a step as a fraction of its distance: a satellite that approaches the observer
-/// directly turns only as it passes.
+/// Largest motion of the satellite in a step as a fraction of its distance. The line of sight to a satellite that
+/// approaches the observer directly turns suddenly as it passes.
 const LARGEST_APPROACH: f64 = 0.25;
 /// Tolerance of roots, seconds.
 const ROOT_S: f64 = 1e-7;
@@ -57,7 +57,7 @@ pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, fie
     cross_samples(track, &sample(track, start_s, end_s), field)
 }
 
-/// Returns the crossing of [`cross`] from the track's own [`sample`].
+/// Returns the result of [`cross`] for a track that is already sampled by [`sample`].
 pub(super) fn cross_samples(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Crossing {
     let with_extremes = extremes(track, samples, field.centre());
     let (closest_s, min_separation_rad) = nearest(&with_extremes, field);

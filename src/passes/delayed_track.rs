@@ -1,8 +1,8 @@
 //! Tracks of delayed satellites over one exposure, for comparison with a measurement.
 //!
-//! A satellite delayed by δ is at time t at the position of its element set for t - δ. The observer is at its own
-//! position at t, so a delayed satellite takes a slightly different path relative to the stars, not the same one later
-//! (0.5° apart for 10 s at 550 km).
+//! A satellite delayed by δ is at time t where its element set predicts it for t - δ. The observer moves in the
+//! meantime, so the delayed satellite takes a different path relative to the stars: for a delay of 10 s and a height of
+//! 550 km, up to 0.5° from the predicted path.
 
 use nalgebra::Vector3;
 
@@ -35,7 +35,7 @@ pub struct ExposureInterval<'s> {
 pub struct Sighting {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,
-    /// Rate of the direction due to the satellite's motion only, with the observer at rest: perpendicular to it, rad/s.
+    /// Rate of the direction due to the satellite's motion only (observer at rest), perpendicular to the direction, rad/s.
     pub own_rate: Vector3<f64>,
     /// Distance from the observer, km.
     pub range_km: f64,
@@ -133,7 +133,7 @@ impl ExposureInterval<'_> {
     /// Computes the whole track of a delayed satellite, from a minute before the exposure to a minute after it.
     ///
     /// # Errors
-    /// [`OrbitError`]; the observer itself has no track, which is reported as invalid elements.
+    /// [`OrbitError`] of the propagation; [`OrbitError::Elements`] for the element set of the observer itself.
     pub fn track(&self, element_index: usize, late_s: f64) -> Result<DelayedTrack<'_>, OrbitError> {
         let propagator = self.propagator(element_index).ok_or_else(|| OrbitError::Elements {
             norad_id: self.sky.elements()[element_index].norad_id,

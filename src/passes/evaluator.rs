@@ -26,14 +26,14 @@ const HORIZON_STEP_S: f64 = 30.0;
 /// Step of the search for the Earth's limb from an orbit, seconds.
 const LIMB_STEP_S: f64 = 5.0;
 
-/// Longest time for which errors along the track are computed along the tangent, seconds: beyond it the path curves
-/// away (½ g t², 0.4 km here) and the slope is extrapolated.
+/// Longest delay for which an error along the track is taken along the tangent of the orbit, seconds: the orbit deviates
+/// from the tangent by ½ g t², here 0.4 km. Longer delays are extrapolated from the slope at this one.
 const LONGEST_GEOMETRY_STEP_S: f64 = 10.0;
-/// Largest sigma of a magnitude due to the error of the position, mag: the uncertainty of a satellite that may be dark
-/// is limited.
+/// Largest sigma of a magnitude due to the error of the position, mag. It applies to satellites that may be in the
+/// Earth's shadow, where the magnitude is unlimited.
 const MOST_GEOMETRY_SIGMA_MAG: f64 = 3.0;
 
-/// Line of sight with all data needed for the brightness. Times are seconds of the scene.
+/// Line of sight to one satellite, with the data that its brightness requires. Times are seconds of the scene.
 pub(super) struct PassEvaluator<'a> {
     pub sky: &'a Sky,
     pub scene: &'a Scene,

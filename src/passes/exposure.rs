@@ -68,8 +68,8 @@ impl Exposure {
     }
 }
 
-/// Returns exposures in order of time, in groups covered by one window; an exposure longer than a window is a group
-/// alone.
+/// Returns the indices of the exposures in order of time, in groups that fit into one search window. An exposure longer
+/// than a window is a group of its own.
 pub(super) fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&one| exposures[one].start);

@@ -1,9 +1,9 @@
 //! State shared by all satellites of a request: observer, Sun and orientation at sampled times, and search windows.
 //!
-//! A scheduler computes visit by visit; without the cache most of the time would be spent on precession and nutation at
-//! the same few times. Windows lie on a fixed grid of six hours, so that all searches of a night use the same two or
-//! three, whether a thousand exposures are computed at once or one by one. Results do not depend on the caches, to
-//! rounding: a window only selects the satellites for which SGP4 is evaluated.
+//! A scheduler computes one visit after another. Without caches, most of the time would be spent on precession and
+//! nutation at the same few times. Windows lie on a fixed grid of six hours, so that all searches of a night use the
+//! same two or three windows. Results do not depend on the caches except for rounding: a window only selects the
+//! satellites for which SGP4 is evaluated.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -39,7 +39,7 @@ const REACH_S: f64 = 3.0 * DAY_S;
 /// Time after the end needed for interpolation, seconds.
 const BEYOND_S: f64 = DAY_S;
 
-/// Tables from the beginning of a UTC day.
+/// Orientation and Sun from the beginning of a UTC day.
 #[derive(Debug)]
 struct Day {
     orientation: OrientationTable,
@@ -108,8 +108,8 @@ impl WindowCache {
     /// Returns the windows that contain the time from `start` to `end`, in order; missing ones are computed on all
     /// threads.
     ///
-    /// `reach` returns, for an element index and the two ends of a window, the distance from the prediction in which a
-    /// satellite is searched; it must be the same function for the same `scope`.
+    /// `reach` returns the distance from its predicted position within which a satellite is searched, from its element
+    /// index and the two ends of a window. It must be the same function for the same `scope`.
     pub fn over(
         &self,
         index: &SatelliteIndex,

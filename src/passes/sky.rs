@@ -21,7 +21,9 @@ use crate::orbit::{
 };
 use crate::photometry::BrightnessModel;
 
-/// Satellites, an observer, and brightness models, ready for any number of queries from any thread. Cheap to clone.
+/// Satellites, an observer and brightness models: the starting point of all queries.
+///
+/// Queries may be made from any thread. A clone shares the satellites and the caches, and is cheap.
 #[derive(Clone, Debug)]
 pub struct Sky {
     elements: Arc<Vec<ElementSet>>,
@@ -40,13 +42,13 @@ pub struct Sky {
 impl Sky {
     /// Prepares satellites for an observer, with the embedded brightness models and Earth orientation.
     ///
-    /// Takes about 2 µs a satellite and core. The shadow is geometric.
+    /// This takes about 2 µs of processor time for each satellite. The Earth's shadow is the geometric one.
     pub fn new(satellites: Satellites, viewpoint: impl Into<Viewpoint>) -> Self {
         Self::with_models(satellites.element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default())
             .with_ephemerides(satellites.ephemerides)
     }
 
-    /// As [`Sky::new`], with other models and another table of the Earth's orientation.
+    /// Creates a sky like [`Sky::new`], with other brightness models and another table of the Earth's orientation.
     pub fn with_models(
         elements: Vec<ElementSet>,
         viewpoint: impl Into<Viewpoint>,
@@ -72,17 +74,17 @@ impl Sky {
         }
     }
 
-    /// The same satellites from another viewpoint: costs nothing, and both share their caches.
+    /// Returns a sky with the same satellites from another viewpoint. Both skies share their caches.
     pub fn seen_from(&self, viewpoint: impl Into<Viewpoint>) -> Self {
         Self { viewpoint: viewpoint.into(), ..self.clone() }
     }
 
-    /// The same sky with another shadow of the Earth.
+    /// Returns the sky with another model of the Earth's shadow.
     pub fn with_shadow(self, shadow: ShadowModel) -> Self {
         Self { shadow, ..self }
     }
 
-    /// The same sky with another drag; prepares the satellites again where it differs.
+    /// Returns the sky with another treatment of atmospheric drag. Satellites for which it differs are prepared again.
     pub fn with_drag(self, drag: DragModel) -> Self {
         if drag == self.drag {
             return self;
@@ -121,55 +123,55 @@ impl Sky {
         self.index.ephemeris_coverage([first, last])
     }
 
-    /// The drag that SGP4 applies.
+    /// Treatment of atmospheric drag in SGP4.
     pub fn drag(&self) -> DragModel {
         self.drag
     }
 
-    /// The element sets, in the order of [`Pass::element_index`](super::Pass::element_index).
+    /// Element sets of the catalogue; [`Pass::element_index`](super::Pass::element_index) is an index into them.
     pub fn elements(&self) -> &[ElementSet] {
         &self.elements
     }
 
-    /// The model of the Earth's shadow.
+    /// Model of the Earth's shadow.
     pub fn shadow(&self) -> ShadowModel {
         self.shadow
     }
 
-    /// The site or the telescope in orbit.
+    /// Site, or telescope in orbit.
     pub fn viewpoint(&self) -> &Viewpoint {
         &self.viewpoint
     }
 
-    /// The brightness model of an element set.
+    /// Returns the brightness model of an element set.
     ///
     /// # Panics
-    /// Where the catalogue has no element set of this number.
+    /// If the catalogue has no element set of this index.
     pub fn model(&self, element_index: usize) -> &BrightnessModel {
         &self.models[element_index]
     }
 
-    /// Satellites that SGP4 cannot start from.
+    /// Satellites with elements that SGP4 cannot initialise.
     pub fn left_out(&self) -> &[LeftOut] {
         self.index.left_out()
     }
 
-    /// The Earth's orientation from `start` to `end`, as all queries of this sky use it.
+    /// Returns the Earth's orientation from `start` to `end`, as used by all queries of this sky.
     pub fn orientation_over(&self, start: Epoch, end: Epoch) -> OrientationTable {
         self.almanac.over(start, end, &self.eop).0
     }
 
-    /// One-sigma errors of a satellite's prediction at an age of its elements.
+    /// Returns the one-sigma errors of a satellite's predicted position at an age of its elements.
     pub fn uncertainty(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
         uncertainty(self.classes[element_index], age_days)
     }
 
-    /// Days from the epoch of an element set to a time; negative where the elements are newer.
+    /// Returns the days from the epoch of an element set to a time; negative if the elements are newer.
     pub(super) fn element_age_days(&self, element_index: usize, epoch: Epoch) -> f64 {
         seconds_between(self.elements[element_index].epoch, epoch) / DAY_S
     }
 
-    /// One-sigma errors of a satellite's prediction at a time.
+    /// Returns the one-sigma errors of a satellite's predicted position at a time.
     pub(super) fn uncertainty_at(&self, element_index: usize, epoch: Epoch) -> OrbitUncertainty {
         self.uncertainty(element_index, self.element_age_days(element_index, epoch))
     }
@@ -199,7 +201,7 @@ impl Sky {
         propagator.stated_uncertainty(epoch).unwrap_or_else(|| self.uncertainty_at(element_index, epoch))
     }
 
-    /// The observer on a site, for queries that need a horizon.
+    /// Returns the observer at a site, for queries that require a horizon.
     pub(super) fn site_observer(&self) -> Result<&Observer, SkyError> {
         self.viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint.name() })
     }
@@ -208,19 +210,19 @@ impl Sky {
         &self.index
     }
 
-    /// A satellite without a position.
+    /// Returns the report of a satellite without a position.
     pub(super) fn failed(&self, element_index: usize, reason: crate::orbit::OrbitError) -> LeftOut {
         LeftOut { norad_id: self.elements[element_index].norad_id, element_index, reason }
     }
 
-    /// True for the telescope's own elements, which it does not see.
+    /// Returns true for the element set of the observing telescope itself, which is never searched.
     pub(super) fn is_observer(&self, element_index: usize) -> bool {
         let own = self.viewpoint.orbit().map(OrbitingObserver::norad_id);
         own == Some(self.elements[element_index].norad_id)
     }
 
-    /// The telescope's own arc over an exposure, and as long before and after it as delayed satellites are searched;
-    /// `None` for a site.
+    /// Returns the arc of a telescope in orbit over an exposure, extended on both sides by the longest delay for which
+    /// satellites are searched; `None` for a site.
     pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, SkyError> {
         let Some(observer) = self.viewpoint.orbit() else { return Ok(None) };
         let failed = |reason| SkyError::Observer { observer: observer.name(), reason };
@@ -238,7 +240,7 @@ impl Sky {
         .map_err(failed)
     }
 
-    /// Motion of the observer near a time.
+    /// Returns the motion of the observer near a time.
     pub(super) fn motion(
         &self,
         scene: &Scene,
@@ -253,20 +255,20 @@ impl Sky {
         }
     }
 
-    /// Sun and Earth alone.
+    /// Returns a scene with Sun and Earth, without search windows.
     pub(super) fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
         let end = seconds_after(start, span_s);
         let (orientation, sun) = self.almanac.over(start, end, &self.eop);
         Scene { start, orientation, sun, windows: Vec::new() }
     }
 
-    /// Sun and Earth, and the windows for a search.
+    /// Returns a scene with Sun, Earth and the windows for a search.
     pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Scene {
         let mut scene = self.scene_without_windows(start, span_s);
         let reach = |element_index: usize, ends: [Epoch; 2]| match scope {
             SearchScope::Nominal => Reach::default(),
             SearchScope::Delayed => {
-                // Errors grow away from the epoch: the end of the window that is farther from it has the larger ones.
+                // Errors grow with the time from the epoch, so the larger ones are those at one of the window's ends.
                 let class = &self.classes[element_index];
                 let [first, last] = ends.map(|epoch| self.element_age_days(element_index, epoch).abs());
                 let age_days = first.max(last);

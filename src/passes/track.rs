@@ -15,7 +15,7 @@ use crate::photometry::Brightness;
 /// Largest acceleration of an orbit, km/s²: gravity at the ground.
 const GRAVITY_KM_S2: f64 = 0.009_83;
 
-/// Line of sight and its rate of change; only its direction is used, not its length.
+/// Line of sight and its rate of change. Its length has no meaning.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::passes) struct Sight {
     pub vector: Vector3<f64>,
@@ -90,7 +90,7 @@ impl ObserverMotion {
         }
     }
 
-    /// Upper bound of the mean speed relative to the position at `mid_s` within `half_s`, km/s.
+    /// Upper bound of the mean speed between `mid_s` and any time within `half_s` of it, km/s.
     pub fn fastest_km_s(&self, mid_s: f64, half_s: f64) -> f64 {
         match &self.path {
             Path::Turning { ahead, .. } => ahead.norm() * EARTH_ROTATION_RAD_S,
@@ -100,7 +100,7 @@ impl ObserverMotion {
     }
 }
 
-/// Arc of a satellite with its observer.
+/// Line of sight from an observer to a satellite on an arc of its orbit.
 pub(in crate::passes) struct SightLine<'a> {
     pub arc: &'a OrbitArc,
     pub observer: ObserverMotion,
@@ -176,28 +176,28 @@ pub struct Pass {
     pub chords: Vec<Chord>,
     /// Start of the first chord; for a near miss, the closest point.
     pub enter: TrackPoint,
-    /// Midway in time between `enter` and `exit`; for a near miss, the same point.
+    /// Point midway in time between `enter` and `exit`; for a near miss, the closest point.
     pub mid: TrackPoint,
-    /// End of the last chord; for a near miss, the same point.
+    /// End of the last chord; for a near miss, the closest point.
     pub exit: TrackPoint,
     /// Brightest point between `enter` and `exit`; `None` if the satellite is not visible in between, or without
     /// brightness in the options.
     pub peak: Option<TrackPoint>,
     /// Least angle between track and field centre while the shutter is open, radians.
     pub min_separation_rad: f64,
-    /// Length of the track on the sky inside the field, all chords, radians.
+    /// Length of the track inside the field, radians: the sum over all chords.
     pub streak_length_rad: f64,
-    /// Direction of motion at mid, from north through east, [0, 2π), radians.
+    /// Position angle of the motion at `mid`, from north through east, [0, 2π), radians.
     pub position_angle_rad: f64,
-    /// Angular speed at mid, rad/s.
+    /// Angular speed at `mid`, rad/s.
     pub angular_rate_rad_s: f64,
-    /// Exposure mid less element epoch, days; negative if the elements are newer.
+    /// Time from the epoch of the elements to `mid`, days; negative if the elements are newer.
     pub element_age_days: f64,
     /// One-sigma error along the track as a time, seconds.
     pub along_track_sigma_s: f64,
     /// One-sigma error across the track as an angle seen from the observer, radians.
     pub cross_track_sigma_rad: f64,
-    /// Probability that the satellite crosses the field while the shutter is open, given these errors.
+    /// Probability that the satellite is in the field at any time of the exposure, given these errors.
     pub probability: f64,
     /// True if the satellite is lit at any time between `enter` and `exit`.
     pub lit: bool,

@@ -1,8 +1,8 @@
 //! Visible passes: above a site's horizon at night and in sunlight, with the Earth's shadow and the brightest point.
 //!
-//! Intervals above the horizon in daylight, or in the shadow all the time, are excluded by their samples. The others
-//! are interpolated: the borders of the illuminated intervals are computed to a millisecond, and the brightest point is
-//! searched in steps of at most ten seconds and refined.
+//! Intervals above the horizon that lie in daylight or in the shadow as a whole are excluded by their samples. In the
+//! others, the ends of the sunlit intervals are computed to a millisecond, and the brightest point is searched in steps
+//! of at most ten seconds and refined.
 
 use hifitime::Epoch;
 use rayon::prelude::*;
@@ -73,12 +73,12 @@ pub struct VisiblePass {
     pub norad_id: NoradId,
     /// Index of its element set in the sky's catalogue.
     pub element_index: usize,
-    /// Point at which it reaches the lowest altitude; `None` if it was above it when the search began, half an hour
-    /// before the night.
+    /// Point at which the satellite rises above the lowest altitude; `None` if it was above when the search began, half an
+    /// hour before the night.
     pub rise: Option<TrackPoint>,
     /// Highest point of the pass.
     pub culmination: TrackPoint,
-    /// Point at which it falls below the lowest altitude; `None` if it is above it when the search ends.
+    /// Point at which the satellite sets below the lowest altitude; `None` if it is above when the search ends.
     pub set: Option<TrackPoint>,
     /// First point of the penumbra as the satellite enters the Earth's shadow.
     pub shadow_entry: Option<TrackPoint>,
@@ -86,7 +86,7 @@ pub struct VisiblePass {
     pub shadow_exit: Option<TrackPoint>,
     /// Visible part; `None` if no part is visible.
     pub visible: Option<Visibility>,
-    /// Culmination less element epoch, days.
+    /// Time from the epoch of the elements to the culmination, days.
     pub element_age_days: f64,
     /// Points from rise to set; empty without samples in the request.
     pub samples: Vec<TrackPoint>,

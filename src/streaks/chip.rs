@@ -33,13 +33,13 @@ pub struct Chip {
     pub scale: CountScale,
 }
 
-/// Path of a light over a chip, with the interval in which it is on pixels of the chip.
+/// Path of a light over a chip, and the interval in which the light is on illuminated pixels of the chip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChipPath {
     /// Path from one margin of the chip to the other, in frame units per second.
     pub path: StreakPath,
-    /// First and last time over the chip, seconds after the shutter opened; `None` if only the fringe of the light
-    /// touches it.
+    /// First and last time at which the centre of the light is on the chip, seconds after the shutter opened; `None` if
+    /// only the wings of its image reach the chip.
     pub inside_s: Option<[f64; 2]>,
 }
 
@@ -83,7 +83,8 @@ impl Chip {
     ///
     /// 1. The part of the track near the chip is found on the sky.
     /// 2. It is refined, so that a chip of a few arcseconds is not missed.
-    /// 3. Its points are converted by the WCS; a path ends where that fails, or between two visits.
+    /// 3. Its points are converted to pixels by the WCS. A path ends where the WCS has no position, or where the track
+    ///    leaves the chip before it returns.
     ///
     /// # Errors
     /// Times that do not increase, and numbers that are not finite.
@@ -149,14 +150,14 @@ impl Chip {
     }
 }
 
-/// Returns a track in directions of the frame's WCS.
+/// Converts the directions of a track to those that the frame's WCS gives to the pixels in which they appear.
 fn seen(track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>) -> SkyTrack {
     let in_frame =
         |point: &SkyPoint| SkyPoint { direction: tracking.seen(&point.direction, point.time_s, centre), ..*point };
     SkyTrack { points: track.points.iter().map(in_frame).collect() }
 }
 
-/// Returns the parts of a track that come within `reach_rad` of a place, each with one more point on either side.
+/// Returns the parts of a track within `reach_rad` of a direction, each with one more point on either side.
 fn near_spans(track: &SkyTrack, place: &Direction<Gcrs>, reach_rad: f64) -> Vec<SkyTrack> {
     let points = &track.points;
     let near = |index: usize| comes_near(&points[index], &points[index + 1], place, reach_rad);
@@ -181,7 +182,7 @@ fn span_of(points: &[SkyPoint], from: usize, to: usize) -> SkyTrack {
     SkyTrack { points: points[from.saturating_sub(1)..=to].to_vec() }
 }
 
-/// Returns true if the track from one point to the next comes within `reach_rad` of a place, or may do so because of
+/// Returns true if the track from one point to the next may come within `reach_rad` of a direction, with a margin for
 /// its curvature.
 fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad: f64) -> bool {
     let (start, end, place) = (from.direction.vector(), to.direction.vector(), place.vector());
@@ -197,7 +198,7 @@ fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad
     ((start + chord * share) - place).norm() <= reach_rad + slack
 }
 
-/// Returns the track with points so close that a circle of this radius is crossed in [`STEPS_ACROSS`] of them.
+/// Returns the track with points so close that [`STEPS_ACROSS`] of them lie across a circle of this radius.
 fn refined_to_cross(track: &SkyTrack, radius_rad: f64) -> SkyTrack {
     let fastest = track
         .points

@@ -10,8 +10,8 @@ pub struct CountScale {
 }
 
 impl CountScale {
-    /// Creates the scale from the magnitude of a star with an image in the frame that sums to 1, in the unit of the
-    /// frame: counts of the whole exposure, or counts per second.
+    /// Creates the scale from the zero point of the frame: the magnitude of a star with pixels that sum to 1 in the unit of
+    /// the frame (counts of the whole exposure, or counts per second).
     ///
     /// # Errors
     /// A zero point out of range, or an exposure that is not above 0 s.
@@ -23,8 +23,7 @@ impl CountScale {
         Ok(Self { zero_point_mag, exposure_s })
     }
 
-    /// Creates the scale from the magnitude of a star of 1 count per second, in a frame of counts of the whole
-    /// exposure.
+    /// Creates the scale of a frame in counts of the whole exposure, from the magnitude of a star of 1 count per second.
     ///
     /// # Errors
     /// The errors of [`CountScale::of_frame`].

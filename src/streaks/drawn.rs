@@ -44,16 +44,17 @@ pub struct DrawnStreak<'a> {
     pub is_on_sky: bool,
     /// Light in the frame's unit, before any detector.
     pub patch: Patch,
-    /// Points evenly spaced in time from the first to the last time over the chip; empty if only the fringe of the
-    /// light touches it.
+    /// Points evenly spaced in time from the first to the last time over the chip; empty if only the wings of the image
+    /// reach the chip.
     pub points: Vec<StreakPoint>,
-    /// Full width at half maximum of the light across the streak, arcsec; approximately also for a stationary light.
+    /// Full width at half maximum of the light across the streak, arcsec; for a stationary light, approximately that of its
+    /// image.
     pub width_arcsec: f64,
     /// Full width at half maximum of the light across the streak, pixels.
     pub width_pix: f64,
     /// Length between its ends on the chip, pixels.
     pub length_pix: f64,
-    /// Point at the middle of the time over the chip; `None` if only the fringe of the light touches it.
+    /// Point at the middle of the time over the chip; `None` if only the wings of the image reach the chip.
     pub middle: Option<StreakPoint>,
     /// Brightest magnitude over the chip; `None` without light.
     pub peak_magnitude: Option<f64>,
@@ -72,8 +73,8 @@ pub struct StreakPoint {
     pub epoch: Epoch,
     /// Position in the frame.
     pub at: PixelPosition,
-    /// Direction on the sky relative to the stars, whatever the tracking; in the substitute coordinates if the frame
-    /// has no world coordinates.
+    /// Direction of the light relative to the stars, for any tracking. In a frame without world coordinates, it refers to
+    /// the substitute coordinates of the chip.
     pub direction: Direction<Gcrs>,
     /// Direction that the frame's world coordinates give to this pixel.
     pub frame_direction: Direction<Gcrs>,
@@ -85,7 +86,8 @@ pub struct StreakPoint {
 
 /// Draws all lights of a source on a chip, as separate streaks; no streaks if no light falls on it.
 ///
-/// The image of a light has one width along a chip: that at the distance at its closest approach to the chip's middle.
+/// The image of a light has the same width everywhere on a chip, computed for the distance of the light at its closest
+/// approach to the middle of the chip.
 ///
 /// # Errors
 /// [`StreaksError`] if a width is out of range or the path is invalid.
@@ -116,9 +118,9 @@ pub fn draw_on_chip<'a>(
     Ok(drawn)
 }
 
-/// Returns the full width at half maximum of a line of light across its direction, averaged over pixels as by the
-/// detector. A ring may have two maxima: the width is that between the outermost positions with half of the greatest
-/// brightness.
+/// Returns the full width at half maximum of a line of light, measured across its direction after averaging over pixels.
+/// The profile of a ring may have two maxima; the width is then measured between the outermost positions with half of
+/// the greatest brightness.
 fn width_across(profile: &RadialProfile, angle_rad: f64) -> f64 {
     const SAMPLES: usize = 400;
     let step_pix = profile.pixel_reach_pix().min(4.0 * profile.fwhm_pix() + 2.0) / SAMPLES as f64;

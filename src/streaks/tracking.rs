@@ -29,8 +29,8 @@ impl Tracking {
         self.carried(direction, -1.0, time_s, centre)
     }
 
-    /// Returns the direction relative to the stars of a light that appears at a direction of the frame's WCS at a time;
-    /// the inverse of [`seen`](Self::seen).
+    /// Returns the direction relative to the stars of a light that appears, at a time, in the pixel to which the frame's WCS
+    /// gives the direction `seen`. This is the inverse of [`seen`](Self::seen).
     pub fn stood(&self, seen: &Direction<Gcrs>, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
         self.carried(seen, 1.0, time_s, centre)
     }

@@ -220,7 +220,7 @@ fn unknown_arguments() {
     let folder = tempfile::tempdir().unwrap();
     fails(&[POINTING, SITE, SHELLS, &["--format", "xlsx"]], &["'xlsx'", "table, csv, ecsv, json, jsonl"]);
     fails(&[POINTING, SITE, SHELLS, &["--band", "q"]], &["unknown band \"q\""]);
-    fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["unknown telescope \"hubble\"", "rubin"]);
+    fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["telescope is \"hubble\"", "rubin"]);
     fails(&[POINTING, SITE, SHELLS, &["--time-scale", "ut"]], &["time scale 'ut'", "utc, tai, tt"]);
     fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads is 0; allowed: 1 to 1024"]);
     fails(&[POINTING, SITE, SHELLS, &["--threads", "100000"]], &["threads is 100000; allowed: 1 to 1024"]);

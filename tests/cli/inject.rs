@@ -514,7 +514,6 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
         });
     let text = path(&folder, "text.fits");
     fs::write(&text, "no FITS at all").unwrap();
-    let missing_folder = path(&folder, "nowhere/out.fits");
     let plain_csv = path(&folder, "curve.csv");
     fs::write(&plain_csv, "time_s,delta_mag\n0,0\n1,1\n").unwrap();
     let image = |file: &str| vec!["inject".to_owned(), "--image".to_owned(), file.to_owned()];
@@ -528,7 +527,6 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
         (&dark, &output, [random, seeing].concat(), &["EXPTIME0.0.fits", "EXPTIME"]),
         (&text, &output, [random, seeing].concat(), &["text.fits", "not a FITS file"]),
         (&path(&folder, "none.fits"), &output, [random, seeing].concat(), &["none.fits"]),
-        (&plain, &missing_folder, [random, seeing].concat(), &["nowhere"]),
         (&plain, &plain, [random, seeing].concat(), &["plain.fits", "input"]),
         (&plain, &output, random.to_vec(), &["--seeing", "--telescope"]),
         (&plain, &output, [random, seeing, &["--psf", "moffat:1"]].concat(), &["moffat:1", "2 to 100"]),
@@ -570,4 +568,17 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
     let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
     assert_eq!(fs::read(&plain).unwrap(), bytes);
+}
+
+/// The folder of the output is created, and `identify` does not count the mask of the written frame as an image.
+#[test]
+fn verif_an_injected_frame_in_a_new_folder_is_one_image() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
+    let output = path(&folder, "new/deep/out.fits");
+    let (code, _, stderr) = run(&[&["inject", "--image", &plain, "-o", &output, "--seeing", "2arcsec"], &RANDOM[..4]]);
+    assert_eq!(code, 0, "{stderr}");
+    let streak = ["--image", &output, "--from-pix", "10,10", "--to-pix", "90,90"];
+    let (code, _, stderr) = run(&[&["identify", "--shells", "oneweb", "--mpc", "X05", "-q"], &streak]);
+    assert!(code < 2, "{stderr}");
 }

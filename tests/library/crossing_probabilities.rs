@@ -229,6 +229,25 @@ fn verif_long_exposures_against_draws_of_the_errors() {
     }
 }
 
+/// Copies of a satellite with all errors, and their probabilities: delays in equal steps, and shifts in inclination and
+/// node by the Gauss-Hermite rule of three points for a unit normal distribution, 0 and ±√3.
+fn with_all_errors(set: &ElementSet, sigma: OrbitUncertainty) -> (Vec<ElementSet>, Vec<f64>) {
+    const DELAYS: usize = 400;
+    const REACH_SIGMAS: f64 = 4.0;
+    let shifts = [(0.0, 2.0 / 3.0), (3f64.sqrt(), 1.0 / 6.0), (-3f64.sqrt(), 1.0 / 6.0)];
+    let (mut copies, mut weights) = (Vec::new(), Vec::new());
+    for number in 0..DELAYS {
+        let step = 2.0 * REACH_SIGMAS / DELAYS as f64;
+        let late = step * (number as f64 + 0.5) - REACH_SIGMAS;
+        let share = step * (-0.5 * late * late).exp() / std::f64::consts::TAU.sqrt();
+        for ((inclination, of_one), (node, of_other)) in shifts.iter().flat_map(|a| shifts.map(|b| (*a, b))) {
+            copies.push(moved(set, sigma, [late, inclination, node]));
+            weights.push(share * of_one * of_other);
+        }
+    }
+    (copies, weights)
+}
+
 /// Probability and streak length of single satellites in exposures of minutes against the sum over all their errors.
 /// The site moves across each orbit plane in two minutes, so after a delay of minutes it is at another position.
 #[test]
@@ -236,10 +255,6 @@ fn verif_single_satellites_against_the_sum_over_their_errors() {
     const AGE_DAYS: f64 = 20.0;
     /// Relative tolerance: pieces of 10 s are coarse for passes that take about 120 s to cross the field.
     const TOLERANCE: f64 = 0.05;
-    const DELAYS: usize = 400;
-    const REACH_SIGMAS: f64 = 4.0;
-    // Gauss-Hermite rule of three points for a unit normal distribution: 0 and ±√3.
-    let shifts = [(0.0, 2.0 / 3.0), (3f64.sqrt(), 1.0 / 6.0), (-3f64.sqrt(), 1.0 / 6.0)];
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
     let exposures = [(240.0, 600.0), (225.0, 300.0), (225.0, 900.0), (275.0, 600.0)].map(
@@ -262,16 +277,7 @@ fn verif_single_satellites_against_the_sum_over_their_errors() {
         for one in found.iter().filter(|one| one.probability > 0.2) {
             let set = &elements[one.element_index];
             let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), AGE_DAYS);
-            let (mut copies, mut weights) = (Vec::new(), Vec::new());
-            for number in 0..DELAYS {
-                let step = 2.0 * REACH_SIGMAS / DELAYS as f64;
-                let late = step * (number as f64 + 0.5) - REACH_SIGMAS;
-                let share = step * (-0.5 * late * late).exp() / std::f64::consts::TAU.sqrt();
-                for ((inclination, of_one), (node, of_other)) in shifts.iter().flat_map(|a| shifts.map(|b| (*a, b))) {
-                    copies.push(moved(set, sigma, [late, inclination, node]));
-                    weights.push(share * of_one * of_other);
-                }
-            }
+            let (copies, weights) = with_all_errors(set, sigma);
             let passes = sky(copies)
                 .field_passes(std::slice::from_ref(exposure), &field, &PassOptions::default())
                 .expect("passes")
@@ -289,6 +295,49 @@ fn verif_single_satellites_against_the_sum_over_their_errors() {
         }
     }
     assert!(checked >= 5, "only {checked}");
+}
+
+/// Probability of a listed pass against the sum over all errors of its satellite, with elements 1, 7 and 20 days old:
+/// each delay and each shift across the track gives another satellite, which crosses the field or does not.
+#[test]
+fn verif_listed_passes_against_the_sum_over_their_errors() {
+    /// Largest relative difference of the sum over the few passes of an age, in which the differences partly cancel.
+    const OF_THE_SUM: f64 = 0.03;
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    // Largest difference of one probability. At 1 and 7 days the exposure is not cut into pieces, and only the sums over
+    // the errors differ. In the pieces of 10 s at 20 days, chords change their length while the site moves (0.06).
+    for (age_days, tolerance) in [(1.0, 0.01), (7.0, 0.01), (20.0, 0.08)] {
+        let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+        let mut exposures = exposures(start, 360, &mut Random(20_261_123));
+        exposures.retain(|exposure| exposure.id.parse::<usize>().is_ok_and(|number| number % 6 == 0));
+        let elements = published(age_days, start, 1584);
+        let options = PassOptions { min_probability: Some(0.05), ..PassOptions::default() };
+        let passes = sky(elements.clone()).field_passes(&exposures, &field, &options).expect("passes").by_exposure;
+        let (mut checked, mut worst, mut sums) = (0, 0.0_f64, [0.0; 2]);
+        for (exposure, passes) in exposures.iter().zip(&passes) {
+            for pass in passes {
+                let set = &elements[pass.element_index];
+                let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), pass.element_age_days);
+                let (copies, weights) = with_all_errors(set, sigma);
+                let crossings = sky(copies)
+                    .field_passes(std::slice::from_ref(exposure), &field, &PassOptions::default())
+                    .expect("passes")
+                    .by_exposure
+                    .concat();
+                let probability: f64 = crossings.iter().map(|one| weights[one.element_index]).sum();
+                worst = worst.max((pass.probability - probability).abs());
+                sums = [sums[0] + pass.probability, sums[1] + probability];
+                checked += 1;
+                println!(
+                    "{age_days} d: {:.4} of {probability:.4}, sigma {:.1} s",
+                    pass.probability, sigma.along_track_s
+                );
+            }
+        }
+        println!("{age_days} d: {checked} passes, sum {:.3} of {:.3}, worst {worst:.3}", sums[0], sums[1]);
+        assert!(checked >= 5 && worst < tolerance, "{age_days} d: {checked} passes, worst {worst}");
+        assert!((sums[0] / sums[1] - 1.0).abs() < OF_THE_SUM, "{age_days} d: {sums:?}");
+    }
 }
 
 /// A longer exposure never has fewer expected satellites, and one more second changes their number little: a month

@@ -17,7 +17,7 @@ struct Change {
     e: f32,
 }
 
-/// Effect of light on one pixel of a frame.
+/// Effect of added light on one pixel of a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AddedLight {
     /// Row, counted from 0.
@@ -33,10 +33,10 @@ pub struct AddedLight {
 }
 
 impl Detector {
-    /// Adds light to a frame in counts, in single precision, as computed by [`added_light`](Detector::added_light).
+    /// Adds the light computed by [`added_light`](Detector::added_light) to a frame in counts, in single precision.
     ///
     /// # Errors
-    /// As [`added_light`](Detector::added_light).
+    /// The errors of [`added_light`](Detector::added_light).
     pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, ImagesError> {
         let (added, saturated) = self.added_light(frame, patches, seed)?;
         for light in added {
@@ -56,8 +56,8 @@ impl Detector {
     /// that light of less than a count is kept on average. Pixels without new charge and pixels that are NaN are not
     /// returned; counts beyond the converter's range are kept.
     ///
-    /// Changes are computed directly, not as differences of counts: in single precision a frame of 10⁹ counts does not
-    /// resolve less than 64. With `shot_noise = false` and no other stage the light is simply added. The result depends
+    /// Changes are computed directly, not as differences of counts, because a frame of 10⁹ counts in single precision does
+    /// not resolve changes below 64. With `shot_noise = false` and no other stage the light is simply added. The result depends
     /// on the seed, but not on the number of threads.
     ///
     /// # Errors

@@ -41,8 +41,8 @@ impl Quantisation {
         )
     }
 
-    /// Returns the change of a count to the next whole one if a signal is added: within the range, or no farther beyond
-    /// it than the count.
+    /// Returns the change of a count after adding a signal and rounding to a whole count. The result is limited to the
+    /// range of the converter; a count that is already beyond the range moves no farther from it.
     pub(super) fn step(&self, count: f64, signal_adu: f64) -> f64 {
         (count + signal_adu).round().clamp(self.least_adu.min(count), self.greatest_adu.max(count)) - count
     }
@@ -52,7 +52,7 @@ impl Quantisation {
     }
 }
 
-/// Purpose of a random stream: the streams of one seed are independent.
+/// Purpose of a random stream. Streams of one seed with different purposes are independent.
 #[derive(Copy, Clone, Debug)]
 pub(super) enum Purpose {
     Shot = 0,

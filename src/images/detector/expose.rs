@@ -1,4 +1,4 @@
-//! Synthetic frame: all light through all stages of the detector.
+//! Conversion of all light of a synthetic frame to counts, by all stages of the detector.
 
 use rayon::prelude::*;
 

@@ -1,6 +1,6 @@
 //! Effects of a detector on light: `vignetting`, `saturation` with bleeding, `non_linearity`, `crosstalk`, `conversion`
-//! (gain, bias, quantisation, noise); `settings` (the stages in use), `expose` (a synthetic frame), `add` (light added
-//! to an existing frame).
+//! (gain, bias, quantisation, noise). `settings` contains the stages in use, `expose` applies them to a synthetic frame,
+//! and `add` to light that is added to an existing frame.
 
 mod add;
 mod conversion;

@@ -4,8 +4,8 @@ use serde::Deserialize;
 
 use super::super::error::ImagesError;
 
-/// Measured signal of `e` electrons: e (1 + c₀ s + c₁ s² + ...), s = e / scale; along its tangent above the scale, e
-/// itself below 0.
+/// Non-linearity: the measured signal of e electrons is e (1 + c₀ s + c₁ s² + ...) with s = e / scale. Above the scale it
+/// follows the tangent at the scale; below 0 it is e.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NonLinearity {

@@ -35,7 +35,7 @@ pub struct Detector {
     pub bias_adu: f64,
     /// Read noise (one sigma), electrons, \[0, 1e5\]. It is added to synthetic frames only: existing frames contain it.
     pub read_noise_e: f64,
-    /// Photon noise; without it light is added without any noise.
+    /// If true, photon noise is drawn; if false, light is added without noise.
     pub shot_noise: bool,
     /// Light loss towards the corners.
     pub vignetting: Option<Vignetting>,

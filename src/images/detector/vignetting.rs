@@ -18,7 +18,7 @@ pub enum Vignetting {
         /// c₀, c₁, ..., at least one, each \[-10, 10\].
         coefficients: Vec<f64>,
     },
-    /// Linear between given radii, constant beyond the last.
+    /// Table of transmissions, interpolated linearly between the given radii and constant beyond the last.
     Table {
         /// Position of the centre, `[x, y]` in pixels from 0; by default the middle of the frame.
         #[serde(default)]

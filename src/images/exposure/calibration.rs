@@ -12,7 +12,7 @@ pub struct HeaderValue<T> {
     pub keyword: String,
 }
 
-/// Counts to which a zero point refers.
+/// Meaning of the counts to which a zero point refers.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum CountBasis {
     /// Counts of the frame: a source with pixels that sum to 1 has the magnitude of the zero point.
@@ -26,7 +26,8 @@ pub enum CountBasis {
 pub struct ZeroPoint {
     /// Magnitude of a source of one count.
     pub mag: f64,
-    /// Basis of the counts; `None` if neither the keyword nor its comment determines it, and the user must specify it.
+    /// Meaning of the counts; `None` if neither the keyword nor its comment determines it, so that the user must specify
+    /// it.
     pub basis: Option<CountBasis>,
     /// The keyword.
     pub keyword: String,
@@ -80,9 +81,9 @@ pub struct Calibration {
 
 /// Keywords of zero points, with the basis used by the software that writes them.
 ///
-/// MAGZERO: the community pipeline of DECam and Mosaic, 1 ADU per second (25.1 in g agrees with DECam's throughput of
-/// 26.6 for an electron and its gain of 4). MAGZP: ZTF and 2MASS, 1 DN of the frame. The others are used with both
-/// meanings.
+/// MAGZERO is written by the community pipeline of DECam and Mosaic, for 1 ADU per second: its 25.1 in g agrees with
+/// DECam's zero point of 26.6 for one electron and its gain of 4. MAGZP is written by ZTF and 2MASS, for 1 DN of the
+/// frame. The other keywords are used with both meanings.
 const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("MAGZERO", Some(CountBasis::Second)),
     ("MAGZP", Some(CountBasis::Frame)),

@@ -17,7 +17,7 @@ const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
 const TIMES: &[&str] =
     &["TIME-BEG", "UTC-OBS", "TIME-OBS", "UT-OBS", "UTSTART", "UT-STR", "UTC-STR", "UTSHUT", "TAIHMS"];
 
-/// Keywords of a time that some observatories use for another time than the start; used if no better one is found.
+/// Keywords that some observatories use for another time than the start. They are used if no keyword of [`TIMES`] exists.
 const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
 
 /// Keywords with the modified Julian date of the start.
@@ -78,9 +78,9 @@ struct Start {
 impl ExposureTime {
     /// Reads the exposure from the headers of a frame in order of precedence: that of the image, then the primary one.
     ///
-    /// Dates are in the scale of TIMESYS (by default UTC). Of several keywords the first is used (dates with times
-    /// before Julian dates); the others must agree within a second and their rounding, the middle (DATE-AVG) within a
-    /// tenth of the length.
+    /// Dates are in the scale of TIMESYS (by default UTC). The first of several keywords is used, and dates with times have
+    /// precedence over Julian dates. All keywords of the start must agree within a second and their rounding, and the
+    /// middle (DATE-AVG) within a tenth of the length.
     ///
     /// # Errors
     /// Missing or invalid keywords, a year of two digits, two contradictory keywords, a length of 0
@@ -100,8 +100,8 @@ impl ExposureTime {
         duration(Keywords(headers)).map(|(seconds, _)| seconds)
     }
 
-    /// Reads the start only, for an exposure with a length from another source, s (the header may give only the middle
-    /// or the end).
+    /// Reads the start only, for an exposure with a length (s) from another source. The length is needed because a header
+    /// may give only the middle or the end.
     ///
     /// # Errors
     /// The errors of [`from_headers`](ExposureTime::from_headers) for the start.

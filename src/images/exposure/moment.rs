@@ -83,8 +83,8 @@ pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale)
 pub(super) struct Keywords<'a>(pub &'a [&'a Header]);
 
 impl<'a> Keywords<'a> {
-    /// Returns the first header with a value of a keyword, and the name of the keyword in it: a hyphen may be an
-    /// underscore.
+    /// Returns the first header with a value of a keyword, and the name of the keyword in that header, where a hyphen may be
+    /// replaced by an underscore.
     pub fn find(self, keyword: &str) -> Option<(&'a Header, String)> {
         let names = [keyword.to_owned(), keyword.replace('-', "_")];
         self.0.iter().find_map(|header| {

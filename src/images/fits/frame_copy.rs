@@ -72,9 +72,9 @@ impl<'a> FrameCopy<'a> {
     /// Adds light, physical values, to pixels of one row from `first_column` on.
     ///
     /// Light added several times to one pixel is summed and stored once, by [`finish`](FrameCopy::finish). If pixels
-    /// are quantised (whole numbers, quantised tiles), light between two steps is rounded to one of them by a fixed
-    /// random fraction of the pixel: its sum over many pixels is right, however faint it is. Sums are limited to the
-    /// range of the type; a pixel without a value is not changed.
+    /// are quantised (whole numbers, quantised tiles), light between two steps is rounded up or down by a random number
+    /// that is fixed for each pixel, so that the sum over many pixels is correct for light of any faintness. Sums are
+    /// limited to the range of the type. A pixel without a value is not changed.
     ///
     /// In compressed images the touched tiles are compressed again with the same algorithm, scale and dither: unchanged
     /// pixels keep their exact numbers, in lossy tiles too, and changed pixels get the nearest step.
@@ -149,7 +149,7 @@ impl<'a> FrameCopy<'a> {
                 repacked.insert(hdu, tiles);
             }
         }
-        // A primary header that denies extensions is wrong once the file has some.
+        // EXTEND = F in the primary header is wrong after extensions have been appended.
         if !self.appended.is_empty() && self.source.header(0)?.logical("EXTEND") == Some(false) {
             self.set_card(0, "EXTEND", &true.into(), "")?;
         }

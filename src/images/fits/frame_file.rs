@@ -29,8 +29,8 @@ impl FrameFile {
     /// Opens a file. Its name is used literally: brackets and exclamation marks have no special meaning.
     ///
     /// # Errors
-    /// [`ImagesError`]: the file is missing, a directory, not readable, compressed as a whole, not FITS or truncated; a
-    /// header does not describe its data; or bytes between HDUs belong to none.
+    /// A file that is missing, a directory, not readable, compressed as a whole, not FITS or truncated; a header that does
+    /// not describe its data; and bytes after an HDU that are not a header.
     pub fn open(path: &Path) -> Result<Self, ImagesError> {
         let io = ImagesError::io(path);
         input::check_regular(path).map_err(&io)?;

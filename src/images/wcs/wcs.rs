@@ -24,7 +24,7 @@ const UNKNOWN_SIDE_PIX: usize = 4096;
 /// Points along each side of a frame at which a distortion is checked for folds.
 const FOLD_GRID: usize = 13;
 
-/// Least slope relative to the centre for which no two pixels have the same position.
+/// Least slope of the distortion, relative to that at the centre, for which no two pixels have the same position.
 const LEAST_SLOPE: f64 = 0.1;
 
 /// Fractions of the margin that are tried in turn until the distortion does not fold.
@@ -338,7 +338,7 @@ impl Trusted {
         (0..2).all(|axis| (self.low[axis]..=self.high[axis]).contains(&offset[axis]))
     }
 
-    /// Returns true within the area or half its size around it, into which Newton's method may step.
+    /// Returns true within the area and a margin of half its size, within which the steps of Newton's method may lie.
     fn is_near(&self, offset: &Vector2<f64>) -> bool {
         let around = (self.high - self.low) / 2.0;
         (0..2).all(|axis| (self.low[axis] - around[axis]..=self.high[axis] + around[axis]).contains(&offset[axis]))

@@ -1,5 +1,5 @@
-//! Crossings only: lit satellites in a field with their times, without magnitude or probability, in a tenth of the time
-//! of a pass.
+//! Field crossings of sunlit satellites with their times only. Without magnitude and probability they take a tenth of
+//! the time of a pass.
 
 use nalgebra::Vector3;
 
@@ -42,10 +42,11 @@ pub struct FieldCrossings {
 }
 
 impl Sky {
-    /// Finds all lit satellites that cross the field in each exposure: the same ones as the passes of
-    /// [`Sky::field_passes`] with default options, at the same times to 10 µs. A satellite with an orbit that fails far
-    /// from the field is not reported. A satellite that stays for hours, or returns within minutes, counts as lit if it
-    /// is lit at any time of its crossings, not in between.
+    /// Finds all sunlit satellites that cross the field in each exposure.
+    ///
+    /// They are those of [`Sky::field_passes`] with default options, at the same times to 10 µs. A satellite that has no
+    /// position only at times far from the field is not reported as left out. A satellite that stays in the field for
+    /// hours, or returns within minutes, counts as lit if it is lit at any time inside the field.
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].
@@ -85,8 +86,7 @@ impl ExposedField<'_> {
     }
 }
 
-/// Returns the intervals in which a satellite may be in a field, within the interval found from its interpolated
-/// elements, by one SGP4 position a minute.
+/// Returns the parts of an interval in which a satellite may be in a field, from one SGP4 position a minute.
 ///
 /// # Errors
 /// [`OrbitError`] if one of the positions cannot be computed, or velocities are inconsistent with positions.
@@ -118,11 +118,11 @@ fn intervals_near(
     Ok(near)
 }
 
-/// Returns true if a satellite with this state at a time may be in a field within `half_s` of it: along a straight
-/// line, with the largest deviation of the true path.
+/// Returns true if a satellite with this state at a time may be in a field within `half_s` of that time. Its path is
+/// taken as a straight line, with a margin for the deviation of the true path.
 fn passes_by(state: &State<Gcrs>, observer: &ObserverMotion, time_s: f64, half_s: f64, field: &FieldOnSky) -> bool {
     let (there, here) = (*state.position.vector(), *observer.position(time_s).vector());
-    // Both fall by at most ½ g t².
+    // Satellite and observer deviate from straight lines by at most ½ g t².
     let fall_km = |position: &Vector3<f64>| 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
     let slop_km = fall_km(&there) + fall_km(&here) + VELOCITY_SLOP_KM;
     let velocity = state.velocity.vector() - observer.velocity(time_s);

@@ -26,7 +26,7 @@ pub(super) struct ExposedField<'a> {
     pub closed_s: f64,
 }
 
-/// Satellite near one time.
+/// Data of a satellite near one time: its propagator, the Earth's orientation, and the motion of the observer.
 pub(super) struct NearSatellite<'a> {
     pub propagator: &'a Propagator,
     /// Time from the element epoch to the scene's start.
@@ -57,7 +57,8 @@ impl<'a> ExposedField<'a> {
         })
     }
 
-    /// Evaluates all candidates; returns the results, and the satellites without a position. `seen` is a buffer.
+    /// Evaluates all candidates by `of`. Returns the results, and the satellites without a position. `seen` is a buffer
+    /// for candidates.
     pub fn evaluate<T>(
         &self,
         include_dark: bool,

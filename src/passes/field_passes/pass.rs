@@ -1,8 +1,8 @@
-//! The full result for one candidate: crossing, light and probability.
+//! Pass of one candidate satellite: crossing, brightness and probability.
 
 use super::super::candidates::CandidateInterval;
 use super::super::crossing::cross;
-use super::super::probability::{Delays, REACH_SIGMAS, crossing_odds, crossing_probability_in_flight};
+use super::super::probability::{REACH_SIGMAS, crossing_probability_in_flight};
 use super::super::track::{Chord, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
@@ -10,7 +10,7 @@ use crate::frames::seconds_after;
 use crate::orbit::{Lateness, OrbitError, OrbitUncertainty};
 
 impl ExposedField<'_> {
-    /// The pass of one satellite; `None` where it does not cross, or the options exclude it.
+    /// Returns the pass of one satellite; `None` if it does not cross, or the options exclude it.
     pub fn pass(&self, interval: &CandidateInterval, options: &PassOptions) -> Result<Option<Pass>, OrbitError> {
         let &CandidateInterval { element_index, start_s, end_s, .. } = interval;
         let (field, is_in_flight) = (&self.field, self.flight.is_some());
@@ -42,8 +42,9 @@ impl ExposedField<'_> {
             return Ok(None);
         }
         let searched_s = (start_s - lateness.reach_s(), end_s + lateness.reach_s());
-        let probability = match satellite.arc(searched_s.0, searched_s.1) {
-            Ok(wide) if is_in_flight => {
+        let probability = match (satellite.arc(searched_s.0, searched_s.1), self.sky.viewpoint().site()) {
+            (Ok(wide), Some(site)) => self.probability_at_site(site, element_index, &wide, searched_s, sigma),
+            (Ok(wide), None) => {
                 let line = SightLine { arc: &wide, observer: line.observer.clone() };
                 crossing_probability_in_flight(
                     &|time_s, late_s| line.delayed_sight(time_s, late_s),
@@ -53,17 +54,8 @@ impl ExposedField<'_> {
                     cross_track_sigma_rad,
                 )
             }
-            Ok(wide) => {
-                // A satellite that a delay brings into the exposure is seen from the site's position in the exposure.
-                let line =
-                    SightLine { arc: &wide, observer: line.observer.still_outside(self.opened_s, self.closed_s) };
-                let track = |time_s: f64| line.sight(time_s);
-                let nominal = cross(&track, searched_s.0, searched_s.1, field);
-                let delays = Delays { start_s: self.opened_s, end_s: self.closed_s, lateness, only_entering: false };
-                crossing_odds(&track, &nominal, searched_s, &delays, field, cross_track_sigma_rad).probability
-            }
             // SGP4 fails just outside the exposure: the nominal crossing stands, near misses are unknown.
-            Err(_) => f64::from(u8::from(!crossing.chords.is_empty())),
+            (Err(_), _) => f64::from(u8::from(!crossing.chords.is_empty())),
         };
         if crossing.chords.is_empty() && options.min_probability.is_none_or(|least| probability < least) {
             return Ok(None);
@@ -90,15 +82,15 @@ impl ExposedField<'_> {
         }))
     }
 
-    /// Chords in seconds after the shutter opened.
+    /// Converts chords from seconds of the scene to seconds after the shutter opened.
     pub fn after_opening(&self, chords: &[Chord]) -> Vec<Chord> {
         let shifted =
             |chord: &Chord| Chord { enter_s: chord.enter_s - self.opened_s, exit_s: chord.exit_s - self.opened_s };
         chords.iter().map(shifted).collect()
     }
 
-    /// For an observer in orbit: whether errors of the elements can bring a satellite into the field at all, from a few
-    /// positions.
+    /// Returns false if no error of the elements can bring the satellite into the field of an observer in orbit. A few
+    /// positions of the satellite are sufficient for this test.
     fn may_cross(
         &self,
         line: &SightLine<'_>,
@@ -110,7 +102,7 @@ impl ExposedField<'_> {
         loop {
             let sight = line.sight(time_s);
             let (state, _, aspect) = line.aspect_at(time_s);
-            // A late satellite is elsewhere on its curved path, never farther than this.
+            // Bound of the distance between the predicted and the true position, with a margin for the curved path.
             let strayed_km =
                 1.1 * state.velocity.norm_km_s() * lateness.reach_s() + 1.5 * REACH_SIGMAS * sigma.cross_track_km;
             let relative_km_s = sight.rate_s.norm() * aspect.range_km;

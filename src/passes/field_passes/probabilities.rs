@@ -1,19 +1,23 @@
 //! Probability and expected streak length of every satellite that may be in an exposure, near misses included.
 //!
-//! Candidates are searched with the delays and the shifts across the track that their errors allow, delays up to
-//! [`Lateness::LONGEST_S`]. Where older elements allow longer delays, the probability is a lower limit and marked as
-//! such.
+//! Candidates are searched with all delays and shifts across the track that the errors of their elements allow. Delays
+//! beyond [`Lateness::LONGEST_S`](crate::orbit::Lateness::LONGEST_S) are not searched. If elements are so old that
+//! longer delays are probable, the probability is marked as a lower limit.
 //!
-//! A satellite with a delay of seconds or more is evaluated in pieces of ten seconds of the exposure, each with the
-//! site at its position in the middle, because the site moves past many orbit planes (by up to 280 km in ten minutes).
-//! The delays that bring a satellite into the field during different pieces exclude one another: its probability is
-//! that of being in the field during the first piece, plus that of entering it during each of the others. So it never
-//! decreases with the length of the exposure.
+//! The site moves past many orbit planes during an exposure, by up to 280 km in ten minutes. If a satellite may be
+//! delayed by more than a few seconds, the exposure is therefore cut into pieces of ten seconds, and the site is at rest
+//! during each piece, at its position in the middle. A satellite enters the field only once. Its probability is the sum
+//! of the probability that it is in the field during the first piece and of the probabilities that it enters the field
+//! during each of the other pieces. This sum never decreases with the length of the exposure.
 //!
-//! Simplified: orbit planes do not turn during the delay, and chords keep their length while the site moves through a
-//! piece (12 % of a single satellite with a sigma of 17 s, no bias of the sum over many). In exposures longer than a
-//! revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit the passes and near
-//! misses of [`Sky::field_passes`] are summed.
+//! Two effects are neglected: the precession of the orbit plane during the delay, and the change of the chord's length
+//! while the site moves through a piece. The time of entry into the field then changes by more or less than the factor
+//! for a moving site says, and consecutive pieces leave a gap between the delays that they count, or count some twice.
+//! For a satellite with a sigma of 17 s this changes the probability by up to 12 %; the sum over many satellites has no
+//! bias.
+//!
+//! A satellite that returns in an exposure longer than a revolution is counted again; the probability is limited to 1.
+//! For a telescope in orbit, the passes and near misses of [`Sky::field_passes`] are used.
 
 use std::cell::OnceCell;
 
@@ -30,39 +34,40 @@ use super::super::track::{ObserverMotion, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::frames::{Orientation, seconds_after};
-use crate::geometry::Observer;
+use crate::geometry::{Aspect, Observer};
 use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
 
-/// Length of a piece of an exposure, seconds: the site moves by 5 km at most in it, a share of a field of degrees.
+/// Length of a piece of an exposure, seconds. The site moves by at most 5 km in it, which is small compared with the
+/// width of a field of degrees at the distance of satellites.
 const PIECE_S: f64 = 10.0;
-/// Pieces are searched together over this time, seconds.
+/// Length of the parts of an exposure for each of which candidates are searched, seconds.
 const SEARCHED_S: f64 = 60.0;
-/// Where all delays that are searched are shorter, the exposure is not cut into pieces, seconds.
+/// Limit of the longest searched delay, seconds: up to it the exposure is not cut into pieces.
 const ON_TIME_S: f64 = 10.5;
 /// Steps along a path in the search for light.
 const LIGHT_STEPS: u32 = 24;
-/// Least probability of the near misses that are summed for a telescope in orbit.
+/// Least probability of near misses that are included for a telescope in orbit.
 const LEAST_IN_FLIGHT: f64 = 0.01;
 
-/// One satellite that may be in one exposure.
+/// Probability that one satellite is in the field of one exposure, with its expected streak.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct CrossingProbability {
-    /// Position of its element set in the sky's catalogue.
+    /// Index of its element set in the sky's catalogue.
     pub element_index: usize,
     /// Probability that it is in the field at any time of the exposure, (0, 1].
     pub probability: f64,
-    /// Expected length of its streak within the field, radians: the average over all its errors, 0 for those that lead
-    /// past.
+    /// Expected length of its streak within the field, radians: the average over all errors of its position, with length
+    /// 0 for errors with which it misses the field.
     pub streak_length_rad: f64,
-    /// Its distance where its path is nearest to the centre of the field, km.
+    /// Distance of the satellite at the time at which its path is nearest to the centre of the field, km.
     pub range_km: f64,
-    /// True where its elements are so old that longer delays are probable than those that were searched: probability
-    /// and streak length are then lower limits.
+    /// True if the elements are so old that delays beyond the searched ones are probable. Probability and streak length
+    /// are then lower limits.
     pub is_lower_limit: bool,
 }
 
 impl CrossingProbability {
-    /// Of two parts of an exposure, in time order.
+    /// Adds the result of the next part of the same exposure.
     fn plus(self, next: Self) -> Self {
         Self {
             probability: (self.probability + next.probability).min(1.0),
@@ -72,13 +77,14 @@ impl CrossingProbability {
     }
 }
 
-/// A part of an exposure. Times are seconds of the scene.
+/// Part of an exposure. Times are seconds of the scene.
 struct Piece {
     start_s: f64,
     end_s: f64,
-    /// True for all pieces but the first: satellites that are in the field at its start belong to the piece before.
+    /// True for all pieces but the first: satellites that are in the field as the piece begins are counted in the
+    /// previous pieces.
     only_entering: bool,
-    /// In its middle.
+    /// Orientation of the Earth in the middle of the piece.
     orientation: Orientation,
     site: ObserverMotion,
 }
@@ -90,14 +96,14 @@ impl Piece {
 }
 
 impl Sky {
-    /// Every satellite that may be in each exposure while the Sun shines on it, with its probability; by exposure, in
-    /// catalogue order.
+    /// Returns the satellites that may be in the field of each exposure while they are sunlit, with their probabilities;
+    /// by exposure, in catalogue order.
     ///
-    /// With fresh elements these are little more than the nominal crossings. With elements weeks old they are all
-    /// satellites that come by within minutes, each with a small probability.
+    /// With fresh elements these are the predicted crossings and few others. With elements that are weeks old, they are
+    /// all satellites that pass near the field within minutes of the exposure, each with a small probability.
     ///
     /// # Errors
-    /// As [`Sky::field_passes`].
+    /// The errors of [`Sky::field_passes`].
     pub fn crossing_probabilities(
         &self,
         exposures: &[Exposure],
@@ -154,20 +160,10 @@ impl Sky {
 }
 
 impl ExposedField<'_> {
-    /// All satellites that may be in the exposure. `seen` is a buffer.
+    /// Returns the probabilities of all satellites that may be in the exposure. `seen` is a buffer for candidates.
     fn probabilities(&self, observer: &Observer, seen: &mut Vec<Candidate>) -> Vec<CrossingProbability> {
-        // From the opening on, so that a longer exposure begins with the same pieces.
-        let cut = |start_s: f64, end_s: f64, length_s: f64| -> Vec<Piece> {
-            let count = ((end_s - start_s) / length_s).ceil().max(1.0) as u32;
-            (0..count)
-                .map(|number| {
-                    let from_s = start_s + length_s * f64::from(number);
-                    self.piece(observer, from_s, end_s.min(from_s + length_s), from_s > self.opened_s)
-                })
-                .collect()
-        };
-        let parts = cut(self.opened_s, self.closed_s, SEARCHED_S);
-        // Only late satellites need the pieces.
+        let parts = self.cut(observer, self.opened_s, self.closed_s, SEARCHED_S);
+        // The pieces are needed for late satellites only.
         let pieces: Vec<OnceCell<Vec<Piece>>> = parts.iter().map(|_| OnceCell::new()).collect();
         let shadow = self.sky.dark_cone(self.scene, self.exposure);
         seen.clear();
@@ -184,8 +180,7 @@ impl ExposedField<'_> {
         }
         seen.retain(|candidate| !candidate.is_dark);
         seen.sort_unstable_by_key(|candidate| (candidate.element_index, candidate.cone));
-        let mut whole = self.piece(observer, self.opened_s, self.closed_s, false);
-        whole.site = whole.site.still_outside(whole.start_s, whole.end_s);
+        let whole = self.whole(observer);
         let mid = seconds_after(self.scene.start, whole.mid_s());
         let of_one = |candidates: &[Candidate]| {
             let element_index = candidates[0].element_index as usize;
@@ -198,16 +193,63 @@ impl ExposedField<'_> {
             if sigma.lateness.reach_s() < ON_TIME_S {
                 let all_s =
                     candidates.iter().map(near_s).reduce(|one, next| [one[0].min(next[0]), one[1].max(next[1])]);
-                return self.probability_in(std::slice::from_ref(&whole), observer, element_index, all_s?, sigma);
+                return self.sunlit_probability(std::slice::from_ref(&whole), observer, element_index, all_s?, sigma);
             }
             let of_parts = candidates.iter().filter_map(|one| {
                 let part = one.cone as usize;
-                let pieces = pieces[part].get_or_init(|| cut(parts[part].start_s, parts[part].end_s, PIECE_S));
-                self.probability_in(pieces, observer, element_index, near_s(one), sigma)
+                let pieces =
+                    pieces[part].get_or_init(|| self.cut(observer, parts[part].start_s, parts[part].end_s, PIECE_S));
+                self.sunlit_probability(pieces, observer, element_index, near_s(one), sigma)
             });
             of_parts.reduce(CrossingProbability::plus)
         };
         seen.chunk_by(|one, other| one.element_index == other.element_index).filter_map(of_one).collect()
+    }
+
+    /// Probability that a satellite, sunlit or not, is in the field at any time of the exposure, for an observer at a
+    /// site.
+    ///
+    /// Only predicted times within `searched_s`, which `arc` covers, are considered: one pass of the satellite, extended
+    /// on both sides by the longest delay.
+    pub(super) fn probability_at_site(
+        &self,
+        observer: &Observer,
+        element_index: usize,
+        arc: &OrbitArc,
+        searched_s: (f64, f64),
+        sigma: OrbitUncertainty,
+    ) -> f64 {
+        let pieces = if sigma.lateness.reach_s() < ON_TIME_S {
+            vec![self.whole(observer)]
+        } else {
+            self.cut(observer, self.opened_s, self.closed_s, PIECE_S)
+        };
+        let of_piece = |piece: &Piece| {
+            let reach_s = sigma.lateness.reach_s();
+            let (from_s, to_s) = (searched_s.0.max(piece.start_s - reach_s), searched_s.1.min(piece.end_s + reach_s));
+            if from_s > to_s {
+                return None;
+            }
+            self.probability_in(piece, element_index, arc, [from_s, to_s], sigma, |_, _| true)
+        };
+        pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus).map_or(0.0, |one| one.probability)
+    }
+
+    /// Cuts a part of the exposure into pieces from its start on, so that a longer exposure begins with the same pieces.
+    fn cut(&self, observer: &Observer, start_s: f64, end_s: f64, length_s: f64) -> Vec<Piece> {
+        let count = ((end_s - start_s) / length_s).ceil().max(1.0) as u32;
+        let piece = |number: u32| {
+            let from_s = start_s + length_s * f64::from(number);
+            self.piece(observer, from_s, end_s.min(from_s + length_s), from_s > self.opened_s)
+        };
+        (0..count).map(piece).collect()
+    }
+
+    /// Returns the exposure as one piece, during which the site moves.
+    fn whole(&self, observer: &Observer) -> Piece {
+        let mut whole = self.piece(observer, self.opened_s, self.closed_s, false);
+        whole.site = whole.site.still_outside(whole.start_s, whole.end_s);
+        whole
     }
 
     fn piece(&self, observer: &Observer, start_s: f64, end_s: f64, only_entering: bool) -> Piece {
@@ -218,9 +260,9 @@ impl ExposedField<'_> {
         Piece { start_s, end_s, only_entering, orientation, site }
     }
 
-    /// One satellite in some pieces, its predicted track being near the field during `near_s`; `None` where it cannot
-    /// be in the field, or is dark.
-    fn probability_in(
+    /// Probability of a satellite in some pieces, counted while it is sunlit and above the ground. Its predicted track is
+    /// near the field from `from_s` to `to_s`. `None` if it cannot be in the field or has no position.
+    fn sunlit_probability(
         &self,
         pieces: &[Piece],
         observer: &Observer,
@@ -232,55 +274,68 @@ impl ExposedField<'_> {
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let teme_to_gcrs = &pieces[pieces.len() / 2].orientation.teme_to_gcrs;
         let arc = OrbitArc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs).ok()?;
-        let is_late = sigma.lateness.reach_s() >= ON_TIME_S;
-        let of = |piece: &Piece| {
-            let still =
-                if is_late { piece.site.still_outside(piece.mid_s(), piece.mid_s()) } else { piece.site.clone() };
-            let line = SightLine { arc: &arc, observer: still };
-            let track = |time_s: f64| line.sight(time_s);
-            let nominal = cross(&track, from_s, to_s, &self.field);
-            let (state, _, aspect) = line.aspect_at(nominal.closest_s);
-            let cross_track_rad = sigma.cross_track_km / aspect.range_km;
-            if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * cross_track_rad {
-                return None;
-            }
-            let sine_of_altitude = observer.state(&piece.orientation).sine_of_altitude(&aspect.geometric);
-            if sine_of_altitude < LOWEST_ALTITUDE_RAD.sin()
-                || !self.is_lit(piece, &arc, &nominal, (from_s, to_s), aspect.range_km)
-            {
-                return None;
-            }
-            // The site, moving along with a satellite of velocity v at right angles to the line of sight, delays its
-            // entry by u·v / v² of the time: so much fewer enter in a piece.
-            let carried = if is_late {
-                let sight = aspect.direction.vector();
-                let across = state.velocity.vector() - sight * state.velocity.vector().dot(sight);
-                line.observer.velocity(piece.mid_s()).dot(&across) / across.norm_squared().max(1e-12)
-            } else {
-                0.0
+        let of_piece = |piece: &Piece| {
+            let is_visible = |nominal: &Crossing, nearest: &Aspect| {
+                observer.state(&piece.orientation).sine_of_altitude(&nearest.geometric) >= LOWEST_ALTITUDE_RAD.sin()
+                    && self.is_lit(piece, &arc, nominal, (from_s, to_s), nearest.range_km)
             };
-            let half_s = 0.5 * (piece.end_s - piece.start_s) * (1.0 - carried).abs();
-            let lateness = sigma.lateness;
-            let delays = Delays {
-                start_s: piece.mid_s() - half_s,
-                end_s: piece.mid_s() + half_s,
-                lateness,
-                only_entering: piece.only_entering,
-            };
-            let odds = crossing_odds(&track, &nominal, (from_s, to_s), &delays, &self.field, cross_track_rad);
-            (odds.probability > 0.0).then_some(CrossingProbability {
-                element_index,
-                probability: odds.probability.min(1.0),
-                streak_length_rad: odds.streak_length_rad,
-                range_km: aspect.range_km,
-                is_lower_limit: lateness.is_cut(),
-            })
+            self.probability_in(piece, element_index, &arc, [from_s, to_s], sigma, is_visible)
         };
-        pieces.iter().filter_map(of).reduce(CrossingProbability::plus)
+        pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus)
     }
 
-    /// True where the Sun as it is during the piece shines on the path anywhere within the field, or, for a path beside
-    /// it, where it passes by.
+    /// Probability of a satellite in one piece; `None` if it cannot be in the field, or if `is_visible` rejects its
+    /// predicted crossing, given with its position where it is nearest to the centre of the field.
+    fn probability_in(
+        &self,
+        piece: &Piece,
+        element_index: usize,
+        arc: &OrbitArc,
+        [from_s, to_s]: [f64; 2],
+        sigma: OrbitUncertainty,
+        is_visible: impl Fn(&Crossing, &Aspect) -> bool,
+    ) -> Option<CrossingProbability> {
+        let is_late = sigma.lateness.reach_s() >= ON_TIME_S;
+        let still = if is_late { piece.site.still_outside(piece.mid_s(), piece.mid_s()) } else { piece.site.clone() };
+        let line = SightLine { arc, observer: still };
+        let track = |time_s: f64| line.sight(time_s);
+        let nominal = cross(&track, from_s, to_s, &self.field);
+        let (state, _, aspect) = line.aspect_at(nominal.closest_s);
+        let cross_track_rad = sigma.cross_track_km / aspect.range_km;
+        if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * cross_track_rad
+            || !is_visible(&nominal, &aspect)
+        {
+            return None;
+        }
+        // A site that moves along with the satellite delays the entry. In the time dt the entry is delayed by
+        // dt u·v / v², with the velocity u of the site and the velocity v of the satellite across the line of sight.
+        let carried = if is_late {
+            let sight = aspect.direction.vector();
+            let across = state.velocity.vector() - sight * state.velocity.vector().dot(sight);
+            line.observer.velocity(piece.mid_s()).dot(&across) / across.norm_squared().max(1e-12)
+        } else {
+            0.0
+        };
+        let half_s = 0.5 * (piece.end_s - piece.start_s) * (1.0 - carried).abs();
+        let lateness = sigma.lateness;
+        let delays = Delays {
+            start_s: piece.mid_s() - half_s,
+            end_s: piece.mid_s() + half_s,
+            lateness,
+            only_entering: piece.only_entering,
+        };
+        let odds = crossing_odds(&track, &nominal, (from_s, to_s), &delays, &self.field, cross_track_rad);
+        (odds.probability > 0.0).then_some(CrossingProbability {
+            element_index,
+            probability: odds.probability.min(1.0),
+            streak_length_rad: odds.streak_length_rad,
+            range_km: aspect.range_km,
+            is_lower_limit: lateness.is_cut(),
+        })
+    }
+
+    /// Returns true if the Sun shines on any point of the path within the field, with the Sun's position in the middle of
+    /// the piece. For a path that misses the field, the points nearest to the field are tested.
     fn is_lit(
         &self,
         piece: &Piece,

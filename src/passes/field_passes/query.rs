@@ -51,8 +51,8 @@ impl Sky {
     }
 
     /// Computes the passes of [`Sky::field_passes`] without the search: SGP4 is evaluated for every satellite over the
-    /// whole time. This is the reference for the search, thousands of times slower. Only here near misses of fields
-    /// below the ground are included.
+    /// whole time. This is the reference for the search, and thousands of times slower. Unlike the search, it includes
+    /// near misses of fields below the ground.
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].
@@ -81,8 +81,8 @@ impl Sky {
             .collect()
     }
 
-    /// Evaluates each exposure with the scene of its group, on all threads. Returns the results by exposure, and the
-    /// satellites without a position.
+    /// Evaluates each exposure by `of`, on all threads; exposures of one group share a scene. Returns the results by
+    /// exposure, and the satellites without a position.
     pub(super) fn by_exposure<T: Send>(
         &self,
         exposures: &[Exposure],

@@ -1,33 +1,33 @@
 //! Delays that bring a satellite into an exposure, for one track through a field.
 //!
-//! A satellite that is late by δ is at time t where it was predicted for t - δ. It is in the field during [start, end]
-//! if it was predicted in it during the chord [a, b] and start - b ≤ δ ≤ end - a.
+//! A satellite that is late by δ is at time t where it was predicted for t - δ. If its predicted track is in the field
+//! during the chord [a, b], the satellite is in the field at some time of [start, end] if start - b ≤ δ ≤ end - a.
 
 use super::super::track::Chord;
 use crate::orbit::Lateness;
 
-/// Expectation for one satellite in one exposure.
+/// Probability and expected streak of one satellite in one exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(in crate::passes) struct Odds {
-    /// Probability that it is inside the field at any time.
+    /// Probability that the satellite is inside the field at any time of the exposure.
     pub probability: f64,
-    /// Length of its streak averaged over all errors, those that lead past the field counting as 0; radians.
+    /// Length of its streak averaged over all errors, radians; 0 for errors with which it misses the field.
     pub streak_length_rad: f64,
 }
 
-/// The delays of one satellite in one exposure.
+/// Distribution of the delay of one satellite, with the interval of the exposure.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::passes) struct Delays {
     pub start_s: f64,
     pub end_s: f64,
     pub lateness: Lateness,
-    /// With `true` only delays count by which the satellite enters the field while the shutter is open, not those by
-    /// which it is inside as it opens.
+    /// If true, only delays with which the satellite enters the field after `start_s` are counted, not those with which
+    /// it is inside the field at `start_s`.
     pub only_entering: bool,
 }
 
 impl Delays {
-    /// For the chords of a track.
+    /// Returns probability and expected streak length for the chords of a track. `length_rad` is the length of a chord.
     pub fn odds(&self, chords: &[Chord], length_rad: impl Fn(&Chord) -> f64) -> Odds {
         let streak_length_rad = chords
             .iter()
@@ -39,8 +39,8 @@ impl Delays {
         Odds { probability: self.probability(chords), streak_length_rad }
     }
 
-    /// Share of delays that bring one of the chords into the exposure. Delays of neighbouring chords are joined. A
-    /// satellite enters the field once, at the begin of its first chord.
+    /// Returns the probability of the delays with which the satellite is on one of the chords during the exposure.
+    /// Overlapping ranges of delays are joined. A satellite enters the field once, at the begin of its first chord.
     fn probability(&self, chords: &[Chord]) -> f64 {
         if self.only_entering {
             let enters_s = chords.iter().map(|chord| chord.enter_s).min_by(f64::total_cmp);
@@ -59,7 +59,7 @@ impl Delays {
         total
     }
 
-    /// Time that a chord spends inside the exposure, averaged over all delays, seconds.
+    /// Returns the time that the satellite spends on a chord during the exposure, averaged over all delays, seconds.
     fn expected_stay_s(&self, chord: &Chord) -> f64 {
         // ∫₀ᵀ dt [P(δ ≤ t - a) - P(δ ≤ t - b)]
         let over = |edge_s: f64| {

@@ -1,5 +1,5 @@
-//! Probability of a crossing seen from an orbit, where a late satellite takes another way through the field, not the
-//! same one later.
+//! Probability of a crossing for an observer in orbit. The observer moves so fast that a late satellite crosses the field
+//! on another path than the predicted one.
 
 use super::super::crossing::{cross, cross_samples, sample};
 use super::super::field::FieldOnSky;
@@ -7,17 +7,18 @@ use super::super::track::Sight;
 use super::odds::{GAUSS_HERMITE, shifted_across};
 use crate::orbit::Lateness;
 
-/// Delays that are tried for an observer in orbit.
+/// Number of delays at which the distribution of the delay is sampled.
 const TRIED_DELAYS: usize = 81;
 
 /// Probability that the satellite is inside the field at any time of an exposure.
 ///
-/// `track` gives the line of sight at a time to a satellite with a delay, both in seconds. Delays are tried in equal
-/// steps, each with the share of the distribution around it, except those between two that both miss the field by so
-/// much that none between them meets it. Good to a few hundredths where the field is wider than the error across the
-/// track. Where it is narrower, five shifts represent all: the probability of one satellite is then one of a few fixed
-/// numbers (0.53 instead of 0.38 for a track through the middle of a field of half the error), and only sums over many
-/// are right.
+/// `track` returns the line of sight at a time to a satellite with a delay, both in seconds. The distribution of the
+/// delay is divided into equal steps. Delays between two that both miss the field by a wide margin are skipped.
+///
+/// The result is accurate to a few hundredths if the field is wider than the error across the track. The error across
+/// the track is represented by five shifts. For narrower fields, the probability of one satellite is therefore one of a
+/// few fixed numbers (0.53 instead of 0.38 for a track through the middle of a field half as wide as the error), and only
+/// sums over many satellites are accurate.
 pub(in crate::passes) fn crossing_probability_in_flight(
     track: &impl Fn(f64, f64) -> Sight,
     (start_s, end_s): (f64, f64),
@@ -35,7 +36,7 @@ pub(in crate::passes) fn crossing_probability_in_flight(
     let share = |delay: usize| lateness.share(delay_s(delay) - 0.5 * step_s, delay_s(delay) + 0.5 * step_s);
     let (first, last) = (late.at(delay_s(0)), late.at(delay_s(TRIED_DELAYS - 1)));
     let mut total = share(0) * first.share + share(TRIED_DELAYS - 1) * last.share;
-    // Halved again and again where the satellite may meet the field at a delay between two that were tried.
+    // Each gap between two tried delays is halved until no delay in it leads into the field.
     let mut gaps = vec![(0, first, TRIED_DELAYS - 1, last)];
     while let Some((from, before, to, after)) = gaps.pop() {
         if to - from < 2 || late.misses_between(&before, &after) {
@@ -52,25 +53,25 @@ pub(in crate::passes) fn crossing_probability_in_flight(
 
 /// Delayed tracks of one satellite past one field.
 struct DelayedTracks<'a, T> {
-    /// Function of time and delay.
+    /// Line of sight as a function of time and delay, seconds.
     track: &'a T,
     exposure_s: (f64, f64),
     field: &'a FieldOnSky<'a>,
     cross_track_sigma_rad: f64,
 }
 
-/// One delay that was tried.
+/// Result for one tried delay.
 #[derive(Clone)]
 struct Tried {
     late_s: f64,
     samples: Vec<(f64, Sight)>,
     closest_rad: f64,
-    /// Share of the errors across the track that lead through the field.
+    /// Probability of the shifts across the track with which the satellite crosses the field.
     share: f64,
 }
 
-/// Bound of the distance of a satellite at a delay between two from its positions at both, as a multiple of their
-/// distance.
+/// Margin for the curvature of the path: at a delay between two others, a satellite is no farther from its positions at
+/// these than this multiple of the distance between them.
 const STRAYING: f64 = 1.1;
 
 impl<T: Fn(f64, f64) -> Sight> DelayedTracks<'_, T> {
@@ -101,7 +102,7 @@ impl<T: Fn(f64, f64) -> Sight> DelayedTracks<'_, T> {
         Tried { late_s, samples, closest_rad, share }
     }
 
-    /// True where no delay between two leads into the field, whatever the error across the track.
+    /// Returns true if no delay between two leads into the field, with any shift across the track.
     fn misses_between(&self, before: &Tried, after: &Tried) -> bool {
         let widest_shift_rad = GAUSS_HERMITE.iter().fold(0.0, |most: f64, (node, _)| most.max(node.abs()));
         let clear_rad = before.closest_rad.min(after.closest_rad)

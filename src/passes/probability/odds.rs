@@ -2,8 +2,9 @@
 //!
 //! The error of the predicted position is taken as a shift in time along the track (`along_track_s`) and an independent
 //! shift across it (Gaussian, `cross_track_rad` as seen by the observer); both are constant over the exposure. A
-//! satellite that is late by δ is at time t where it was predicted for t - δ. The track shifted across by x meets the
-//! field during chords [a, b] of its own time, so it crosses the exposure [0, T] when -b ≤ δ ≤ T - a:
+//! satellite that is late by δ is at time t where it was predicted for t - δ. The track shifted across by x is in the
+//! field during the chords [a, b] of predicted time, so the satellite is in the field during the exposure [0, T] if
+//! -b ≤ δ ≤ T - a:
 //!
 //! P = ∫ dx N(x; σ_c) Σ_chords [F(T - a) - F(-b)]
 //!
@@ -11,10 +12,10 @@
 //!
 //! ∫ dx N(x; σ_c) Σ_chords ∫₀ᵀ dt [F(t - a) - F(t - b)]
 //!
-//! The integrals over δ and t are exact. That over x is a Gauss-Hermite sum where the field is wide against the error
-//! across the track, else a Gauss-Legendre sum over the shifts that lead through the field. Before the shutter opens
-//! and after it closes the site stands still, so that a satellite brought in by its delay is seen from the right
-//! position.
+//! The integrals over δ and t are exact. The integral over x is a Gauss-Hermite sum if the field is wide compared with
+//! the error across the track, else a Gauss-Legendre sum over the shifts that lead through the field. `track` must be
+//! seen from a site that is at rest before the shutter opens and after it closes, because a satellite that is delayed
+//! into the exposure is seen from the site's position during the exposure.
 
 use nalgebra::Vector3;
 
@@ -25,7 +26,7 @@ use super::delays::{Delays, Odds};
 
 /// Largest shift across the track that is searched, in sigmas.
 pub(in crate::passes) const REACH_SIGMAS: f64 = 3.5;
-/// Errors across the track beyond this share of the field's radius are too wide for five nodes.
+/// Largest error across the track for the Gauss-Hermite rule of five nodes, as a fraction of the field's radius.
 const WIDE_SHARE: f64 = 0.3;
 
 /// Nodes and weights of the five-point Gauss-Hermite rule for a unit normal distribution (Abramowitz & Stegun, table
@@ -49,8 +50,8 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 
 /// Probability and expected streak length of one satellite.
 ///
-/// `track` is the predicted track over `searched_s`, the part that may lead through the field with any of the delays
-/// and shifts; `nominal` is its crossing, `sigma_rad` the error across it.
+/// `track` is the predicted track. `searched_s` is the part of it that any delay or shift may bring into the field,
+/// `nominal` its crossing without a shift, `sigma_rad` the error across the track.
 pub(in crate::passes) fn crossing_odds(
     track: &impl Fn(f64) -> Sight,
     nominal: &Crossing,
@@ -87,7 +88,7 @@ pub(in crate::passes) fn crossing_odds(
             add(node * sigma_rad, weight);
         }
     } else {
-        // Shifts on both sides of the one through the centre that lead through the field.
+        // Shifts that lead through the field: those within its radius of the shift that leads through its centre.
         let through_rad = across(&track(nominal.closest_s)).map_or(0.0, |across| field.centre().dot(&across));
         let low_rad = (through_rad - radius_rad).max(-REACH_SIGMAS * sigma_rad);
         let high_rad = (through_rad + radius_rad).min(REACH_SIGMAS * sigma_rad);
@@ -108,12 +109,12 @@ pub(in crate::passes) fn crossing_odds(
     total
 }
 
-/// Unit vector across the track; `None` where it stands still.
+/// Returns the unit vector across the track; `None` if the line of sight is at rest.
 fn across(sight: &Sight) -> Option<Vector3<f64>> {
     sight.vector.cross(&sight.rate_s).try_normalize(0.0)
 }
 
-/// The angle between the ends of a chord, radians.
+/// Returns a function that computes the angle between the ends of a chord, radians.
 fn length_on(track: &impl Fn(f64) -> Sight) -> impl Fn(&Chord) -> f64 {
     move |chord| {
         let (enter, exit) = (track(chord.enter_s).vector, track(chord.exit_s).vector);
@@ -121,7 +122,7 @@ fn length_on(track: &impl Fn(f64) -> Sight) -> impl Fn(&Chord) -> f64 {
     }
 }
 
-/// A line of sight shifted on the sky at right angles to the track.
+/// Returns a line of sight that is shifted on the sky at right angles to the track.
 pub(super) fn shifted_across(sight: &Sight, shift_rad: f64) -> Sight {
     let unit = sight.vector.normalize();
     let across = unit.cross(&sight.rate_s);

@@ -1,5 +1,5 @@
-//! Frames in files: `target_frame` (a frame into which streaks are injected), `synthetic` (a simulated frame, its
-//! exposure in `synthetic_shot`) with `star_trails`, `write` (a copy with streaks).
+//! Frames in files. `target_frame` reads a frame into which streaks are injected, `write` writes the copy with streaks.
+//! `synthetic` simulates a frame with the exposure of `synthetic_shot`, `star_trails` its trailed stars.
 
 mod star_trails;
 mod synthetic;

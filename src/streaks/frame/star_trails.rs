@@ -23,10 +23,10 @@ pub(super) struct SkyStar {
     pub over_s: [f64; 2],
 }
 
-/// Distance of stars, which are in focus at any such distance.
+/// Distance of stars, km: any distance so large that they are in focus.
 const RANGE_KM: f64 = 1e15;
 
-/// Samples of a trail, enough for a cubic through four of them if the telescope turns by tens of degrees.
+/// Number of points of a trail: enough for cubic interpolation even if the telescope turns by tens of degrees.
 const MOMENTS: u32 = 16;
 
 /// Largest mean number of stars that trail over a frame.
@@ -37,8 +37,9 @@ const TRAILS_AT_ONCE: usize = 256;
 
 /// Draws random stars that pass over the chip, or within `reach_pix` of it, at any time of the exposure.
 ///
-/// They are drawn uniformly in a strip along their motion, as wide as the chip's diagonal and longer by the trail; the
-/// direction of each is that at the time at which it is nearest to the chip's middle.
+/// The stars are distributed uniformly in a strip along their motion. It is as wide as the chip's diagonal, and longer
+/// by the length of a trail. The position of each star on the sky is computed from its place in the strip, for the time
+/// at which it is nearest to the middle of the chip.
 ///
 /// # Errors
 /// The errors of [`RandomStars::draw`], and more than a million expected stars.
@@ -80,8 +81,8 @@ pub(super) fn draw_stars(
     Ok(field.draw(rows, columns, 0.0, shot.seed)?.into_iter().filter_map(on_sky).collect())
 }
 
-/// Adds the trails of stars, each with constant brightness. `chip` counts electrons: one in the exposure for a star of
-/// magnitude 0.
+/// Adds the trails of stars, each with constant brightness, to the light of a frame. The unit of `chip` is the electron:
+/// a star of magnitude 0 gives one electron in the exposure.
 ///
 /// # Errors
 /// An invalid path, or a star over the frame that is too bright.

@@ -59,7 +59,7 @@ pub struct SyntheticFrame {
     /// Detector that converts electrons to counts.
     #[serde(default)]
     pub detector: Detector,
-    /// True for tiles compressed by RICE; whole counts are kept exactly.
+    /// If true, the frame is written in tiles compressed by RICE, which keeps whole counts exactly.
     #[serde(default)]
     pub compress: bool,
 }
@@ -105,7 +105,7 @@ impl SyntheticFrame {
         Ok(self.detector.validate().map_err(|error| error.at("synthetic frame"))?)
     }
 
-    /// Computes the light of sky and stars through the detector, and the world coordinates.
+    /// Computes the counts of sky and stars after the detector, and the world coordinates of the frame.
     ///
     /// # Errors
     /// Values out of range and invalid lists of stars.
@@ -166,8 +166,8 @@ impl SyntheticFrame {
         })
     }
 
-    /// Writes the frame with the cards read by [`crate::streaks::TargetFrame`]: world coordinates, exposure, zero
-    /// point, gain.
+    /// Writes the frame with cards for world coordinates, exposure, zero point and gain, from which
+    /// [`crate::streaks::TargetFrame`] opens it.
     ///
     /// # Errors
     /// Values out of range, invalid lists of stars, and files that cannot be written; no partial file remains.

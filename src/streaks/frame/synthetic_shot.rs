@@ -1,4 +1,4 @@
-//! Exposure of a synthetic frame, and its errors.
+//! Exposure of a synthetic frame.
 
 use hifitime::Epoch;
 

@@ -20,7 +20,7 @@ pub struct FrameOverrides {
     pub duration_s: Option<f64>,
     /// Only these HDUs; all images with world coordinates if empty.
     pub hdus: Vec<usize>,
-    /// Zero point, and its basis.
+    /// Zero point, mag, and the counts to which it refers.
     pub zero_point: Option<(f64, CountBasis)>,
     /// Electrons per count.
     pub gain_e_adu: Option<f64>,
@@ -28,7 +28,7 @@ pub struct FrameOverrides {
     pub pixel_scale_arcsec: Option<f64>,
 }
 
-/// Chip with the data for noise.
+/// Chip of a frame, with the values of its header that determine noise and saturation.
 #[derive(Clone, Debug)]
 pub struct TargetChip {
     /// Pixels, world coordinates and count scale.
@@ -128,7 +128,7 @@ fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, Im
         hdus.dedup();
         for &hdu in &hdus {
             file.header(hdu)?;
-            // Fails with the kind of an HDU that is not an image.
+            // Rejects an HDU that is not an image.
             file.image_size(hdu)?;
         }
         return Ok(hdus);
@@ -194,7 +194,7 @@ fn target_chip(
         }
     };
     let scale = match basis {
-        // In a frame with units per second both bases are the same.
+        // In a frame in counts per second, both definitions of the zero point are the same.
         CountBasis::Second if calibration.is_rate => CountScale::of_frame(mag, exposure_s),
         CountBasis::Frame => CountScale::of_frame(mag, exposure_s),
         CountBasis::Second => CountScale::of_counts_per_second(mag, exposure_s),
@@ -205,7 +205,7 @@ fn target_chip(
     let name = info.name.clone();
     let light_area = LightArea::from_header(file.header(hdu)?, rows, columns);
     let is_flux = calibration.pixel_unit == PixelUnit::Flux;
-    // The gain in the header of a frame in electrons or in a flux is that of the original counts.
+    // The header of a frame in electrons, or in a calibrated flux, often keeps the gain of the raw counts.
     let gain_e_adu = overrides.gain_e_adu.or(match calibration.pixel_unit {
         PixelUnit::Electrons => Some(1.0),
         PixelUnit::Flux => None,

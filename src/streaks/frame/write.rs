@@ -20,15 +20,15 @@ pub struct InjectOptions {
     /// If true, adds photon noise if the gain is known, and limits pixels to their saturation level if that is known;
     /// if false, adds the light only.
     pub noise: bool,
-    /// Custom detector, used instead of the stages implied by the header. Its gain is ignored: that of the frame
-    /// applies ([`TargetChip::electrons_per_unit`]).
+    /// Custom detector, used instead of the detector stages that the header implies. Its gain is ignored; the gain of the
+    /// frame is used ([`TargetChip::electrons_per_unit`]).
     pub detector: Option<Detector>,
-    /// Seed of the noise: the result depends on it.
+    /// Seed of the noise. The same seed gives the same frame.
     pub seed: u64,
     /// Bits of the masks.
     pub planes: MaskPlanes,
-    /// If true, writes masks and truth tables to the file, and the variance of the light to its plane of variances, if
-    /// any.
+    /// If true, masks and truth tables are appended to the file, and the variance of the light is added to the plane of
+    /// variances if the file has one.
     pub write_truth: bool,
     /// Lines of HISTORY that describe the injection.
     pub history: Vec<String>,
@@ -122,8 +122,8 @@ fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
     })
 }
 
-/// Returns the quantisation of a frame of whole counts: light of less than a count is rounded at random, not to zero.
-/// Not used for 32-bit counts, which are beyond single precision and for which rounding is negligible.
+/// Returns the quantisation of a frame of whole counts, with which light of less than a count is rounded at random, not
+/// to zero. It is not used for 32-bit counts, which exceed single precision and for which rounding is negligible.
 fn quantisation(target: &TargetChip) -> Option<Quantisation> {
     let (least_adu, greatest_adu) = target.whole_range?;
     (greatest_adu <= 65_535.0 && least_adu >= -65_536.0).then_some(Quantisation { least_adu, greatest_adu })

@@ -18,7 +18,7 @@ pub struct ArrayInjected {
     pub injections: Injections,
 }
 
-/// Image in memory written as a file: the result is identical to that of a file.
+/// Image in memory, written to a temporary file for the injection, so that the result is identical to that for a file.
 #[derive(Debug)]
 pub struct ArrayFrame<'a> {
     image: &'a ImageValues,

@@ -9,12 +9,12 @@ use crate::images::HduKind;
 use crate::output::ScratchFolder;
 
 pub struct Frames<'a> {
-    /// Existing frames; of synthetic frames only the first, which has the time and centre of all.
+    /// Existing frames. Of synthetic frames only the first, since all have the same time and centre.
     known: Vec<TargetFrame>,
     maker: Option<SyntheticMaker<'a>>,
 }
 
-/// SyntheticMaker of synthetic frames.
+/// Creates synthetic frames in temporary files.
 struct SyntheticMaker<'a> {
     synthetic: &'a SyntheticPlan,
     plan: &'a InjectionPlan,
@@ -25,7 +25,7 @@ struct SyntheticMaker<'a> {
 impl<'a> Frames<'a> {
     pub fn open(plan: &'a InjectionPlan, outputs: &[PathBuf]) -> Result<Self, StreaksError> {
         let Some(synthetic) = &plan.synthetic else {
-            let open = |path: &PathBuf| Ok(TargetFrame::open(path, &plan.overrides)?);
+            let open = |path: &PathBuf| TargetFrame::open(path, &plan.overrides);
             return Ok(Self { known: plan.images.iter().map(open).collect::<Result<_, StreaksError>>()?, maker: None });
         };
         let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
@@ -64,7 +64,7 @@ impl<'a> Frames<'a> {
         Ok(())
     }
 
-    /// Calls a function with one frame.
+    /// Calls a function with one frame. A synthetic frame is created before the call and removed after it.
     pub fn with_frame<T>(
         &self,
         index: usize,
@@ -102,6 +102,6 @@ impl SyntheticMaker<'_> {
             seed,
         };
         synthetic.write(&shot, &path).map_err(|error| error.at("synthetic frame"))?;
-        Ok(TargetFrame::open(&path, &self.overrides)?)
+        TargetFrame::open(&path, &self.overrides)
     }
 }

@@ -17,7 +17,7 @@ use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Radius of random lights, that of a small satellite, m.
+/// Radius of random lights, m: that of a small satellite.
 const RANDOM_RADIUS_M: f64 = 1.0;
 
 /// Sky over the frames, with its provenance.
@@ -80,8 +80,8 @@ fn random_sources(
         number => number,
     };
     let streaks = RandomStreaks { number, ..random.streaks };
-    // Drawn in the frame's own coordinates, so that streaks cross it whatever the tracking; tracks extend across the
-    // whole frame.
+    // The tracks are drawn in the coordinates of the frame, so that they cross it with any tracking, and extend across
+    // the whole frame.
     let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, |drawn, _| direction_on(chips(), drawn));
     let tracking = plan.tracking(frame.exposure_s);
     let source = |(number, mut track): (usize, SkyTrack)| {

@@ -16,7 +16,7 @@ use crate::photometry::{Band, MagSystem, PhotometryOptions};
 /// Frames, light, optics, detector and truth of an injection.
 #[derive(Clone, Debug)]
 pub struct InjectionPlan {
-    /// Frames on file; none if they are synthetic.
+    /// Frames in files; empty for synthetic frames.
     pub images: Vec<PathBuf>,
     /// Synthetic frames.
     pub synthetic: Option<SyntheticPlan>,
@@ -28,7 +28,7 @@ pub struct InjectionPlan {
     pub random: Option<RandomPlan>,
     /// Changes of brightness.
     pub modulation: Modulation,
-    /// Chassis and solar array as two lights.
+    /// If true, chassis and solar array are drawn as two lights.
     pub resolve_panels: bool,
     /// Image of a star.
     pub optics: Optics,
@@ -44,7 +44,7 @@ pub struct InjectionPlan {
     pub band_of_filter: bool,
     /// Zero point of the magnitudes; that of the band if omitted.
     pub mag_system: Option<MagSystem>,
-    /// Photon noise of the added electrons.
+    /// If true, photon noise of the added electrons is drawn.
     pub noise: bool,
     /// Seed.
     pub seed: u64,
@@ -90,8 +90,8 @@ impl InjectionPlan {
         })
     }
 
-    /// Returns the photometry of a frame: in the given band, else in that of the first word of its filter; with a
-    /// warning if that is not a known band.
+    /// Returns the photometry of a frame, and a warning if the band is unknown. The band is the given one, else the first
+    /// word of the filter in the header.
     pub(super) fn photometry_of(&self, frame: &TargetFrame) -> (PhotometryOptions, Option<String>) {
         let word = frame.filter.as_deref().and_then(|filter| filter.split_whitespace().next());
         let band = word.map(|word| word.trim_end_matches('\'').parse::<Band>());

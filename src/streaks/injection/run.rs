@@ -34,7 +34,7 @@ pub struct Mark {
     pub length_pix: f64,
 }
 
-/// Frame with streaks.
+/// Report on one frame with streaks.
 #[derive(Clone, Debug)]
 pub struct InjectedFrame {
     /// Written file.
@@ -55,7 +55,7 @@ pub struct InjectedFrame {
     pub warnings: Vec<String>,
 }
 
-/// Frames with streaks.
+/// Report on all frames of an injection.
 #[derive(Clone, Debug)]
 pub struct Injections {
     /// Frames in the order of the outputs.
@@ -68,7 +68,7 @@ pub struct Injections {
     pub provenance: Provenance,
 }
 
-/// Injection with its frames opened.
+/// Injection after its frames have been opened.
 pub struct Injection<'a> {
     plan: &'a InjectionPlan,
     outputs: &'a [PathBuf],
@@ -114,8 +114,8 @@ impl<'a> Injection<'a> {
     /// Injects streaks into all frames, on all threads of the current pool: satellites of the sky, or random streaks.
     ///
     /// # Errors
-    /// Errors of frames, detectors, passes and drawing; each output is written completely or not at all. If one frame of several fails, others may
-    /// have been written; the error contains their number.
+    /// Errors of frames, detectors, passes and drawing. Each output is written completely or not at all. If one frame of
+    /// several fails, other frames may have been written; the error contains their number.
     pub fn run(&self, sky: Option<InjectionSky<'_>>) -> Result<Injections, StreaksError> {
         let (plan, known) = (self.plan, self.frames.known());
         let left_out = known.iter().flat_map(|frame| {
@@ -287,8 +287,8 @@ fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {
     if hdus.is_empty() { Vec::new() } else { vec![without_gain] }
 }
 
-/// Returns the seed of one frame: the seed itself if there is one frame, else mixed with the number of the frame, so
-/// that adjacent seeds have no frame in common.
+/// Returns the seed of one frame. The given seed is used for a single frame. For several frames it is mixed with the
+/// number of the frame, so that two runs with adjacent seeds have no frame in common.
 fn seed_of(seed: u64, index: usize, count: usize) -> u64 {
     if count == 1 {
         return seed;

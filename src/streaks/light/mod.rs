@@ -1,6 +1,6 @@
-//! Moving lights on the sky: `sky_track` (positions and magnitudes), `modulation` (tumbling, glints, light curves),
-//! `resolved` (chassis and solar array as separate lights), `satellites` (satellites of a sky) and `random_streaks`
-//! (random lights) as `source`s.
+//! Moving lights on the sky. A `source` has one or more tracks (`sky_track`) of positions and magnitudes. `satellites`
+//! creates the sources of an exposure from a sky, `random_streaks` draws random ones. `modulation` adds tumbling, glints
+//! and light curves; `resolved` divides a satellite into chassis and solar array.
 
 mod modulation;
 mod random_streaks;

@@ -23,17 +23,17 @@ pub struct RandomStreaks {
 /// Number of streaks in a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum StreakNumber {
-    /// This number, all of which touch the frame.
+    /// Exactly this number of streaks, all of which touch the frame.
     Exactly(usize),
-    /// A Poisson number with this mean.
+    /// Number from a Poisson distribution with this mean.
     OnAverage(f64),
 }
 
-/// Speed of low satellites relative to an observer, km/s: with the rate it determines the distance and thus the
-/// defocus.
+/// Speed of low satellites relative to an observer, km/s. The angular rate and this speed determine the distance of a
+/// random light, and with it the defocus.
 const PASSING_KM_S: f64 = 7.6;
 
-/// Random stream of the streaks; stars and noise use the same seed.
+/// Number of the random stream of the streaks, which makes it independent of stars and noise with the same seed.
 const OWN_STREAM: u64 = 0x5354_5245_414b_5321;
 
 /// Points along one track.

@@ -1,7 +1,7 @@
-//! Chassis and solar array as two lights, for satellites so near that they are resolved.
+//! Chassis and solar array of near satellites as two lights.
 //!
-//! A sail of 10 m at 550 km is 4" tall, larger than good seeing. Each panel is a light at its own centre with its
-//! fraction of the model's light; the fractions include mutual shadowing.
+//! A solar array of 10 m at 550 km has an apparent length of 4", more than good seeing. Each panel is a light at its own
+//! centre, with its fraction of the light of the brightness model. The fractions include mutual shadowing.
 
 use nalgebra::Vector3;
 
@@ -20,7 +20,7 @@ pub struct ResolvedPanels {
     pub sail_radius_m: f64,
 }
 
-/// Distribution of the light at one time.
+/// Fraction of the chassis, and offset of the solar array, at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct PanelMoment {
     time_s: f64,

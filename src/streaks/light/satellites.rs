@@ -11,11 +11,11 @@ use crate::passes::{Exposure, Field, Pass, PassOptions, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::streaks::tracking::Tracking;
 
-/// Samples of a pass: the light changes by less than a thousandth between them, except in the penumbra, which has
-/// dozens of its own.
+/// Number of samples of a pass. The brightness changes by less than a thousandth between two of them, except in the
+/// penumbra, which contains dozens of samples.
 const SAMPLES: usize = 257;
 
-/// Margin around the chips, so that tracks extend beyond the fringe of their light, radians (0.1°).
+/// Margin around the chips, radians (0.1°), so that a track begins and ends where no light of its image reaches a chip.
 const MARGIN_RAD: f64 = 1.7e-3;
 
 /// Options for the light of satellites.
@@ -40,8 +40,9 @@ pub struct SatelliteExposure {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Returns all satellites that are sunlit somewhere on their track within `radius_rad` (plus a small margin) of the
-/// pointing while the shutter is open. If the telescope tracks a moving target, this covers the whole strip of the sky over which the frame moves.
+/// Returns all satellites that are sunlit while they are within `radius_rad` (plus a small margin) of the pointing and
+/// the shutter is open. If the telescope tracks a moving target, the radius is extended to the whole strip of the sky
+/// over which the frame moves.
 ///
 /// # Errors
 /// [`StreaksError`] if passes cannot be computed, or the field is more than half the sky.

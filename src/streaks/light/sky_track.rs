@@ -18,7 +18,7 @@ pub struct SkyPoint {
     pub magnitude: Option<f64>,
 }
 
-/// Points in time order. Between them positions are interpolated smoothly and magnitudes linearly.
+/// Track of a light: points in time order. Positions between them are interpolated smoothly, magnitudes linearly.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkyTrack {
     /// Points with increasing times.
@@ -42,8 +42,8 @@ impl SkyTrack {
 
     /// Returns the same track with more points, at most `longest_s` apart, including the original ones.
     ///
-    /// Positions are interpolated by a cubic through the four nearest points, magnitudes linearly between two; between
-    /// two points of which one is dark the light is dark.
+    /// Positions are interpolated by a cubic through the four nearest points, magnitudes linearly between two points. If
+    /// one of the two points is dark, the light between them is dark.
     pub fn refined(&self, longest_s: f64) -> Self {
         let mut points = Vec::with_capacity(self.points.len());
         for (index, pair) in self.points.windows(2).enumerate() {
@@ -84,8 +84,8 @@ impl SkyTrack {
         Direction::from_vector(sum.normalize())
     }
 
-    /// Returns the time of the closest approach to a place, seconds after the shutter opened; `None` for a track
-    /// without points. `seen` converts a point to a direction in the frame of the place, which may move.
+    /// Returns the time of the closest approach to a direction, seconds after the shutter opened; `None` for a track
+    /// without points. `seen` converts a point of the track to the frame of that direction, which may move.
     pub fn closest_s(&self, place: &Direction<Gcrs>, seen: impl Fn(&SkyPoint) -> Direction<Gcrs>) -> Option<f64> {
         let away = |index: usize| seen(&self.points[index]).separation_rad(place);
         let nearest = (0..self.points.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))?;

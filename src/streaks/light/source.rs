@@ -39,7 +39,7 @@ pub struct Source {
     pub name: SourceName,
     /// Source of the magnitude, as written in tables.
     pub mag_source: String,
-    /// Exposure less epoch of the elements, days; `None` for a random streak.
+    /// Time from the epoch of the elements to the exposure, days; `None` for a random streak.
     pub element_age_days: Option<f64>,
     /// One or two lights that together form the source.
     pub parts: Vec<SourcePart>,

@@ -10,8 +10,8 @@ const GREATEST_RADIUS_PIX: f64 = 200.0;
 
 /// Seeing, convolved with the ring of the defocused pupil and with a uniform disk for the body.
 ///
-/// Through a telescope focused on the stars, with outer and inner radius r_o and r_i, a point at range d is a ring of
-/// angular radii r_o/d and r_i/d (Tyson et al. 2020, AJ 160, 226, section 4.2; Ragazzoni 2020, PASP 132, 114502).
+/// Through a telescope that is focused on the stars, with an aperture of outer and inner radius r_o and r_i, a point at
+/// range d has the image of a ring with the angular radii r_o/d and r_i/d (Tyson et al. 2020, AJ 160, 226, section 4.2; Ragazzoni 2020, PASP 132, 114502).
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Blur {
@@ -50,7 +50,7 @@ impl Blur {
         Ok(())
     }
 
-    /// Radius within which the profile may have edges, pixels.
+    /// Radius within which the profile may have sharp edges, pixels.
     pub(super) fn flat_radius_pix(&self) -> f64 {
         self.outer_radius_pix + self.body_radius_pix
     }

@@ -11,7 +11,7 @@ use super::seeing::Seeing;
 
 /// Fraction of the flux beyond which wings are cut. This light is moved inwards, not lost.
 const CUT_SHARE: f64 = 1e-4;
-/// Brightness of a line relative to its middle below which wings are cut: the stricter limit for a Gaussian.
+/// Brightness of a line, relative to its middle, below which wings are cut. For a Gaussian this limit is the stricter one.
 const CUT_BRIGHTNESS: f64 = 1e-5;
 
 /// Greatest radius of the wings, pixels.
@@ -56,14 +56,14 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
     Ok(profile)
 }
 
-/// Returns the g for which seeing times 1 + g (r/R)⁴ within R has unit flux. Cores keep their brightness: for a Moffat
-/// profile with a β of 2.5 the light added at half the radius is a fiftieth of the light there.
+/// Returns the factor g for which seeing times 1 + g (r/R)⁴ has unit flux within the radius R. The core keeps its
+/// brightness: for a Moffat profile with a β of 2.5, a fiftieth of the light at R/2 is added there.
 fn cut_gain(seeing: &Seeing, reach: f64, rule: &Rule) -> f64 {
     let added = |r: f64| 2.0 * PI * r * (r / reach).powi(4) * seeing.at(r);
     seeing.beyond(reach) / rule.integrate(0.0, reach, 0.5 * rule.step_pix, added)
 }
 
-/// Gauss rule in panels, and a length over which profiles are smooth.
+/// Gauss rule that is applied in several panels, and the length over which profiles are smooth.
 struct Rule {
     nodes: Vec<(f64, f64)>,
     step_pix: f64,

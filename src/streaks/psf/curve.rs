@@ -1,7 +1,7 @@
 //! Tables of functions of a radius: dense in the core of a profile, sparse in its wings.
 
-/// Nodes per σ of the seeing (of a Gaussian of the same full width) at the centre, and e-folds of the radius between
-/// nodes at the end.
+/// Density of the nodes: number per σ of the seeing at the centre (σ of a Gaussian of the same full width), and number
+/// of e-folds of the radius between nodes at the end.
 const NODES_PER_SIGMA: f64 = 48.0;
 const END_STEP: f64 = 0.1;
 
@@ -16,8 +16,8 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// Tabulates a function of the radius in pixels with edges as wide as seeing of `fwhm_pix` up to about `core_pix`,
-    /// and smooth beyond.
+    /// Tabulates a function of the radius in pixels. Up to about `core_pix` it may change as fast as seeing of `fwhm_pix`;
+    /// beyond, it must be smooth.
     pub fn of(core_pix: f64, end_pix: f64, fwhm_pix: f64, function: impl FnMut(f64) -> f64) -> Self {
         let intervals = (NODES_PER_SIGMA * core_pix / (0.425 * fwhm_pix)).max(end_pix / (END_STEP * core_pix));
         let intervals = intervals.ceil().clamp(256.0, 8192.0) as usize;

@@ -11,8 +11,8 @@ pub(super) const QUARTER: [f32; 4] = [-0.054_687_5, 0.820_312_5, 0.273_437_5, -0
 
 /// Error of cubic interpolation between cells, relative to the light of a line.
 const TOLERANCE: f64 = 1.5e-4;
-/// Stamps per full width at half maximum, along each axis: linear interpolation between them has an error of δ²/8 f'',
-/// at most 4·10⁻⁴ of the peak. Wings, fainter by a factor of thirty or more, need fewer per width.
+/// Number of stamps per full width at half maximum, along each axis. Linear interpolation between stamps has an error of
+/// δ²/8 f'', at most 4·10⁻⁴ of the peak. The wings, fainter by a factor of thirty or more, need fewer stamps.
 const STAMPS_PER_FWHM: f64 = 57.0;
 const STAMPS_PER_WING: f64 = 20.0;
 /// Greatest number of stamps along an axis times their radius in cells: 32 MB.
@@ -21,7 +21,8 @@ const MOST_STAMP_CELLS: f64 = 2000.0;
 /// equal distances s varies by the Fourier transform of the profile at 1/s: 3·10⁻⁴ for a Moffat profile with a β of
 /// 2.5, less for all others.
 const STEP_PER_FWHM: f64 = 0.45;
-/// Width of wings, and distance of points that form a line of them, relative to the radius at which they begin.
+/// Width of the wings, and distance of the points that form a line of wings, relative to the radius at which the wings
+/// begin.
 const WING_WIDTH: f64 = 0.45;
 const WING_STEP: f64 = 0.22;
 /// Least radius of the profile in cells: coarser cells would spread light far beyond it.
@@ -29,8 +30,8 @@ const LEAST_CELLS: f64 = 8.0;
 
 /// Part of a profile that is drawn on cells 2^level times the size of the finest ones.
 ///
-/// The light on cells is tabulated as stamps for many positions of a point within a cell: a row of cells for each
-/// position along rows and each distance from the point along columns. the point along columns.
+/// The light on cells is tabulated as stamps for many positions of a point within a cell. Each stamp is a row of cells,
+/// for one position of the point along rows and one distance from the point along columns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layer {
     /// Greatest mean distance of points that form a line, pixels of the mean scale.
@@ -65,7 +66,7 @@ impl Layer {
             let first = (1.3 * last).max(fwhm_pix).max(4.0 * cell);
             let radii = std::iter::successors(Some(first), |from| Some(1.12 * from));
             let radii = radii.take_while(|from| *from < 0.7 * profile.end_pix());
-            // The previous radius first: the coarser cells may replace the finer ones completely.
+            // The previous radius is tried first, because the coarser cells may replace the finer ones completely.
             let mut found = std::iter::once(last).chain(radii).map(|from| Wing::new(profile, from));
             let Some(next) = found.find(|wing| wing.is_smooth(cell, allowed, fwhm_pix)) else { break };
             wings.push(next);
@@ -94,7 +95,7 @@ impl Layer {
         let [half, rows] = radius.map(|radius| radius.ceil() as usize);
         let distances = (rows + 1) * phases + 1;
         let reach = |distance: usize| {
-            // One phase nearer, because stamps of two distances are interpolated.
+            // The distance is one phase less, because the stamps of two distances are interpolated.
             let share = (distance as f64 - 1.0).max(0.0) / (radius[1] * phases as f64);
             (radius[0] * (1.0 - share * share).max(0.0).sqrt()).ceil() as i64
         };
@@ -177,7 +178,7 @@ impl Layer {
     }
 }
 
-/// Profile beyond a radius, continued smoothly inwards.
+/// Wings of a profile beyond a radius, with a smooth continuation inside that radius.
 struct Wing<'a> {
     profile: &'a Curve,
     from_pix: f64,

@@ -33,8 +33,8 @@ pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: u
 
 /// Draws points in a frame of `rows` by `columns`.
 ///
-/// `points_of` returns the points for the greatest mean distance between those of a line, pixels of the mean scale. It
-/// is called for each layer, because the distance is greater for the wings than for the core.
+/// `points_of` returns the points that form a line with at most the given mean distance between them, pixels of the mean
+/// scale. It is called for each layer, because the wings allow a greater distance than the core.
 pub fn draw_points(
     profile: &RadialProfile,
     rows: usize,
@@ -70,7 +70,7 @@ pub fn draw_points(
 
 /// Grid of cells over a frame.
 struct Grid {
-    /// Side of a cell, in parts of a pixel.
+    /// Side of a cell, in the parts into which pixels are divided.
     cells: f64,
     /// Cells around the frame.
     margin: usize,

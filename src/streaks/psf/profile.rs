@@ -10,19 +10,19 @@ use super::layers::Layer;
 
 /// Least ratio of the sides of pixels.
 const LEAST_ASPECT: f64 = 0.4;
-/// Least full width at half maximum of the seeing in parts of a pixel: the average over a square of this size is
-/// isotropic to 4·10⁻⁴ of the peak.
+/// Least full width at half maximum of the seeing, in units of the side of a part of a pixel. With it, the average over
+/// the square of a part is isotropic to 4·10⁻⁴ of the peak.
 const PARTS_PER_FWHM: f64 = 2.5;
-/// Largest radius of a profile in parts (the subpixels on which narrow seeing is drawn); it limits memory and time. Only if the seeing is narrower than 1/200 of
-/// that radius (sharp rings of hundreds of pixels), parts are wider than above, and the pixels of a point are accurate
-/// to about 2 % of the peak.
+/// Largest radius of a profile in parts of pixels, which limits memory and time. Only for seeing narrower than 1/200 of
+/// the radius (sharp rings of hundreds of pixels), parts are wider than [`PARTS_PER_FWHM`] requires, and the pixels of a
+/// point are accurate to about 2 % of the peak.
 const MOST_REACH_PARTS: f64 = 500.0;
 
 /// Light of a point on the detector: round on the sky, of unit flux, averaged over the area of each pixel.
 ///
-/// Seeing narrower than 2.5 pixels is drawn on parts of a pixel, which are then summed. The profile is stored averaged
-/// over the square of the shorter side of a part; if parts are oblong, the mean of two such profiles side by side is
-/// the average over the longer side.
+/// For seeing narrower than 2.5 pixels, pixels are divided into parts, and the light of the parts is summed. The stored
+/// profile is averaged over a square with the shorter side of a part. For oblong parts, the mean of two such profiles
+/// side by side replaces the average over the longer side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialProfile {
     blur: Blur,
@@ -33,7 +33,7 @@ pub struct RadialProfile {
     sides_pix: [f64; 2],
     /// Parts of a pixel along a row, and along a column.
     parts: [usize; 2],
-    /// Distance from the centre of a part to both profiles, parts.
+    /// Distance of the two profiles from the centre of an oblong part, in parts.
     shift_parts: [f64; 2],
     layers: Vec<Layer>,
     fwhm_pix: f64,

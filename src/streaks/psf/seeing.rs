@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use super::super::error::StreaksError;
 
-/// Least full width at half maximum, pixels. The drawing time increases with its inverse square, and the light of a
-/// narrower profile changes only within a tenth of a pixel from the borders of pixels.
+/// Least full width at half maximum, pixels. The drawing time increases with its inverse square. Narrower profiles would
+/// differ from this one only for points within a tenth of a pixel from the borders of pixels.
 const LEAST_FWHM_PIX: f64 = 0.1;
 const GREATEST_FWHM_PIX: f64 = 100.0;
 /// Least β: below 2 a Moffat profile has a hundredth of its light beyond 50 widths, far outside the measured range.

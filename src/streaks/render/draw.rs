@@ -6,11 +6,11 @@ use crate::streaks::{PointLight, RadialProfile, draw_points};
 
 use super::path::{Piece, StreakPath};
 
-/// Largest number of nodes of a rule. Two more nodes are used than the distance of points requires, because the light
-/// is a cubic function of time.
+/// Largest number of nodes of a Gauss rule. Two more nodes are used than the distance of the points requires, because the
+/// light is a cubic function of time.
 const MOST_NODES: usize = 32;
 const MORE_NODES: usize = 2;
-/// Largest number of rules in an interval that is not halved further to omit parts off the frame.
+/// Largest number of Gauss rules in an interval. Longer intervals are halved, and halves off the frame are omitted.
 const MOST_RULES: f64 = 8.0;
 
 /// Draws a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
@@ -19,8 +19,8 @@ const MOST_RULES: f64 = 8.0;
 /// of the flux, including ends, jumps of brightness and bends. The path is a sum of points that are close enough for
 /// the light of a line.
 ///
-/// The profile is the same along the whole path; that at the middle of the part on the frame is best. If the range
-/// changes by 1 % on the frame, the edges of a ring are off by 0.5 % of its radius at both ends.
+/// The profile is the same along the whole path, and should be that at the middle of the part on the frame. If the range
+/// changes by 1 % on the frame, the radius of a ring is wrong by 0.5 % at both ends.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
     let mut rules = vec![Vec::new(); MOST_NODES + 1];
     let reach = profile.pixel_reach_pix() + 1.0;

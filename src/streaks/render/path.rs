@@ -21,7 +21,7 @@ pub struct PathNode {
     pub at: PixelPosition,
     /// Frame counts or electrons per second, at least 0; drawn light is in this unit times seconds.
     pub rate: f64,
-    /// Rate from this time on if the brightness jumps (edge of a glint, lamp switched on).
+    /// Rate immediately after this time, if the brightness jumps (edge of a glint, lamp switched on).
     pub rate_after: Option<f64>,
 }
 
@@ -93,8 +93,8 @@ impl StreakPath {
         self.pieces.iter().map(|piece| piece.rate.integral(piece.duration_s)).sum()
     }
 
-    /// Position at a time, seconds after the shutter opened; that of the first node before it, that of the last node
-    /// after it.
+    /// Position at a time, seconds after the shutter opened. Before the first node it is that of the first node, after the
+    /// last node that of the last one.
     pub fn point_at(&self, time_s: f64) -> PixelPosition {
         let (piece, since_s) = self.piece_at(time_s);
         PixelPosition { x: piece.x.at(since_s), y: piece.y.at(since_s) }

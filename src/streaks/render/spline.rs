@@ -1,7 +1,7 @@
-//! Curves through nodes in time: a smooth spline for positions, one without overshoot for brightness.
+//! Curves through nodes in time: a smooth spline for positions, and a spline without overshoot for brightness.
 
-/// Returns the slopes at the nodes of the cubic spline with continuous second derivatives; at the ends those of the
-/// cubic through the first (last) four nodes, a parabola through three nodes, a line through two.
+/// Returns the slopes at the nodes of the cubic spline with continuous second derivatives. The slope at each end is that
+/// of the cubic through the four nodes next to it, or of the parabola or line if there are only three or two nodes.
 ///
 /// `times` must increase; both slices have the same length of at least 2.
 pub(super) fn smooth_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
@@ -88,7 +88,7 @@ pub(super) fn limited_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// Returns the number of smaller size if both have the same sign, else 0.
+/// Returns the number with the smaller absolute value if both have the same sign, else 0.
 fn lesser(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 {
         0.0

@@ -6,7 +6,7 @@ use super::super::drawn::DrawnStreak;
 use crate::images::AddedLight;
 use crate::streaks::error::StreaksError;
 
-/// Light below this fraction of a streak's brightest pixel is not marked as injected, since no frame resolves it.
+/// Fraction of a streak's brightest pixel below which light is not marked as injected, because it is not measurable.
 const FAINTEST_SHARE: f32 = 1e-4;
 
 /// In a frame without noise, pixels above this fraction of the brightest pixel are marked as streak.
@@ -140,7 +140,7 @@ pub struct MaskPlanes {
 /// Highest bit of a signed 32-bit image that keeps its numbers positive.
 const HIGHEST_BIT: u32 = 30;
 
-/// Bit of injected light for surveys without such a plane, which they do not use.
+/// Bit of injected light for surveys that define no plane for it; none of them uses this bit.
 const UNUSED_BIT: u32 = HIGHEST_BIT;
 
 impl MaskPreset {

@@ -2,9 +2,10 @@
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::anyhow;
+use anyhow::{Context, anyhow};
 use clap::Args;
 use streakcast::config::{Config, InjectionConfig, inject_frames};
 use streakcast::output::{Section, Table};
@@ -52,9 +53,12 @@ pub struct Outputs {
 
 impl Outputs {
     /// Names and checks all outputs. `--output` is the file of a single frame, or a folder for files with the names of
-    /// the frames. No output may be one of `inputs`.
+    /// the frames. No output may be one of `inputs`. The folder of the frames is
+    /// created.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
+        let folder = frames[0].parent().filter(|folder| !folder.as_os_str().is_empty());
+        folder.map_or(Ok(()), fs::create_dir_all).with_context(|| format!("--output {}", frames[0].display()))?;
         frames.iter().try_for_each(|path| check_whole(path))?;
         let table_output = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
             path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
