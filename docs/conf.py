@@ -15,7 +15,7 @@ release = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc", "sphinx_copybutton"]
 # Tables are included by pages.
-exclude_patterns = ["_build", "tables", "generated", "pictures"]
+exclude_patterns = ["_build", "paper", "tables", "generated", "pictures"]
 html_theme = "furo"
 html_title = f"streakcast {release}"
 html_copy_source = False

@@ -10,17 +10,17 @@ use streakcast::plot::{
     counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
 };
 
-/// Reproducible quasi-random numbers: fractional parts of multiples of an irrational number.
+/// Generator of reproducible quasi-random numbers: the fractional parts of multiples of an irrational number.
 struct Spread(f64);
 
 impl Spread {
-    /// Uniform between 0 and 1.
+    /// Returns a number uniform between 0 and 1.
     fn even(&mut self) -> f64 {
         self.0 += 1.0;
         ((self.0 * 12.9898).sin() * 43_758.545_3).rem_euclid(1.0)
     }
 
-    /// Normal, by Box and Muller (1958).
+    /// Returns a normally distributed number (Box and Muller 1958).
     fn normal(&mut self) -> f64 {
         (-2.0 * self.even().max(1e-12).ln()).sqrt() * (TAU * self.even()).cos()
     }

@@ -1,4 +1,4 @@
-//! Fit of a brightness model to photometry: points are reduced and fitted, and draws from the posterior are made.
+//! Fit of a brightness model to photometry: reduces and fits points, and draws samples of the posterior.
 //!
 //! `cargo run --release --example fit_photometry`
 
@@ -18,8 +18,8 @@ const TRACKS: u32 = 120;
 const POINTS: u32 = 50;
 const NOISE_MAG: f64 = 0.2;
 
-/// Simulated measurements of satellites at 550 km with a known model. For photometry in files use `RecordReader` and
-/// `measure`.
+/// Returns simulated measurements of satellites at 550 km with a known model. For photometry in files, use
+/// `RecordReader` and `measure`.
 fn measurements(truth: &BrightnessModel) -> Measurements {
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let mut measured = Measurements::default();

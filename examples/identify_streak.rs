@@ -1,8 +1,8 @@
 //! Identification of a streak: `cargo run --example identify_streak`.
 //!
-//! The streak is made by a synthetic constellation, so nothing is downloaded. For real satellites, replace the line
-//! that creates `elements` by `Satellites::read(&paths, &ReadOptions::default())?.element_sets`, and take `ends` from a
-//! plate-solved image.
+//! The streak is that of a satellite of a synthetic constellation, which needs no files. For real satellites, replace
+//! the line that creates `elements` by `Satellites::read(&paths, &ReadOptions::default())?.element_sets`, and take
+//! `ends` from a plate-solved image.
 
 use std::error::Error;
 
@@ -21,8 +21,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let observer = Observer::new(Site::from_mpc("X05")?);
     let sky = Sky::with_models(elements, observer, EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
 
-    // 2. Measurement: two ends in an exposure of 30 s, with errors of 5 arcsec and 0.5 s (clock). Here they are those
-    // of a crossing.
+    // 2. Measurement: two ends in an exposure of 30 s, with errors of 5 arcsec and 0.5 s (clock). Here the ends are those
+    // of a predicted crossing.
     let exposure = Exposure {
         id: "1".to_owned(),
         start,

@@ -1,4 +1,4 @@
-//! Three random streaks on a synthetic chip of 2,000 by 2,000 pixels: their light and their truth table.
+//! Injection of three random streaks into a synthetic chip of 2,000 by 2,000 pixels, with their truth table.
 //!
 //! `cargo run --example inject_streaks`
 

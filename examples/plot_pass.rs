@@ -1,5 +1,5 @@
-//! Brightest passes of a night on a sky chart, and the light curve of one: `cargo run --example plot_pass -- FOLDER`
-//! writes PNG and SVG.
+//! Sky chart of the brightest passes of a night, and the light curve of one of them: `cargo run --example plot_pass --
+//! FOLDER` writes PNG and SVG.
 //!
 //! The satellites are synthetic. For real element sets, replace the line that creates `elements` by
 //! `Satellites::read(&paths, &ReadOptions::default())?.element_sets`.

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let view = SkyView::new(&model, earth, 550.0, sun.0, sun.1, PhotometryOptions::default())?;
         let map = view.map(grid);
 
-        // 3. Usual directions of telescopes: more than 20 degrees above the horizon.
+        // 3. Only directions more than 20 degrees above the horizon, where telescopes usually point.
         let high: Vec<_> = map.points.iter().filter(|point| point.altitude_rad > 20_f64.to_radians()).collect();
         let share = |count: usize| 100.0 * count as f64 / high.len() as f64;
         let lit = high.iter().filter(|point| point.lit_fraction > 0.0).count();

@@ -1,12 +1,13 @@
 #!/usr/bin/env bash
-# Tests of the plugins, each in an environment of its own: builds the command line and the wheel, then runs what each plugin brings.
-# `plugins/test.sh [NAME...]`, all without a name; needs cargo, Python 3.11 or newer (the pinned tools do) and a package index for the pinned
-# requirements. The wheel runs from Python 3.10 on: where there is one (in the PATH, or among pyenv's), what needs NumPy alone is tested in it.
-# STREAKCAST_BIN names the command line that answers are compared with, else it is built.
+# Tests of the plugins, each in its own virtual environment: builds the command line and the wheel, then runs the tests
+# of each plugin. `plugins/test.sh [NAME...]`, all without a name; needs cargo, Python 3.11 or newer (the pinned tools
+# do) and a package index for the pinned requirements. The wheel runs from Python 3.10 on: where there is one (in the
+# PATH, or among pyenv's), what needs NumPy alone is tested in it. STREAKCAST_BIN names the command line that answers
+# are compared with, else it is built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# Every folder with pinned requirements is a plugin; `python` is the wheel that the others stand on.
+# Every folder with pinned requirements is a plugin. The others depend on the wheel `python`.
 all=(python)
 for folder in plugins/*/; do
     name=$(basename "$folder")
@@ -29,7 +30,8 @@ python=${PYTHON:-python3}
 target=$(cd "${CARGO_TARGET_DIR:-target}" 2>/dev/null && pwd || { mkdir -p "${CARGO_TARGET_DIR:-target}" && cd "${CARGO_TARGET_DIR:-target}" && pwd; })
 export CARGO_TARGET_DIR=$target PIP_DISABLE_PIP_VERSION_CHECK=1
 
-# environment NAME [PYTHON [PINS]]: the environment of a plugin; it stays from run to run while the pins and Python are the same.
+# environment NAME [PYTHON [PINS]]: creates the virtual environment of a plugin, or reuses it if pins and Python are
+# unchanged.
 environment() {
     local venv=$target/plugins-venv-$1 interpreter=${2:-$python} requirements=${3:-plugins/$1/requirements.txt} made_of
     made_of=$({ "$interpreter" -VV; "$interpreter" -c 'import sys; print(sys.base_prefix)'; cat "$requirements"; } | sha256sum)
@@ -41,7 +43,8 @@ environment() {
     fi
 }
 
-# A Python 3.10 that runs and makes environments: pyenv's shims stand in the PATH also where they lead to nothing.
+# Finds a Python 3.10 that can create virtual environments. pyenv's shims are in the PATH even if no such Python is
+# installed.
 python_3_10() {
     local one root=""
     if command -v pyenv >/dev/null; then root=$(pyenv root); fi
@@ -53,7 +56,7 @@ python_3_10() {
     done
 }
 
-# What answers are compared with.
+# The command line with which results are compared.
 if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet --bin streakcast
     STREAKCAST_BIN=$target/debug/streakcast
@@ -63,7 +66,7 @@ export STREAKCAST_BIN
 environment python
 wheels=$(mktemp -d)
 trap 'rm -rf "$wheels"' EXIT
-# In the profile of the tests, whose compiled dependencies it shares; a release wheel takes four minutes more.
+# Built in the profile of the tests, to share compiled dependencies. A release wheel takes four minutes more.
 PATH=$target/plugins-venv-python/bin:$PATH \
     maturin build --quiet --locked --manifest-path plugins/python/Cargo.toml --out "$wheels"
 
@@ -88,7 +91,7 @@ done
 if [[ " ${names[*]} " == *" python "* ]]; then
     oldest=$(python_3_10)
     if [ -z "$oldest" ]; then
-        echo "*** SKIPPED the wheel under Python 3.10: there is none with venv, in the PATH or among pyenv's ***"
+        echo "***** SKIPPED the wheel under Python 3.10: not found with venv in the PATH or among pyenv's versions ***"
     else
         echo "plugins/python under $("$oldest" -V)"
         environment python-3.10 "$oldest" plugins/python/requirements-3.10.txt
@@ -96,7 +99,7 @@ if [[ " ${names[*]} " == *" python "* ]]; then
             export PATH=$target/plugins-venv-python-3.10/bin:$PATH
             pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
             cd plugins/python
-            # NumPy and the last astropy for this Python; what the other tests need has none.
+            # NumPy and the last astropy for this Python. The other tests need packages without a release for it.
             python -m pytest --quiet -rs tests/test_{copies,threads,shapes,times,bad_input,hosts}.py
         )
     fi

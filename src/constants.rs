@@ -10,9 +10,11 @@ pub const EARTH_EQUATORIAL_RADIUS_KM: f64 = 6378.137;
 pub const EARTH_FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// Sun's nominal radius, km (IAU 2015 Resolution B3).
 pub const SUN_RADIUS_KM: f64 = 695_700.0;
-/// Earth's rate of rotation with respect to the stars, rad/s (IERS Conventions 2010, eq. 5.15: 1.00273781191135448 turns a UT1 day).
+/// Earth's rate of rotation with respect to the stars, rad/s: 1.00273781191135448 revolutions per day of UT1 (IERS
+/// Conventions 2010, eq. 5.15).
 pub const EARTH_ROTATION_RAD_S: f64 = 1.002_737_811_911_354_5 * std::f64::consts::TAU / 86_400.0;
 /// Seconds in a day.
 pub const DAY_S: f64 = 86_400.0;
-/// Earth's gravity in WGS72, which SGP4 and element sets are made with, km³/s² (Hoots and Roehrich 1980, Spacetrack Report 3).
+/// Earth's gravitational parameter in WGS72, km³/s²: the value that SGP4 and the element sets use (Hoots and Roehrich
+/// 1980, Spacetrack Report 3).
 pub const WGS72_MU_KM3_S2: f64 = 398_600.8;

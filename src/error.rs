@@ -13,71 +13,62 @@ use crate::identify::IdentifyError;
 use crate::images::ImagesError;
 use crate::maps::MapError;
 use crate::orbit::OrbitError;
-use crate::passes::{FieldError, SkyError};
+use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
 #[cfg(feature = "plot")]
 use crate::plot::PlotError;
 use crate::schedule::ScheduleError;
-#[cfg(feature = "fits")]
-use crate::streaks::InjectionError;
 use crate::streaks::StreaksError;
 
 /// Errors of all modules, with their messages.
 #[derive(Debug, ThisError)]
 #[non_exhaustive]
 pub enum Error {
-    /// Element sets and synthetic constellations.
+    /// Error in element sets or synthetic constellations.
     #[error(transparent)]
     Elements(#[from] ElementsError),
-    /// Times, angles, Earth orientation.
+    /// Error in times, angles or Earth orientation.
     #[error(transparent)]
     Frames(#[from] FramesError),
-    /// Sites.
+    /// Error in a site.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// Propagation.
+    /// Error of the propagation of a satellite.
     #[error(transparent)]
     Orbit(#[from] OrbitError),
-    /// Brightness models and bands.
+    /// Error in brightness models or bands.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),
-    /// Exposures, crossings and passes.
+    /// Error in an exposure, a field of view, crossings or passes.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// Fields of view.
-    #[error(transparent)]
-    Field(#[from] FieldError),
-    /// Schedules and policies.
+    /// Error in a schedule or a policy.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
-    /// Forecasts.
+    /// Error of a forecast.
     #[error(transparent)]
     Forecast(#[from] ForecastError),
-    /// Measured streaks.
+    /// Error of the identification of a streak.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-    /// Frames, detectors and telescopes.
+    /// Error in frames, detectors or telescopes.
     #[error(transparent)]
     Images(#[from] ImagesError),
-    /// Streaks in frames.
+    /// Error in drawing streaks or injecting them into frames.
     #[error(transparent)]
     Streaks(#[from] StreaksError),
-    /// Injection into frames.
-    #[cfg(feature = "fits")]
-    #[error(transparent)]
-    Injection(#[from] InjectionError),
-    /// Maps.
+    /// Error of a map.
     #[error(transparent)]
     Maps(#[from] MapError),
-    /// Charts.
+    /// Error of a chart.
     #[cfg(feature = "plot")]
     #[error(transparent)]
     Plot(#[from] PlotError),
-    /// Photometry and fits.
+    /// Error in photometry or a fit.
     #[cfg(feature = "fit")]
     #[error(transparent)]
     Fit(#[from] FitError),
-    /// Configurations.
+    /// Error in a configuration.
     #[error(transparent)]
     Config(#[from] ConfigError),
 }

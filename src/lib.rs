@@ -1,6 +1,7 @@
 //! Satellites crossing astronomers' exposures: which, when, where and how bright.
 //!
-//! Satellites and a site make a [`Sky`]; an exposure, a field of view and a policy make a [`Verdict`]:
+//! A [`Sky`] combines satellites with a site. It judges an exposure, given a field of view and a policy, and returns a
+//! [`Verdict`]:
 //!
 //! ```
 //! use streakcast::frames::parse_instant;

@@ -8,7 +8,7 @@ STREAKCAST_BIN names the command line (default: target/debug/streakcast), STREAK
 
 Each page runs in a new temporary folder that holds a copy of examples/. In a fenced block ```console a line that begins with "$ " is a
 command; lines after a backslash and lines of a here-document belong to it. The lines up to the next command are the expected output
-(standard output and error as on a terminal, without colours); a line "..." stands for any number of lines. Without expected lines only the
+(standard output and error as on a terminal, without colours). A line "..." matches any number of lines. Without expected lines only the
 exit status is checked. HTML comments in the lines before the fence change this:
 
     <!-- exit 1 -->             the last command of the block ends with this status, not with 0
@@ -155,7 +155,7 @@ def matches(expected, actual):
 
 
 def updated(expected, actual):
-    """The actual output in the form of the expected one: the same number of lines before and after a single wildcard."""
+    """Returns the actual output in the form of the expected one: as many lines before and after a single wildcard."""
     if WILDCARD not in expected:
         return actual
     before = expected.index(WILDCARD)
@@ -166,7 +166,7 @@ def updated(expected, actual):
 
 
 def plain(data):
-    """Text of a terminal without control sequences and overwritten progress bars."""
+    """Returns the text of a terminal without control sequences and overwritten progress bars."""
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", data.decode(errors="replace").replace("\r\n", "\n"))
     lines = [line.rpartition("\r")[2].rstrip() for line in text.split("\n")]
     while lines and not lines[-1]:

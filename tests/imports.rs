@@ -163,7 +163,7 @@ fn code(line: &str) -> String {
     code
 }
 
-/// Whether `word` occurs in `code` without a preceding letter, digit or underscore.
+/// Returns true if `word` occurs in `code` without a preceding letter, digit or underscore.
 fn names(code: &str, word: &str) -> bool {
     code.match_indices(word)
         .any(|(at, _)| !code[..at].chars().next_back().is_some_and(|before| before.is_alphanumeric() || before == '_'))
@@ -274,7 +274,7 @@ struct Imports {
     is_mod: bool,
     /// Absolute paths of names that the file imports.
     used: Vec<Names>,
-    /// Of these the ones that it re-exports.
+    /// Names among these that the file re-exports.
     exported: Vec<Names>,
 }
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# All checks of the project, one line a step. `tests/run.sh --quick` is for before a commit, `tests/run.sh` for before a merge.
+# All checks of the project, with one line of output per step. Before a commit: `tests/run.sh --quick`; before a merge:
+# `tests/run.sh`.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -16,10 +17,12 @@ done
 command -v cargo >/dev/null || { echo "tests/run.sh: cargo is not installed (see https://rustup.rs)" >&2; exit 2; }
 
 log=$(mktemp -d)
-trap 'rm -rf "$log"' EXIT
+beside=""
+trap 'if [ -n "$beside" ]; then kill -- "-$beside" 2>/dev/null || true; fi; rm -rf "$log"' EXIT
 begin=$SECONDS
 
-# step NAME COMMAND...: runs it, says how long it took, and shows what it wrote only where it failed: what failed first, then all of it.
+# step NAME COMMAND...: runs a command and prints its time. After a failure it prints the lines with errors, then the
+# whole output.
 step() {
     local name=$1 start=$SECONDS
     shift
@@ -30,7 +33,7 @@ step() {
         printf 'FAIL  %4d s  %s\n' $((SECONDS - start)) "$name"
         if grep -aE -A 6 'panicked at|^error|^(FAILED|ERROR) |^E  |\.\.\. FAILED|No space left' "$log/step" | sed -n 1,80p >"$log/failed"; then
             cat "$log/failed"
-            echo "--- all that $name wrote:"
+            echo "--- whole output of $name:"
         fi
         cat "$log/step"
         exit "$code"
@@ -38,16 +41,32 @@ step() {
     cat "$log/step" >>"$log/all"
 }
 
-# skipped WHAT: says loudly what is left out, here and in the sum.
+# start_beside COMMAND...: starts a command beside the following steps, in a process group of its own; `finish_beside` waits for it.
+start_beside() {
+    set -m
+    "$@" >"$log/beside" 2>&1 &
+    beside=$!
+    set +m
+}
+
+finish_beside() {
+    local code=0
+    wait "$beside" || code=$?
+    beside=""
+    cat "$log/beside"
+    return "$code"
+}
+
+# skipped WHAT: prints what is skipped, here and in the summary.
 skipped() {
     echo "*** SKIPPED $*" | tee -a "$log/all"
 }
 
-# What was left out, and the sums of Rust's "test result" lines and of pytest's last lines.
+# Prints what was skipped, and the sums of Rust's "test result" lines and of pytest's last lines.
 counts() {
-    grep -ahoE '\*\*\* SKIPPED [^ ]+: no real data' "$log/all" | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/: no real data$//' | sort -u || true
-    grep -ahoE '\*\*\* SKIPPED .*' "$log/all" | grep -vE ': no real data' | sed 's/\*\*\* SKIPPED /left out: /; s/ \*\*\*$//; s/"*, stacklevel.*//' | sort -u || true
-    # What was measured by the way, which is no test.
+    grep -ahoE '\*\*\* SKIPPED [^ ]+: no real data' "$log/all" | sed 's/\*\*\* SKIPPED /skipped (no data folder): /; s/: no real data$//' | sort -u || true
+    grep -ahoE '\*\*\* SKIPPED .*' "$log/all" | grep -vE ': no real data' | sed 's/\*\*\* SKIPPED /skipped: /; s/ \*\*\*$//; s/"*, stacklevel.*//' | sort -u || true
+    # Measured values that tests print without a check.
     grep -ahoE '[0-9]+ moves: median.*|[0-9]+ passes, .* read by ccsds-ndm.*' "$log/all" || true
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
          / in [0-9.]+s/ && !/^test result:/ && /[0-9]+ (passed|failed|skipped|error)/ {
@@ -62,18 +81,27 @@ counts() {
 
 lint=(-- -D warnings)
 step "cargo fmt --check" cargo fmt --check
+step "cargo fmt --check (plugins/python)" cargo fmt --check --manifest-path plugins/python/Cargo.toml
 if [ "$mode" = quick ]; then
     step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
     step "cargo test --lib, import rules" cargo test --lib --test imports
 else
-    # With every feature, in one build.
+    # One build with all features.
     step "cargo clippy --all-targets" cargo clippy --quiet --all-targets --all-features "${lint[@]}"
     step "cargo test" cargo test --all-features
-    # The command line as the tests built it. `cargo build` would leave out the features that development dependencies add and build it again.
+    # The binary that the tests built. `cargo build` would build it again, without the features that development
+    # dependencies add.
     target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
     mkdir "$log/bin"
     cp "$target/debug/streakcast" "$log/bin/streakcast"
     export STREAKCAST=$log/bin/streakcast STREAKCAST_BIN=$log/bin/streakcast
+    # In environments of their own, from the package index; STREAKCAST_PLUGINS=no skips them. They take as long as all other
+    # steps after `cargo test` and mostly use one core, so they run beside them.
+    if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
+        skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
+    else
+        start_beside plugins/test.sh
+    fi
     step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps
     step "default features" cargo check --quiet
     step "without features" cargo check --quiet --no-default-features
@@ -93,26 +121,23 @@ else
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
     step "example charts" cargo run --quiet --all-features --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
-    # With programs from the package index; STREAKCAST_PLUGINS=no leaves them out with the plugins.
+    # Needs programs from the package index; STREAKCAST_PLUGINS=no skips this step and the plugins.
     if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
         skipped "independent.sh: STREAKCAST_PLUGINS=no"
     else
-        step "what comes out, read by others" tests/independent.sh
+        step "outputs read by independent programs" tests/independent.sh
     fi
-    # In a browser, under load and a fuzz; chromium, npm and pip are asked for what is needed. STREAKCAST_SERVE=no leaves it out.
+    # Installs what it needs with apt, npm and pip; STREAKCAST_SERVE=no skips this step.
     if [ "${STREAKCAST_SERVE:-yes}" = no ]; then
         skipped "serve.sh: STREAKCAST_SERVE=no"
     else
-        step "the page in a browser, under load, and a fuzz of its API" tests/serve.sh
+        step "serve: page in a browser, load, and fuzzing of the API" tests/serve.sh
     fi
-    # Commands on real data are skipped with a message if the folder of STREAKCAST_DATA is missing.
+    # Commands that need real data are skipped with a message if the folder STREAKCAST_DATA is missing.
     step "commands of the README and the documentation" tests/docs.py
-    # In an environment of their own, from the package index; where there is none, STREAKCAST_PLUGINS=no leaves them out.
-    if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
-        skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
-    else
-        step "plugins/test.sh" plugins/test.sh
+    if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
         step "docs/build.sh" docs/build.sh
+        step "plugins/test.sh (the rest of it)" finish_beside
     fi
 fi
 counts

@@ -72,7 +72,7 @@ url=$(head -n 1 "$work/address")
 
 node "$tools/browser.mjs" "$url" "$STREAKCAST" ${SERVE_PICTURES:+"$SERVE_PICTURES"}
 node "$tools/load.mjs" "$url" "$server" "$load_s"
-# Valid and invalid values of every parameter: no response may be a server error or undocumented.
+# schemathesis sends valid and invalid values of every parameter: no response may be a server error or undocumented.
 (cd "$work" && "$tools/venv/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
     --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
     --request-timeout 300) | tail -n 60

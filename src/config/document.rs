@@ -17,9 +17,9 @@ const MOST_NORAD: u32 = 999_999_999;
 
 /// Satellites, site, camera, rules and run options of a request. `None`, `false` and an empty list mean an omitted key.
 ///
-/// The command line fills it from flags, [`Config::read`] from TOML, plugins from JSON; [`Config::over`] lays one over
-/// another. In TOML, keys may have hyphens or underscores, and `site`, `telescope`, `field` and `policy` are either
-/// the value of the flag or a table.
+/// The command line fills it from flags, [`Config::read`] from TOML, and plugins from JSON; [`Config::over`] completes
+/// one configuration with another. In TOML, keys may have hyphens or underscores, and `site`, `telescope`, `field` and
+/// `policy` are either the value of the flag or a table.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
@@ -86,13 +86,14 @@ pub struct Config {
     /// Correct magnitudes for the Sun's distance of the day (up to 0.04 mag) instead of 1 au
     #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Camera"))]
     pub sun_distance: Option<bool>,
-    /// Include near misses of at least this probability, above 0, at most 1
+    /// Include near misses with at least this probability of a crossing, above 0, at most 1
     #[cfg_attr(feature = "cli", arg(long, value_name = "P", help_heading = "Camera"))]
     pub min_probability: Option<f64>,
-    /// Time scale of times without one: utc, tai or tt
+    /// Time scale of times that have none: utc, tai or tt
     #[cfg_attr(feature = "cli", arg(long, value_name = "SCALE", help_heading = "Time"))]
     pub time_scale: Option<String>,
-    /// Time scale of a configuration file: the default for times without a scale. The name of a column overrides it.
+    /// Time scale of the configuration file, for times without a scale. A scale in the name of a schedule's column
+    /// overrides it; the flag `--time-scale` overrides both.
     #[serde(skip)]
     #[cfg_attr(feature = "cli", arg(skip))]
     pub default_time_scale: Option<String>,
@@ -265,7 +266,7 @@ impl Config {
         // Flags are spelled with hyphens, TOML keys mostly with underscores.
         let keys: toml::Table = keys.into_iter().map(|(key, value)| (key.replace('-', "_"), value)).collect();
         if let Some(unknown) = keys.keys().find(|key| !KEYS.contains(&key.as_str())) {
-            return Err(error(format!("unknown field `{unknown}`, expected one of `{}`", KEYS.join("`, `"))));
+            return Err(error(format!("unknown key '{unknown}'; allowed: {}", KEYS.join(", "))));
         }
         Config::deserialize(keys.clone()).map_err(|value| {
             // The parser's message on a value lacks the key.
@@ -277,7 +278,7 @@ impl Config {
         })
     }
 
-    /// Lays this configuration over its configuration file, if one is given.
+    /// Completes this configuration with its configuration file, if one is given.
     ///
     /// # Errors
     /// As [`Config::read`].
@@ -378,7 +379,7 @@ impl Config {
 #[cfg(feature = "cli")]
 pub fn norad_id(text: &str) -> Result<u32, String> {
     let number = text.parse().ok().filter(|number| (1..=MOST_NORAD).contains(number));
-    number.ok_or_else(|| format!("allowed: NORAD catalogue numbers, 1 to {MOST_NORAD}, for example 25544"))
+    number.ok_or_else(|| format!("not a NORAD catalogue number; allowed: 1 to {MOST_NORAD}, for example 25544"))
 }
 
 #[cfg(test)]
@@ -415,13 +416,14 @@ mod tests {
             let message = Config::from_toml(text, "t.toml").unwrap_err().to_string();
             assert!(message.starts_with("configuration t.toml: ") && !message.contains('\n'), "{text}: {message}");
         }
-        // As plugins give them.
+        // JSON, the format of the plugins.
         assert!(serde_json::from_str::<Config>(r#"{"limitmag": 7}"#).is_err());
     }
 
     #[test]
     fn every_listed_key_is_a_key() {
-        // A table in a list is a value of no key, and a key that the structures lack is reported as unknown.
+        // No key accepts a table inside a list, so that every key gives an error; an unlisted key gives that of an
+        // unknown one.
         for key in KEYS {
             let error = Config::from_toml(&format!("{key} = [[{{}}]]"), "t.toml").expect_err(key).to_string();
             assert!(!error.contains("unknown"), "{key}: {error}");

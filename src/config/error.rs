@@ -1,4 +1,4 @@
-//! Errors of a configuration and of what it requests.
+//! Errors of a configuration, and of requests that use it.
 
 use std::io;
 
@@ -9,23 +9,21 @@ use crate::forecast::ForecastError;
 use crate::frames::FramesError;
 use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
-#[cfg(feature = "fits")]
-use crate::images::FrameError;
 use crate::images::ImagesError;
 use crate::orbit::OrbitError;
-use crate::passes::{FieldError, SkyError};
+use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
 use crate::schedule::ScheduleError;
-#[cfg(feature = "fits")]
-use crate::streaks::InjectionError;
+#[cfg(all(feature = "fits", unix))]
+use crate::streaks::StreaksError;
 
 /// Errors of a configuration, or of a request for a forecast, an identification or an injection.
 ///
-/// Each has the invalid value and the accepted ones.
+/// Each message contains the invalid value and the accepted ones.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// A request that is incomplete, contradictory or out of range.
+    /// An incomplete or contradictory request, or one with a number out of range.
     #[error("{0}")]
     Invalid(String),
     /// A file of the configuration cannot be read.
@@ -59,7 +57,7 @@ pub enum ConfigError {
     Missing {
         /// What is missing.
         what: &'static str,
-        /// How to specify it.
+        /// Flags that specify it.
         allowed: &'static str,
     },
     /// Two values exclude each other.
@@ -81,13 +79,11 @@ pub enum ConfigError {
         allowed: &'static str,
     },
     /// An unknown site without a similar known name.
-    #[error(
-        "unknown site {0:?}, and no similar name; known names: streakcast sites; or specify --lat, --lon and --height"
-    )]
+    #[error("unknown site {0:?}; allowed: a name listed by streakcast sites, or --lat, --lon and --height")]
     UnknownSite(String),
     /// The telescope in orbit is not in the file.
     #[error(
-        "no element set of the observer {id} among {count} objects; specify the number of one of them with --observer-norad"
+        "--observer-norad {id} is not among the {count} objects of the elements; allowed: the NORAD number of one of them"
     )]
     NoObserver {
         /// Given value.
@@ -100,19 +96,19 @@ pub enum ConfigError {
         "the elements of the observer contain {count} objects; specify one with --observer-norad (the first is {first})"
     )]
     SeveralObservers {
-        /// How many.
+        /// Number of objects.
         count: usize,
-        /// Number of the first.
+        /// NORAD number of the first one.
         first: u32,
     },
     /// The telescope in orbit is below the Earth's limb.
     #[error(
-        "{name} is at {at_km:.0} km, below the limb height of {height_km} km; allowed: --limb-height-km below its orbit"
+        "{name} is at {at_km:.0} km, below the limb height of {height_km} km; allowed: --limb-height-km below the orbit"
     )]
     BelowLimb {
-        /// Its name.
+        /// Name of the telescope.
         name: String,
-        /// Its own height, km.
+        /// Height of the telescope, km.
         at_km: f64,
         /// Height of the limb, km.
         height_km: f64,
@@ -131,8 +127,8 @@ pub enum ConfigError {
     /// Invalid orbit of the telescope in orbit.
     #[error("observer: {0}")]
     Observer(OrbitError),
-    /// A number out of its range.
-    #[error("{what} {given}: allowed {allowed}")]
+    /// A number is out of its range.
+    #[error("{what} is {given}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the value, spelled as the flag.
         what: &'static str,
@@ -141,8 +137,8 @@ pub enum ConfigError {
         /// Allowed values, with their unit.
         allowed: &'static str,
     },
-    /// A number without its unit.
-    #[error("{what} {given} has no unit; allowed: {allowed}")]
+    /// A number is given without its unit.
+    #[error("{what} is {given}, without a unit; allowed: {allowed}")]
     NoUnit {
         /// Name of the value.
         what: &'static str,
@@ -171,50 +167,47 @@ pub enum ConfigError {
         /// All names.
         known: String,
     },
-    /// Element sets and synthetic shells.
+    /// Error in element sets or synthetic shells.
     #[error(transparent)]
     Elements(#[from] ElementsError),
-    /// Times, Earth orientation, angles of the configuration.
+    /// Error in times, Earth orientation or angles of the configuration.
     #[error(transparent)]
     Frames(#[from] FramesError),
-    /// Angle of a request.
+    /// Error in an angle of a request.
     #[error(transparent)]
     Angle(FramesError),
-    /// Site.
+    /// Error in the site.
     #[error(transparent)]
     Geometry(#[from] GeometryError),
-    /// Telescope.
+    /// Error in the telescope.
     #[error(transparent)]
     Images(#[from] ImagesError),
-    /// Frame of a request.
-    #[cfg(feature = "fits")]
+    /// Error in the frame of a request.
+    #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// Bands, model files, standard magnitudes.
+    Frame(ImagesError),
+    /// Error in bands, model files or standard magnitudes.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),
-    /// Models of satellites, and the sky.
+    /// Error in the models of satellites, the field of view or the prepared sky.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// Field of view.
-    #[error(transparent)]
-    Field(#[from] FieldError),
-    /// Policy.
+    /// Error in the policy.
     #[error(transparent)]
     Policy(ScheduleError),
-    /// Schedule of a request.
+    /// Error in the schedule of a request.
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
-    /// Forecast.
+    /// Error of a forecast.
     #[error(transparent)]
     Forecast(#[from] ForecastError),
-    /// Measured streak.
+    /// Error of the identification of a streak.
     #[error(transparent)]
     Identify(#[from] IdentifyError),
-    /// Injection.
-    #[cfg(feature = "fits")]
+    /// Error of an injection.
+    #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
-    Injection(#[from] InjectionError),
+    Streaks(#[from] StreaksError),
 }
 
 impl ConfigError {
@@ -222,15 +215,16 @@ impl ConfigError {
         Self::Invalid(message.into())
     }
 
-    /// Returns true for errors of a forecast, an identification or an injection, false for those of their configuration.
+    /// Returns true for errors of a forecast, an identification or an injection, false for those of their
+    /// configuration.
     pub fn is_of_request(&self) -> bool {
         let is_general = matches!(
             self,
             Self::Invalid(_) | Self::Angle(_) | Self::Schedule(_) | Self::Forecast(_) | Self::Identify(_)
         );
-        #[cfg(feature = "fits")]
-        return is_general || matches!(self, Self::Frame(_) | Self::Injection(_));
-        #[cfg(not(feature = "fits"))]
+        #[cfg(all(feature = "fits", unix))]
+        return is_general || matches!(self, Self::Frame(_) | Self::Streaks(_));
+        #[cfg(not(all(feature = "fits", unix)))]
         is_general
     }
 }

@@ -14,7 +14,7 @@ use crate::frames::{parse_instant, parse_moment, seconds_between};
 use crate::output::format_utc;
 use crate::schedule::night_of;
 
-/// Longest range of one request, days: a month.
+/// Longest time range of one request, days.
 const LONGEST_DAYS: f64 = 31.0;
 
 /// Time range and filters of a forecast, in addition to [`Config`]. Omitted keys have the defaults of the command line.
@@ -109,8 +109,8 @@ impl Default for ForecastConfig {
 }
 
 impl ForecastConfig {
-    /// Resolves the request and its selection of satellites, with `default_samples` points along each pass unless this or
-    /// `config` has their number.
+    /// Resolves the request and its selection of satellites. Each pass has `default_samples` points if neither `self`
+    /// nor `config` sets their number.
     ///
     /// # Errors
     /// An unknown kind of satellite; a number out of range; as [`time_range`].
@@ -147,8 +147,8 @@ impl ForecastConfig {
     }
 }
 
-/// Returns the first and the last moment of a time range, or of a night: local mean noon to noon at the site, by the
-/// evening's local date.
+/// Returns the start and the end of a time range. A night lasts from local mean noon to the next noon at the site, and
+/// is named by the local date of its evening.
 ///
 /// # Errors
 /// An invalid date; a missing time; more than 31 days, or an end before the start.
@@ -180,7 +180,7 @@ pub fn time_range(
     if !(0.0..=LONGEST_DAYS).contains(&days) {
         let (from, to) = (format_utc(from, 0), format_utc(to, 0));
         return Err(ConfigError::invalid(format!(
-            "{from} to {to}: allowed 0 to 31 days, the end not before the start"
+            "the time range is {from} to {to}; allowed: 0 to 31 days, the end not before the start"
         )));
     }
     Ok((from, to))

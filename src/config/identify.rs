@@ -12,20 +12,22 @@ use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_betw
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
 use crate::passes::Exposure;
 
-/// Default sigma of the clock, s.
+/// Default clock error (one sigma), s.
 const TIME_SIGMA_S: f64 = 0.5;
-/// Default sigma of a position angle, degrees.
+/// Default error of a position angle (one sigma), degrees.
 const ANGLE_SIGMA_DEG: f64 = 1.0;
-/// Default sigma of an end, arcsec.
+/// Default position error of an end (one sigma), arcsec.
 const POSITION_SIGMA_ARCSEC: f64 = 5.0;
-/// Default sigma of an end in a frame, measured by eye, pixels.
-#[cfg(feature = "fits")]
+/// Default position error of an end that was measured by eye in a frame (one sigma), pixels.
+#[cfg(all(feature = "fits", unix))]
 const POSITION_SIGMA_PIX: f64 = 3.0;
 
-const WAYS: &str =
+/// Forms in which a streak can be given.
+pub const STREAK_FORMS: &str =
     "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
 
-/// A measured streak, in addition to [`Config`]: by two ends, by a position and an angle, in a frame, or by regions.
+/// A measured streak, in addition to [`Config`]: given by two ends, by a position and an angle, by pixels of a frame,
+/// or by regions.
 ///
 /// ```
 /// let streak: streakcast::config::IdentifyConfig =
@@ -59,34 +61,35 @@ pub struct IdentifyConfig {
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
     pub length: Option<String>,
     /// Frame (FITS) of the streak: source of world coordinates and times
-    #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "FILE"))]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "FILE"))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub image: Option<PathBuf>,
     /// First end in the frame, pixels counted from 1 as in FITS and DS9
     #[cfg_attr(
-        all(feature = "cli", feature = "fits"),
+        all(feature = "cli", feature = "fits", unix),
         arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "to_pix"])
     )]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub from_pix: Option<String>,
     /// Second end in the frame
     #[cfg_attr(
-        all(feature = "cli", feature = "fits"),
+        all(feature = "cli", feature = "fits", unix),
         arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "from_pix"])
     )]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub to_pix: Option<String>,
     /// HDU of the frame, counted from 0; the only image if omitted
-    #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "N", requires = "image"))]
-    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "N", requires = "image"))]
+    #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub hdu: Option<usize>,
     /// DS9 region file drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
     pub region: Option<PathBuf>,
-    /// Sigma of an end with its unit; if omitted 5arcsec, 3 pixels in a frame, half the half width of regions
+    /// Position error (one sigma) of an end with its unit; if omitted 5arcsec, 3 pixels in a frame, a quarter of the
+    /// width of regions
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE"))]
     pub place_sigma: Option<String>,
-    /// Sigma of --position-angle with its unit; 1deg if omitted
+    /// Error (one sigma) of --position-angle with its unit; 1deg if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
     pub angle_sigma: Option<String>,
     /// Times of the satellite at the first and at the second --end
@@ -111,17 +114,17 @@ pub struct IdentifyConfig {
     /// Both ends are positions of the satellite at shutter opening and closing, not at the edges of the frame
     #[cfg_attr(feature = "cli", arg(long))]
     pub whole_streak: bool,
-    /// Sigma of the clock with its unit; 0.5s if omitted
+    /// Clock error (one sigma) with its unit; 0.5s if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
     pub time_sigma: Option<String>,
 }
 
-/// A measured streak, checked.
+/// Measured streak after all checks, with the option that gave it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifyPlan {
     /// Streak.
     pub streak: MeasuredStreak,
-    /// Option by which it was given: `--end`, `--position-angle`, `--from-pix` or `--region`.
+    /// Option that gave the position of the streak: `--end`, `--position-angle`, `--from-pix` or `--region`.
     pub source: &'static str,
 }
 
@@ -148,27 +151,27 @@ impl IdentifyConfig {
     /// Resolves the streak and reads its files.
     ///
     /// # Errors
-    /// No streak or several, a missing time, a file that cannot be read, a position outside of the frame, numbers out of
-    /// range.
+    /// No streak or several streaks are given, a time is missing, a file cannot be read, a position is outside of the
+    /// frame, or a number is out of range.
     pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, ConfigError> {
         let has_middle = self.position_angle.is_some() || self.ra.is_some() || self.dec.is_some();
-        let mut ways = vec![
+        let mut forms = vec![
             ("--end", !self.end.is_empty()),
             ("--position-angle", has_middle),
             ("--from-pix", self.from_pix.is_some() || self.to_pix.is_some()),
             ("--region", self.region.is_some()),
         ];
-        ways.retain(|(_, is_given)| *is_given);
-        let ways: Vec<&'static str> = ways.into_iter().map(|(way, _)| way).collect();
-        let (source, (line, sigma_arcsec)) = match (ways.as_slice(), &self.region) {
-            ([], _) => return Err(ConfigError::invalid(format!("missing streak; specify {WAYS}"))),
+        forms.retain(|(_, is_given)| *is_given);
+        let forms: Vec<&'static str> = forms.into_iter().map(|(form, _)| form).collect();
+        let (source, (line, sigma_arcsec)) = match (forms.as_slice(), &self.region) {
+            ([], _) => return Err(ConfigError::invalid(format!("missing streak; specify {STREAK_FORMS}"))),
             (["--end"], _) => ("--end", (self.ends()?, POSITION_SIGMA_ARCSEC)),
             (["--position-angle"], _) => ("--position-angle", (self.middle()?, POSITION_SIGMA_ARCSEC)),
             (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
             (["--region"], Some(path)) => ("--region", in_regions(path)?),
             (several, _) => {
                 let several = several.join(" and ");
-                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {WAYS}")));
+                return Err(ConfigError::invalid(format!("{several} exclude each other; specify {STREAK_FORMS}")));
             }
         };
         let (start, duration_s, timing) = self.timing(config)?;
@@ -224,12 +227,12 @@ impl IdentifyConfig {
         Ok(Line::Middle { position: direction(ra, dec)?, angle_deg, length_deg })
     }
 
-    #[cfg(not(feature = "fits"))]
+    #[cfg(not(all(feature = "fits", unix)))]
     fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
         Err(ConfigError::invalid("this build cannot read frames; it needs the cargo feature fits"))
     }
 
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     fn in_frame(&self) -> Result<(Line, f64), ConfigError> {
         use super::identify_frame::{ends, pixel};
         let (Some(path), Some(from), Some(to)) = (&self.image, &self.from_pix, &self.to_pix) else {
@@ -239,7 +242,7 @@ impl IdentifyConfig {
         Ok((Line::Ends(ends), POSITION_SIGMA_PIX * pixel_arcsec))
     }
 
-    /// Returns start, duration and kind of the times.
+    /// Returns the start and the duration of the interval, and the relation between times and ends.
     fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), ConfigError> {
         let scale = config.time_scale()?;
         match self.times.as_slice() {
@@ -253,16 +256,19 @@ impl IdentifyConfig {
                 let duration_s = seconds_between(first, second);
                 if duration_s <= 0.0 {
                     return Err(ConfigError::invalid(format!(
-                        "times: the second is {duration_s} s after the first; allowed: the time of the first --end, then a later one for the second"
+                        "the second of --times is {duration_s} s after the first; allowed: the time at the first --end, then a later one at the second"
                     )));
                 }
                 Ok((first, duration_s, Timing::FirstToSecond))
             }
-            other => Err(ConfigError::invalid(format!("times: {}; allowed: two, one for each --end", other.len()))),
+            other => {
+                Err(ConfigError::invalid(format!("--times has {} values; allowed: 2, one for each --end", other.len())))
+            }
         }
     }
 
-    /// Returns shutter opening and length: those given, else those of the configuration or the frame.
+    /// Returns the time of shutter opening and the exposure time: those given, or else those of the configuration, or
+    /// else those of the frame's header.
     fn exposed(&self, config: &Config) -> Result<(Epoch, f64), ConfigError> {
         let given = |given: &Option<String>, configured: &Option<Quantity>| {
             given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
@@ -272,7 +278,7 @@ impl IdentifyConfig {
         let duration_s = given(&self.exposure, &config.exposure.duration)
             .map(|length| parse_duration_s("exposure", &length))
             .transpose()?;
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         if let Some(path) = &self.image {
             return super::identify_frame::exposure(path, self.hdu, start, duration_s);
         }
@@ -290,13 +296,13 @@ fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, ConfigError> {
     parse_direction(ra, dec).map_err(ConfigError::Angle)
 }
 
-/// Returns the line through regions drawn around a streak, and the sigma of its ends, arcsec.
+/// Returns the line through regions drawn around a streak, and the position error of its ends (one sigma), arcsec.
 fn in_regions(path: &Path) -> Result<(Line, f64), ConfigError> {
     let shown = path.display().to_string();
     let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{shown}: {error}"));
     let text = std::fs::read_to_string(path).map_err(|error| fail(&error))?;
     let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
-    // A box is drawn around a streak: its middle line is more accurate than its sides.
+    // The middle line of a box drawn around a streak is more accurate than the sides of the box.
     let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
     let sigma_arcsec = if half_width_arcsec > 0.0 { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC };
     Ok((Line::Ends(line.ends), sigma_arcsec))

@@ -1,4 +1,4 @@
-//! Coordinates and times of a streak from its frame.
+//! Sky positions and times of a streak from the frame that contains it.
 
 use std::path::Path;
 
@@ -21,27 +21,32 @@ pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
         })
 }
 
-/// Opens the image given, else the only one.
+/// Opens a frame; returns it with the given HDU, or else with the HDU of its only image that is not a mask, a weight or
+/// a variance.
 fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
-    let file = FrameFile::open(path)?;
-    let images = file.images();
+    let file = FrameFile::open(path).map_err(ConfigError::Frame)?;
+    let images = file.light_images();
     let shown = path.display();
     let hdu = match (hdu, images.as_slice()) {
         (Some(hdu), _) => hdu,
         (None, [one]) => *one,
-        (None, []) => return Err(ConfigError::invalid(format!("{shown}: no image with two axes"))),
+        (None, []) => {
+            return Err(ConfigError::invalid(format!(
+                "{shown} has no image with two axes; allowed: a FITS file with one"
+            )));
+        }
         (None, several) => {
             let (count, first, last) = (several.len(), several[0], several[several.len() - 1]);
             return Err(ConfigError::invalid(format!(
-                "{shown}: contains {count} images; specify one with --hdu {first} to {last}"
+                "{shown} contains {count} images; specify one with --hdu {first} to {last}"
             )));
         }
     };
-    file.image_size(hdu)?;
+    file.image_size(hdu).map_err(ConfigError::Frame)?;
     Ok((file, hdu))
 }
 
-/// Returns both ends on the sky, and the side of a pixel, arcsec.
+/// Returns the sky positions of two pixels, and the pixel scale between them, arcsec.
 pub(super) fn ends(
     path: &Path,
     hdu: Option<usize>,
@@ -53,7 +58,7 @@ pub(super) fn ends(
     let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| fail(error.to_string()))?;
     let sky_position = |pixel: PixelPosition| {
         let [x, y] = pixel.fits();
-        // The centre of the first pixel is at 1, and its edge at 0.5.
+        // The centre of the first pixel has the coordinate 1, its lower edge 0.5.
         let is_within = |at: f64, count: usize| (0.5..=count as f64 + 0.5).contains(&at);
         if !(is_within(x, columns) && is_within(y, rows)) {
             let (right, top) = (columns as f64 + 0.5, rows as f64 + 0.5);
@@ -61,7 +66,11 @@ pub(super) fn ends(
                 "pixel {x},{y} is outside of the frame; allowed: X from 0.5 to {right}, Y from 0.5 to {top}, counted from 1"
             )));
         }
-        wcs.to_sky(pixel).ok_or_else(|| fail(format!("pixel {x},{y} has no position on the sky")))
+        wcs.to_sky(pixel).ok_or_else(|| {
+            fail(format!(
+                "pixel {x},{y} has no position on the sky; allowed: pixels inside the range of the world coordinates"
+            ))
+        })
     };
     let [from, to] = pixels;
     let ends = [sky_position(from)?, sky_position(to)?];
@@ -69,7 +78,7 @@ pub(super) fn ends(
     Ok((ends, ends[0].separation_rad(&ends[1]).to_degrees() * 3600.0 / length_pix))
 }
 
-/// Returns shutter opening and length: the values given, else those of the header.
+/// Returns the time of shutter opening and the exposure time: the values given, or else those of the header.
 pub(super) fn exposure(
     path: &Path,
     hdu: Option<usize>,

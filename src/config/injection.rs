@@ -117,7 +117,9 @@ pub struct InjectionConfig {
         )
     )]
     pub magnitude: Option<Numbers>,
-    /// Angular rate of random streaks, deg/s, the slower first, which also sets their distance; 0.2,0.8 if omitted
+    /// Angular rate of random streaks, deg/s: one value, or the lowest and the highest; the rate also sets the
+    /// distance;
+    /// 0.2,0.8 if omitted
     #[cfg_attr(
         feature = "cli",
         arg(

@@ -1,4 +1,4 @@
-//! Resolution of an injection from its options, and its execution on frames.
+//! Resolution of the options of an injection to a plan, and its execution on frames.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -16,30 +16,31 @@ use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
 use crate::streaks::{
-    ArrayFrame, ArrayInjected, FrameOverrides, Glint, Injection, InjectionError, InjectionPlan, InjectionSky,
-    Injections, LightCurve, MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber,
-    SyntheticFrame, SyntheticPlan, Tumbling,
+    ArrayFrame, ArrayInjected, FrameOverrides, Glint, Injection, InjectionPlan, InjectionSky, Injections, LightCurve,
+    MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, SyntheticPlan,
+    Tumbling,
 };
 
 /// Default β of the Moffat profile, usual for telescopes.
-const USUAL_BETA: f64 = 3.5;
-/// Wide Gaussian of the double Gaussian: twice as wide, a tenth of the light (Bosch & Armstrong 2013, SDSS images).
-const USUAL_WIDENING: f64 = 2.0;
-const USUAL_WIDE_SHARE: f64 = 0.1;
-/// Default rates of random streaks, deg/s: satellites of 550 km low in the sky and overhead.
-const USUAL_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
-/// Largest number of points of truth along one streak.
+const DEFAULT_BETA: f64 = 3.5;
+/// Second Gaussian of the form `double`: twice as wide as the first, with a tenth of the light (Bosch & Armstrong 2013,
+/// SDSS images).
+const DEFAULT_WIDENING: f64 = 2.0;
+const DEFAULT_WIDE_SHARE: f64 = 0.1;
+/// Default rates of random streaks, deg/s: satellites at 550 km height, low in the sky and overhead.
+const DEFAULT_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
+/// Largest number of points along one streak in the truth table.
 const MOST_TRUTH_POINTS: usize = 10_000;
-/// Default time of synthetic frames with random streaks; it affects only the header.
-const SOME_DAY: &str = "2000-01-01T12:00:00Z";
+/// Default time of synthetic frames with random streaks. It appears only in the header.
+const DEFAULT_START: &str = "2000-01-01T12:00:00Z";
 
-/// Function that returns the sky of the night of a moment, for callers with a cache of skies.
+/// Function that returns the sky for the night of a given time, for callers with a cache of skies.
 pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError> + Sync);
 
 /// Puts streaks into frames: one output for each image, or for each synthetic frame.
 ///
-/// The sky of the frames' night is that of `sky`, if given; else it is prepared from the configuration, with the
-/// observatory of the headers if the configuration has no site.
+/// The function `sky`, if given, returns the sky for the night of the frames. Otherwise the sky is prepared from the
+/// configuration, with the observatory named in the headers if the configuration has no site.
 ///
 /// # Errors
 /// [`ConfigError`]; each output is written whole or not at all.
@@ -85,7 +86,7 @@ fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
     InjectionSky { sky: &prepared.sky, eop: &prepared.eop, provenance: &prepared.provenance }
 }
 
-/// Completes a configuration without site by the observatory in the headers, with a remark.
+/// Returns the configuration, with the observatory of the headers and a remark if it has no site.
 fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
     let site = &config.site;
     if site.named.is_some() || site.mpc.is_some() || site.lat.is_some() || config.observer_elements.is_some() {
@@ -100,14 +101,14 @@ fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, 
             Ok((config, Some(format!("site {} ({code}) from the header", site.name))))
         }
         [first, second, ..] => Err(ConfigError::invalid(format!(
-            "frames of two observatories ({}, {}); run inject separately for each",
+            "the frames are from two observatories ({}, {}); allowed: frames of one observatory",
             first.name, second.name
         ))),
     }
 }
 
 impl InjectionConfig {
-    /// Returns the files that are read: no output may replace one of them.
+    /// Returns all input files, which no output may replace.
     pub fn files(&self) -> Vec<PathBuf> {
         let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector];
         self.image.iter().chain(one.into_iter().flatten()).cloned().collect()
@@ -118,7 +119,7 @@ impl InjectionConfig {
         self.random_streaks.is_some() || self.streak_density.is_some()
     }
 
-    /// Resolves the plan; detector, synthetic frame, light curve and schedule are read.
+    /// Resolves the plan; reads the files of detector, synthetic frame, light curve and schedule.
     ///
     /// # Errors
     /// A request that is incomplete, contradicts itself, or is out of range.
@@ -135,11 +136,11 @@ impl InjectionConfig {
             ));
         }
         self.check_idle()?;
-        let (detector, own_gain) = match self.detector.as_deref().map(read_detector).transpose()? {
-            Some((detector, own_gain)) => (Some(detector), own_gain),
+        let (detector, gain_of_file) = match self.detector.as_deref().map(read_detector).transpose()? {
+            Some((detector, gain_of_file)) => (Some(detector), gain_of_file),
             None => (None, None),
         };
-        if own_gain.is_some() && self.gain.is_some() {
+        if gain_of_file.is_some() && self.gain.is_some() {
             return Err(ConfigError::invalid(
                 "--gain and gain_e_adu in the file of --detector exclude each other; specify one of them",
             ));
@@ -150,12 +151,12 @@ impl InjectionConfig {
             ));
         }
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
-            return Err(ConfigError::invalid(format!("gain {gain}; allowed: above 0")));
+            return Err(ConfigError::invalid(format!("gain is {gain} e/count; allowed: above 0 e/count")));
         }
         let pixel_scale_arcsec = self.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
         if pixel_scale_arcsec.is_some() && random.is_none() {
             return Err(ConfigError::invalid(
-                "--pixel-scale is for random streaks in frames without world coordinates; satellites need world coordinates",
+                "--pixel-scale is given without random streaks; allowed: with --random-streaks or --streak-density (satellites need world coordinates)",
             ));
         }
         let photometry = config.photometry()?;
@@ -171,7 +172,7 @@ impl InjectionConfig {
                 duration_s,
                 hdus: self.hdu.clone(),
                 zero_point: zero_point.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second))),
-                gain_e_adu: self.gain.or(own_gain),
+                gain_e_adu: self.gain.or(gain_of_file),
                 pixel_scale_arcsec,
             },
             tracking_arcsec_s: numbers(&self.track_rate).try_into().ok(),
@@ -189,12 +190,12 @@ impl InjectionConfig {
             noise: !self.no_noise,
             seed: self.seed,
             truth_points: self.truth_points,
-            mask_preset: MaskPreset::by_name(&self.mask_bits).map_err(InjectionError::from)?,
+            mask_preset: MaskPreset::by_name(&self.mask_bits)?,
             pixels_only: self.pixels_only,
         })
     }
 
-    /// Checks the number of numbers in each option.
+    /// Checks how many numbers each option has, and that they are finite.
     fn check_counts(&self) -> Result<(), ConfigError> {
         let lists = [
             ("track-rate", &self.track_rate, 2..=2),
@@ -208,10 +209,10 @@ impl InjectionConfig {
             if !allowed.contains(&numbers.len()) {
                 let (least, most) = (allowed.start(), allowed.end());
                 let allowed = if least == most { least.to_string() } else { format!("{least} to {most}") };
-                return Err(ConfigError::invalid(format!("{what}: {} numbers; allowed: {allowed}", numbers.len())));
+                return Err(ConfigError::invalid(format!("{what} has {} numbers; allowed: {allowed}", numbers.len())));
             }
             if let Some(bad) = numbers.iter().find(|number| !number.is_finite()) {
-                return Err(ConfigError::invalid(format!("{what} {bad}; allowed: finite numbers")));
+                return Err(ConfigError::invalid(format!("{what} is {bad}; allowed: finite numbers")));
             }
         }
         Ok(())
@@ -223,20 +224,22 @@ impl InjectionConfig {
             [("--frames", self.frames.is_some()), ("--ra", self.ra.is_some()), ("--dec", self.dec.is_some())];
         if let Some((option, _)) = of_synthetic.iter().find(|(_, is_given)| *is_given && self.synthetic.is_none()) {
             return Err(ConfigError::invalid(format!(
-                "{option} is for --synthetic; the position of an image is in its header"
+                "{option} is given without --synthetic; allowed: with --synthetic (the position of an image is in its header)"
             )));
         }
         if self.synthetic.is_some() && !self.hdu.is_empty() {
-            return Err(ConfigError::invalid("--hdu is for --image; a synthetic frame has one image"));
+            return Err(ConfigError::invalid(
+                "--hdu is given with --synthetic; allowed: with --image (a synthetic frame has one image)",
+            ));
         }
         if self.resolve_panels && self.is_random() {
             return Err(ConfigError::invalid(
-                "--resolve-panels is for satellites; random streaks have neither chassis nor solar array",
+                "--resolve-panels has no effect on random streaks; allowed: with streaks of satellites",
             ));
         }
         if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {
             return Err(ConfigError::invalid(format!(
-                "truth-points {}; allowed: 2 to {MOST_TRUTH_POINTS}",
+                "truth-points is {}; allowed: 2 to {MOST_TRUTH_POINTS}",
                 self.truth_points
             )));
         }
@@ -247,7 +250,12 @@ impl InjectionConfig {
         let (Some(path), Some(row)) = (&self.schedule, &self.row) else { return Ok(None) };
         let schedule = Schedule::read(path, &config.schedule_options()?)?;
         let found = schedule.exposures.iter().find(|exposure| exposure.id == *row);
-        let found = found.ok_or_else(|| ConfigError::invalid(format!("{}: no exposure_id {row:?}", path.display())))?;
+        let found = found.ok_or_else(|| {
+            ConfigError::invalid(format!(
+                "{} has no exposure_id {row:?}; allowed: an exposure_id of the schedule",
+                path.display()
+            ))
+        })?;
         match &found.exposure {
             Ok(exposure) => Ok(Some(exposure.clone())),
             Err(reason) => Err(ConfigError::invalid(format!("{}: exposure {row}: {reason}", path.display()))),
@@ -266,7 +274,7 @@ impl InjectionConfig {
         let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
         let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
         if duration_s.is_some_and(|seconds| seconds <= 0.0) {
-            return Err(ConfigError::invalid("exposure of 0 s; allowed: above 0 s"));
+            return Err(ConfigError::invalid("exposure is 0 s; allowed: above 0 s"));
         }
         Ok((start, duration_s))
     }
@@ -286,7 +294,7 @@ impl InjectionConfig {
             glints: self.glint.iter().filter_map(glint).collect(),
             curve: self.light_curve.as_deref().map(read_light_curve).transpose()?,
         };
-        modulation.check().map_err(InjectionError::from)?;
+        modulation.check()?;
         Ok(modulation)
     }
 
@@ -299,7 +307,7 @@ impl InjectionConfig {
             }
             (None, None) => {
                 return Err(ConfigError::invalid(
-                    "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; those of satellites are computed",
+                    "--magnitude or --streak-rate-deg-s is given without random streaks; allowed: with --random-streaks or --streak-density",
                 ));
             }
         };
@@ -311,9 +319,9 @@ impl InjectionConfig {
         let streaks = RandomStreaks {
             number,
             magnitude: range(&self.magnitude, [f64::NAN; 2]),
-            rate_rad_s: range(&self.streak_rate_deg_s, USUAL_RATES_DEG_S).map(f64::to_radians),
+            rate_rad_s: range(&self.streak_rate_deg_s, DEFAULT_RATES_DEG_S).map(f64::to_radians),
         };
-        streaks.check().map_err(InjectionError::from)?;
+        streaks.check()?;
         Ok(Some(RandomPlan { streaks, is_per_square_degree: self.streak_density.is_some() }))
     }
 
@@ -342,13 +350,13 @@ impl InjectionConfig {
         scheduled: Option<&Exposure>,
     ) -> Result<SyntheticPlan, ConfigError> {
         let text = text_of("synthetic frame", path)?;
-        let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string()).map_err(InjectionError::from)?;
-        // Paths in a file start from its folder.
+        let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string())?;
+        // Relative paths in a file start from the folder of the file.
         let folder = path.parent().unwrap_or(Path::new(""));
         frame.star_list = frame.star_list.map(|list| folder.join(list));
         let opened = match start {
             Some(start) => start,
-            None if self.is_random() => parse_instant(SOME_DAY, None)?,
+            None if self.is_random() => parse_instant(DEFAULT_START, None)?,
             None => {
                 return Err(ConfigError::invalid(
                     "missing start of the exposure; specify --start 2024-08-14T00:30:00.000Z, or --schedule FILE --row ID",
@@ -396,7 +404,7 @@ fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
         reader.headers().map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?.clone();
     let column = |name: &str| {
         headers.iter().position(|header| header == name).ok_or_else(|| {
-            ConfigError::invalid(format!("light curve {shown}: missing column {name}; required: time_s, delta_mag"))
+            ConfigError::invalid(format!("light curve {shown}: missing column {name}; allowed: time_s, delta_mag"))
         })
     };
     let (time, delta) = (column("time_s")?, column("delta_mag")?);
@@ -407,7 +415,7 @@ fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
         let number = |index: usize| {
             let text = record.get(index).unwrap_or_default();
             text.parse::<f64>().map_err(|_| {
-                ConfigError::invalid(format!("light curve {shown}, line {line}: {text:?} is not a number"))
+                ConfigError::invalid(format!("light curve {shown}, line {line}: {text:?} is not a number; allowed: numbers in time_s and delta_mag"))
             })
         };
         points.push((number(time)?, number(delta)?));
@@ -419,22 +427,26 @@ fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
     let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
     match (name.to_ascii_lowercase().as_str(), number) {
         ("gaussian", None) => Ok(SeeingForm::Gaussian),
-        ("moffat", None) => Ok(SeeingForm::Moffat { beta: USUAL_BETA }),
+        ("moffat", None) => Ok(SeeingForm::Moffat { beta: DEFAULT_BETA }),
         ("moffat", Some(number)) => match number.parse::<f64>() {
             Ok(beta) if (2.0..=100.0).contains(&beta) => Ok(SeeingForm::Moffat { beta }),
-            _ => Err(ConfigError::invalid(format!("psf {text:?}: β of a Moffat profile; allowed: 2 to 100"))),
+            _ => {
+                Err(ConfigError::invalid(format!("invalid β of the Moffat profile in psf {text:?}; allowed: 2 to 100")))
+            }
         },
-        ("double", None) => Ok(SeeingForm::DoubleGaussian { widening: USUAL_WIDENING, wide_share: USUAL_WIDE_SHARE }),
+        ("double", None) => {
+            Ok(SeeingForm::DoubleGaussian { widening: DEFAULT_WIDENING, wide_share: DEFAULT_WIDE_SHARE })
+        }
         _ => Err(ConfigError::invalid(format!("invalid psf {text:?}; allowed: gaussian, moffat, moffat:BETA, double"))),
     }
 }
 
-/// Reads a detector, and its gain if the file has one.
+/// Reads a detector file; returns the detector, and its gain if the file sets one.
 fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), ConfigError> {
     let text = text_of("detector", path)?;
     let detector = Detector::from_toml(&text)
         .map_err(|error| ConfigError::invalid(format!("detector {}: {error}", path.display())))?;
     let has_gain = toml::from_str::<toml::Table>(&text).is_ok_and(|table| table.contains_key("gain_e_adu"));
-    let own_gain = has_gain.then_some(detector.gain_e_adu);
-    Ok((detector, own_gain))
+    let gain_of_file = has_gain.then_some(detector.gain_e_adu);
+    Ok((detector, gain_of_file))
 }

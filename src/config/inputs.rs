@@ -14,8 +14,8 @@ use crate::orbit::DragModel;
 use crate::passes::ModelChoice;
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
 
-/// All inputs of a configuration, read once. Skies for any time are prepared from them without reading a file again,
-/// except for the elements of a telescope in orbit.
+/// All inputs of a configuration, read once. They are enough to prepare skies for any time, except that the elements of
+/// a telescope in orbit are read for each sky.
 #[derive(Clone, Debug)]
 pub struct LoadedInputs {
     pub(super) config: Config,
@@ -28,7 +28,7 @@ pub struct LoadedInputs {
 }
 
 impl LoadedInputs {
-    /// Returns the files of element sets as they were read; none if all satellites are synthetic.
+    /// Returns the files of element sets that were read; empty if all satellites are synthetic.
     pub fn sources(&self) -> &[SourceFile] {
         self.catalogue.as_ref().map_or(&[], |catalogue| &catalogue.sources)
     }
@@ -55,7 +55,7 @@ impl Config {
         Ok(LoadedInputs { config: self.clone(), drag, shadow, eop, catalogue, constellations, choice })
     }
 
-    /// Returns the drag that SGP4 applies; none for satellites that hold their orbits if omitted.
+    /// Returns the model of drag in SGP4; if omitted, no drag for satellites that hold their orbits.
     ///
     /// # Errors
     /// An unknown model.
@@ -81,10 +81,10 @@ impl Config {
         })
     }
 
-    /// Returns the table of Earth orientation: that of the file, else UT1 of the bundled one.
+    /// Returns the table of Earth orientation: that of the given file, or else the bundled table of UT1.
     ///
-    /// Without a file polar motion is zero, as in Skyfield. The error is 18 m at most; element sets have errors of a
-    /// kilometre. The provenance states it.
+    /// Without a file, polar motion is zero, as in Skyfield: an error of at most 18 m, while element sets have errors
+    /// of a kilometre. The provenance states which table is used.
     ///
     /// # Errors
     /// The file cannot be read or is invalid.
@@ -130,7 +130,7 @@ impl Config {
         Ok(all)
     }
 
-    /// Returns the shipped models and those of the configuration's own files, by name.
+    /// Returns the bundled models and those of the configuration's model files, by name.
     ///
     /// # Errors
     /// A file that cannot be read or is invalid.
@@ -169,7 +169,7 @@ impl Config {
 pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, ConfigError> {
     let error = |source| ConfigError::Io { what, path: path.display().to_string(), source };
     if path.is_dir() {
-        return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; expected a file")));
+        return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; allowed: a file")));
     }
     std::fs::read_to_string(path).map_err(error)
 }

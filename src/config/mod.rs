@@ -1,7 +1,7 @@
 //! Configuration: one document for satellites, site, models, camera and rules, filled by flags, files and plugins.
 //!
-//! [`Config`] is the document; [`ForecastConfig`], [`IdentifyConfig`] and `InjectionConfig` are those of a request.
-//! Each is resolved once, with all checks: to an [`ObservationPlan`], a [`PreparedSky`], a
+//! [`Config`] holds the options of all requests; [`ForecastConfig`], [`IdentifyConfig`] and `InjectionConfig` hold
+//! those of one kind of request. Each is checked and resolved once, to an [`ObservationPlan`], a [`PreparedSky`], a
 //! [`ForecastRequest`](crate::forecast::ForecastRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
 //! [`streaks`](crate::streaks). The command line derives its flags from the same structures (feature `cli`).
 
@@ -10,11 +10,11 @@ mod error;
 mod forecast;
 mod health;
 mod identify;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod identify_frame;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod injection;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod injection_plan;
 mod inputs;
 mod observation;
@@ -29,10 +29,10 @@ pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, 
 pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
-pub use identify::{IdentifyConfig, IdentifyPlan};
-#[cfg(feature = "fits")]
+pub use identify::{IdentifyConfig, IdentifyPlan, STREAK_FORMS};
+#[cfg(all(feature = "fits", unix))]
 pub use injection::InjectionConfig;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use injection_plan::{SkyOf, inject_frames, inject_into_array};
 pub use inputs::LoadedInputs;
 pub use observation::{MOST_SAMPLES, ObservationPlan};

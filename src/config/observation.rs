@@ -1,4 +1,4 @@
-//! Field, telescope, policy, photometry and exposure of a configuration, checked.
+//! Field, telescope, policy, photometry and exposure of a configuration, with their checks.
 
 use std::path::Path;
 
@@ -28,11 +28,11 @@ pub struct ObservationPlan {
     pub field: Field,
     /// Telescope, if one is given.
     pub telescope: Option<Telescope>,
-    /// Policy, with the limits given separately.
+    /// Policy, with the overriding limits of [`RulesConfig`](super::RulesConfig).
     pub policy: Policy,
     /// Band, zero point and light of the magnitudes.
     pub photometry: PhotometryOptions,
-    /// Default position angle of the field for exposures without one, radians.
+    /// Position angle of the field for exposures that have none, radians.
     pub rotation_rad: f64,
 }
 
@@ -53,8 +53,8 @@ impl Config {
     /// Resolves field, telescope, policy and photometry.
     ///
     /// # Errors
-    /// As [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; a rotation out
-    /// of range.
+    /// As [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; a rotation
+    /// out of range.
     pub fn observation(&self) -> Result<ObservationPlan, ConfigError> {
         Ok(ObservationPlan {
             field: self.field_of_view()?,
@@ -65,10 +65,10 @@ impl Config {
         })
     }
 
-    /// Returns the field of view: the one given, else that of the telescope.
+    /// Returns the field of view: the one given, or else that of the telescope.
     ///
     /// # Errors
-    /// No field, two of them, or an invalid one.
+    /// No field or two fields are given, or the field is invalid.
     pub fn field_of_view(&self) -> Result<Field, ConfigError> {
         match (&self.fov, &self.field) {
             (Some(_), Some(_)) => Err(ConfigError::Both { first: "--fov", second: "--field" }),
@@ -97,7 +97,7 @@ impl Config {
         })
     }
 
-    /// Returns the policy: a file or table, with the limits given separately.
+    /// Returns the policy of the file or table; limits given by flags or keys of their own override those in it.
     ///
     /// # Errors
     /// An invalid file, a number out of range, or a policy that needs a telescope without one.
@@ -166,7 +166,7 @@ impl Config {
         if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
     }
 
-    /// Returns the scale of times without one.
+    /// Returns the time scale of times that have no scale.
     ///
     /// # Errors
     /// An unknown scale.
@@ -174,7 +174,7 @@ impl Config {
         self.given_time_scale().map(parse_time_scale).transpose()
     }
 
-    /// Returns the name of the scale as given: by a flag, else by the configuration file.
+    /// Returns the name of the time scale given by a flag, or else by the configuration file.
     pub fn given_time_scale(&self) -> Option<&str> {
         self.time_scale.as_deref().or(self.default_time_scale.as_deref())
     }
@@ -201,7 +201,8 @@ impl Config {
     /// Returns the one exposure that is given, with the id `1`.
     ///
     /// # Errors
-    /// Start, length, right ascension, declination or rotation missing or out of range; a start beyond the ephemeris.
+    /// Start, length, right ascension, declination or rotation are missing or out of range, or the start is outside the
+    /// ephemeris.
     pub fn one_exposure(&self) -> Result<Exposure, ConfigError> {
         fn given<'a>(
             value: &'a Option<Quantity>,
@@ -229,7 +230,7 @@ impl Config {
     }
 }
 
-/// Reads a policy file. The parser's message on syntax lists the accepted keys.
+/// Reads a policy file. An error of syntax has the parser's message, which lists the accepted keys.
 fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
     Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
         let message = match error {
@@ -243,7 +244,7 @@ fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
     })
 }
 
-/// Reads a table of one shape by its own key, of a `file`, or of shapes as in a field file.
+/// Returns the field of a table: the key of one shape, the key `file`, or `shapes` as in a field file.
 fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
     let text = serde_json::to_string(table).unwrap_or_default();
     if table.contains_key("shapes") {
@@ -283,7 +284,7 @@ mod tests {
             (policy.limit_mag.unwrap().of(None), policy.margin_s, policy.max_delay_s),
             (Some(6.0), Some(3.0), Some(120.0))
         );
-        assert!(message(config("min_probability = 2").policy()).contains("min-probability 2: allowed"));
+        assert!(message(config("min_probability = 2").policy()).contains("min-probability is 2; allowed: "));
         let camera = "[policy]\ncrosstalk_mag = 'telescope'";
         assert!(message(config(camera).policy()).contains("missing telescope for the limits"));
         assert!(config(&format!("telescope = 'rubin'\n{camera}")).policy().is_ok());
@@ -331,6 +332,6 @@ mod tests {
         assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
         assert!((area("telescope = 'rubin'\nfov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
         assert!(message(config("").field_of_view()).contains("missing field of view; specify --fov 3.5deg"));
-        assert!(message(config("fov = 3.5").field_of_view()).contains("has no unit"));
+        assert!(message(config("fov = 3.5").field_of_view()).contains("without a unit"));
     }
 }

@@ -18,7 +18,7 @@ use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::schedule::lowest_altitudes_rad;
 
-/// Largest number of rejected records listed in JSON; the count beside them is of all.
+/// Largest number of rejected records listed in JSON; `rejected_count` counts all of them.
 const LISTED: usize = 1000;
 
 /// Sky of a site, or of a telescope in orbit, with provenance and warnings.
@@ -28,23 +28,23 @@ pub struct PreparedSky {
     pub sky: Sky,
     /// Earth orientation of the sky.
     pub eop: EopTable,
-    /// Provenance of the results; the statements of the request follow.
+    /// Provenance of the results, to which a request adds its own statements.
     pub provenance: Provenance,
     /// Warnings for the user, each with its count.
     pub warnings: Vec<String>,
-    /// Warnings about files and shells, which apply at any time.
+    /// Warnings about files and shells, which do not depend on the time of a request.
     of_files: Vec<String>,
-    /// Number of satellites from files; they are the first of the sky.
+    /// Number of satellites from files; they come first in the sky.
     from_files: usize,
-    /// Day of the synthetic satellites; `None` without any.
+    /// Epoch of the synthetic satellites; `None` without synthetic satellites.
     shells_made_for: Option<Epoch>,
 }
 
 impl Config {
     /// Reads all inputs and prepares the sky for requests from `first` to `last`.
     ///
-    /// The element set of each object closest to the middle is used; shells are generated for the beginning of the UTC day
-    /// of `first`.
+    /// The element set of each object closest to the middle of the interval is used. Shells are generated for the
+    /// beginning of the UTC day of `first`.
     ///
     /// # Errors
     /// As [`Config::load`] and [`LoadedInputs::prepare`].
@@ -78,7 +78,8 @@ impl LoadedInputs {
         if let Some(day) = shells_made_for {
             let stated: Vec<_> = self.constellations.iter().map(constellation_json).collect();
             provenance.state("shells", stated);
-            // One epoch for all requests of a day: a schedule and a single exposure of it have the same satellites.
+            // One epoch for all requests of a day, so that a schedule and one of its exposures have the same
+            // satellites.
             let satellites: Vec<ElementSet> =
                 self.constellations.iter().flat_map(|constellation| constellation.element_sets(day)).collect();
             let names: Vec<&str> =
@@ -119,9 +120,9 @@ impl LoadedInputs {
 }
 
 impl PreparedSky {
-    /// Returns the warnings for a request from `first` to `last`: about the files, and about the age of the elements.
+    /// Returns the warnings about the files, and about the age of the elements for a request from `first` to `last`.
     ///
-    /// For the times of preparation they are `warnings`; a cached sky is used for other times too.
+    /// For the interval of [`LoadedInputs::prepare`] they equal `warnings`; a cached sky also serves other times.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
         warnings.extend(warnings::of_age(&self.sky.elements()[..self.from_files], first, last));
@@ -133,7 +134,8 @@ impl PreparedSky {
         warnings
     }
 
-    /// Rejects an exposure that is below the horizon, or the Earth's limb, at any time; `what` is its name in the error.
+    /// Rejects an exposure whose pointing is at any time below the horizon or the Earth's limb; `what` is its name in
+    /// the error.
     ///
     /// # Errors
     /// An altitude below 0°.
@@ -166,7 +168,7 @@ impl PreparedSky {
     }
 }
 
-/// States time scale and photometry in the provenance of an answer.
+/// Adds the time scale and the photometry of a request to its provenance.
 pub fn state_scales(provenance: &mut Provenance, time_scale: &str, photometry: &PhotometryOptions) {
     provenance.state("time_scale", time_scale);
     provenance.state_all(photometry.statements());

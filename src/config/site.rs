@@ -17,7 +17,7 @@ impl Config {
     /// Returns the site.
     ///
     /// # Errors
-    /// No site, two of them, an unknown one, or a coordinate out of range.
+    /// No site or several sites are given, the site is unknown, or a coordinate is out of range.
     pub fn site(&self) -> Result<Site, ConfigError> {
         let SiteConfig { named, mpc, lat, lon, height } = &self.site;
         let flags =
@@ -43,8 +43,8 @@ impl Config {
     /// Returns the viewpoint at `moment`: a site, or a telescope in orbit.
     ///
     /// # Errors
-    /// As [`Config::site`]; a site and an orbit; a telescope below its limb height at `moment`; a file without element
-    /// sets, with several objects, or without the object of the given number.
+    /// As [`Config::site`]; both a site and an orbit are given; the telescope is below its limb height at `moment`; the
+    /// file has no element sets, has several objects, or lacks the object of the given number.
     pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
         let limb = self.limb_height_km;
         match (self.is_in_orbit(), self.site.is_given()) {
@@ -65,7 +65,7 @@ impl Config {
                 let observer = OrbitingObserver::new(&elements, limb).map_err(ConfigError::Observer)?;
                 let orientation = Orientation::at(moment, &self.eop_table()?);
                 let state = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
-                // An orbit without a position is reported with each exposure.
+                // If SGP4 fails here, the error is reported for each exposure instead.
                 let at_km = state.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
                 if at_km < height_km {
                     return Err(ConfigError::BelowLimb { name: observer.name(), at_km, height_km });
@@ -75,8 +75,8 @@ impl Config {
         }
     }
 
-    /// Returns the longitude that defines the noon between nights, radians, east positive: that of the site, or 0 for a
-    /// telescope in orbit and without a moment.
+    /// Returns the longitude whose local noon separates nights, radians, east positive: that of the site; 0 for a
+    /// telescope in orbit or if `moment` is `None`.
     ///
     /// # Errors
     /// As [`Config::viewpoint`].
@@ -109,7 +109,7 @@ impl Config {
     }
 }
 
-/// Returns the site of a name; if no name is similar, the error lists the alternatives.
+/// Returns the site of a name; if no known name is similar, the error lists other ways to specify a site.
 fn site_of_name(name: &str) -> Result<Site, ConfigError> {
     Site::by_name(name).map_err(|error| match error {
         GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => ConfigError::UnknownSite(name),
@@ -155,8 +155,6 @@ mod tests {
         assert!(message(config("").site()).contains("specify --site NAME, --mpc CODE"));
         assert!(message(config("lat = 3").site()).contains("complete coordinates"));
         assert!(message(config("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
-        assert!(
-            message(config("site = 'Nowhere at all'").site()).contains("streakcast sites; or specify --lat, --lon and")
-        );
+        assert!(message(config("site = 'Nowhere at all'").site()).contains("streakcast sites, or --lat, --lon and"));
     }
 }

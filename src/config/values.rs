@@ -13,7 +13,7 @@ use super::error::ConfigError;
 use crate::images::Telescope;
 use crate::schedule::Policy;
 
-/// A quantity as text: a number with its unit, a time or an angle. A bare number in a file is read as its text.
+/// Text of a quantity: a number with its unit, a time or an angle. A number in a file is converted to text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Quantity(pub String);
 
@@ -33,7 +33,7 @@ impl From<String> for Quantity {
 impl<'de> Deserialize<'de> for Quantity {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         #[derive(Deserialize)]
-        #[serde(untagged, expecting = "expected a number or a text")]
+        #[serde(untagged, expecting = "invalid type; allowed: a number or a text")]
         enum Written {
             Text(String),
             Number(f64),
@@ -48,7 +48,7 @@ impl<'de> Deserialize<'de> for Quantity {
 /// Reads one value or a list of them.
 pub(super) fn one_or_many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
     #[derive(Deserialize)]
-    #[serde(untagged, expecting = "expected one value or a list of them")]
+    #[serde(untagged, expecting = "invalid type; allowed: one value or a list of values")]
     enum Written<T> {
         One(T),
         Many(Vec<T>),
@@ -60,7 +60,8 @@ pub(super) fn one_or_many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deseri
     })
 }
 
-/// Input given by name (or file), or in full by a table. A table with the only key `preset` is a name too.
+/// Input given by a name or file, or by a table with all its keys. A table with the single key `preset` is read as a
+/// name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NameOrTable<N, T> {
     /// Name or file.
@@ -71,7 +72,7 @@ pub enum NameOrTable<N, T> {
 
 /// Site: a name of the bundled table, or a table `[site]`.
 pub type SiteChoice = NameOrTable<String, SiteTable>;
-/// Field of view: a JSON file, or a table `[field]` in the form of that file, or with one shape's own key.
+/// Field of view: a JSON file, or a table `[field]` with the keys of such a file or with the key of one shape.
 pub type FieldChoice = NameOrTable<PathBuf, toml::Table>;
 /// Telescope: a preset's name or a TOML file, or a table `[telescope]` with all keys of such a file.
 pub type TelescopeChoice = NameOrTable<String, Box<Telescope>>;
@@ -84,9 +85,13 @@ impl<'de, N: From<String>, T: DeserializeOwned> Deserialize<'de> for NameOrTable
             Value::String(name) => Ok(Self::Name(name.into())),
             Value::Table(keys) if keys.len() == 1 && keys.contains_key("preset") => {
                 let name = keys.get("preset").and_then(Value::as_str);
-                Ok(Self::Name(name.ok_or_else(|| D::Error::custom("preset: expected a name"))?.to_owned().into()))
+                Ok(Self::Name(
+                    name.ok_or_else(|| D::Error::custom("preset is not a text; allowed: the name of a preset"))?
+                        .to_owned()
+                        .into(),
+                ))
             }
-            // With the table's own message: that of an untagged enum has no details.
+            // The error of the table has details that the error of an untagged enum lacks.
             value => match value.try_into() {
                 Ok(table) => Ok(Self::Table(table)),
                 Err(error) => Err(D::Error::custom(toml::de::Error::message(&error))),
@@ -107,7 +112,7 @@ impl<T> From<OsString> for NameOrTable<PathBuf, T> {
     }
 }
 
-/// Table `[site]`: a name of the bundled table, an MPC code, or coordinates (then the name is free).
+/// Table `[site]`: a name of the bundled table, an MPC code, or coordinates (with any name).
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SiteTable {
@@ -131,18 +136,19 @@ pub struct ModelsTable {
     pub files: Vec<PathBuf>,
     /// Table of standard magnitudes, as the flag `--qs-mag`.
     pub qs_mag: Option<PathBuf>,
-    /// Model by generation of satellites (`starlink-v1.5`, `oneweb`, ...), instead of the default.
+    /// Name of the model for a generation of satellites (`starlink-v1.5`, `oneweb`, ...) that replaces its default
+    /// model.
     pub generations: BTreeMap<String, String>,
 }
 
-/// Numbers with commas between on the command line, a list in a document.
+/// Numbers: separated by commas on the command line, a list in a document.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Numbers(pub Vec<f64>);
 
 impl Numbers {
     /// Reads `LEAST` to `MOST` finite numbers.
-    #[cfg(all(feature = "cli", feature = "fits"))]
+    #[cfg(all(feature = "cli", feature = "fits", unix))]
     pub(super) fn parse<const LEAST: usize, const MOST: usize>(text: &str) -> Result<Self, String> {
         let numbers: Option<Vec<f64>> = text
             .split(',')
@@ -151,7 +157,7 @@ impl Numbers {
         let count = if LEAST == MOST { LEAST.to_string() } else { format!("{LEAST} to {MOST}") };
         match numbers {
             Some(numbers) if (LEAST..=MOST).contains(&numbers.len()) => Ok(Self(numbers)),
-            _ => Err(format!("allowed: {count} numbers separated by commas, without blanks")),
+            _ => Err(format!("invalid list; allowed: {count} numbers separated by commas, without blanks")),
         }
     }
 }
@@ -204,10 +210,10 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
         let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
         Some(number * factor)
     });
-    found.filter(|value| value.is_finite()).ok_or_else(|| bad(what, text, allowed))
+    found.filter(|value| value.is_finite()).ok_or_else(|| invalid(what, text, allowed))
 }
 
-/// Returns a number if it is allowed. NaN is outside every range.
+/// Returns a number inside a range, an error for a number outside it. NaN is outside every range.
 pub(super) fn in_range(
     what: &'static str,
     value: f64,
@@ -221,7 +227,7 @@ pub(super) fn in_range(
     Err(ConfigError::OutOfRange { what, given: format!("{value} {unit}").trim_end().to_owned(), allowed })
 }
 
-fn bad(what: &'static str, given: &str, allowed: &'static str) -> ConfigError {
+fn invalid(what: &'static str, given: &str, allowed: &'static str) -> ConfigError {
     ConfigError::Value { what, given: given.to_owned(), allowed }
 }
 
@@ -234,7 +240,7 @@ pub fn parse_time_scale(text: &str) -> Result<TimeScale, ConfigError> {
         "utc" => Ok(TimeScale::UTC),
         "tai" => Ok(TimeScale::TAI),
         "tt" => Ok(TimeScale::TT),
-        _ => Err(bad("time scale", text, "utc, tai, tt")),
+        _ => Err(invalid("time scale", text, "utc, tai, tt")),
     }
 }
 
@@ -265,7 +271,7 @@ mod tests {
     #[test]
     fn numbers_without_a_unit_are_rejected() {
         let message = parse_duration_s("exposure", "30").unwrap_err().to_string();
-        assert_eq!(message, "exposure 30 has no unit; allowed: a number with its unit: 30s, 2.5min, 1h");
+        assert_eq!(message, "exposure is 30, without a unit; allowed: a number with its unit: 30s, 2.5min, 1h");
         for text in ["", "s", "30m", "30x", "-1s", "nan s", "infs", "1e400s"] {
             assert!(parse_duration_s("exposure", text).is_err(), "{text}");
         }
@@ -277,9 +283,9 @@ mod tests {
     #[test]
     fn errors_of_range_have_the_range() {
         let message = |answer: Result<f64, ConfigError>| answer.unwrap_err().to_string();
-        assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure -5 s: allowed 0 s or more");
+        assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure is -5 s; allowed: 0 s or more");
         for (text, given) in [("0deg", "0"), ("-1deg", "-1"), ("181deg", "181")] {
-            let expected = format!("fov {given} deg: allowed above 0 deg, at most 180 deg");
+            let expected = format!("fov is {given} deg; allowed: above 0 deg, at most 180 deg");
             assert_eq!(message(parse_angle_deg("fov", text)), expected);
         }
     }

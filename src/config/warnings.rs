@@ -7,12 +7,12 @@ use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::output::{counted, format_utc};
 use crate::passes::OrbitingObserver;
 
-/// Largest difference between epoch and request without a warning, days.
+/// Largest difference between the epoch of an element set and the request without a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
-/// The same for the elements of a telescope in orbit, days.
+/// Largest difference between the epoch of a telescope's elements and the request without a warning, days.
 const OLD_OBSERVER_DAYS: f64 = 3.0;
 
-/// Number of objects named in a warning.
+/// Largest number of rejected records quoted in a warning.
 const NAMED: usize = 3;
 
 /// Warning of element sets that SGP4 cannot propagate to the time of the request.
@@ -70,7 +70,8 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
 /// Warning of element sets with epochs more than two weeks before or after the request.
 pub(super) fn of_age(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    // All epochs are UTC: comparing their durations avoids leap seconds, and a server calls this with each answer.
+    // All epochs are UTC. Comparing durations skips the conversion with leap seconds, which matters in each server
+    // response.
     let days_after = |epoch: Epoch, days: f64| (epoch.to_time_scale(TimeScale::UTC) + days * Unit::Day).duration;
     let near = days_after(first, -OLD_ELEMENTS_DAYS)..=days_after(last, OLD_ELEMENTS_DAYS);
     let old: Vec<&ElementSet> = elements.iter().filter(|set| !near.contains(&set.epoch.duration)).collect();

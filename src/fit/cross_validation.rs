@@ -1,7 +1,8 @@
 //! Comparison of forms of brightness law by their predictions for unseen points.
 //!
-//! Single measurements are held out by group (track, night). Pixels cannot be: a track contributes to many of them and
-//! would be on both sides. For pixels the tracks are divided into folds, and each side is reduced separately: a form is
+//! Single measurements are held out by group (track, night). Pixels cannot be held out in this way, because one track
+//! contributes to many pixels and would be on both sides. For pixels the tracks are divided into folds, and each side
+//! is reduced separately: a form is
 //! fitted to the pixels of all folds but one, and compared with the pixels of that fold. A fold contains a fraction of
 //! 1/folds of the points, so thresholds on numbers of points and tracks are divided by the number of folds (rounded
 //! up); the limit on the spread is unchanged.
@@ -40,7 +41,7 @@ pub struct FormScore {
     pub in_sample: ResidualStatistics,
     /// Residuals of the points that were held out.
     pub held_out: ResidualStatistics,
-    /// The latter residuals, fold by fold.
+    /// Residuals of the points that were held out, fold by fold.
     pub held_out_mag: Vec<f64>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
@@ -57,7 +58,7 @@ pub struct FormScore {
 /// their reduction, and whole tracks are held out.
 ///
 /// # Errors
-/// * those of [`Problem`];
+/// * the errors of [`Problem`];
 /// * [`FitError::Folds`] for fewer than two folds or fewer groups than folds;
 /// * [`FitError::NoPoints`] and [`FitError::NoneUnseen`] if no point is common to all forms.
 pub fn compare_forms(

@@ -9,12 +9,13 @@ use super::measurements::DropExample;
 /// Names of the formats of photometry, for messages.
 pub(super) const FORMATS: &str = "pomenis, mmt, score, slingshot, csv";
 
-/// Errors of photometry files, fits and chains. Invalid rows are no errors but are counted in [`DropCounts`](super::measurements::DropCounts).
+/// Errors of photometry files, fits and chains. Invalid rows are no errors but are counted in
+/// [`DropCounts`](super::measurements::DropCounts).
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
     /// An empty list of files.
-    #[error("no file of photometry is given")]
+    #[error("no file of photometry is given; allowed: one or more")]
     NoFiles,
     /// A file that cannot be opened, read or decompressed.
     #[error("cannot read {file}: {problem}")]
@@ -25,13 +26,15 @@ pub enum FitError {
         problem: String,
     },
     /// A file without rows.
-    #[error("{file} has no rows; expected measured magnitudes in one of the formats {FORMATS}")]
+    #[error("{file} has no rows; allowed: measured magnitudes in one of the formats {FORMATS}")]
     EmptyFile {
         /// Name of the file.
         file: String,
     },
     /// A header that matches none of the known formats.
-    #[error("{file}: unknown format with the header '{header}'; specify one of {FORMATS}, or a column map")]
+    #[error(
+        "{file}: the format with the header '{header}' is unknown; allowed: {FORMATS}, or any table with a column map"
+    )]
     UnknownFormat {
         /// Name of the file.
         file: String,
@@ -39,7 +42,7 @@ pub enum FitError {
         header: String,
     },
     /// An unknown name of a format.
-    #[error("unknown format of photometry '{name}': expected one of {FORMATS}")]
+    #[error("unknown format of photometry '{name}'; allowed: {FORMATS}")]
     UnknownFormatName {
         /// Given name.
         name: String,
@@ -59,13 +62,15 @@ pub enum FitError {
         problem: String,
     },
     /// A column of times without a time scale; TAI read as UTC would be 37 s off.
-    #[error("column map: the times of column '{column}' have no scale; specify time_scale = utc, tai or tt")]
+    #[error("column map: the times of column '{column}' have no scale; allowed: time_scale = utc, tai or tt")]
     NoTimeScale {
         /// The column of times.
         column: String,
     },
     /// Several filters in one file without a selection.
-    #[error("{file} data row {row}: filter '{other}' after rows of filter '{first}'; specify the filters")]
+    #[error(
+        "{file} data row {row}: filter is '{other}' after rows of filter '{first}'; allowed: one filter, unless the filters are specified"
+    )]
     MixedFilters {
         /// Name of the file.
         file: String,
@@ -77,7 +82,7 @@ pub enum FitError {
         other: String,
     },
     /// An option outside its range.
-    #[error("invalid {name} {given}: allowed {allowed}")]
+    #[error("{name} is {given}; allowed: {allowed}")]
     Setting {
         /// Name of the option.
         name: &'static str,
@@ -105,7 +110,7 @@ pub enum FitError {
         form: String,
     },
     /// More free parameters than points.
-    #[error("{points} points cannot constrain {free} parameters ({names}): expected at least {least} points")]
+    #[error("{points} points cannot constrain {free} parameters ({names}); allowed: at least {least} points")]
     TooFew {
         /// Points that the form explains.
         points: usize,
@@ -117,7 +122,7 @@ pub enum FitError {
         least: usize,
     },
     /// An unknown parameter.
-    #[error("unknown parameter {given:?} of the model {form}: expected one of {allowed}")]
+    #[error("unknown parameter {given:?} of the model {form}; allowed: {allowed}")]
     Parameter {
         /// Given name.
         given: String,
@@ -127,7 +132,7 @@ pub enum FitError {
         allowed: String,
     },
     /// An invalid error or magnitude.
-    #[error("point {index}: {quantity} is {given}, allowed: {allowed}")]
+    #[error("point {index}: {quantity} is {given}; allowed: {allowed}")]
     Point {
         /// Index of the point.
         index: usize,
@@ -145,7 +150,7 @@ pub enum FitError {
         starts: usize,
     },
     /// Fewer groups than folds.
-    #[error("{groups} groups of points (tracks, nights) cannot be held out in {folds} folds")]
+    #[error("{folds} folds of {groups} groups of points (tracks, nights); allowed: 2 to the number of groups")]
     Folds {
         /// Number of groups.
         groups: usize,
@@ -153,14 +158,16 @@ pub enum FitError {
         folds: usize,
     },
     /// Folds without a point that can be predicted.
-    #[error("no points in {folds} folds held out: their pixels contain too few points, or no form explains them")]
+    #[error(
+        "none of {folds} folds contains a test point: the sky pixels have too few points, or no model has a lit surface there"
+    )]
     NoneUnseen {
         /// Requested folds.
         folds: usize,
     },
     /// An invalid number of sets for the jackknife.
     #[error(
-        "invalid number of sets {sets} for {groups} groups of points (tracks, nights); allowed: more than the {free} free parameters, at most the number of groups"
+        "number of sets is {sets} for {groups} groups of points (tracks, nights); allowed: more than the {free} free parameters, at most the number of groups"
     )]
     Sets {
         /// Requested sets.
@@ -179,7 +186,7 @@ pub enum FitError {
         problem: String,
     },
     /// Too few walkers or an odd number of them.
-    #[error("{walkers} walkers for {parameters} parameters: expected an even number of at least {least}")]
+    #[error("{walkers} walkers for {parameters} parameters; allowed: an even number of at least {least}")]
     Walkers {
         /// Given number of walkers.
         walkers: usize,
@@ -213,7 +220,7 @@ pub enum FitError {
         parameters: usize,
     },
     /// A folder without any of the known files.
-    #[error("no photometry in {}; expected one of {looked_for}", folder.display())]
+    #[error("no photometry in {}; allowed: {looked_for}", folder.display())]
     NoPhotometry {
         /// The folder.
         folder: PathBuf,

@@ -42,7 +42,7 @@ const CHUNK: usize = 1 << 16;
 /// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
 /// * [`FitError::Setting`] for invalid options;
 /// * [`FitError::NoMinimum`] if a descent ends at no finite cost;
-/// * those of [`Problem::new`] if the remaining tracks make too few pixels.
+/// * the errors of [`Problem::new`] if the remaining tracks make too few pixels.
 pub fn jackknife(
     form: &dyn Form,
     measurements: &Measurements,

@@ -1,8 +1,8 @@
 //! Starting points of a fit: a grid over the nonlinear parameters, with the linear ones solved at each node.
 //!
-//! The cost has several local minima, nearly all caused by exponents and widths. For given values of these, light is
-//! linear in the weights; near the solution residuals of light F with errors σ F approximate those of magnitudes, which
-//! leaves a quadratic form between bounds.
+//! The cost has several local minima, nearly all caused by exponents and widths. For given exponents and widths the
+//! light F is linear in the weights. Residuals of light with errors σ F approximate residuals of magnitudes near the
+//! solution, so the best weights minimise a quadratic form between bounds.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;

@@ -71,7 +71,8 @@ pub struct Objective<'a> {
 }
 
 impl<'a> Objective<'a> {
-    /// `prepared` was made from these points and explains all of them; `free` are indices of `parameters`.
+    /// Creates the cost. `prepared` must be made from these points and explain all of them; `free` are indices of
+    /// `parameters`.
     pub(super) fn new(
         prepared: &'a dyn Prepared,
         parameters: Vec<Parameter>,

@@ -185,7 +185,7 @@ struct EarthLaw {
     weight: Option<usize>,
     /// Index of the shape parameter, and its values.
     shape: Option<(usize, LogNodes<NODES>)>,
-    /// `(n_point)` of `(n_node)`, m² sr⁻¹; one node without a shape parameter.
+    /// Light at the nodes, m² sr⁻¹, `(n_point)` of `(n_node)`; one node without a shape parameter.
     light: Vec<Vec<f64>>,
 }
 

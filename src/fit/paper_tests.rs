@@ -63,7 +63,7 @@ pub struct PaperTests {
 /// Computes the fits of all three tests; `layer_deg` is the width of the layers of table 2.
 ///
 /// # Errors
-/// Those of [`Problem::new`] and [`Problem::solve`] over all points; a layer without a fit is omitted.
+/// The errors of [`Problem::new`] and [`Problem::solve`] over all points; a layer without a fit is omitted.
 pub fn paper_tests(
     form: &TwoPanelForm,
     points: &[FitPoint],

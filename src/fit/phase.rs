@@ -63,7 +63,7 @@ impl Form for PhaseForm {
 /// A form with magnitudes that are linear in the parameters.
 struct Linear {
     offsets: Vec<[f64; BLOCK]>,
-    /// `(n_block)` of `(n_parameter)` columns.
+    /// Factors of the parameters, `(n_block)` of `(n_parameter)` columns.
     columns: Vec<Vec<[f64; BLOCK]>>,
 }
 

@@ -66,7 +66,7 @@ pub struct Marginal {
 pub struct Posterior {
     /// One per free parameter.
     pub marginals: Vec<Marginal>,
-    /// `(n_free, n_free)`.
+    /// Covariance of the free parameters; shape `(n_free, n_free)`.
     pub covariance: Vec<Vec<f64>>,
     /// Fraction of accepted proposals.
     pub acceptance: f64,
@@ -210,17 +210,20 @@ pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
     let file = File::open(path).map_err(|error| failed(error.to_string()))?;
     let mut archive = ZipArchive::new(file)
-        .map_err(|_| failed("invalid .npz file; expected a chain written by fit run --mcmc".to_owned()))?;
+        .map_err(|_| failed("invalid .npz file; allowed: a chain written by fit run --mcmc".to_owned()))?;
     let (positions, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
     let (log_probabilities, _) = read_array::<f64>(&mut archive, "log_prob").map_err(failed)?;
     let (accepted, _) = read_array::<u64>(&mut archive, "accepted").map_err(failed)?;
     let (about, _) = read_array::<u8>(&mut archive, "about").map_err(failed)?;
     let about: ChainAbout = serde_json::from_slice(&about).map_err(|error| failed(format!("about: {error}")))?;
     let &[_, walkers, parameters] = &shape[..] else {
-        return Err(failed(format!("chain has {} axes, expected 3: steps, walkers, parameters", shape.len())));
+        return Err(failed(format!("chain has {} axes; allowed: 3 (steps, walkers, parameters)", shape.len())));
     };
     if parameters as usize != about.parameters.len() {
-        return Err(failed(format!("{parameters} parameters, but {} names", about.parameters.len())));
+        return Err(failed(format!(
+            "the file has {} names of parameters; allowed: {parameters}, one for each parameter of the chain",
+            about.parameters.len()
+        )));
     }
     let chain = Chain::from_parts(walkers as usize, parameters as usize, positions, log_probabilities, accepted)?;
     Ok((chain, about))

@@ -197,7 +197,7 @@ mod tests {
     /// scipy.stats.ttest_rel([1.1, 2.3, 2.9, 4.2, 5.0], [1.0, 2.0, 3.1, 3.9, 4.6]), SciPy 1.17.1.
     #[test]
     fn valid_paired_test_against_scipy() {
-        /// t and p.
+        /// Student's t and its probability p.
         const SCIPY: (f64, f64) = (1.685854460847049, 0.16710331573259815);
         /// Digits of the printed figures.
         const DIGITS: f64 = 1e-10;

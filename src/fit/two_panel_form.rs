@@ -1,7 +1,7 @@
 //! The two-panel form of Lu (2024, section 2) as a fit: seven coefficients and the panel offset.
 //!
-//! The geometry of the points is prepared in blocks: directions, projected areas, and earthshine on the chassis. `two_panel_kernel`
-//! evaluates coefficients on them.
+//! The geometry of the points is prepared in blocks: directions, projected areas, and earthshine on the chassis.
+//! `two_panel_kernel` evaluates coefficients on them.
 
 use rayon::prelude::*;
 
@@ -75,7 +75,7 @@ struct PreparedPoints {
     count: usize,
     directions: Vec<Directions<BLOCK>>,
     lit: Vec<LitPanels<BLOCK>>,
-    /// One for each block; empty without earthshine.
+    /// Earthshine of each block; empty without earthshine.
     earth: Vec<EarthBlock>,
     exponents: LogNodes<NODES>,
     zero_mag: f64,
@@ -200,7 +200,7 @@ struct Slopes<'a> {
     at: Evaluation<'a>,
     earth_slopes: [f64; NODES],
     free: Vec<usize>,
-    /// Column of the panel offset among the free parameters, and the model on both sides.
+    /// Column of the panel offset among the free parameters, and the model at slightly smaller and larger offsets.
     slopes_by_offset: Option<(usize, Moved<Evaluation<'a>>)>,
 }
 

@@ -27,9 +27,9 @@ pub(super) struct EarthBlock {
 
 /// Points with parameters.
 pub(super) struct Evaluation<'a> {
-    /// c1 to c5.
+    /// Coefficients c1 to c5.
     pub c: [f64; 5],
-    /// n_sail and n_base.
+    /// Exponents n_sail and n_base.
     pub exponents: [f64; 2],
     /// Magnitude at 1000 km of 1 m² sr⁻¹.
     pub zero_mag: f64,
@@ -47,7 +47,7 @@ impl Evaluated for Evaluation<'_> {
 }
 
 impl Evaluation<'_> {
-    /// Computes derivatives too; `earth_slopes` are those of the weights of the nodes by n_base.
+    /// Computes derivatives too; `earth_slopes` are the derivatives of the weights of the nodes by n_base.
     pub fn magnitudes_and_slopes(
         &self,
         block: usize,
@@ -118,7 +118,7 @@ impl Kernel for Magnitudes<'_> {
     }
 }
 
-/// Σ_k w_k of the values at the nodes.
+/// Returns the weighted sum of the values at the nodes, Σ_k w_k v_k.
 #[inline(always)]
 fn interpolated<const F: bool>(earth: &EarthBlock, weights: &[f64; NODES]) -> [f64; BLOCK] {
     let (rows, weights) = (&*earth.glossy, *weights);

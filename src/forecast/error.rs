@@ -9,7 +9,7 @@ use crate::passes::SkyError;
 #[non_exhaustive]
 pub enum ForecastError {
     /// A number out of range.
-    #[error("{what} {given}{unit}: allowed {allowed}")]
+    #[error("{what} is {given}{unit}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the number.
         what: &'static str,
@@ -21,12 +21,12 @@ pub enum ForecastError {
         allowed: &'static str,
     },
     /// No satellite matches the selection.
-    #[error("none of the {satellites} satellites has {wanted}")]
+    #[error("none of the {satellites} satellites has {selection}; allowed: a selection of at least one satellite")]
     EmptySelection {
         /// Number of satellites.
         satellites: usize,
         /// Description of the selection.
-        wanted: String,
+        selection: String,
     },
     /// Positions cannot be computed.
     #[error(transparent)]

@@ -25,13 +25,13 @@ pub struct EmptyNight<'a> {
     pub why: &'a str,
 }
 
-/// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each; `made` is the time of creation,
-/// and `alarm_s` the time of an alarm before each event.
+/// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each pass; `made` is the time of
+/// creation, and `alarm_s` the time from an alarm to its event.
 ///
 /// Lines end in CR LF and are folded at 75 octets (section 3.1), text is escaped (section 3.3.11), and the UID of an
-/// event is the same in every run. An event lasts from the whole second in which the visible part begins to the one
-/// after it ends. A calendar must have at least one component (section 3.6): for an `empty` night that is one
-/// transparent event over the whole time, with the reason.
+/// event is the same in every run. An event starts at the last whole second before the visible part begins and ends at
+/// the first one after it ends. A calendar must have at least one component (section 3.6): an `empty` night is written
+/// as one transparent event with the reason.
 pub fn calendar<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
@@ -119,8 +119,8 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// Appends a content line, folded between characters after 75 octets; continuation lines begin with a blank, which
-/// counts.
+/// Appends a content line, folded between characters into lines of at most 75 octets. A continuation line begins with a
+/// blank, which is one of them.
 fn fold(text: &mut String, content: &str) {
     let mut free = LINE;
     for mark in content.chars() {
@@ -134,10 +134,10 @@ fn fold(text: &mut String, content: &str) {
     text.push_str("\r\n");
 }
 
-/// Longest comment of a message; a line has at most 254 characters, with its keyword.
+/// Longest comment of a message, characters. A line with its keyword has at most 254.
 const LONGEST_COMMENT: usize = 240;
 
-/// The two angles in a message.
+/// Pair of angles in a message.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum AngleType {
     /// Right ascension and declination, ICRS astrometric topocentric.
@@ -167,10 +167,10 @@ impl AngleType {
 }
 
 /// Returns the visible passes as a CCSDS Tracking Data Message (503.0-B-2, version 2.0) in keyword-value notation:
-/// angles and magnitude, one segment for each pass; `made` is the time of its creation.
+/// angles and magnitude, one segment for each pass; `made` is the time of creation.
 ///
-/// A segment has the visible samples of the pass, or without samples its begin, highest and brightest point and end.
-/// The provenance is in comments of the header.
+/// A segment has the samples of the visible part; for a pass without samples its begin, highest point, brightest point
+/// and end. The provenance is in comments of the header.
 pub fn tdm<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
@@ -263,15 +263,17 @@ fn calendar_time(epoch: Epoch) -> String {
     format_utc(epoch, 6).trim_end_matches('Z').to_owned()
 }
 
-/// Header of SCORE.
+/// Header line of a SCORE file.
 const SCORE_HEADER: &str = "satellite_name,norad_cat_id,observation_time_utc,observation_time_uncertainty_sec,apparent_magnitude,apparent_magnitude_uncertainty,observer_latitude_deg,observer_longitude_deg,observer_altitude_m,limiting_magnitude,instrument,observing_mode,observing_filter,observer_email,observer_orcid,satellite_right_ascension_deg,satellite_declination_deg,sigma_2_ra,sigma_ra_sigma_dec,sigma_2_dec,range_to_satellite_km,range_to_satellite_uncertainty_km,range_rate_of_satellite_km_per_sec,range_rate_of_satellite_uncertainty_km_per_sec,comments,data_archive_link,mpc_code";
 
 /// Returns the passes in the columns of SCORE, the archive of satellite photometry of the IAU CPS, for comparison with
-/// measurements: one row for each pass with a magnitude, at its brightest point (a row without a magnitude would mean
-/// that the satellite was not detected).
+/// measurements.
 ///
-/// The columns of a measurement (its time error, instrument, mode, observer, limiting magnitude) are empty, and the
-/// comment marks the row as predicted. Such a file must not be uploaded.
+/// Each pass with a magnitude has one row, at its brightest point. Passes without a magnitude are omitted, because a
+/// row without a magnitude means that the satellite was not detected.
+///
+/// The columns of a measurement (time error, instrument, mode, observer, limiting magnitude) are empty, and the comment
+/// marks the row as predicted. Do not upload such a file to SCORE.
 pub fn score_report<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,

@@ -1,7 +1,8 @@
 //! Forecast of the passes of a night over a site, statistics of a site, and reproduction of published counts.
 //!
-//! `request` is the request, `outlook` computes the night and its passes, `pass_table` and `exports` write them.
-//! `statistics` counts lit satellites as a function of the Sun's altitude, `reproduce` compares with published counts.
+//! `request` defines the request, `outlook` computes the night and its passes, `pass_table` and `exports` write the
+//! passes. `statistics` counts lit satellites as a function of the Sun's altitude, `reproduce` compares with published
+//! counts.
 
 mod error;
 mod exports;

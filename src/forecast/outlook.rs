@@ -10,10 +10,10 @@ use crate::output::{Column, Kind, Table, Value, counted, format_utc};
 use crate::passes::{Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
 
-/// Sampling interval of the Sun, seconds: a quarter of a degree.
+/// Interval between samples of the Sun's altitude, seconds; the Sun moves by a quarter of a degree in this time.
 const STEP_S: f64 = 60.0;
 
-/// Interval at a site, with the parts in which the Sun is low enough.
+/// Time interval at a site, with the parts in which the Sun is below a limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Night {
     /// Start.
@@ -77,12 +77,12 @@ impl Night {
     }
 }
 
-/// A night and its passes.
+/// Night with its passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
     /// The night.
     pub night: Night,
-    /// The passes.
+    /// Passes, and counts of the omitted ones.
     pub found: VisiblePasses,
 }
 
@@ -95,7 +95,7 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
     request.check()?;
     let satellites = sky.elements().len();
     if !sky.elements().iter().any(|elements| selection.contains(elements)) {
-        return Err(ForecastError::EmptySelection { satellites, wanted: selection.description() });
+        return Err(ForecastError::EmptySelection { satellites, selection: selection.description() });
     }
     let night = Night::over(sky, request.start, request.end, request.max_sun_altitude_rad)?;
     let found = sky.visible_passes(
@@ -158,8 +158,8 @@ impl Forecast {
         Some(reasons.join("; "))
     }
 
-    /// Returns a warning with the number of passes whose magnitudes are only a prior, shown or omitted as too faint;
-    /// `None` if there are none.
+    /// Returns a warning with the number of passes whose magnitudes are only a prior, both those shown and those
+    /// omitted as too faint; `None` if there are no such passes.
     pub fn prior_warning(&self, sky: &Sky, max_magnitude: Option<f64>) -> Option<String> {
         let is_prior = |pass: &&VisiblePass| *sky.model(pass.element_index).source() == MagnitudeSource::Prior;
         let shown = self.found.passes.iter().filter(|pass| pass.visible.is_some()).filter(is_prior).count();
@@ -182,20 +182,25 @@ impl Forecast {
 const NIGHT_COLUMNS: [Column; 12] = [
     Column::time("start_utc", "Start of the requested interval."),
     Column::time("end_utc", "End of the requested interval."),
-    Column::real("sun_altitude_limit_deg", "deg", 3, "Upper limit of the Sun's altitude; empty where day is included."),
-    Column::time("dark_from_utc", "Start of the first dark interval; empty without one."),
-    Column::time("dark_until_utc", "End of the last dark interval."),
+    Column::real(
+        "sun_altitude_limit_deg",
+        "deg",
+        3,
+        "Upper limit of the Sun's altitude for a visible pass; empty if there is no limit.",
+    ),
+    Column::time("dark_from_utc", "Start of the first dark interval; empty if it does not get dark."),
+    Column::time("dark_until_utc", "End of the last dark interval; empty if it does not get dark."),
     Column::real("dark_h", "h", 4, "Total duration of darkness."),
     Column::real("lowest_sun_altitude_deg", "deg", 3, "Lowest altitude of the Sun's centre, without refraction."),
-    Column::time("lowest_sun_utc", "Time of the lowest altitude."),
+    Column::time("lowest_sun_utc", "Time of the Sun's lowest altitude."),
     Column::new(
         "passes_in_shadow",
         Kind::Integer,
-        "Passes omitted because the satellite is in the Earth's shadow during all of their dark part.",
+        "Passes omitted because the satellite is in the Earth's shadow whenever it is dark at the site.",
     ),
     Column::new("passes_too_faint", Kind::Integer, "Passes omitted because of the magnitude limit."),
     Column::new("passes_too_low", Kind::Integer, "Passes omitted because they culminate too low."),
-    Column::new("why_empty", Kind::Text, "Reason, if there is no pass."),
+    Column::new("why_empty", Kind::Text, "Reason why there is no pass; empty if there is one."),
 ];
 
 /// Returns the night of a forecast as a table of one row, with the reason if there is no pass.

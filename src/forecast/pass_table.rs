@@ -8,7 +8,7 @@ use crate::frames::{seconds_after, seconds_between};
 use crate::output::{Column, Kind, Table, TableField, Value, format_utc};
 use crate::passes::{TrackPoint, Visibility, VisiblePass};
 
-/// Largest difference between equal times, seconds.
+/// Largest difference between two times that are the same event, seconds.
 const SAME_S: f64 = 0.01;
 
 /// Pass with its element set.
@@ -70,49 +70,67 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
         field(
             Column::time(
                 "rise_utc",
-                "Rise above the least altitude; empty if the satellite is up at the start of the search.",
+                "Time at which the satellite rises above the minimum altitude; empty if it is above at the start of the search.",
             ),
             |row| epoch(row.pass.rise.as_ref()),
         ),
-        field(Column::time("culmination_utc", "Highest point of the pass, visible or not."), |row| {
+        field(Column::time("culmination_utc", "Time of the highest point of the pass, visible or not."), |row| {
             row.pass.culmination.epoch.into()
         }),
         field(
             Column::time(
                 "set_utc",
-                "Set below the least altitude; empty if the satellite is up at the end of the search.",
+                "Time at which the satellite sets below the minimum altitude; empty if it is above at the end of the search.",
             ),
             |row| epoch(row.pass.set.as_ref()),
         ),
-        field(Column::real("rise_azimuth_deg", "deg", 3, "Azimuth at the rise, from north through east."), |row| {
+        field(Column::real("rise_azimuth_deg", "deg", 3, "Azimuth of the rise, from north through east."), |row| {
             azimuth_deg(row.pass.rise.as_ref())
         }),
         field(Column::real("max_altitude_deg", "deg", 3, "Altitude at culmination, without refraction."), |row| {
             altitude_deg(Some(&row.pass.culmination))
         }),
-        field(Column::real("set_azimuth_deg", "deg", 3, "Azimuth at the set."), |row| {
+        field(Column::real("set_azimuth_deg", "deg", 3, "Azimuth of the set, from north through east."), |row| {
             azimuth_deg(row.pass.set.as_ref())
         }),
         field(
-            Column::time("shadow_entry_utc", "Start of the first entry into the Earth's shadow; empty without one."),
+            Column::time(
+                "shadow_entry_utc",
+                "Start of the first entry into the Earth's shadow; empty if there is none.",
+            ),
             |row| epoch(row.pass.shadow_entry.as_ref()),
         ),
-        field(Column::time("shadow_exit_utc", "End of the first exit from the shadow; empty without one."), |row| {
-            epoch(row.pass.shadow_exit.as_ref())
-        }),
+        field(
+            Column::time("shadow_exit_utc", "End of the first exit from the Earth's shadow; empty if there is none."),
+            |row| epoch(row.pass.shadow_exit.as_ref()),
+        ),
         field(Column::time("peak_utc", "Time of the brightest visible point."), |row| epoch(row.peak())),
         field(
-            Column::real("peak_magnitude", "mag", 3, "Apparent magnitude at the peak; empty without a visible part."),
+            Column::real(
+                "peak_magnitude",
+                "mag",
+                3,
+                "Apparent magnitude at the brightest visible point; empty without a visible part.",
+            ),
             |row| magnitude(row.peak()),
         ),
-        field(Column::real("peak_magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| sigma(row.peak())),
-        field(Column::real("peak_altitude_deg", "deg", 3, "Altitude at the peak, without refraction."), |row| {
-            altitude_deg(row.peak())
+        field(Column::real("peak_magnitude_sigma", "mag", 3, "One sigma of that magnitude."), |row| sigma(row.peak())),
+        field(
+            Column::real("peak_altitude_deg", "deg", 3, "Altitude at the brightest visible point, without refraction."),
+            |row| altitude_deg(row.peak()),
+        ),
+        field(Column::real("peak_azimuth_deg", "deg", 3, "Azimuth at the brightest visible point."), |row| {
+            azimuth_deg(row.peak())
         }),
-        field(Column::real("peak_azimuth_deg", "deg", 3, "Azimuth at the peak."), |row| azimuth_deg(row.peak())),
-        field(Column::real("range_km", "km", 3, "Distance at the peak; at culmination without one."), |row| {
-            row.peak().unwrap_or(&row.pass.culmination).range_km.into()
-        }),
+        field(
+            Column::real(
+                "range_km",
+                "km",
+                3,
+                "Distance at the brightest visible point; at culmination if there is no such point.",
+            ),
+            |row| row.peak().unwrap_or(&row.pass.culmination).range_km.into(),
+        ),
         field(Column::new("mag_source", Kind::Text, "Source of the magnitude."), |row| {
             row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.source.to_string()).into()
         }),
@@ -121,70 +139,83 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
                 "element_age_days",
                 "d",
                 4,
-                "Culmination less epoch of the elements; negative for elements from after the pass.",
+                "Time of culmination minus epoch of the elements; negative for elements from after the pass.",
             ),
             |row| row.pass.element_age_days.into(),
         ),
     ]
 }
 
-/// Columns only in formats with nested tables; scripts rely on a fixed set of columns in the other formats.
+/// Columns that only formats with nested tables have. The other formats keep the fixed set of columns that scripts rely
+/// on.
 fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
     let field = TableField::<PassRow<'a>>::new;
     vec![
         field(Column::new("international_designator", Kind::Text, "COSPAR designator."), |row| {
             Value::nonempty(&row.elements.international_designator)
         }),
-        field(Column::time("begin_utc", "Begin of the visible part."), |row| epoch(seen(row).map(|seen| &seen.begin))),
-        field(Column::real("begin_altitude_deg", "deg", 3, "Altitude at its begin."), |row| {
+        field(Column::time("begin_utc", "Start of the visible part."), |row| epoch(seen(row).map(|seen| &seen.begin))),
+        field(Column::real("begin_altitude_deg", "deg", 3, "Altitude at the start of the visible part."), |row| {
             altitude_deg(seen(row).map(|seen| &seen.begin))
         }),
-        field(Column::real("begin_azimuth_deg", "deg", 3, "Azimuth at its begin."), |row| {
+        field(Column::real("begin_azimuth_deg", "deg", 3, "Azimuth at the start of the visible part."), |row| {
             azimuth_deg(seen(row).map(|seen| &seen.begin))
         }),
-        field(Column::new("begins_by", Kind::Text, "Event at its begin: rise, shadow or dusk."), |row| {
-            row.begins_by().into()
-        }),
-        field(Column::time("highest_utc", "Highest point of the visible part."), |row| {
+        field(
+            Column::new("begins_by", Kind::Text, "Event at the start of the visible part: rise, shadow or dusk."),
+            |row| row.begins_by().into(),
+        ),
+        field(Column::time("highest_utc", "Time of the highest point of the visible part."), |row| {
             epoch(seen(row).map(|seen| &seen.highest))
         }),
-        field(Column::real("highest_altitude_deg", "deg", 3, "Altitude at that point."), |row| {
-            altitude_deg(seen(row).map(|seen| &seen.highest))
-        }),
-        field(Column::real("highest_azimuth_deg", "deg", 3, "Azimuth at that point."), |row| {
-            azimuth_deg(seen(row).map(|seen| &seen.highest))
-        }),
+        field(
+            Column::real("highest_altitude_deg", "deg", 3, "Altitude at the highest point of the visible part."),
+            |row| altitude_deg(seen(row).map(|seen| &seen.highest)),
+        ),
+        field(
+            Column::real("highest_azimuth_deg", "deg", 3, "Azimuth at the highest point of the visible part."),
+            |row| azimuth_deg(seen(row).map(|seen| &seen.highest)),
+        ),
         field(Column::time("end_utc", "End of the visible part."), |row| epoch(seen(row).map(|seen| &seen.end))),
-        field(Column::real("end_altitude_deg", "deg", 3, "Altitude at its end."), |row| {
+        field(Column::real("end_altitude_deg", "deg", 3, "Altitude at the end of the visible part."), |row| {
             altitude_deg(seen(row).map(|seen| &seen.end))
         }),
-        field(Column::real("end_azimuth_deg", "deg", 3, "Azimuth at its end."), |row| {
+        field(Column::real("end_azimuth_deg", "deg", 3, "Azimuth at the end of the visible part."), |row| {
             azimuth_deg(seen(row).map(|seen| &seen.end))
         }),
-        field(Column::new("ends_by", Kind::Text, "Event at its end: set, shadow or dawn."), |row| row.ends_by().into()),
-        field(Column::real("peak_phase_angle_deg", "deg", 3, "Sun-satellite-observer angle at the peak."), |row| {
-            row.peak().map(|peak| peak.geometry.phase_angle_rad().to_degrees()).into()
-        }),
+        field(
+            Column::new("ends_by", Kind::Text, "Event at the end of the visible part: set, shadow or dawn."),
+            |row| row.ends_by().into(),
+        ),
+        field(
+            Column::real(
+                "peak_phase_angle_deg",
+                "deg",
+                3,
+                "Sun-satellite-observer angle at the brightest visible point.",
+            ),
+            |row| row.peak().map(|peak| peak.geometry.phase_angle_rad().to_degrees()).into(),
+        ),
         field(
             Column::new(
                 "in_fitted_range",
                 Kind::Boolean,
-                "False where the geometry is outside the range of the model, and the sigma is large.",
+                "False if the geometry at the brightest visible point is outside the fitted range of the model; the sigma is then larger.",
             ),
             |row| row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.in_fitted_range).into(),
         ),
     ]
 }
 
-/// Returns passes as a table, in their order; with `more` columns for formats that hold any number of them, and with
-/// the points along each pass if there are samples.
+/// Returns passes as a table, in their order. `more` adds the columns of formats with nested tables, `samples` the
+/// points along each pass.
 pub fn pass_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, more: bool, samples: bool) -> Table {
     let mut fields = pass_fields();
     if more {
         fields.extend(more_fields());
     }
     if samples {
-        let column = Column::new("samples", Kind::Rows(POINTS), "Points from rise to set.");
+        let column = Column::new("samples", Kind::Rows(POINTS), "Points along the pass, from rise to set.");
         fields.push(TableField::new(column, |row| Value::Rows(row.pass.samples.iter().map(point_cells).collect())));
     }
     Table::from_records(&fields, rows)
@@ -214,9 +245,9 @@ fn sigma(point: Option<&TrackPoint>) -> Value {
     point.and_then(|point| point.brightness.as_ref()).map(|light| light.sigma_mag).into()
 }
 
-/// Columns of a point of a pass.
+/// Columns of one point along a pass.
 const POINTS: &[Column] = &[
-    Column::time("utc", "Time of reception."),
+    Column::time("utc", "Time at which the light reaches the observer."),
     Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
     Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
     Column::real("ra_deg", "deg", 6, "Right ascension, ICRS astrometric topocentric."),
@@ -224,19 +255,24 @@ const POINTS: &[Column] = &[
     Column::real("range_km", "km", 3, "Distance from the observer."),
     Column::real("phase_angle_deg", "deg", 3, "Sun-satellite-observer angle."),
     Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra."),
-    Column::real("lit_fraction", "", 4, "Fraction of the Sun's light that arrives."),
-    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty in the umbra and where no lit surface is visible."),
+    Column::real("lit_fraction", "", 4, "Fraction of the Sun's light that reaches the satellite."),
+    Column::real(
+        "magnitude",
+        "mag",
+        3,
+        "Apparent magnitude; empty in the umbra and if no sunlit surface faces the observer.",
+    ),
     Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."),
 ];
 
-/// Columns of the pass of a point.
+/// Columns that name the pass of a point.
 const PASS: [Column; 3] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("name", Kind::Text, "Name in the element set."),
-    Column::time("culmination_utc", "Highest point of the pass that the row belongs to."),
+    Column::time("culmination_utc", "Time of the highest point of the pass."),
 ];
 
-/// Returns the cells of a point.
+/// Returns the cells of one point along a pass.
 fn point_cells(point: &TrackPoint) -> Vec<Value> {
     let light = point.brightness.as_ref();
     vec![
@@ -268,26 +304,26 @@ pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Tab
 }
 
 const READABLE_COLUMNS: [Column; 16] = [
-    Column::new("date", Kind::Text, "Local date of the start."),
-    Column::new("satellite", Kind::Text, "Name."),
+    Column::new("date", Kind::Text, "Local date at the start of the visible part."),
+    Column::new("satellite", Kind::Text, "Name of the satellite."),
     Column::real("magnitude", "mag", 1, "Magnitude at the brightest point."),
     Column::real("sigma", "mag", 1, "One sigma of the magnitude."),
     Column::new("start", Kind::Text, "Local time at which the visible part begins."),
-    Column::new("start_altitude", Kind::Text, "Altitude at the start."),
-    Column::new("start_azimuth", Kind::Text, "Compass direction at the start."),
+    Column::new("start_altitude", Kind::Text, "Altitude at the start of the visible part."),
+    Column::new("start_azimuth", Kind::Text, "Compass direction at the start of the visible part."),
     Column::new("highest", Kind::Text, "Local time of the highest visible point."),
-    Column::new("highest_altitude", Kind::Text, "Altitude at that point."),
-    Column::new("highest_azimuth", Kind::Text, "Compass direction at that point."),
+    Column::new("highest_altitude", Kind::Text, "Altitude of the highest visible point."),
+    Column::new("highest_azimuth", Kind::Text, "Compass direction of the highest visible point."),
     Column::new("end", Kind::Text, "Local time at which the visible part ends."),
-    Column::new("end_altitude", Kind::Text, "Altitude at the end."),
-    Column::new("end_azimuth", Kind::Text, "Compass direction at the end."),
-    Column::new("ends_by", Kind::Text, "Event at the end: set, shadow or dawn."),
+    Column::new("end_altitude", Kind::Text, "Altitude at the end of the visible part."),
+    Column::new("end_azimuth", Kind::Text, "Compass direction at the end of the visible part."),
+    Column::new("ends_by", Kind::Text, "Event at the end of the visible part: set, shadow or dawn."),
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("mag_source", Kind::Text, "Source of the magnitude."),
 ];
 
-/// Returns the passes as the usual table for observers: date, magnitude, and time, altitude and direction of start,
-/// highest point and end. Times are `utc_offset_s` ahead of UTC; passes without a visible part have those of rise and
+/// Returns the passes as a table for observers: date, magnitude, and time, altitude and direction of start, highest
+/// point and end. Local times are `utc_offset_s` ahead of UTC. A pass without a visible part is listed from rise to
 /// set.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: f64) -> Table {
     Table {

@@ -12,7 +12,7 @@ use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky, SnapshotOptions};
 use crate::photometry::PhotometryOptions;
 
-/// Largest difference of a number that agrees with the published one, percent.
+/// Largest difference at which a computed number agrees with the published one, percent.
 const AGREES_PERCENT: f64 = 20.0;
 
 /// A published number and the computed one.
@@ -22,7 +22,7 @@ pub struct Reproduced {
     pub quantity: String,
     /// Unit; empty for a number of satellites.
     pub unit: &'static str,
-    /// Published number, or the count in the data released by the authors; `None` without either.
+    /// Published number, or count in the data released by the authors; `None` if there is neither.
     pub published: Option<f64>,
     /// Result of the formula of the paper, computed here, if no number is published.
     pub by_method: Option<f64>,
@@ -39,7 +39,7 @@ pub struct Reproduced {
 }
 
 impl Reproduced {
-    /// Returns the computed number less the published one (or that of the method), in percent of the latter.
+    /// Returns the computed number minus the published one (or `by_method`), in percent of the latter.
     pub fn difference_percent(&self) -> Option<f64> {
         self.published.or(self.by_method).map(|theirs| 100.0 * (self.ours - theirs) / theirs)
     }
@@ -47,26 +47,26 @@ impl Reproduced {
 
 /// Visits of the first year of LSST with a streak, percent: Hu et al. (2022, ApJL 941, L15), no avoidance.
 pub const HU2022: [(&str, f64); 3] = [("starlink-gen1", 1.66), ("starlink-gen2", 8.69), ("oneweb", 10.63)];
-/// The same for the first 10,000 visits (2023-10-01 to 13), from the counts by visit that the authors released with the
-/// paper: github.com/lsst-sims/satellite-dodging-ApJL, `plots/satellite_sim_0.0_{slv1,slv2,onew}_v2.2_1yrs.npz`, rows
-/// with `observationId` below 10,000 and `n_streaks` above 0. All 214,014 visits of these files reproduce the three
-/// numbers of [`HU2022`] to the last digit.
+/// Visits with a streak among the first 10,000 (2023-10-01 to 13), percent, from the counts by visit that the authors
+/// released with the paper: github.com/lsst-sims/satellite-dodging-ApJL,
+/// `plots/satellite_sim_0.0_{slv1,slv2,onew}_v2.2_1yrs.npz`, rows with `observationId` below 10,000 and `n_streaks`
+/// above 0. All 214,014 visits of these files reproduce the three numbers of [`HU2022`] to the last digit.
 const HU2022_FIRST_VISITS: [(&str, f64); 3] = [("starlink-gen1", 1.44), ("starlink-gen2", 7.95), ("oneweb", 9.22)];
 const HU2022_FIRST_SOURCE: &str =
     "Hu et al. 2022, counts by visit released with the paper (lsst-sims/satellite-dodging-ApJL), visits 0 to 9,999";
-const HU2022_REASON: &str = "season: in the paper's own counts Gen2 goes from 12.6 % of the visits of a twelfth of the year to 5.7 % of those of another";
-const HU2022_FIRST_REASON: &str = "other visits of the same nights (baseline v2.0 here, v2.2 there), and 30 s of the shutter here, where a visit lasts 34 s: \
-     with 34 s ours are 11 % (Gen1), 7 % (Gen2) and 8 % (OneWeb) higher";
+const HU2022_REASON: &str = "season: in the counts of the paper the share of visits with a Gen2 streak varies from 12.6 % to 5.7 % between twelfths of the year";
+const HU2022_FIRST_REASON: &str = "other visits of the same nights (baseline v2.0 here, v2.2 in the paper), and exposures of 30 s here but visits of 34 s in the paper: \
+with 34 s the computed numbers are 11 % (Gen1), 7 % (Gen2) and 8 % (OneWeb) higher";
 const HU2022_SOURCE: &str = "Hu et al. 2022 (ApJL 941, L15), simulated first year without avoidance";
 
 /// Satellites brighter than 7 mag among the visible ones, percent: Lu (2024, arXiv 2403.11118), abstract.
 const LU2024B_PERCENT: f64 = 69.33;
-const LU2024B_REASON: &str = "the lowest altitude that counts, which the abstract does not name (25 % of ours above 0, 95 % above 30 deg), and the photometry \
-     that the model was fitted to";
+const LU2024B_REASON: &str = "the lowest counted altitude, which the abstract does not state (25 % here above 0 deg, 95 % above 30 deg), and the photometry \
+that the model was fitted to";
 const LU2024B_SOURCE: &str = "Lu 2024 (arXiv 2403.11118), abstract";
-/// The 11,908 satellites of that paper: Gen1 as filed, and 7,500 of Gen2 as granted in FCC 22-91 (525, 530 and 535 km;
-/// their planes are not published, 25 of 100 are assumed). As in the paper, every satellite gets the model of V1.5,
-/// which is selected by its name.
+/// The 11,908 satellites of Lu (2024b): Gen1 as filed, and 7,500 of Gen2 as granted in FCC 22-91 (525, 530 and 535 km).
+/// The planes of Gen2 are not published; 25 planes of 100 satellites are assumed for each shell. As in the paper, every
+/// satellite has the model of V1.5, which the name of the constellation selects.
 const LU2024B_SHELLS: &str = r#"
 [[constellation]]
 name = "starlink-gen1-and-2a"
@@ -87,7 +87,7 @@ shell = [
 const BASSA2022_SOURCE: &str =
     "Bassa et al. 2022 (A&A 657, A75), section 2: their density of a shell, summed over the sky here; no printed count";
 const BASSA2022_REASON: &str =
-    "the flattened Earth, and the pattern of a shell's satellites where the formula has a smooth density";
+    "the flattened Earth, and the regular pattern of a shell's satellites instead of the formula's smooth density";
 
 /// Returns the constellations of Lu (2024b).
 ///
@@ -97,9 +97,9 @@ pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ElementsError> {
     Constellation::from_toml(LU2024B_SHELLS)
 }
 
-/// Returns the fraction of exposures crossed by at least one lit satellite, percent, with that of Hu et al. (2022) for
-/// a constellation of [`HU2022`]: of their year and, if `is_first_visits`, of their visits in the same nights
-/// (`HU2022_FIRST_VISITS`).
+/// Returns the fraction of exposures crossed by at least one lit satellite, percent, with the fraction that Hu et al.
+/// (2022) published for a constellation of [`HU2022`]: over their year and, if `is_first_visits`, over their first
+/// 10,000 visits (`HU2022_FIRST_VISITS`).
 ///
 /// # Errors
 /// Same as [`Sky::field_passes`].
@@ -114,7 +114,7 @@ pub fn hu2022(
     let answer = sky.field_passes(exposures, field, &PassOptions::default())?;
     let streaked = answer.by_exposure.iter().filter(|passes| !passes.is_empty()).count() as f64;
     let visits = exposures.len() as f64;
-    let of_them = |which: &str, numbers: &[(&str, f64)], source, reason| Reproduced {
+    let row_of = |which: &str, numbers: &[(&str, f64)], source, reason| Reproduced {
         quantity: format!("{which} streaked by {constellation} ({} satellites)", sky.elements().len()),
         unit: "%",
         published: numbers.iter().find(|(name, _)| *name == constellation).map(|(_, percent)| *percent),
@@ -125,15 +125,15 @@ pub fn hu2022(
         assumed: assumed.to_owned(),
         reason,
     };
-    let mut rows = vec![of_them("visits of a year", &HU2022, HU2022_SOURCE, HU2022_REASON)];
+    let mut rows = vec![row_of("visits of a year", &HU2022, HU2022_SOURCE, HU2022_REASON)];
     if is_first_visits {
-        rows.push(of_them("their first 10,000 visits", &HU2022_FIRST_VISITS, HU2022_FIRST_SOURCE, HU2022_FIRST_REASON));
+        rows.push(row_of("the first 10,000 visits", &HU2022_FIRST_VISITS, HU2022_FIRST_SOURCE, HU2022_FIRST_REASON));
     }
     Ok(rows)
 }
 
-/// Returns the fraction of the lit satellites above an altitude that are brighter than 7 mag, percent, over many
-/// moments, with that of Lu (2024b) if `is_theirs`.
+/// Returns the fraction of the lit satellites above an altitude that are brighter than 7 mag, percent, over many times;
+/// with the published fraction if `is_lu2024b` (the satellites are those of the paper).
 ///
 /// # Errors
 /// Same as [`Sky::snapshots`].
@@ -141,7 +141,7 @@ pub fn lu2024b(
     sky: &Sky,
     moments: &[Epoch],
     min_altitude_rad: f64,
-    is_theirs: bool,
+    is_lu2024b: bool,
     assumed: &str,
 ) -> Result<Reproduced, ForecastError> {
     let (mut lit, mut bright) = (0.0_f64, 0.0_f64);
@@ -158,19 +158,20 @@ pub fn lu2024b(
     Ok(Reproduced {
         quantity: format!("lit satellites above {:.0} deg that are brighter than 7 mag", min_altitude_rad.to_degrees()),
         unit: "%",
-        published: is_theirs.then_some(LU2024B_PERCENT),
+        published: is_lu2024b.then_some(LU2024B_PERCENT),
         by_method: None,
         ours: 100.0 * bright / lit.max(1.0),
-        // The same satellites are counted at all times, so that no counting error applies.
+        // The same satellites are counted at all times: their counts are not independent, and no counting error
+        // applies.
         ours_sigma: None,
         source: LU2024B_SOURCE,
         assumed: assumed.to_owned(),
-        reason: if is_theirs { LU2024B_REASON } else { "" },
+        reason: if is_lu2024b { LU2024B_REASON } else { "" },
     })
 }
 
-/// Returns the number of satellites of a constellation above an altitude, lit or not: the mean over a day from `start`,
-/// with the expectation by the density of Bassa et al. (2022).
+/// Returns the mean number of satellites of a constellation above an altitude, lit or not, over a day from `start`,
+/// with the number expected from the density of Bassa et al. (2022).
 ///
 /// # Errors
 /// Same as [`Sky::snapshots`].
@@ -241,15 +242,20 @@ const COLUMNS: [Column; 11] = [
     Column::real("published", "", 2, "Number in the paper, or in the data released with it."),
     Column::real("ours", "", 2, "Computed number."),
     Column::real("ours_sigma", "", 2, "One sigma of the computed number from counting statistics."),
-    Column::real("difference_percent", "", 1, "Computed less published (or by_method), in percent of the latter."),
-    Column::new("agrees", Kind::Boolean, "Within 20 percent."),
+    Column::real(
+        "difference_percent",
+        "",
+        1,
+        "Computed number minus the published one (or by_method), in percent of the latter.",
+    ),
+    Column::new("agrees", Kind::Boolean, "True if the difference is at most 20 percent."),
     Column::new("source", Kind::Text, "Source of the published number."),
     Column::new("assumed", Kind::Text, "Assumptions of the computation."),
     Column::real("by_method", "", 2, "Result of the paper's formula, computed here, if the paper prints no number."),
     Column::new("reason", Kind::Text, "Reason for the difference."),
 ];
 
-/// Returns published numbers and ours as a table.
+/// Returns published and computed numbers as a table.
 pub fn reproduced_table(rows: &[Reproduced]) -> Table {
     let row = |one: &Reproduced| {
         vec![

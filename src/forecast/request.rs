@@ -10,7 +10,7 @@ use crate::photometry::PhotometryOptions;
 
 /// Longest time of a forecast, days.
 const LONGEST_DAYS: f64 = 31.0;
-/// Most points along one pass.
+/// Largest number of points along one pass.
 const MOST_SAMPLES: usize = 10_000;
 
 /// Request for the passes of a night or of another interval.
@@ -24,15 +24,15 @@ pub struct ForecastRequest {
     pub max_sun_altitude_rad: Option<f64>,
     /// Altitude of rise and set, radians, [0, π/2).
     pub min_altitude_rad: f64,
-    /// Least altitude at culmination, radians.
+    /// Minimum altitude at culmination, radians.
     pub min_culmination_rad: f64,
     /// Faintest peak magnitude; passes without a magnitude are omitted too.
     pub max_magnitude: Option<f64>,
     /// Includes passes in the Earth's shadow and in daylight.
     pub include_dark: bool,
-    /// Points along each pass from rise to set; 0 for none.
+    /// Number of points along each pass from rise to set; may be 0.
     pub samples: usize,
-    /// Band, system, extinction.
+    /// Band, zero point and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
 
@@ -59,11 +59,11 @@ impl ForecastRequest {
     /// [`ForecastError::OutOfRange`] for the first number that is out of range.
     pub fn check(&self) -> Result<(), ForecastError> {
         let days = seconds_between(self.start, self.end) / DAY_S;
-        // Degrees as entered: the conversion to radians and back loses the last digits.
+        // Rounded to the degrees as entered: the conversion to radians and back changes the last digits.
         let degrees = |radians: f64| (radians.to_degrees() * 1e9).round() / 1e9;
-        let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
+        let out_of_range = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
         if !(0.0..=LONGEST_DAYS).contains(&days) {
-            return refuse(
+            return out_of_range(
                 "length of the requested interval",
                 days,
                 " days",
@@ -72,30 +72,30 @@ impl ForecastRequest {
         }
         if let Some(sun_rad) = self.max_sun_altitude_rad.filter(|sun_rad| !(-90.0..=90.0).contains(&degrees(*sun_rad)))
         {
-            return refuse("sun-altitude-deg", degrees(sun_rad), " deg", "-90 to 90 deg");
+            return out_of_range("sun-altitude-deg", degrees(sun_rad), " deg", "-90 to 90 deg");
         }
         for (what, given_rad) in
             [("min-altitude", self.min_altitude_rad), ("min-culmination", self.min_culmination_rad)]
         {
             if !(0.0..90.0).contains(&degrees(given_rad)) {
-                return refuse(what, degrees(given_rad), " deg", "0 deg to below 90 deg");
+                return out_of_range(what, degrees(given_rad), " deg", "0 deg to below 90 deg");
             }
         }
         if let Some(magnitude) = self.max_magnitude.filter(|magnitude| !(-30.0..=40.0).contains(magnitude)) {
-            return refuse("max-mag", magnitude, " mag", "-30 to 40 mag");
+            return out_of_range("max-mag", magnitude, " mag", "-30 to 40 mag");
         }
         if self.samples > MOST_SAMPLES {
-            return refuse("samples", self.samples as f64, "", "0 to 10000");
+            return out_of_range("samples", self.samples as f64, "", "0 to 10000");
         }
         Ok(())
     }
 }
 
-/// Selection of satellites: of one of the kinds, with one of the names, and with one of the numbers; an empty list
-/// selects all.
+/// Selection of satellites that match all three lists. A satellite matches a list if it matches one of the items, or if
+/// the list is empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
-    /// Kinds.
+    /// Generations of satellites.
     pub generations: Vec<Generation>,
     /// Parts of names, in any case.
     pub names: Vec<String>,
@@ -115,8 +115,7 @@ impl Selection {
             && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(elements)))
     }
 
-    /// Returns a warning with the selected catalogue numbers that are not in the element sets; `None` if there are
-    /// none.
+    /// Returns a warning with the selected catalogue numbers that the element sets lack; `None` if all are present.
     pub fn unknown_warning(&self, elements: &[ElementSet]) -> Option<String> {
         let is_unknown = |id: &&u32| !elements.iter().any(|set| set.norad_id.0 == **id);
         let unknown: Vec<String> = self.norad_ids.iter().filter(is_unknown).map(ToString::to_string).collect();

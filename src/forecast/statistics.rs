@@ -1,16 +1,17 @@
 //! Statistics of a site: numbers of lit satellites above an altitude, their brightness, and the expected trails in an
 //! exposure, as functions of the Sun's altitude.
 //!
-//! Expected trails follow Bassa et al. (2022, A&A 657, A75): the probability that a satellite is in the field at the
-//! opening is the solid angle of the field over that of the sky, and the probability that it crosses into it is the
-//! solid angle swept over that of the sky,
+//! Expected trails follow Bassa et al. (2022, A&A 657, A75). The probability that a satellite is in the field at
+//! shutter opening is the solid angle of the field divided by that of the sky. The probability that it enters the field
+//! later is the solid angle that the field's diameter sweeps along the satellite's motion, divided by that of the sky.
+//! The sum over the lit satellites above the altitude h is
 //!
 //! ```text
 //! trails = Σ (π D²/4 + ω t D) / 2π (1 - sin h)
 //! ```
 //!
-//! over the lit satellites above the altitude h, each with its angular rate ω: the mean over uniform pointings above h,
-//! for a circular field of diameter D and an exposure of length t.
+//! with the angular rate ω of each satellite: the mean over uniform pointings above h, for a circular field of diameter
+//! D and an exposure of length t.
 
 use std::f64::consts::{PI, TAU};
 
@@ -26,7 +27,7 @@ use crate::photometry::PhotometryOptions;
 
 /// Magnitude limits of the counts.
 const MAGNITUDES: [f64; 6] = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
-/// Sampling interval of the Sun, seconds.
+/// Interval between samples of the Sun's altitude, seconds.
 const STEP_S: f64 = 60.0;
 
 /// Request of counts.
@@ -44,11 +45,11 @@ pub struct StatisticsRequest {
     pub field_rad: f64,
     /// Length of the exposure, seconds.
     pub exposure_s: f64,
-    /// Number of times averaged in each count, evenly spread over [`Self::spread_s`].
+    /// Number of times over which each count is averaged, evenly spread over [`Self::spread_s`].
     pub moments: usize,
-    /// Interval of these times, seconds.
+    /// Interval that contains these times, seconds.
     pub spread_s: f64,
-    /// Band, system, extinction.
+    /// Band, zero point and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
 
@@ -63,9 +64,9 @@ pub struct SkyCount {
     pub sun_altitude_rad: f64,
     /// Lowest altitude of the satellites counted, radians.
     pub min_altitude_rad: f64,
-    /// Number of satellites above it, lit or not.
+    /// Number of satellites above that altitude, lit or not.
     pub above: f64,
-    /// Number of lit satellites above it.
+    /// Number of lit satellites above that altitude.
     pub lit: f64,
     /// Number of satellites brighter than the magnitudes 3 to 8.
     pub brighter_than: [f64; 6],
@@ -80,8 +81,8 @@ impl SkyCount {
     }
 }
 
-/// Counts of one night, evening before morning, by decreasing altitude of the Sun; Sun altitudes that are not reached;
-/// satellites left out.
+/// Counts of one night (evening before morning, in the order of the requested altitudes of the Sun), altitudes that the
+/// Sun does not reach, and satellites left out.
 pub type SkyCounts = (Vec<SkyCount>, Vec<f64>, Vec<LeftOut>);
 
 /// Counts satellites at every altitude of the Sun, in the evening and in the morning.
@@ -119,27 +120,27 @@ pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, F
 
 impl StatisticsRequest {
     fn check(&self) -> Result<(), ForecastError> {
-        let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
+        let out_of_range = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
         let bad = |angles: &[f64], from: f64, to: f64| {
             angles.iter().copied().find(|angle| !(from..=to).contains(&angle.to_degrees()))
         };
         if let Some(sun_rad) = bad(&self.sun_altitudes_rad, -90.0, 90.0) {
-            return refuse("sun-altitudes", sun_rad.to_degrees(), " deg", "-90 to 90 deg");
+            return out_of_range("sun-altitudes", sun_rad.to_degrees(), " deg", "-90 to 90 deg");
         }
         if let Some(altitude_rad) = bad(&self.min_altitudes_rad, 0.0, 89.0) {
-            return refuse("min-altitudes", altitude_rad.to_degrees(), " deg", "0 to 89 deg");
+            return out_of_range("min-altitudes", altitude_rad.to_degrees(), " deg", "0 to 89 deg");
         }
         if !(self.field_rad > 0.0 && self.field_rad <= PI) {
-            return refuse("fov", self.field_rad.to_degrees(), " deg", "above 0 deg, at most 180 deg");
+            return out_of_range("fov", self.field_rad.to_degrees(), " deg", "above 0 deg, at most 180 deg");
         }
         if !(self.exposure_s >= 0.0 && self.exposure_s.is_finite()) {
-            return refuse("exposure", self.exposure_s, " s", "0 s or more");
+            return out_of_range("exposure", self.exposure_s, " s", "0 s or more");
         }
         if !(1..=10_000).contains(&self.moments) {
-            return refuse("moments", self.moments as f64, "", "1 to 10000");
+            return out_of_range("moments", self.moments as f64, "", "1 to 10000");
         }
         if !(0.0..=86_400.0).contains(&seconds_between(self.start, self.end)) {
-            return refuse("length of the night", seconds_between(self.start, self.end), " s", "0 to 86400 s");
+            return out_of_range("length of the night", seconds_between(self.start, self.end), " s", "0 to 86400 s");
         }
         Ok(())
     }
@@ -207,12 +208,12 @@ fn count(
 
 const COLUMNS: [Column; 17] = [
     Column::time("utc", "Middle of the averaged times."),
-    Column::new("twilight", Kind::Text, "evening or morning."),
+    Column::new("twilight", Kind::Text, "Half of the night: evening or morning."),
     Column::real("latitude_deg", "deg", 4, "Latitude of the site."),
-    Column::real("sun_altitude_deg", "deg", 2, "The Sun's centre, without refraction."),
+    Column::real("sun_altitude_deg", "deg", 2, "Altitude of the Sun's centre, without refraction."),
     Column::real("min_altitude_deg", "deg", 1, "Lowest altitude of the counted satellites and of the pointings."),
-    Column::real("above", "", 2, "Satellites above that altitude, lit or not."),
-    Column::real("lit", "", 2, "Satellites in full or partial sunlight."),
+    Column::real("above", "", 2, "Satellites above min_altitude_deg, lit or not."),
+    Column::real("lit", "", 2, "Satellites above min_altitude_deg in full or partial sunlight."),
     Column::real("brighter_than_3", "", 2, "Satellites brighter than magnitude 3."),
     Column::real("brighter_than_4", "", 2, "Satellites brighter than magnitude 4."),
     Column::real("brighter_than_5", "", 2, "Satellites brighter than magnitude 5."),
@@ -221,8 +222,8 @@ const COLUMNS: [Column; 17] = [
     Column::real("brighter_than_8", "", 2, "Satellites brighter than magnitude 8."),
     Column::real("field_deg", "deg", 4, "Full diameter of the field."),
     Column::real("exposure_s", "s", 3, "Length of the exposure."),
-    Column::real("trails_per_exposure", "", 5, "Expected trails of lit satellites."),
-    Column::real("streaked_share", "", 5, "Fraction of exposures with at least one trail."),
+    Column::real("trails_per_exposure", "", 5, "Expected number of trails of lit satellites in one exposure."),
+    Column::real("streaked_share", "", 5, "Expected fraction of exposures with at least one trail."),
 ];
 
 /// Returns counts at a latitude (radians) as a table: one row for each night, latitude, altitude of the Sun and lowest

@@ -15,7 +15,7 @@ use super::time::{epoch_from_utc_day, seconds_between, tai_minus_utc_s};
 use crate::constants::DAY_S;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
-/// Numbers derived from finals2000A; the header of the file describes how.
+/// Embedded table, made from finals2000A as described in its header.
 const EMBEDDED: &str = include_str!("data/earth_orientation.txt");
 
 /// UT1 - UTC and the coordinates of the pole at one time.
@@ -335,7 +335,7 @@ mod tests {
     fn broken_files_are_named() {
         let bad = SAMPLE.replace("0.5908000", "0.59x8000");
         let error = EopTable::from_finals2000a(&bad).expect_err("a broken number");
-        assert_eq!(error.to_string(), "finals2000A line 2: UT1_UTC_A \"0.59x8000\" is not a number");
+        assert_eq!(error.to_string(), "finals2000A line 2: UT1_UTC_A is \"0.59x8000\"; allowed: a number");
         let twice = format!("{SAMPLE}{SAMPLE}");
         assert!(matches!(EopTable::from_finals2000a(&twice), Err(FramesError::EopNotInOrder { line: 5, .. })));
         for text in ["", "<html>not found</html>\n", "é".repeat(200).as_str()] {

@@ -6,7 +6,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FramesError {
     /// A date that is not a number, or outside the calendar range of this library.
-    #[error("invalid {what} {value}: expected a date between {first} and {last}")]
+    #[error("{what} is {value}; allowed: {first} to {last}")]
     DateOutOfRange {
         /// Kind of the date: "MJD" or "JD".
         what: &'static str,
@@ -18,13 +18,13 @@ pub enum FramesError {
         last: f64,
     },
     /// A time scale in which dates are not accepted.
-    #[error("unsupported time scale {scale}: expected UTC, TAI, TT, TDB or GPS time")]
+    #[error("unsupported time scale {scale}; allowed: UTC, TAI, TT, TDB and GPS time")]
     UnsupportedTimeScale {
         /// Requested scale.
         scale: hifitime::TimeScale,
     },
     /// An invalid number in a finals2000A file.
-    #[error("finals2000A line {line}: {column} {text:?} is not a number")]
+    #[error("finals2000A line {line}: {column} is {text:?}; allowed: a number")]
     BadEopNumber {
         /// Line in the file, from 1.
         line: usize,
@@ -34,7 +34,7 @@ pub enum FramesError {
         text: String,
     },
     /// Dates that do not increase from line to line.
-    #[error("finals2000A line {line}: MJD {mjd} is not after MJD {previous} of the row before")]
+    #[error("finals2000A line {line}: MJD is {mjd}; allowed: later than {previous}, the MJD of the previous row")]
     EopNotInOrder {
         /// Line in the file, from 1.
         line: usize,
@@ -44,7 +44,7 @@ pub enum FramesError {
         previous: f64,
     },
     /// No row with polar motion and UT1 - UTC.
-    #[error("no rows with UT1-UTC: not a finals2000A file ({lines} lines read)")]
+    #[error("none of {lines} lines contains UT1-UTC; allowed: a finals2000A file of the IERS")]
     EmptyEopTable {
         /// Lines that were read.
         lines: usize,
@@ -58,10 +58,10 @@ pub enum FramesError {
         wanted: &'static str,
     },
     /// The text is not ISO 8601.
-    #[error("invalid time '{0}': expected ISO 8601, for example 2024-08-14T00:30:00.000Z")]
+    #[error("invalid time '{0}'; allowed: ISO 8601, for example 2024-08-14T00:30:00.000Z")]
     NotATime(String),
     /// A field is out of range.
-    #[error("invalid time '{text}': {field} {value} is out of range")]
+    #[error("invalid time '{text}': {field} {value} is out of range; allowed: {allowed}")]
     TimeField {
         /// Given text.
         text: String,
@@ -69,13 +69,15 @@ pub enum FramesError {
         field: &'static str,
         /// The value of the field.
         value: u32,
+        /// Valid values.
+        allowed: &'static str,
     },
     /// A second 60 is given for a minute without a leap second.
-    #[error("invalid time '{0}': no leap second was inserted at that time")]
+    #[error("invalid time '{0}'; allowed: second 60 only where a leap second was inserted")]
     NoLeapSecond(String),
     /// The time has no scale.
     #[error(
-        "'{0}' names no time scale: end it with Z (UTC) or specify --time-scale utc, tai or tt \
+        "time '{0}' has no time scale; allowed: a time that ends in Z (UTC), or any time with --time-scale utc, tai or tt \
          (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
     )]
     NoScale(String),

@@ -1,4 +1,4 @@
-//! Parsing of times. A time without `Z` or a bare number requires a time scale.
+//! Parsing of times. A bare number, or a time without `Z` or offset, requires a time scale.
 
 use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
 
@@ -17,7 +17,7 @@ const FIRST_JD: f64 = 1e6;
 /// Parses an ISO 8601 time or, with a scale, a bare MJD or JD.
 ///
 /// # Errors
-/// Same as [`parse_instant`], and a number outside the range of Julian dates.
+/// The errors of [`parse_instant`], and a number outside the range of Julian dates.
 pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, FramesError> {
     match (text.trim().parse::<f64>(), scale) {
         (Ok(number), Some(scale)) if number < FIRST_JD => Ok(epoch_from_mjd(number, scale)?),
@@ -27,10 +27,10 @@ pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Frame
     }
 }
 
-/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00`
-/// for the `Z`.
+/// Parses an ISO 8601 time such as `2024-08-14T00:30:00.000Z`. A blank may replace the `T`, and an offset such as
+/// `+02:00` the `Z`; seconds and their fraction are optional.
 ///
-/// Without `Z` or offset the text is in `scale`. A second 60 is valid if UTC has one.
+/// Without `Z` or offset the time is taken to be in `scale`. Second 60 is valid only in a leap second of UTC.
 ///
 /// # Errors
 /// - The text has another form, or a field is out of range.
@@ -119,21 +119,21 @@ fn calendar(text: &str, body: &str) -> Result<Calendar, FramesError> {
     if !fraction.bytes().all(|byte| byte.is_ascii_digit()) {
         return Err(not_a_time());
     }
-    let out_of_range = |field, value| FramesError::TimeField { text: text.to_owned(), field, value };
+    let out_of_range = |field, value, allowed| FramesError::TimeField { text: text.to_owned(), field, value, allowed };
     if !(1..=12).contains(&month) {
-        return Err(out_of_range("month", month));
+        return Err(out_of_range("month", month, "1 to 12"));
     }
     if !is_gregorian_valid(year as i32, month as u8, day as u8, 0, 0, 0, 0) {
-        return Err(out_of_range("day", day));
+        return Err(out_of_range("day", day, "the days of the month"));
     }
     if hour > 23 {
-        return Err(out_of_range("hour", hour));
+        return Err(out_of_range("hour", hour, "0 to 23"));
     }
     if minute > 59 {
-        return Err(out_of_range("minute", minute));
+        return Err(out_of_range("minute", minute, "0 to 59"));
     }
     if second > 60 {
-        return Err(out_of_range("second", second));
+        return Err(out_of_range("second", second, "0 to 59, and 60 in a leap second"));
     }
     // Nine digits are nanoseconds; further digits are ignored.
     let digits: String = fraction.chars().chain("000000000".chars()).take(9).collect();

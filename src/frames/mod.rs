@@ -2,7 +2,7 @@
 //! compile.
 //!
 //! Precession and nutation are IAU 2006/2000A, UT1 and the pole come from a table of the IERS ([`EopTable`]), times are
-//! [`hifitime::Epoch`]s. One orientation costs 40 µs, or 0.1 µs from a table made for a night:
+//! [`hifitime::Epoch`]s. Computing one orientation takes 40 µs; interpolating it in a table for the night takes 0.1 µs:
 //!
 //! ```
 //! use hifitime::Epoch;

@@ -15,7 +15,7 @@ const STEP_S: f64 = 43_200.0;
 pub(crate) struct Sampled<const N: usize> {
     /// Seconds from the reference epoch to the first node.
     first_s: f64,
-    /// `(n_node)`, at least four.
+    /// Values at the nodes, of which there are at least four.
     nodes: Vec<[f64; N]>,
 }
 

@@ -4,7 +4,7 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GeometryError {
     /// A coordinate outside its range.
-    #[error("invalid {what} {value} {unit} of site {site:?}: expected a value between {first} and {last}")]
+    #[error("{what} of site {site:?} is {value} {unit}; allowed: {first} to {last} {unit}")]
     CoordinateOutOfRange {
         /// The site's name.
         site: String,
@@ -22,17 +22,17 @@ pub enum GeometryError {
     /// A site name that is not in the table.
     #[error("unknown site {name:?}: {}", near(nearest))]
     UnknownSite {
-        /// Requested value.
+        /// Given name.
         name: String,
         /// Similar names in the table, nearest first; empty if there are none.
         nearest: Vec<String>,
     },
     /// An observatory code that is not in the table.
     #[error(
-        "unknown MPC observatory code {code:?}: not among the {known} codes of the bundled table; specify latitude, longitude and height instead"
+        "unknown MPC observatory code {code:?}; allowed: the {known} codes of the bundled table, or latitude, longitude and height"
     )]
     UnknownMpcCode {
-        /// Requested value.
+        /// Given code.
         code: String,
         /// Number of codes in the table.
         known: usize,

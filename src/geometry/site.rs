@@ -130,7 +130,8 @@ fn table() -> &'static [Entry] {
     ENTRIES.get_or_init(|| TABLE.lines().filter_map(read_entry).collect())
 }
 
-/// Lines that are not entries are comments; the table is part of the library and covered by its tests.
+/// Parses a line of the table; `None` for a comment. An invalid line is treated as a comment, because the table is part
+/// of the library and covered by its tests.
 fn read_entry(line: &str) -> Option<Entry> {
     let fields: Vec<&str> = line.split(';').map(str::trim).collect();
     let &[name, aliases, code, latitude, longitude, height] = fields.as_slice() else { return None };
@@ -166,7 +167,7 @@ fn nearest_names(key: &str) -> Vec<String> {
     ranked.iter().take(4).map(|&(_, name)| name.to_owned()).collect()
 }
 
-/// Returns true for a part long enough to be significant.
+/// Returns true if a part long enough to be significant occurs in a text.
 fn is_within(part: &str, whole: &str) -> bool {
     part.chars().count() >= ALIKE && whole.contains(part)
 }
@@ -226,7 +227,7 @@ impl Observer {
         }
     }
 
-    /// Returns the altitude of the Sun's centre, radians, without refraction. Both tables have the same reference.
+    /// Returns the altitude of the Sun's centre, radians, without refraction. Both tables must have the same reference.
     pub(crate) fn sun_altitude_rad(&self, orientation: &OrientationTable, sun: &SunTable, seconds: f64) -> f64 {
         let state = self.state(&orientation.at_s(seconds));
         state.sine_of_altitude(&(sun.at_s(seconds).sun - state.position)).clamp(-1.0, 1.0).asin()
@@ -355,10 +356,7 @@ mod tests {
             assert!(Site::new_deg("here", latitude, longitude, height).is_err(), "{latitude} {longitude} {height}");
         }
         let error = Site::new_deg("here", -91.5, 0.0, 0.0).expect_err("beyond the pole");
-        assert_eq!(
-            error.to_string(),
-            "invalid latitude -91.5 deg of site \"here\": expected a value between -90 and 90"
-        );
+        assert_eq!(error.to_string(), "latitude of site \"here\" is -91.5 deg; allowed: -90 to 90 deg");
         assert_eq!(Site::new_deg("a", 0.0, 289.0, 0.0).expect("a site").longitude_rad, (-71.0_f64).to_radians());
     }
 

@@ -1,16 +1,17 @@
 //! Comparison of one satellite with a streak: its delay, the distance of the streak from its track, and the angle
 //! between them.
 //!
-//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak, by
-//!    Newton's method on SGP4. For an exposure, the time with the least delay and distance (in sigmas) is used.
-//! 2. The whole track with that delay, and the distances of both ends from it. Their mean is the cross-track offset,
-//!    their difference over the length is the angle. A curved track is thus compared with the ends, not with a straight
-//!    line. If the times of the ends are known, the delay is the mean of those with which the track passes them at
-//!    these times.
-//! 3. The predicted length against the measured one; if the ends may be those of the frame, only a longer streak
-//!    counts.
+//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak is
+//!    found with Newton's method on SGP4. For an exposure, the time with the least delay and distance (in sigmas) is used.
+//! 2. The distances of both ends from the track with that delay are computed. Their mean is the cross-track offset,
+//!    their difference divided by the length is the angle. A curved track is thus compared with the ends, not with a
+//!    straight line. If the times of the ends are known, the delay is the mean of the two delays with which the
+//!    satellite passes the ends at these times.
+//! 3. The predicted length is compared with the measured one. If the streak may end at the edges of the frame, only a
+//!    streak longer than predicted counts as a difference.
 //!
-//! Sigmas are those of the elements' age ([`ExposureInterval::uncertainty`]) and of the measurement:
+//! Sigmas combine the uncertainty of the elements at their age ([`ExposureInterval::uncertainty`]) with that of the
+//! measurement:
 //!
 //! ```text
 //! σ_δ² = σ_along² + σ_clock² + (σ_pos/ω)²/2     σ_x² = (σ_cross/ρ)² + σ_pos²/2
@@ -33,17 +34,17 @@ use crate::photometry::PhotometryOptions;
 
 /// Tolerance of Newton's method, seconds: 0.1 m along the track.
 const CLOSE_S: f64 = 1e-5;
-/// Most steps; three or four are usual.
+/// Largest number of Newton steps; three or four are usual.
 const MOST_STEPS: usize = 40;
-/// Most corrections of the mean of both ends; each leaves a tenth of the difference.
+/// Largest number of corrections of the delay at both ends; each reduces the difference to a tenth.
 const MOST_CORRECTIONS: usize = 5;
-/// Largest turn at which the nearest points of the ends are meaningful, radians.
+/// Largest angle between streak and track at which the points of the track nearest to the ends are computed, radians.
 const LARGEST_TURN_RAD: f64 = 0.2;
 
 /// Largest χ² of a candidate, 14 sigmas: allows for the heavy tails of the errors.
 const MOST_CHI_SQUARE: f64 = 200.0;
 
-/// Largest distance of a satellite from its prediction.
+/// Largest searched distance of a satellite from its prediction.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Reach {
     pub along_track_s: f64,
@@ -76,7 +77,7 @@ pub(super) fn compare(
     let errors = interval.uncertainty(element_index, age_days);
     let sigmas = Sigmas::new(&errors, &middle, propagator, streak);
 
-    // The time of the passage.
+    // The time of the passage of the middle, and the density of delay and distance integrated over the exposure.
     let (passage_s, met, within_exposure) = match streak.timing() {
         Timing::FirstToSecond | Timing::Whole => (mid_s, middle, None),
         Timing::Within => {
@@ -87,14 +88,16 @@ pub(super) fn compare(
             let pulls = |met: &NearestPassage, sigma_s: f64| {
                 [met.delay_s / sigma_s, met.cross_track_rad / sigmas.cross_track_rad]
             };
-            // A streak of known length takes time, which must be within the exposure.
+            // The satellite needs the time `crossing_s` for a streak of known length; this time must lie within the
+            // exposure.
             let rate_rad_s = middle.sighting.own_rate.norm();
             let crossing_s = streak.length_rad().map_or(0.0, |length_rad| length_rad / rate_rad_s);
             let free = (1.0 - crossing_s / (2.0 * half_s)).clamp(0.0, 1.0);
             let integral = |sigma_s: f64| integrate_exposure(pulls(&before, sigma_s), pulls(&after, sigma_s), free);
             let passage_s = mid_s + half_s * integral(sigmas.delay_s).at;
             let met = nearest_passage(interval, propagator, streak, passage_s, middle.delay_s + passage_s - mid_s)?;
-            // ∫ dt f(δ) N(x; σ_x), of which `integral` is the part over [-1, 1] for each Gaussian of the density f
+            // ∫ dt f(δ) N(x; σ_x): the density f is a sum of Gaussians, and `integral` is the integral of one over [-1,
+            // 1].
             let log_density = log_sum(sigmas.lateness.parts().map(|(weight, sigma_s)| {
                 weight.ln() + integral(sigma_s).log_integral + half_s.ln()
                     - (TAU * sigma_s * sigmas.cross_track_rad).ln()
@@ -110,7 +113,8 @@ pub(super) fn compare(
     let mut track = interval.track(element_index, delay_s).ok()?;
     let mut line = Line::new(&track, passage_s, streak, met.cross_track_rad);
     for _ in 0..MOST_CORRECTIONS {
-        // At a changing rate, the middle of the track is the mean of both ends, not its position at half time.
+        // If the angular rate changes, the satellite is not at the middle of the track at half time: use the mean of
+        // both ends.
         let Some(early_s) = line.ends_early_s(streak).filter(|early_s| early_s.abs() > CLOSE_S) else { break };
         delay_s += early_s;
         track = interval.track(element_index, delay_s).ok()?;
@@ -149,15 +153,15 @@ pub(super) fn compare(
     (candidate.chi_square <= MOST_CHI_SQUARE).then_some(candidate)
 }
 
-/// One-sigma errors of the differences.
+/// One-sigma errors of the differences between streak and track.
 struct Sigmas {
-    /// Half width that holds 68.27 % of `lateness`.
+    /// Half width of the interval that holds 68.27 % of the distribution `lateness`.
     delay_s: f64,
-    /// Lateness of the satellite, with the errors of clock and measured position.
+    /// Distribution of the satellite's delay, widened by the errors of clock and measured position.
     lateness: Lateness,
     cross_track_rad: f64,
     turn_rad: f64,
-    /// Relative error of the rate.
+    /// Relative error of the angular rate.
     rate_share: f64,
 }
 
@@ -165,20 +169,20 @@ impl Sigmas {
     fn new(errors: &OrbitUncertainty, met: &NearestPassage, propagator: &Propagator, streak: &MeasuredStreak) -> Self {
         let rate_rad_s = met.sighting.own_rate.norm().max(1e-12);
         let across_rad = errors.cross_track_km / met.sighting.range_km;
-        let place_rad = streak.position_sigma_rad();
+        let position_rad = streak.position_sigma_rad();
         let mean_motion_rad_s = TAU / propagator.period_s();
-        let lateness = errors.lateness.blurred(streak.time_sigma_s().hypot(FRAC_1_SQRT_2 * place_rad / rate_rad_s));
+        let lateness = errors.lateness.blurred(streak.time_sigma_s().hypot(FRAC_1_SQRT_2 * position_rad / rate_rad_s));
         Self {
             delay_s: lateness.one_sigma_s(),
             lateness,
-            cross_track_rad: (across_rad.powi(2) + 0.5 * place_rad.powi(2)).sqrt(),
+            cross_track_rad: (across_rad.powi(2) + 0.5 * position_rad.powi(2)).sqrt(),
             turn_rad: (mean_motion_rad_s * across_rad / rate_rad_s).hypot(streak.angle_sigma_rad()),
             rate_share: across_rad,
         }
     }
 }
 
-/// ln Σ exp(x), without overflow.
+/// Returns ln Σ exp(x), without overflow.
 fn log_sum(logarithms: impl Iterator<Item = f64> + Clone) -> f64 {
     let greatest = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
     greatest + logarithms.map(|x| (x - greatest).exp()).sum::<f64>().ln()
@@ -220,7 +224,7 @@ fn cross_track_axis(direction: &Direction<Gcrs>, rate: &Vector3<f64>) -> Vector3
     rate.normalize().cross(direction.vector())
 }
 
-/// Streak relative to a track.
+/// Geometry of a streak relative to a track.
 struct Line {
     cross_track_rad: f64,
     turn_rad: f64,
@@ -236,8 +240,8 @@ impl Line {
         let (east, north) = direction.east_north();
         let position_angle_rad = rate.dot(&east).atan2(rate.dot(&north)).rem_euclid(TAU);
         let rate_rad_s = rate.norm();
-        // The direction of motion is the same at the foot and at the middle of the streak, which lie at right angles to
-        // it.
+        // The middle of the streak lies at right angles to the motion from its nearest point of the track, so that the
+        // direction of motion is the same at both.
         let motion = rate.normalize();
         let middle = streak.middle();
         let (east, north) = middle.east_north();
@@ -265,13 +269,14 @@ impl Line {
         line
     }
 
-    /// Returns the mean time by which the track passes the ends too early; `None` if their times are not known.
+    /// Returns the mean time by which the satellite passes the ends too early; `None` if the times of the ends are
+    /// unknown.
     fn ends_early_s(&self, streak: &MeasuredStreak) -> Option<f64> {
         let is_timed = streak.timing() != Timing::Within && self.turn_rad.abs() < LARGEST_TURN_RAD;
         is_timed.then(|| 0.5 * (streak.duration_s() - self.times_s[0] - self.times_s[2]))
     }
 
-    /// Length measured less predicted with its sigma, and the predicted one.
+    /// Returns the measured minus the predicted length with its sigma, and the predicted length.
     fn length(&self, track: &DelayedTrack<'_>, streak: &MeasuredStreak, sigmas: &Sigmas) -> Option<(Offset, f64)> {
         let length_rad = streak.length_rad()?;
         let (is_whole, predicted_rad) = match streak.timing() {

@@ -1,4 +1,4 @@
-//! Errors of identifying a streak.
+//! Errors of the identification of a streak.
 
 use thiserror::Error;
 
@@ -8,7 +8,7 @@ use crate::passes::SkyError;
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum IdentifyError {
     /// A value is invalid.
-    #[error("{what} {given}; allowed: {allowed}")]
+    #[error("{what} is {given}; allowed: {allowed}")]
     Value {
         /// Name of the value.
         what: &'static str,
@@ -22,7 +22,7 @@ pub enum IdentifyError {
         "both ends of the streak are at the same position ({separation_arcsec:.3} arcsec apart); allowed: more than 0.01 arcsec"
     )]
     NoLine {
-        /// Distance of the ends.
+        /// Distance between the ends, arcsec.
         separation_arcsec: f64,
     },
     /// A line of a region file that cannot be read.
@@ -43,12 +43,12 @@ pub enum IdentifyError {
     },
     /// Outlines of more than one streak.
     #[error(
-        "the regions are not on one line: the middle of one is {off_arcsec:.1} arcsec off, and they are {width_arcsec:.1} arcsec wide; allowed: the regions of one streak"
+        "the regions are not on one line: the middle of one is {off_arcsec:.1} arcsec off, and it is {width_arcsec:.1} arcsec wide; allowed: the regions of one streak"
     )]
     NotOneLine {
-        /// Largest distance of a middle from the line.
+        /// Distance of the middle of a region from the line, arcsec.
         off_arcsec: f64,
-        /// Full width of the regions.
+        /// Full width of the region, arcsec.
         width_arcsec: f64,
     },
     /// Positions cannot be computed.

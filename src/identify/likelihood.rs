@@ -1,10 +1,12 @@
 //! Candidates, their χ² and their probabilities.
 //!
 //! The likelihood of a candidate is the product of the normal densities of its offsets (delay, cross-track, angle,
-//! length). The density is higher for small sigmas, so that of two candidates at the same distance in sigmas the one
-//! with the younger elements is more probable. For an exposure, the density of delay and distance is integrated over
-//! it. The alternative to all candidates is a satellite without an element set: one for ten of the catalogue, anywhere
-//! along any low orbit.
+//! length). The density is higher for small sigmas: of two candidates at the same distance in sigmas, the one with the
+//! younger elements is more probable. If the satellite may be anywhere along the streak during the exposure, the
+//! density of delay and distance is integrated over the exposure.
+//!
+//! The streak may also be that of a satellite without an element set. One such satellite is assumed for each ten of the
+//! catalogue, uniformly along any low orbit.
 
 use std::f64::consts::{PI, TAU};
 
@@ -15,7 +17,7 @@ use crate::passes::TrackPoint;
 /// Difference with its one-sigma error.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Offset {
-    /// Measured less predicted.
+    /// Measured value minus predicted value.
     pub value: f64,
     /// One sigma of prediction and measurement together, above 0.
     pub sigma: f64,
@@ -35,53 +37,55 @@ pub struct Candidate {
     pub norad_id: NoradId,
     /// Index of its element set in the catalogue.
     pub element_index: usize,
-    /// Passage of the middle of the streak, with the delay `along_track_s`.
+    /// Point of the track, with the delay `along_track_s`, at the middle of the streak.
     pub passage: TrackPoint,
     /// Delay of the satellite after its prediction, seconds (negative: early).
     pub along_track_s: Offset,
     /// Distance of the streak from the predicted track, radians; positive towards the position angle of motion + 90°.
     pub cross_track_rad: Offset,
-    /// Position angle of the streak less that of the motion, (-π/2, π/2], radians; (-π, π] if the direction of the
-    /// streak is known.
+    /// Position angle of the streak minus that of the motion, (-π/2, π/2], radians; (-π, π] if the direction of motion
+    /// along the streak was measured.
     pub angle_rad: Offset,
-    /// Measured less predicted length, radians; at least 0 if the ends may be those of the frame. `None` for an unknown
-    /// length.
+    /// Measured minus predicted length, radians; at least 0 if the streak may end at the edges of the frame. `None` for
+    /// an unknown length.
     pub length_rad: Option<Offset>,
-    /// Predicted length of its track in the time, radians.
+    /// Predicted length of the satellite's track during the exposure, radians.
     pub predicted_length_rad: f64,
-    /// Position angle of its motion, from north through east, [0, 2π), radians.
+    /// Position angle of the satellite's motion, from north through east, [0, 2π), radians.
     pub position_angle_rad: f64,
-    /// Angular rate relative to the stars, rad/s.
+    /// Angular rate of the satellite relative to the stars, rad/s.
     pub angular_rate_rad_s: f64,
-    /// Passage less epoch of the elements, days.
+    /// Time of the passage minus epoch of the elements, days.
     pub element_age_days: f64,
     /// Sum of the squares of all offsets in sigmas.
     pub chi_square: f64,
-    /// Number of squares in the sum.
+    /// Number of squares in `chi_square`.
     pub terms: u32,
-    /// Probability of a χ² at least as large for this satellite.
+    /// Probability of a χ² at least as large if the streak is that of this satellite.
     pub p_value: f64,
-    /// Probability that it is this satellite, among all candidates and satellites without element sets.
+    /// Probability that the streak is that of this satellite, among all candidates and satellites without element sets.
     pub probability: f64,
     pub(super) log_weight: f64,
 }
 
 /// Assumed number of satellites without an element set (classified, new or missing in a file) per satellite with one.
 const UNKNOWN_SHARE: f64 = 0.1;
-/// Period of a low orbit, s, and foreshortening of a distance at 7,000 km seen from 1,000 km, for a satellite anywhere.
+/// Period of a low orbit, s.
 const PERIOD_S: f64 = 5_700.0;
+/// Distance across the orbit for a radian on the sky, as a fraction of the orbit's radius: seen from 1,000 km, at 7,000
+/// km from the Earth's centre.
 const FORESHORTENING: f64 = 1_000.0 / 7_000.0;
 
 /// Integral over an exposure.
 pub(super) struct ExposureIntegral {
-    /// Position of the least sum of squares, from -1 (opening) to 1 (closing), within the allowed range.
+    /// Time of the least sum of squares, from -1 (shutter opening) to 1 (closing), within the allowed range.
     pub at: f64,
     /// ln ∫₋₁¹ du exp(-½ (square of the pulls at u)).
     pub log_integral: f64,
 }
 
 /// Integrates over pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the
-/// least sum of squares is searched within ± `free`.
+/// least sum of squares is searched from -`free` to `free`.
 pub(super) fn integrate_exposure(before: [f64; 2], after: [f64; 2], free: f64) -> ExposureIntegral {
     // f(u) = Σ (p + q u)² = A u² + 2 B u + C
     let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
@@ -100,25 +104,26 @@ pub(super) fn integrate_exposure(before: [f64; 2], after: [f64; 2], free: f64) -
     let log_integral = if share > 1e-280 {
         -0.5 * (c - b * b / a) + 0.5 * (TAU / a).ln() + share.ln()
     } else {
-        // Far outside, the integral is that of one end, where exp(-½ f) decreases with the slope ½ f'.
+        // Far outside, the end nearer to the maximum dominates; there exp(-½ f) decreases exponentially with the slope
+        // ½ f'.
         let end = (-b / a).clamp(-1.0, 1.0);
         -0.5 * square(end) - (a * end + b).abs().ln()
     };
     ExposureIntegral { at, log_integral }
 }
 
-/// Φ(high) - Φ(low), without loss in the tails.
+/// Returns Φ(high) - Φ(low), without loss of digits in the tails.
 fn normal_between(low: f64, high: f64) -> f64 {
     let upper = |x: f64| 0.5 * libm::erfc(x / std::f64::consts::SQRT_2);
     if low > 0.0 { upper(low) - upper(high) } else { upper(-high) - upper(-low) }
 }
 
-/// Logarithm of the normal density of an offset.
+/// Returns the logarithm of the normal density of an offset.
 pub(super) fn log_normal(offset: Offset) -> f64 {
     -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln()
 }
 
-/// Weight of one candidate.
+/// Goodness of fit and weight of one candidate.
 pub(super) struct CandidateWeight {
     chi_square: f64,
     terms: u32,
@@ -133,7 +138,7 @@ impl CandidateWeight {
         let mut squares = vec![candidate.cross_track_rad.square(), candidate.angle_rad.square()];
         let mut log_weight = log_normal(candidate.angle_rad) + log_density;
         if timing == Timing::Within {
-            // These offsets count only where the measured value is too large.
+            // Delay and length are lower limits here: only an excess counts as an offset.
             squares.extend([delay_square].into_iter().filter(|square| *square > 1e-6));
             squares.extend(length.map(Offset::square).filter(|square| *square > 0.0));
             log_weight -= 0.5 * length.map_or(0.0, Offset::square);
@@ -162,7 +167,7 @@ pub(super) fn log_weight_of_unknown(
     length_rad: Option<f64>,
 ) -> f64 {
     let number = (UNKNOWN_SHARE * satellites as f64).max(0.1);
-    // Uniform along any orbit: 1/P in time, ½ the foreshortening across, any turn.
+    // Uniform density along any orbit: 1/P in time, half the foreshortening across the track, any angle.
     let anywhere = number / PERIOD_S * 0.5 * FORESHORTENING;
     match timing {
         Timing::Within => (anywhere * duration_s.max(1.0) / PI).ln(),
@@ -182,8 +187,8 @@ pub(super) fn set_probabilities(candidates: &mut [Candidate], log_unknown: f64) 
     unknown / total
 }
 
-/// Returns the probability of a χ² of `terms` squares of at least `chi_square` (Abramowitz & Stegun 26.4.4 and 26.4.5);
-/// 1 without terms.
+/// Returns the probability that the χ² of `terms` squares is at least `chi_square` (Abramowitz & Stegun 26.4.4 and
+/// 26.4.5); 1 without terms.
 fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
     if terms == 0 {
         return 1.0;
@@ -207,7 +212,7 @@ fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
 mod tests {
     use super::*;
 
-    /// Table 26.8 of Abramowitz & Stegun: χ² exceeded with the probability in its header.
+    /// Table 26.8 of Abramowitz & Stegun: the χ² that is exceeded with probability 0.05 and 0.001.
     #[test]
     fn valid_chi_square_against_abramowitz_and_stegun() {
         for (terms, at_5_percent, at_01_percent) in [
@@ -224,7 +229,7 @@ mod tests {
         }
     }
 
-    /// The closed integral against a sum, inside and far outside of the exposure.
+    /// Comparison of the closed form of the integral with a sum, inside and far outside of the exposure.
     #[test]
     fn verif_integral_over_the_exposure() {
         for (before, after) in [

@@ -1,8 +1,8 @@
 //! Identification of the satellite of a measured streak.
 //!
-//! `streak` is the measurement, and `region` reads it from a file of DS9. `search` finds the satellites of a
-//! [`Sky`](crate::passes::Sky) whose orbits pass the streak, `compare` compares one satellite with it, and `likelihood`
-//! computes probabilities.
+//! `streak` defines the measured streak, and `region` reads it from a DS9 region file. `search` finds the satellites of
+//! a [`Sky`](crate::passes::Sky) with orbits that pass the streak, `compare` compares one satellite with the streak,
+//! and `likelihood` computes probabilities.
 
 mod compare;
 mod error;

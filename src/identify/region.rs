@@ -41,10 +41,10 @@ pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>
                 Some(known) if SYSTEMS.contains(&known.as_str()) => {}
                 Some(other) => {
                     return Err(fail(format!(
-                        "unsupported coordinate system {other}; {ALLOWED} (save the regions as fk5 in degrees)"
+                        "unsupported coordinate system {other}; {ALLOWED} (in DS9, save the regions as fk5 in degrees)"
                     )));
                 }
-                None => return Err(fail(format!("'{statement}' without a preceding coordinate system; {ALLOWED}"))),
+                None => return Err(fail(format!("'{statement}' has no preceding coordinate system; {ALLOWED}"))),
             }
             outlines.push(outline(statement).map_err(fail)?);
         }
@@ -59,14 +59,14 @@ fn outline(statement: &str) -> Result<Vec<Direction<Gcrs>>, String> {
     let inside = inside.split(')').next().unwrap_or_default();
     let numbers: Vec<&str> =
         inside.split(|mark: char| mark == ',' || mark.is_whitespace()).filter(|number| !number.is_empty()).collect();
-    let wrong_count = |count: &str| format!("{shape} of {} numbers; allowed: {count}", numbers.len());
+    let wrong_count = |count: &str| format!("{shape} has {} numbers; allowed: {count}", numbers.len());
     match shape.trim_start_matches('+').to_ascii_lowercase().as_str() {
         "polygon" if numbers.len() >= 4 && numbers.len().is_multiple_of(2) => {
             numbers.chunks(2).map(|pair| position(pair[0], pair[1])).collect()
         }
-        "polygon" => Err(wrong_count("pairs of right ascension and declination, two or more")),
+        "polygon" => Err(wrong_count("two or more pairs of right ascension and declination")),
         "line" if numbers.len() >= 4 => numbers[..4].chunks(2).map(|pair| position(pair[0], pair[1])).collect(),
-        "line" => Err(wrong_count("4, two ends")),
+        "line" => Err(wrong_count("4: the positions of both ends")),
         "vector" if numbers.len() == 4 => {
             let (from, length, angle) =
                 (position(numbers[0], numbers[1])?, size_rad(numbers[2])?, angle_rad(numbers[3])?);
@@ -80,7 +80,7 @@ fn outline(statement: &str) -> Result<Vec<Direction<Gcrs>>, String> {
             let corners = [(-width, -height), (width, -height), (width, height), (-width, height)];
             Ok(corners.map(|(x, y)| moved(&centre, x * cos - y * sin, x * sin + y * cos)).to_vec())
         }
-        "box" => Err(wrong_count("4 or 5: a position, width, height and an angle")),
+        "box" => Err(wrong_count("4 or 5: a position, a width, a height, and an angle")),
         other => Err(format!("unsupported shape '{other}'; {ALLOWED}")),
     }
 }
@@ -101,16 +101,16 @@ fn size_rad(text: &str) -> Result<f64, String> {
     };
     let size: Option<f64> = number.parse().ok().filter(|size: &f64| size.is_finite() && *size > 0.0);
     size.map(|size| (size * factor).to_radians())
-        .ok_or_else(|| format!("invalid size '{text}'; allowed: a number above 0 with \", ' or d"))
+        .ok_or_else(|| format!("invalid size '{text}'; allowed: a number above 0, followed by \", ' or d"))
 }
 
 fn angle_rad(text: &str) -> Result<f64, String> {
     let angle: Option<f64> = text.trim_end_matches('d').parse().ok().filter(|angle: &f64| angle.is_finite());
-    angle.map(f64::to_radians).ok_or_else(|| format!("invalid angle '{text}'; allowed: degrees"))
+    angle.map(f64::to_radians).ok_or_else(|| format!("invalid angle '{text}'; allowed: a number of degrees"))
 }
 
-/// Returns a displaced position. DS9 measures angles of regions from the x axis of an image with north up and east
-/// left: from west through north.
+/// Returns a position displaced to the west and the north. DS9 measures angles of regions from the x axis of an image
+/// with north up and east left, that is, from west through north.
 fn moved(from: &Direction<Gcrs>, west_rad: f64, north_rad: f64) -> Direction<Gcrs> {
     let (east, north) = from.east_north();
     let moved: Vector3<f64> = from.vector() - east * west_rad.tan() + north * north_rad.tan();
@@ -120,23 +120,23 @@ fn moved(from: &Direction<Gcrs>, west_rad: f64, north_rad: f64) -> Direction<Gcr
 /// Line fitted to the outlines of a streak.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedLine {
-    /// Both ends: the outermost corners, projected onto the line.
+    /// Ends of the line: the outermost corners of the outlines, projected onto it.
     pub ends: [Direction<Gcrs>; 2],
     /// Half width of the outlines, radians: the root mean square distance of their corners from the line.
     pub half_width_rad: f64,
 }
 
-/// Largest distance of the middle of an outline from the line, in widths of the outline.
+/// Tolerance for the distance of the middle of an outline from the line, in widths of the outline.
 const MOST_WIDTHS_OFF: f64 = 2.0;
-/// The same in lengths of the line: lines drawn by hand along a streak have no width.
+/// Tolerance in lengths of the line, which is added: lines drawn by hand along a streak have no width.
 const MOST_LENGTHS_OFF: f64 = 0.01;
 
 /// Fits a line to the corners of outlines (boxes, polygons, lines) of one streak: through their mean, in the direction
-/// of their largest variance. The outlines may cover parts of the streak only.
+/// of their largest variance. The outlines need not cover the whole streak.
 ///
 /// # Errors
 /// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of an
-/// outline is farther from the line than twice its width and a hundredth of the length of the line.
+/// outline is farther from the line than twice the width of the outline plus a hundredth of the length of the line.
 pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, IdentifyError> {
     let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
     let no_line = IdentifyError::NoLine { separation_arcsec: 0.0 };
@@ -222,14 +222,14 @@ mod tests {
     fn unsupported_statements_are_reported_with_their_line() {
         let message = |body: &str| parse_regions("a.reg", &format!("{HEAD}{body}")).unwrap_err().to_string();
         assert!(message("circle(1,2,3\")").starts_with("a.reg: line 4: unsupported shape 'circle'"));
-        assert!(message("polygon(1,2,3)").contains("polygon of 3 numbers"));
+        assert!(message("polygon(1,2,3)").contains("polygon has 3 numbers"));
         assert!(message("line(400,2,3,4)").contains("\"400\" is not a right ascension"));
         assert!(message("box(1,2,x,3)").contains("invalid size 'x'"));
         assert!(message("image\nline(1,2,3,4)").starts_with("a.reg: line 5: unsupported coordinate system image"));
         assert!(message("-line(1,2,3,4)").contains("unsupported shape '-line'"));
         assert_eq!(message(""), format!("a.reg: no region found; {ALLOWED}"));
         let bare = parse_regions("a.reg", "line(1,2,3,4)").unwrap_err().to_string();
-        assert!(bare.contains("without a preceding coordinate system"), "{bare}");
+        assert!(bare.contains("has no preceding coordinate system"), "{bare}");
     }
 
     fn at(x_arcsec: f64, y_arcsec: f64) -> Direction<Gcrs> {
@@ -238,7 +238,7 @@ mod tests {
         Direction::from_lon_lat_rad(ra, dec)
     }
 
-    /// A box of 100 by 10 arcsec about a position, rotated by 30°.
+    /// Returns a box of 100 by 10 arcsec about a position, rotated by 30°.
     fn streak_box(middle_arcsec: f64, offset_arcsec: f64) -> Vec<Direction<Gcrs>> {
         let (sin, cos) = 30_f64.to_radians().sin_cos();
         [(-50.0, -5.0), (50.0, -5.0), (50.0, 5.0), (-50.0, 5.0)]

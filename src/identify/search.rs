@@ -1,13 +1,14 @@
 //! Search of a catalogue for the satellites that may have caused a streak.
 //!
-//! A satellite on the line of sight at its distance r from the Earth's centre is at P. Its orbital plane must pass
-//! through P, and the satellite must be there after a delay within its errors:
+//! Let P be the point on the line of sight at the satellite's distance r from the Earth's centre. The orbital plane
+//! must pass P, and the satellite must reach P with a delay that is possible for its errors:
 //!
 //! ```text
 //! across = ĥ · P          Δu = atan2(P · (ĥ × r̂), P · r̂)          δ = -Δu r² / |r × v|
 //! ```
 //!
-//! This takes one call of SGP4 for each satellite; the few in a thousand that remain are compared in full.
+//! This takes one call of SGP4 for each satellite. The few in a thousand that remain are compared with the streak in
+//! `compare`.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -21,14 +22,15 @@ use crate::orbit::{LeftOut, Propagator, State};
 use crate::passes::{Exposure, ExposureInterval, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Largest delay and cross-track distance that are searched, in sigmas.
+/// Largest delay and cross-track distance searched, in sigmas.
 const REACH_SIGMAS: f64 = 6.0;
-/// At least this delay, seconds, and this distance, radians, are searched.
+/// Delay that is always searched, whatever the sigmas, seconds.
 const LEAST_REACH_S: f64 = 30.0;
+/// Cross-track distance that is always searched, radians.
 const LEAST_REACH_RAD: f64 = 0.0175;
 /// Range assumed for the cross-track limit before the range is known, km.
 const NEAR_KM: f64 = 500.0;
-/// Least difference between the delays of two passages of one satellite, seconds.
+/// Smallest difference between the delays of two different passages of one satellite, seconds.
 const SAME_PASSAGE_S: f64 = 1.0;
 
 /// Options of the search.
@@ -36,7 +38,7 @@ const SAME_PASSAGE_S: f64 = 1.0;
 pub struct IdentifyOptions {
     /// Includes satellites in the Earth's shadow.
     pub include_dark: bool,
-    /// Band, system, extinction.
+    /// Band, zero point and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
 
@@ -45,16 +47,16 @@ pub struct IdentifyOptions {
 pub struct Identified {
     /// Candidates, the most probable first.
     pub candidates: Vec<Candidate>,
-    /// Probability of a satellite without element set.
+    /// Probability that the streak is that of a satellite without an element set.
     pub unknown_probability: f64,
-    /// Satellites without a position at that time, in catalogue order.
+    /// Satellites that SGP4 cannot propagate to that time, in catalogue order.
     pub left_out: Vec<LeftOut>,
 }
 
 /// Finds all satellites that may have caused a streak, on all threads of the current pool.
 ///
-/// Candidates have a delay and a distance from the streak within six sigmas of the age of their elements and of the
-/// measurement (at least 30 s and 1°). 20,000 satellites take some tens of milliseconds.
+/// The delay of a candidate and its distance from the streak are at most six sigmas, or 30 s and 1° if these are
+/// larger. The sigmas combine the uncertainty of the elements at their age with that of the measurement.
 ///
 /// # Errors
 /// [`IdentifyError::Sky`] if positions cannot be computed at that time.
@@ -122,18 +124,19 @@ fn one_satellite(
     (best.into_iter().collect(), None)
 }
 
-/// Largest eccentricity of an orbit treated as circular; otherwise the position is found iteratively.
+/// Largest eccentricity of an orbit that is treated as circular. For others, the delay is found iteratively.
 const CIRCULAR: f64 = 0.03;
-/// Allowance for J₂ and for the varying radius of nearly circular orbits, km and fraction of the distance along the
-/// orbit.
-const SLOP_KM: f64 = 60.0;
-const SLOP_SHARE: f64 = 0.05;
-/// Tolerance, seconds, and most steps to a position on an eccentric orbit.
+/// Allowance for J₂ and for the varying radius of nearly circular orbits, km.
+const ALLOWANCE_KM: f64 = 60.0;
+/// Allowance for the same effects as a fraction of the distance along the orbit.
+const ALLOWANCE_SHARE: f64 = 0.05;
+/// Tolerance of the iteration for eccentric orbits, seconds.
 const CLOSE_S: f64 = 1.0;
+/// Largest number of its steps.
 const MOST_STEPS: usize = 30;
 
-/// Returns first guesses of the delays with which a satellite passes the streak, seconds; empty if it does not. An
-/// observer in orbit may see two positions of one orbit in the same direction.
+/// Returns first guesses of the delays with which a satellite passes the streak, seconds; empty if it does not pass it.
+/// For an observer in orbit, one line of sight may meet an orbit twice.
 fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &MeasuredStreak, reach: &Reach) -> Vec<f64> {
     let mid_s = 0.5 * interval.duration_s();
     let Some(propagator) = interval.propagator(element_index) else { return Vec::new() };
@@ -150,17 +153,17 @@ fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &Meas
         }
         let position = observer.vector() + towards.vector() * range_km;
         return delay_on_eccentric(interval, propagator, &position, mid_s)
-            .filter(|delay_s| delay_s.abs() <= reach.along_track_s + SLOP_KM / v.norm())
+            .filter(|delay_s| delay_s.abs() <= reach.along_track_s + ALLOWANCE_KM / v.norm())
             .into_iter()
             .collect();
     }
     let delay = |range_km: f64| {
         let position = observer.vector() + towards.vector() * range_km;
         let angle_rad = angle_to(&state, &position);
-        let slop_km = SLOP_KM + SLOP_SHARE * angle_rad.abs() * r.norm();
+        let allowance_km = ALLOWANCE_KM + ALLOWANCE_SHARE * angle_rad.abs() * r.norm();
         let delay_s = -angle_rad * r.norm_squared() / r.cross(v).norm();
-        let is_near = normal.dot(&position).abs() <= reach.cross_track_rad * range_km + slop_km
-            && delay_s.abs() <= reach.along_track_s + slop_km / v.norm();
+        let is_near = normal.dot(&position).abs() <= reach.cross_track_rad * range_km + allowance_km
+            && delay_s.abs() <= reach.along_track_s + allowance_km / v.norm();
         is_near.then_some(delay_s)
     };
     ranges_km(&observer, &towards, r.norm()).into_iter().filter_map(delay).collect()
@@ -173,7 +176,7 @@ fn angle_to(state: &State<Gcrs>, position: &Vector3<f64>) -> f64 {
     position.dot(&ahead).atan2(position.dot(&radial))
 }
 
-/// Returns the delay for an eccentric orbit, in steps of SGP4 with the current angular rate.
+/// Returns the delay for an eccentric orbit, found by steps along the orbit at the current angular rate.
 fn delay_on_eccentric(
     interval: &ExposureInterval<'_>,
     propagator: &Propagator,

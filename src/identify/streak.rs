@@ -1,4 +1,4 @@
-//! Measured streaks: a line on the sky, and the time of the exposure.
+//! Measured streak: a line on the sky with the time of the exposure.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -6,15 +6,15 @@ use nalgebra::Vector3;
 use super::error::IdentifyError;
 use crate::frames::{Direction, Gcrs};
 
-/// Relation between the times of the exposure and the positions along the streak.
+/// Relation between the time interval of a streak and its ends.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// The satellite was at the first end at the start and at the second end at the end of the interval: the direction
-    /// of motion is known.
+    /// The satellite was at the first end at the start of the interval and at the second end at its end, so that the
+    /// direction of motion is known.
     FirstToSecond,
-    /// The ends correspond to the opening and closing of the shutter, in unknown order.
+    /// The ends are the positions at shutter opening and closing, in unknown order.
     Whole,
-    /// The satellite was somewhere along the streak during the exposure: the ends may be those of the frame.
+    /// The satellite was somewhere along the streak during the exposure. The streak may end at the edges of the frame.
     Within,
 }
 
@@ -44,11 +44,11 @@ pub struct MeasuredStreak {
     by_ends: bool,
 }
 
-/// Least length, radians: 0.01 arcsec.
+/// Smallest length, radians: 0.01 arcsec.
 const LEAST_LENGTH_RAD: f64 = 4.8e-8;
 /// Largest length, radians: longer streaks are not great circles.
 const LONGEST_RAD: f64 = 2.0;
-/// Least error of an angle, radians: curvature and distortions.
+/// Smallest error of an angle, radians, for curvature of the track and distortion of the optics.
 const LEAST_ANGLE_SIGMA_RAD: f64 = 1e-5;
 
 impl MeasuredStreak {
@@ -93,7 +93,7 @@ impl MeasuredStreak {
     /// with one sigma, radians, and its length, if known.
     ///
     /// # Errors
-    /// Same as [`MeasuredStreak::from_ends`]; a whole streak without a length; or a direction of motion, which a
+    /// As [`MeasuredStreak::from_ends`]; also [`Timing::Whole`] without a length, or [`Timing::FirstToSecond`], which a
     /// position angle does not define.
     pub fn from_middle(
         middle: Direction<Gcrs>,
@@ -116,7 +116,7 @@ impl MeasuredStreak {
             return Err(IdentifyError::Value {
                 what: "timing",
                 given: timing.name().to_owned(),
-                allowed: "two ends; a position angle does not define which end was first",
+                allowed: "a streak given by two ends, because a position angle does not define which end was first",
             });
         }
         if timing == Timing::Whole && length_rad.is_none() {
@@ -187,8 +187,7 @@ impl MeasuredStreak {
         }))
     }
 
-    /// Returns true if both ends were measured instead of the middle and the angle: a curved track then passes the
-    /// ends.
+    /// Returns true if both ends were measured, false for the middle and the position angle.
     pub fn is_by_ends(&self) -> bool {
         self.by_ends
     }
@@ -272,6 +271,6 @@ mod tests {
         assert!(message(middle(None, Timing::Whole)).contains("known length"));
         assert!(message(middle(Some(0.1), Timing::FirstToSecond)).contains("two ends"));
         let sigma = MeasuredStreak::from_ends([at(1.0, 2.0), at(2.0, 2.0)], time(), Timing::Within, 1e-5, 0.0);
-        assert!(message(sigma).contains("error of the time 0 s"));
+        assert!(message(sigma).contains("error of the time is 0 s"));
     }
 }

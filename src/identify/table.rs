@@ -7,7 +7,7 @@ use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::output::{Column, Kind, Table, TableField, Value};
 use crate::photometry::{Brightness, PhotometryOptions};
 
-/// Candidate with the data of its row.
+/// Candidate with the other data of its table row.
 #[derive(Copy, Clone)]
 pub struct CandidateRow<'a> {
     /// The candidate.
@@ -35,7 +35,7 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "probability",
                 "",
                 6,
-                "Probability that it is this satellite, among all candidates and satellites without elements.",
+                "Probability that the streak is that of this satellite, among all candidates and satellites without elements.",
             ),
             |row| row.candidate.probability.into(),
         ),
@@ -46,7 +46,12 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
             i64::from(row.candidate.terms).into()
         }),
         field(
-            Column::real("p_value", "", 6, "Probability of a chi square as large or larger, were it this satellite."),
+            Column::real(
+                "p_value",
+                "",
+                6,
+                "Probability of a chi square at least as large if the streak is that of this satellite.",
+            ),
             |row| row.candidate.p_value.into(),
         ),
         field(
@@ -54,15 +59,20 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "along_track_offset_s",
                 "s",
                 3,
-                "Delay of the satellite after its prediction; negative: early. 0 where the prediction is within the exposure.",
+                "Delay of the satellite relative to its prediction, negative if early; 0 if it is predicted to pass during the exposure.",
             ),
             |row| row.candidate.along_track_s.value.into(),
         ),
-        field(Column::real("along_track_offset_deg", "deg", 5, "The same as an angle on the sky."), |row| {
+        field(Column::real("along_track_offset_deg", "deg", 5, "Delay as an angle on the sky."), |row| {
             (row.candidate.along_track_s.value * row.candidate.angular_rate_rad_s.to_degrees()).into()
         }),
         field(
-            Column::real("along_track_sigma_s", "s", 3, "One sigma of the delay: age of the elements, and clock."),
+            Column::real(
+                "along_track_sigma_s",
+                "s",
+                3,
+                "One sigma of the delay, from the age of the elements and the clock.",
+            ),
             |row| row.candidate.along_track_s.sigma.into(),
         ),
         field(
@@ -70,18 +80,18 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "cross_track_offset_arcsec",
                 "arcsec",
                 2,
-                "Distance of the streak from the predicted track, positive towards the position angle of motion + 90 deg.",
+                "Distance of the streak from the predicted track, positive towards the position angle of motion plus 90 deg.",
             ),
             |row| (row.candidate.cross_track_rad.value * ARCSEC_PER_RAD).into(),
         ),
-        field(Column::real("cross_track_sigma_arcsec", "arcsec", 2, "One sigma of that distance."), |row| {
+        field(Column::real("cross_track_sigma_arcsec", "arcsec", 2, "One sigma of the cross-track offset."), |row| {
             (row.candidate.cross_track_rad.sigma * ARCSEC_PER_RAD).into()
         }),
         field(
-            Column::real("angle_difference_deg", "deg", 4, "Position angle of the streak less that of the motion."),
+            Column::real("angle_difference_deg", "deg", 4, "Position angle of the streak minus that of the motion."),
             |row| row.candidate.angle_rad.value.to_degrees().into(),
         ),
-        field(Column::real("angle_sigma_deg", "deg", 4, "One sigma of that difference."), |row| {
+        field(Column::real("angle_sigma_deg", "deg", 4, "One sigma of the angle difference."), |row| {
             row.candidate.angle_rad.sigma.to_degrees().into()
         }),
         field(
@@ -89,25 +99,28 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "length_difference_deg",
                 "deg",
                 5,
-                "Length measured less predicted; at least 0 where the ends may be those of the frame.",
+                "Measured minus predicted length; at least 0 if the streak may end at the edges of the frame.",
             ),
             |row| row.candidate.length_rad.map(|offset| offset.value.to_degrees()).into(),
         ),
-        field(Column::real("length_sigma_deg", "deg", 5, "One sigma of that difference."), |row| {
+        field(Column::real("length_sigma_deg", "deg", 5, "One sigma of the length difference."), |row| {
             row.candidate.length_rad.map(|offset| offset.sigma.to_degrees()).into()
         }),
-        field(Column::real("predicted_length_deg", "deg", 5, "Length of the track during the exposure."), |row| {
-            row.candidate.predicted_length_rad.to_degrees().into()
-        }),
+        field(
+            Column::real("predicted_length_deg", "deg", 5, "Predicted length of the track during the exposure."),
+            |row| row.candidate.predicted_length_rad.to_degrees().into(),
+        ),
         field(Column::real("angular_rate_deg_s", "deg / s", 6, "Angular rate on the sky."), |row| {
             row.candidate.angular_rate_rad_s.to_degrees().into()
         }),
-        field(Column::real("position_angle_deg", "deg", 4, "Direction of motion, from north through east."), |row| {
-            row.candidate.position_angle_rad.to_degrees().into()
-        }),
-        field(Column::time("passage_utc", "Passage of the middle of the streak with that delay."), |row| {
-            row.candidate.passage.epoch.into()
-        }),
+        field(
+            Column::real("position_angle_deg", "deg", 4, "Position angle of the motion, from north through east."),
+            |row| row.candidate.position_angle_rad.to_degrees().into(),
+        ),
+        field(
+            Column::time("passage_utc", "Time at which the delayed satellite passes the middle of the streak."),
+            |row| row.candidate.passage.epoch.into(),
+        ),
         field(Column::real("altitude_deg", "deg", 4, "Altitude at the passage, without refraction."), |row| {
             row.candidate.passage.altitude_rad.map(f64::to_degrees).into()
         }),
@@ -120,9 +133,10 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
         field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle at the passage."), |row| {
             row.candidate.passage.geometry.phase_angle_rad().to_degrees().into()
         }),
-        field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra at the passage."), |row| {
-            row.candidate.passage.illumination.name().into()
-        }),
+        field(
+            Column::new("illumination", Kind::Text, "Illumination at the passage: sunlit, penumbra or umbra."),
+            |row| row.candidate.passage.illumination.name().into(),
+        ),
         field(
             Column::real("magnitude", "mag", 3, "Predicted apparent magnitude at the passage, without flares."),
             |row| light(row).map(|light| light.magnitude.0).into(),
@@ -142,7 +156,7 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
                 "element_age_days",
                 "d",
                 4,
-                "Passage less epoch of the elements; negative for elements from after the passage.",
+                "Time of the passage minus epoch of the elements; negative for elements from after the passage.",
             ),
             |row| row.candidate.element_age_days.into(),
         ),
@@ -158,20 +172,20 @@ const STREAK: [Column; 14] = [
     Column::time("start_utc", "Start of the exposure."),
     Column::time("end_utc", "End of the exposure."),
     Column::new("timing", Kind::Text, "Relation between the exposure and the ends of the streak."),
-    Column::real("ra_deg", "deg", 7, "Right ascension of the middle, ICRS."),
-    Column::real("dec_deg", "deg", 7, "Declination of the middle."),
-    Column::real("position_angle_deg", "deg", 4, "Position angle of the line at the middle, towards the second end."),
-    Column::real("length_deg", "deg", 6, "Length of the line; empty if unknown."),
-    Column::real("from_ra_deg", "deg", 7, "Right ascension of the first end."),
-    Column::real("from_dec_deg", "deg", 7, "Declination of the first end."),
-    Column::real("to_ra_deg", "deg", 7, "Right ascension of the second end."),
-    Column::real("to_dec_deg", "deg", 7, "Declination of the second end."),
-    Column::real("place_sigma_arcsec", "arcsec", 3, "One sigma of an end."),
+    Column::real("ra_deg", "deg", 7, "Right ascension of the middle of the streak, ICRS."),
+    Column::real("dec_deg", "deg", 7, "Declination of the middle of the streak, ICRS."),
+    Column::real("position_angle_deg", "deg", 4, "Position angle of the streak at its middle, towards the second end."),
+    Column::real("length_deg", "deg", 6, "Length of the streak; empty if unknown."),
+    Column::real("from_ra_deg", "deg", 7, "Right ascension of the first end, ICRS."),
+    Column::real("from_dec_deg", "deg", 7, "Declination of the first end, ICRS."),
+    Column::real("to_ra_deg", "deg", 7, "Right ascension of the second end, ICRS."),
+    Column::real("to_dec_deg", "deg", 7, "Declination of the second end, ICRS."),
+    Column::real("place_sigma_arcsec", "arcsec", 3, "One sigma of the position of an end."),
     Column::real("time_sigma_s", "s", 3, "One sigma of the clock."),
     Column::real("angle_sigma_deg", "deg", 4, "One sigma of the position angle."),
 ];
 
-/// Returns the streak as a table of one row.
+/// Returns the measured streak as a table of one row.
 pub fn streak_table(streak: &MeasuredStreak) -> Table {
     let ends = streak.ends();
     let longitude = |end: usize| -> Value { ends.map(|ends| ends[end].longitude_rad().to_degrees()).into() };

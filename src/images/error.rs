@@ -1,88 +1,126 @@
-//! Errors of frames, headers, detectors and telescopes.
+//! Errors of the module `images`.
+
+use std::fmt::Display;
+#[cfg(all(feature = "fits", unix))]
+use std::path::{Path, PathBuf};
 
 use thiserror::Error;
 
-use super::detector::DetectorError;
-use super::exposure::ExposureError;
-#[cfg(feature = "fits")]
-use super::fits::FrameError;
-use super::wcs::WcsError;
-
-/// Errors of frames, headers, detectors and telescopes.
+/// Errors of frames, headers, world coordinates, detectors and telescopes.
+///
+/// An operation that fails does not change its input and leaves no partial output.
 #[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum ImagesError {
-    /// Error of a frame in a file.
-    #[cfg(feature = "fits")]
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// Error of the time of an exposure.
-    #[error(transparent)]
-    Exposure(#[from] ExposureError),
-    /// Error of world coordinates.
-    #[error(transparent)]
-    Wcs(#[from] WcsError),
-    /// Error of a detector.
-    #[error(transparent)]
-    Detector(#[from] DetectorError),
-    /// Unknown telescope.
-    #[error("unknown telescope {given:?}; known telescopes: {known}")]
-    UnknownTelescope {
-        /// Given name.
+    /// A value of a header, of a file of settings or of a call is missing or invalid.
+    #[error("{what} is {given}; allowed: {allowed}")]
+    Invalid {
+        /// Name of the value, after the file and HDU if there are any.
+        what: String,
+        /// Given value, or `missing`.
         given: String,
-        /// Names of all presets.
-        known: String,
+        /// Allowed values.
+        allowed: String,
     },
-    /// Invalid TOML, or a key that is missing, unknown or of the wrong type; the message names key and line.
-    #[error("telescope file {origin}: {message}")]
-    TelescopeToml {
-        /// The file.
+    /// Settings that are not valid TOML, or a key that is missing, unknown or of the wrong type.
+    #[error("{origin}: {message}")]
+    Toml {
+        /// The file, or the name of the settings.
         origin: String,
         /// Description and position of the error.
         message: String,
     },
-    /// A number is out of range or not finite.
-    #[error("telescope file {origin}: {key} is {given}; allowed: {least} to {greatest}")]
-    TelescopeOutOfRange {
+    /// A header without axes of right ascension and declination.
+    #[error("CTYPE1 is {ctype1:?} and CTYPE2 is {ctype2:?}; allowed: one RA---xxx and one DEC--xxx")]
+    NoCelestialAxes {
+        /// Text of CTYPE1, empty if it is missing.
+        ctype1: String,
+        /// Text of CTYPE2, empty if it is missing.
+        ctype2: String,
+    },
+    /// The operating system reported an error for a file.
+    #[cfg(all(feature = "fits", unix))]
+    #[error("{}: {source}", path.display())]
+    Io {
         /// The file.
-        origin: String,
-        /// The key.
-        key: String,
-        /// Given value.
-        given: f64,
-        /// Least allowed value.
-        least: f64,
-        /// Greatest allowed value.
-        greatest: f64,
+        path: PathBuf,
+        /// Error of the operating system.
+        source: std::io::Error,
     },
-    /// A limit is given for an unknown band.
-    #[error("telescope file {origin}: unknown band {given:?} of a limit; known bands: B V R I u g r i z y G")]
-    TelescopeBand {
+    /// CFITSIO reported an error for a file.
+    #[cfg(all(feature = "fits", unix))]
+    #[error("{}: CFITSIO: {message} (status {status})", path.display())]
+    Cfitsio {
         /// The file.
-        origin: String,
-        /// Given band.
-        given: String,
+        path: PathBuf,
+        /// Status of CFITSIO.
+        status: i32,
+        /// Message of CFITSIO.
+        message: String,
     },
-    /// The number of values does not match the shape of the image.
-    #[error("an image of {rows} rows by {columns} columns cannot have {given} values; expected {}", rows * columns)]
-    PlaneShape {
-        /// Rows of the image.
-        rows: usize,
-        /// Columns of the image.
-        columns: usize,
-        /// Number of values given.
-        given: usize,
+    /// Compressed pixels cannot be decompressed, or cannot be compressed again.
+    #[cfg(all(feature = "fits", unix))]
+    #[error("{}: HDU {hdu}: {problem}", path.display())]
+    Tiles {
+        /// The file.
+        path: PathBuf,
+        /// Number of the HDU, from 0.
+        hdu: usize,
+        /// Cause, and a remedy.
+        problem: String,
     },
-    /// A frame without rows or columns.
+    /// The preview cannot be encoded as PNG.
     #[cfg(feature = "plot")]
-    #[error("cannot draw a frame of {rows} rows by {columns} columns: it has no pixels")]
-    EmptyPreview {
-        /// Rows.
-        rows: usize,
-        /// Columns.
-        columns: usize,
-    },
-    /// The preview cannot be encoded.
-    #[cfg(feature = "plot")]
-    #[error("cannot encode the preview: {0}")]
+    #[error("preview: {0}")]
     EncodePreview(#[from] image::ImageError),
+}
+
+impl ImagesError {
+    pub(crate) fn invalid(what: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
+        Self::Invalid { what: what.into(), given: given.to_string(), allowed: allowed.into() }
+    }
+
+    /// Rejects a number outside its range or not finite.
+    pub(super) fn check_range(what: &str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
+        if (least..=greatest).contains(&given) {
+            return Ok(());
+        }
+        Err(Self::invalid(what, given, format!("{least} to {greatest}")))
+    }
+
+    /// Adds the place of an invalid value: file, HDU, or name of the settings.
+    pub(crate) fn at(self, place: impl Display) -> Self {
+        match self {
+            Self::Invalid { what, given, allowed } => {
+                Self::Invalid { what: format!("{place}: {what}"), given, allowed }
+            }
+            Self::NoCelestialAxes { ctype1, ctype2 } => Self::invalid(
+                format!("{place}: CTYPE1"),
+                format!("{ctype1:?} and CTYPE2 is {ctype2:?}"),
+                "one RA---xxx and one DEC--xxx",
+            ),
+            other => other,
+        }
+    }
+}
+
+#[cfg(all(feature = "fits", unix))]
+impl ImagesError {
+    /// Adds the file and the HDU of an invalid value.
+    pub(crate) fn in_hdu(self, path: &Path, hdu: usize) -> Self {
+        self.at(format_args!("{}: HDU {hdu}", path.display()))
+    }
+
+    /// Replaces the name of the file in an error of CFITSIO: a temporary file becomes the file of the caller.
+    pub(super) fn of_file(self, path: &Path) -> Self {
+        match self {
+            Self::Cfitsio { status, message, .. } => Self::Cfitsio { path: path.to_owned(), status, message },
+            other => other,
+        }
+    }
+
+    /// Returns a function that adds the file to an error of the operating system.
+    pub(crate) fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
+        |source| Self::Io { path: path.to_owned(), source }
+    }
 }

@@ -4,7 +4,7 @@ mod card;
 mod detector;
 mod error;
 mod exposure;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod fits;
 mod header;
 mod light_area;
@@ -18,15 +18,15 @@ mod wcs;
 
 pub use card::{CARD_LENGTH, Card, CardValue};
 pub use detector::{
-    AddedLight, Amplifier, Bleeding, Crosstalk, Detector, DetectorError, NonLinearity, Quantisation, ReadoutCorner,
-    Saturated, Saturation, Vignetting,
+    AddedLight, Amplifier, Bleeding, Crosstalk, Detector, NonLinearity, Quantisation, ReadoutCorner, Saturated,
+    Saturation, Vignetting,
 };
 pub use error::ImagesError;
-pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, HeaderValue, PixelUnit, ZeroPoint};
-#[cfg(feature = "fits")]
+pub use exposure::{Calibration, CountBasis, ExposureTime, HeaderValue, PixelUnit, ZeroPoint};
+#[cfg(all(feature = "fits", unix))]
 pub use fits::{
-    Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat,
-    Pixels, Rice, TableColumn, write_frame, write_table,
+    Bitpix, Cells, Changed, FrameCopy, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat, Pixels, Rice,
+    TableColumn, write_frame, write_table,
 };
 pub use header::Header;
 pub use light_area::LightArea;
@@ -38,4 +38,4 @@ pub use telescope::{
     ARCSEC_PER_RAD, BandLimits, FieldOfView, Telescope, effective_magnitude, expected_lost_pixel_fraction,
     satcon1_limit_mag, surface_brightness_mag_arcsec2, time_on_pixel_s,
 };
-pub use wcs::{Wcs, WcsError};
+pub use wcs::Wcs;

@@ -19,10 +19,11 @@ impl Plane {
     /// Creates an image from values row by row.
     ///
     /// # Errors
-    /// [`ImagesError::PlaneShape`] if their number is not rows times columns.
+    /// A number of values other than rows times columns.
     pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, ImagesError> {
         if values.len() != rows * columns {
-            return Err(ImagesError::PlaneShape { rows, columns, given: values.len() });
+            let allowed = format!("{} for {rows} rows by {columns} columns", rows * columns);
+            return Err(ImagesError::invalid("number of pixels", values.len(), allowed));
         }
         Ok(Self { rows, columns, values })
     }

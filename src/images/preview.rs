@@ -38,7 +38,11 @@ const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
 pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, ImagesError> {
     let (rows, columns) = (plane.rows(), plane.columns());
     if rows == 0 || columns == 0 {
-        return Err(ImagesError::EmptyPreview { rows, columns });
+        return Err(ImagesError::invalid(
+            "size of the frame",
+            format!("{rows} rows by {columns} columns"),
+            "at least one pixel",
+        ));
     }
     let scale = Scale::of(rows, columns);
     let [black, white] = limits(plane);

@@ -142,7 +142,7 @@ impl Telescope {
     /// Returns a preset by name, in any case; `lsst` is Rubin, `panstarrs` and `ps1` are Pan-STARRS.
     ///
     /// # Errors
-    /// [`ImagesError::UnknownTelescope`] with all known names.
+    /// An unknown name.
     pub fn by_name(name: &str) -> Result<Self, ImagesError> {
         let preset_name = match name.trim().to_ascii_lowercase().as_str() {
             "lsst" | "simonyi" => "rubin".to_owned(),
@@ -150,11 +150,10 @@ impl Telescope {
             "blanco" => "decam".to_owned(),
             other => other.to_owned(),
         };
-        let (preset, text) =
-            PRESETS.iter().find(|(preset, _)| *preset == preset_name).ok_or_else(|| ImagesError::UnknownTelescope {
-                given: name.to_owned(),
-                known: Self::names().collect::<Vec<_>>().join(", "),
-            })?;
+        let (preset, text) = PRESETS.iter().find(|(preset, _)| *preset == preset_name).ok_or_else(|| {
+            let known: Vec<&str> = Self::names().collect();
+            ImagesError::invalid("telescope", format!("{name:?}"), known.join(", "))
+        })?;
         Self::from_toml(text, preset)
     }
 
@@ -169,8 +168,8 @@ impl Telescope {
     /// [`ImagesError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown
     /// bands.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, ImagesError> {
-        let telescope: Self = toml::from_str(text).map_err(|error| ImagesError::TelescopeToml {
-            origin: origin.to_owned(),
+        let telescope: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
+            origin: format!("telescope file {origin}"),
             message: error.to_string().trim_end().to_owned(),
         })?;
         telescope.validate(origin)?;
@@ -179,17 +178,7 @@ impl Telescope {
 
     fn validate(&self, origin: &str) -> Result<(), ImagesError> {
         let range = |key: &str, given: f64, least: f64, greatest: f64| {
-            // NaN is in no range.
-            if (least..=greatest).contains(&given) {
-                return Ok(());
-            }
-            Err(ImagesError::TelescopeOutOfRange {
-                origin: origin.to_owned(),
-                key: key.to_owned(),
-                given,
-                least,
-                greatest,
-            })
+            ImagesError::check_range(&format!("telescope file {origin}: {key}"), given, least, greatest)
         };
         range("outer_radius_m", self.outer_radius_m, 0.001, 100.0)?;
         range("inner_radius_m", self.inner_radius_m, 0.0, self.outer_radius_m)?;
@@ -208,7 +197,8 @@ impl Telescope {
         }
         for (band, limits) in &self.limits {
             if !BANDS.contains(&band.as_str()) {
-                return Err(ImagesError::TelescopeBand { origin: origin.to_owned(), given: band.clone() });
+                let what = format!("telescope file {origin}: band of a limit");
+                return Err(ImagesError::invalid(what, format!("{band:?}"), BANDS.join(", ")));
             }
             for (key, limit) in
                 [("trail_saturation_mag", limits.trail_saturation_mag), ("crosstalk_mag", limits.crosstalk_mag)]

@@ -35,7 +35,7 @@ pub struct BodyPoint {
 pub struct BodyMap {
     /// Directions.
     pub grid: Grid,
-    /// Returns model, options and geometry.
+    /// Metadata: model, options and geometry.
     pub facts: Vec<Fact>,
     /// Values in the order of the grid; regular grids begin straight below.
     pub points: Vec<BodyPoint>,
@@ -87,7 +87,7 @@ impl<'a> BodyView<'a> {
         self.light.standard_magnitude(&geometry, 1.0)
     }
 
-    /// Model, options and geometry.
+    /// Returns the metadata: model, options and geometry.
     pub fn facts(&self) -> Vec<Fact> {
         let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let mut facts = vec![

@@ -7,7 +7,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum MapError {
     /// A number out of range.
-    #[error("{what} {given}{unit}: allowed {allowed}")]
+    #[error("{what} is {given}{unit}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the number.
         what: &'static str,
@@ -20,7 +20,7 @@ pub enum MapError {
     },
     /// A satellite below the observer.
     #[error(
-        "satellite height {height_km} km is below site {site}: allowed heights above {site_km:.1} km (over the sphere of 6378.137 km)"
+        "satellite height is {height_km} km, below site {site}; allowed: above {site_km:.1} km (over the sphere of 6378.137 km)"
     )]
     BelowSite {
         /// Given height.
@@ -31,11 +31,11 @@ pub enum MapError {
         site_km: f64,
     },
     /// Failure to write a FITS file.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error("FITS: {0}")]
     Fits(String),
     /// Failure of the temporary folder in which FITS files are written.
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     #[error("cannot write a FITS file in the scratch folder: {0}")]
     Scratch(String),
 }

@@ -30,7 +30,7 @@ enum Division {
 /// Directions of one latitude, equally spaced.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct GridRow {
-    /// Radians.
+    /// Latitude, radians.
     pub latitude_rad: f64,
     first_rad: f64,
     step_rad: f64,
@@ -80,7 +80,7 @@ impl Grid {
     /// # Errors
     /// A step below 0.1 or above 5 degrees, or one that does not divide 90.
     pub fn regular(step_deg: f64) -> Result<Self, MapError> {
-        let allowed = "0.1 to 5 deg, a whole number of them in 90";
+        let allowed = "0.1 to 5 deg, in whole fractions of 90 deg";
         let steps = 90.0 / step_deg;
         let is_allowed = (0.1..=5.0).contains(&step_deg) && (steps - steps.round()).abs() < 1e-6;
         in_range("step", step_deg, " deg", allowed, is_allowed)?;

@@ -49,7 +49,7 @@ impl SkyMap {
     /// Returns the bytes of a FITS file with the columns `magnitude` and `range_km`.
     ///
     /// # Errors
-    /// Same as [`BodyMap::to_fits`].
+    /// The errors of [`BodyMap::to_fits`].
     pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
         let magnitude = |index: usize| self.points[index].magnitude.map(|magnitude| magnitude.0);
         let range = |index: usize| Some(self.points[index].range_km);

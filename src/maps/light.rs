@@ -12,7 +12,7 @@ pub(super) const STANDARD_RANGE_KM: f64 = 1000.0;
 
 /// A brightness model with its options.
 ///
-/// Maps need no sigma and no source; without them the cost of a direction is a third. A test compares both.
+/// Maps need no sigma and no source; without these a direction takes a third of the time. A test compares both.
 #[derive(Clone, Debug)]
 pub(super) struct MapPhotometry<'a> {
     model: &'a BrightnessModel,
@@ -74,7 +74,7 @@ impl<'a> MapPhotometry<'a> {
         Some(StandardMagnitude(0.0).at_range(range_km).dimmed_by(air))
     }
 
-    /// Returns model, band and zero point.
+    /// Returns the metadata: model, band and zero point.
     pub fn facts(&self) -> Vec<Fact> {
         let text = |shown: &dyn std::fmt::Display| FactValue::Text(shown.to_string());
         let mut facts = vec![

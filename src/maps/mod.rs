@@ -7,7 +7,7 @@
 mod body;
 mod error;
 mod grid;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod healpix_file;
 mod light;
 mod paper;

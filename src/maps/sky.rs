@@ -27,7 +27,7 @@ use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
 use super::light::{Fact, FactValue, MapPhotometry, rounded};
 
-/// Returns the figure of the Earth.
+/// Figure of the Earth.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Earth {
     /// Sphere of 6378.137 km, the observer on its surface, as in the paper.
@@ -50,7 +50,7 @@ pub struct SkyView<'a> {
     pub(super) sun: Position<Gcrs>,
     pub(super) radius_km: f64,
     per_radius_km: f64,
-    /// q² - r² of the figure in the module docs, km²; negative.
+    /// The difference q² - r² of the figure in the module docs, km²; negative.
     below_km2: f64,
     sun_azimuth_rad: f64,
     sun_altitude_rad: f64,
@@ -76,7 +76,7 @@ pub struct SkyPoint {
 pub struct SkyMap {
     /// Directions.
     pub grid: Grid,
-    /// Returns model, options and geometry.
+    /// Metadata: model, options and geometry.
     pub facts: Vec<Fact>,
     /// Values in the order of the grid; regular grids begin on the horizon.
     pub points: Vec<SkyPoint>,
@@ -135,7 +135,7 @@ impl<'a> SkyView<'a> {
         Self { shadow, ..self }
     }
 
-    /// Figure of the Earth.
+    /// Returns the figure of the Earth.
     pub fn earth(&self) -> &Earth {
         &self.earth
     }
@@ -166,7 +166,7 @@ impl<'a> SkyView<'a> {
         self.point(&self.row(altitude_rad), azimuth_rad)
     }
 
-    /// Model, options and geometry.
+    /// Returns the metadata: model, options and geometry.
     pub fn facts(&self) -> Vec<Fact> {
         let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let earth = match &self.earth {
@@ -260,8 +260,8 @@ impl<'a> SkyView<'a> {
         }
     }
 
-    /// Returns the direction at an azimuth (its sine and cosine), the range of the satellite, and the effect of
-    /// distance and air.
+    /// Returns the unit vector of a direction (from sine and cosine of its azimuth), the range of the satellite, and
+    /// the dimming by distance and air.
     fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
         let (range_km, dimming) = row.range_and_dimming.unwrap_or_else(|| {

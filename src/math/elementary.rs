@@ -1,7 +1,7 @@
 //! Sine, logarithm and exponential without branches, so that loops over them can be vectorised.
 //!
-//! Accurate to 1e-13 in the stated ranges: magnitudes require 1e-10, and each term of a series costs a thirtieth of the
-//! time. `F` is true on machines with fused multiply-add; elsewhere it would be a slow library call.
+//! The error is at most 1e-13 in the stated ranges; magnitudes require 1e-10. The parameter `F` is true on machines
+//! with fused multiply-add; on other machines `mul_add` would be a slow library call.
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 
@@ -40,7 +40,7 @@ fn polynomial<const F: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> 
 /// angle.
 #[inline(always)]
 pub fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
-    // Quarter turns, in three parts of π/2 (the first two short enough that their multiples are exact).
+    // π/2 as a sum of three parts, the first two short enough that their multiples are exact.
     const PARTS: [f64; 3] = [1.570_796_251_296_997, 7.549_789_415_861_596e-8, 5.390_302_858_158_119e-15];
     let shifted = fused::<F>(x, FRAC_2_PI, ROUND);
     let quarters = shifted - ROUND;
@@ -86,7 +86,7 @@ pub fn ln<const F: bool>(x: f64) -> f64 {
 /// Returns k and m of x = 2ᵏ m with m from √½ to √2.
 #[inline(always)]
 fn exponent_and_mantissa(x: f64) -> (f64, f64) {
-    /// The bits of √½: mantissas run from there to √2.
+    /// The bits of √½, the lower end of the range of m.
     const ROOT_HALF: u64 = 0x3FE6_A09E_667F_3BCD;
     const MANTISSA: u64 = (1 << 52) - 1;
     let above = x.to_bits().wrapping_sub(ROOT_HALF);
@@ -111,7 +111,7 @@ fn ln_of_parts<const F: bool>(exponent: f64, f: f64) -> f64 {
 /// Returns eˣ for x ≤ 700, 0 below -700; the error is 1e-14 of the result plus 1e-16 of x.
 #[inline(always)]
 pub fn exp<const F: bool>(x: f64) -> f64 {
-    // ln 2 in two parts, the first short enough that its multiples are exact.
+    // ln 2 as a sum of two parts, the first short enough that its multiples are exact.
     const PARTS: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
     let bounded = if x > -700.0 { x } else { -700.0 };
     let shifted = fused::<F>(bounded, LOG2_E, ROUND);

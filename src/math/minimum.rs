@@ -1,6 +1,6 @@
 //! Minimum of a function of one number.
 
-/// Largest number of steps: as many golden sections reduce a bracket to a ten-billionth.
+/// Largest number of steps; this many golden sections shrink a bracket by a factor of 10¹⁰.
 const MOST_STEPS: usize = 48;
 
 /// (3 - √5)/2: the smaller part of a golden section.
@@ -11,7 +11,8 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 /// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5): the vertex of the parabola
 /// through the three best points if the previous steps are small enough, otherwise a golden section. The position is
 /// accurate to two tolerances if the function falls to one minimum and rises again, and its value is the lowest one
-/// evaluated; values that are not finite count as high. A start at an end is returned if the function rises from there.
+/// evaluated; values that are not finite are treated as larger than all others. A start at an end is returned if the
+/// function rises from there.
 pub fn minimum(
     mut function: impl FnMut(f64) -> f64,
     [mut low, mut high]: [f64; 2],

@@ -3,7 +3,8 @@
 use pulp::Arch;
 pub use pulp::NullaryFnOnce;
 
-/// Runs code compiled for each kind of machine; all called functions must be `#[inline(always)]` to be included.
+/// Runs code in the version compiled for the vector instructions of this machine. All functions that it calls must be
+/// `#[inline(always)]`, because others are compiled for the baseline instructions only.
 pub fn widest<Work: NullaryFnOnce>(work: Work) -> Work::Output {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]

@@ -1,4 +1,4 @@
-//! Files written completely or not at all: a temporary file in the folder of the target, renamed at the end.
+//! Files written completely or not at all: each is a temporary file in the folder of its target, renamed at the end.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// An unfinished output file. Dropped without [`finish`](AtomicFile::finish), it leaves nothing behind.
+/// Unfinished output file. If it is dropped without [`finish`](AtomicFile::finish), the temporary file is deleted.
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: NamedTempFile,
@@ -14,15 +14,16 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Creates the temporary file, in the folder of `target`. Symbolic links at `target` are kept: the file at their
-    /// end, existing or not, is replaced.
+    /// Creates the temporary file in the folder of `target`. If `target` is a symbolic link, the file it points to is
+    /// replaced, and the link is kept.
     ///
     /// # Errors
-    /// The folder is missing or not writable; the target is a directory, a pipe or a device; its links form a circle.
+    /// The folder is missing or not writable; the target is a directory, a pipe or a device; or symbolic links form a
+    /// circle.
     pub fn new(target: &Path) -> io::Result<Self> {
         let target = behind_links(target)?;
         if target.is_dir() {
-            return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory"));
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory; allowed: the name of a file"));
         }
         if is_special(&target) {
             let reason = "is a pipe, a terminal or a device, which cannot be replaced; allowed: the name of a file";
@@ -31,14 +32,14 @@ impl AtomicFile {
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = Builder::new();
         builder.prefix(".streakcast-").suffix(".part");
-        // Permissions of a new file, less the umask; temporary files are readable by their owner only.
+        // The usual permissions of a new file. Temporary files are by default readable only by their owner.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let temporary = builder.tempfile_in(folder).map_err(|error| folder_error(folder, &error))?;
         Ok(Self { temporary, target })
     }
 
-    /// Checks, before long work, that a file can be created at `target`. Leaves nothing behind.
+    /// Checks that a file can be created at `target`, for use before a long computation.
     ///
     /// # Errors
     /// Same as [`new`](AtomicFile::new).
@@ -56,7 +57,7 @@ impl AtomicFile {
         self.temporary.path()
     }
 
-    /// Replaces the content written so far by a file of the same folder.
+    /// Replaces the temporary file by the file `made` of the same folder.
     ///
     /// # Errors
     /// The file cannot be renamed or opened.
@@ -71,7 +72,7 @@ impl AtomicFile {
         self.target.symlink_metadata().is_ok()
     }
 
-    /// Renames the file to its target, replacing any file there, after all of it has been written to disk.
+    /// Syncs the file to disk and renames it to its target, replacing any file there.
     ///
     /// # Errors
     /// Any error of the system; an old file at the target is then unchanged.
@@ -80,8 +81,8 @@ impl AtomicFile {
         self.rename()
     }
 
-    /// Same as [`finish`](AtomicFile::finish), but syncs to disk only if another file is replaced. For large files that
-    /// can be regenerated: after a power failure a new file may be incomplete, as after any copy.
+    /// Renames the file as [`finish`](AtomicFile::finish), but syncs to disk only if it replaces another file. For
+    /// large files that can be regenerated: a power failure may leave a new file incomplete.
     ///
     /// # Errors
     /// Same as [`finish`](AtomicFile::finish).
@@ -113,14 +114,14 @@ impl ScratchFolder {
     }
 }
 
-/// Returns the error with the name of the folder instead of that of the temporary file, which is unknown to the user.
+/// Returns the error with the name of the folder instead of that of the temporary file, which the user did not choose.
 fn folder_error(folder: &Path, error: &io::Error) -> io::Error {
     let text = error.to_string();
     let cause = text.split_once(" at path ").map_or(text.as_str(), |(cause, _)| cause);
     io::Error::new(error.kind(), format!("folder {}: {cause}", folder.display()))
 }
 
-/// Checks, before long work, that [`write_atomically`] can write to `target`. Leaves nothing behind.
+/// Checks that [`write_atomically`] can write to `target`, for use before a long computation.
 ///
 /// # Errors
 /// The folder is missing or not writable, or the target is a directory.
@@ -128,10 +129,10 @@ pub fn check_target(target: &Path) -> io::Result<()> {
     if is_special(target) { Ok(()) } else { AtomicFile::check(target) }
 }
 
-/// Largest number of symbolic links on the way to a file, as on Linux (`man 7 path_resolution`).
+/// Largest number of symbolic links that are followed, as on Linux (`man 7 path_resolution`).
 const MOST_LINKS: usize = 40;
 
-/// Resolves the symbolic links at `target`, whether or not a file exists at their end.
+/// Follows the symbolic links at `target`, also if the last one points to a missing file.
 fn behind_links(target: &Path) -> io::Result<PathBuf> {
     let mut target = target.to_owned();
     for _ in 0..=MOST_LINKS {
@@ -142,7 +143,9 @@ fn behind_links(target: &Path) -> io::Result<PathBuf> {
         let link = std::fs::read_link(&target)?;
         target = target.parent().unwrap_or(Path::new("")).join(link);
     }
-    Err(io::Error::other(format!("is a symbolic link without a target within {MOST_LINKS} steps")))
+    Err(io::Error::other(format!(
+        "is a symbolic link without a target within {MOST_LINKS} links; allowed: a link to a file"
+    )))
 }
 
 /// Returns true for a pipe, a terminal or another device, which a rename would replace.

@@ -1,4 +1,4 @@
-//! CSV and ECSV: a header with provenance, one line of names, then the rows.
+//! CSV and ECSV: a header with provenance, a line of column names, then the rows.
 
 use std::io::{self, Write};
 
@@ -7,8 +7,7 @@ use super::table::{Column, Kind, Table, Value};
 
 /// Writes the table as CSV (RFC 4180 quoting, `\n` line ends).
 ///
-/// Each entry of the provenance is a line `# name: value`, the value as JSON on one line. A missing value is an empty
-/// cell.
+/// Each entry of the provenance is a line `# name: value` with the value as JSON. A missing value is an empty cell.
 ///
 /// # Errors
 /// Any error of the writer.
@@ -21,7 +20,7 @@ pub fn write_csv(out: &mut dyn Write, table: &Table, provenance: &Provenance) ->
 
 /// Writes the table as comma-separated ECSV that `astropy.table.Table.read` opens with units and metadata.
 ///
-/// The provenance is `meta['provenance']`. Texts in the header are JSON strings, which YAML reads as they are.
+/// In astropy, the provenance is `meta['provenance']`. Texts in the header are JSON strings, which are valid YAML.
 /// A missing value is an empty cell, which astropy masks.
 ///
 /// # Errors
@@ -42,12 +41,12 @@ pub fn write_ecsv(out: &mut dyn Write, table: &Table, provenance: &Provenance) -
 /// Returns one entry of the header's list `datatype`: name, unit, type and description of a column with these values.
 ///
 /// # Errors
-/// Errors of serialization; none occurs for text.
+/// Errors of serialization, which do not occur for text.
 pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Value>) -> serde_json::Result<String> {
     let datatype = match column.kind {
         Kind::Integer => "int64",
         Kind::Real { .. } => "float64",
-        // Gaps in a boolean column are an error in astropy's parser.
+        // Astropy's parser rejects missing values in a boolean column.
         Kind::Boolean if values.all(|value| matches!(value, Value::Boolean(_))) => "bool",
         Kind::Boolean | Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "string",
     };
@@ -79,7 +78,7 @@ fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
     writer.flush()
 }
 
-/// Returns the error of the system with its kind, from which callers recognise a closed pipe.
+/// Returns the error of the system with its kind, which callers check for a closed pipe.
 fn io_error(error: csv::Error) -> io::Error {
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,
@@ -92,7 +91,7 @@ mod tests {
     use super::super::{Column, Kind, Value};
     use super::*;
 
-    /// A pipe whose reader has closed.
+    /// Pipe with a closed reading end.
     struct Closed;
 
     impl Write for Closed {
@@ -134,7 +133,7 @@ mod tests {
     fn the_header_names_unit_type_and_meaning() {
         let table = Table {
             columns: vec![
-                Column::new("name", Kind::Text, "Who: \"the name\"."),
+                Column::new("name", Kind::Text, "Name: \"the name\"."),
                 Column::real("ra_deg", "deg", 1, ""),
                 Column::new("norad_id", Kind::Integer, ""),
             ],
@@ -145,7 +144,7 @@ mod tests {
         assert_eq!(
             String::from_utf8(out).unwrap(),
             "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n\
-             # - {name: name, datatype: string, description: \"Who: \\\"the name\\\".\"}\n\
+             # - {name: name, datatype: string, description: \"Name: \\\"the name\\\".\"}\n\
              # - {name: ra_deg, unit: deg, datatype: float64}\n\
              # - {name: norad_id, datatype: int64}\n\
              # meta: {\"provenance\": {}}\n# schema: astropy-2.0\n\

@@ -1,4 +1,4 @@
-//! JSON and JSON lines: rows with types, keys in the order of the columns.
+//! JSON and JSON lines: one typed object for each row, with keys in the order of the columns.
 
 use std::io::{self, Write};
 
@@ -16,7 +16,7 @@ pub struct Section<'a> {
 /// Writes `{"provenance": {...}, "name": [...], ...}`, one row per line, with the attachments of the provenance at the
 /// end.
 ///
-/// Numbers have the digits of CSV; a missing value is `null`.
+/// Numbers have the same digits as in CSV; a missing value is `null`.
 ///
 /// # Errors
 /// Any error of the writer.
@@ -43,7 +43,7 @@ pub fn write_json(out: &mut dyn Write, sections: &[Section], provenance: &Proven
     writeln!(out, "}}")
 }
 
-/// Writes a first line `{"provenance": {...}}`, together with the attachments, then one object per line.
+/// Writes a first line `{"provenance": {...}}` with the attachments of the provenance, then one line for each row.
 ///
 /// # Errors
 /// Any error of the writer.

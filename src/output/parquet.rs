@@ -15,8 +15,8 @@ use parquet::file::properties::WriterProperties;
 use super::provenance::Provenance;
 use super::table::{Column, Kind, Table, Value};
 
-/// Writes a table: integers, real numbers and booleans with types, all others as text; numbers with the digits of the
-/// other formats; the provenance as JSON under the key `provenance` of the file's metadata.
+/// Writes a table. Integers, real numbers and booleans have types, other values are text; numbers are rounded to the
+/// digits of the other formats. The metadata of the file has the provenance as JSON under the key `provenance`.
 ///
 /// # Errors
 /// Any error of `out`.
@@ -52,7 +52,7 @@ pub(crate) fn parquet_fields(table: &Table) -> impl Iterator<Item = Field> + '_ 
     })
 }
 
-/// Returns the rows as Arrow columns; numbers with the digits of the other formats.
+/// Returns the rows as Arrow columns, with numbers rounded to the digits of the other formats.
 pub(crate) fn parquet_columns(columns: &[Column], rows: &[Vec<Value>]) -> Vec<ArrayRef> {
     let column = |(index, column): (usize, &Column)| -> ArrayRef {
         let texts =

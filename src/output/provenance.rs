@@ -1,10 +1,10 @@
-//! Provenance of an output: program, elements, models, time scale and options, in the order in which they were added.
+//! Provenance of an output: statements on program, elements, models, time scale and options.
 
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use serde_json::Value;
 
-/// Named statements on the origin of a result, written into every output.
+/// Named statements on the origin of a result, in the order in which they were added, and attached lists.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     entries: Vec<(String, Value)>,
@@ -12,7 +12,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Creates provenance with the program's name and version.
+    /// Creates a provenance that states the program's name and version.
     pub fn new() -> Self {
         let mut provenance = Self::default();
         provenance.state("software", "streakcast");
@@ -29,7 +29,7 @@ impl Provenance {
         }
     }
 
-    /// Adds several statements, see [`Provenance::state`].
+    /// Adds or replaces several statements.
     pub fn state_all(&mut self, statements: impl IntoIterator<Item = (&'static str, Value)>) {
         statements.into_iter().for_each(|(name, value)| self.state(name, value));
     }
@@ -40,12 +40,12 @@ impl Provenance {
         self.attached.push((name.to_owned(), value.into()));
     }
 
-    /// Returns the attachments in order.
+    /// Returns the attached lists in the order in which they were added.
     pub fn attached(&self) -> impl Iterator<Item = (&str, &Value)> {
         self.attached.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// Returns the statements in order.
+    /// Returns the statements in the order in which they were added.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &Value)> {
         self.entries.iter().map(|(name, value)| (name.as_str(), value))
     }

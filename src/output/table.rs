@@ -1,4 +1,4 @@
-//! Tables: columns with unit and description, and cells with their text in formats without types and in JSON.
+//! Tables: columns with unit and description, rows of cells, and the text of a cell in each kind of format.
 
 use std::borrow::Borrow;
 
@@ -6,7 +6,7 @@ use hifitime::Epoch;
 
 use super::text::format_utc;
 
-/// Type of the cells of a column, and the form of its numbers.
+/// Type of the cells of a column, with the number of decimals.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Kind {
     /// Text.
@@ -15,22 +15,22 @@ pub enum Kind {
     Integer,
     /// A real number, written with this many decimals in every format.
     Real {
-        /// Digits after the point.
+        /// Number of decimals.
         decimals: usize,
     },
     /// A time, written as UTC with `Z` and this many decimals of the second.
     Time {
-        /// Digits after the seconds' point, at most 9.
+        /// Number of decimals of the second, at most 9.
         decimals: usize,
     },
     /// True or false.
     Boolean,
-    /// Several texts or integers: a JSON array; elsewhere one cell with this separator.
+    /// Several texts or integers: an array in JSON, one text with this separator in other formats.
     List {
         /// Text between the items in formats without arrays.
         separator: &'static str,
     },
-    /// A table within the cell: a JSON array of objects; elsewhere one cell of JSON text.
+    /// A table within the cell: an array of objects in JSON, the text of such an array in other formats.
     Rows(&'static [Column]),
 }
 
@@ -206,16 +206,16 @@ impl From<bool> for Value {
     }
 }
 
-/// Columns and rows; every row has one value for each column, in their order.
+/// Table of columns and rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
     /// The columns.
     pub columns: Vec<Column>,
-    /// The rows, each as long as `columns`.
+    /// The rows, each with one value for each column, in the order of `columns`.
     pub rows: Vec<Vec<Value>>,
 }
 
-/// A column with the function that computes its cell from a record of type `R`.
+/// Column with the function that computes its value from a record of type `R`.
 pub struct TableField<R> {
     column: Column,
     value: fn(&R) -> Value,

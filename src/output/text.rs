@@ -4,12 +4,12 @@ use hifitime::{Duration, Epoch, TimeScale};
 
 const NANOSECONDS_PER_SECOND: i128 = 1_000_000_000;
 const SECONDS_PER_DAY: i128 = 86_400;
-/// Days from 1900-01-01 (the zero of hifitime's TAI and UTC) to 1970-01-01.
+/// Days from 1900-01-01, the origin of hifitime's TAI and UTC, to 1970-01-01.
 const DAYS_1900_TO_1970: i128 = 25_567;
 
 /// Formats a time as UTC, `2024-08-14T00:30:00.000Z`, rounded to `decimals` digits of the second (at most 9).
 ///
-/// Within a leap second the seconds are 60, as ISO 8601 requires.
+/// During a leap second the field of seconds is 60, as ISO 8601 requires.
 pub fn format_utc(epoch: Epoch, decimals: usize) -> String {
     let decimals = decimals.min(9);
     let step = 10_i128.pow(9 - decimals as u32);
@@ -25,11 +25,11 @@ pub fn format_utc(epoch: Epoch, decimals: usize) -> String {
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{fraction}Z")
 }
 
-/// Returns nanoseconds of UTC since 1900 for nanoseconds of TAI, and true in a leap second (with those of the second
-/// before).
+/// Converts nanoseconds of TAI since 1900 to nanoseconds of UTC. During a leap second it returns the nanoseconds of the
+/// second before, and true.
 ///
-/// In this direction hifitime steps TAI-UTC 36 s early (it compares TAI with its table in UTC), but not in the other;
-/// the other direction therefore confirms or corrects the result.
+/// In this direction hifitime changes TAI-UTC up to 37 s too early, because it compares TAI with a table in UTC. The
+/// result is therefore checked, and corrected if necessary, with the conversion from UTC to TAI, which is correct.
 fn utc_from_tai(tai_ns: i128) -> (i128, bool) {
     let tai = Epoch::from_duration(Duration::from_total_nanoseconds(tai_ns), TimeScale::TAI);
     let guess_ns = tai.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds();

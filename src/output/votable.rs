@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::provenance::Provenance;
 use super::table::{Column, Kind, Table, Value};
 
-/// Code of a missing value in columns of integers.
+/// Number that stands for a missing value in columns of integers.
 const NULL: i64 = i64::MIN;
 
 /// Returns one `<FIELD>` for each column.
@@ -58,7 +58,7 @@ pub fn votable_table(name: &str, table: &Table, provenance: &Provenance) -> Stri
     text + "</TABLEDATA></DATA>\n</TABLE>"
 }
 
-/// Writes a document of one table: VOTable 1.4, as read by astropy and TOPCAT.
+/// Writes a VOTable 1.4 document with one table, which astropy and TOPCAT read.
 ///
 /// # Errors
 /// Any error of the writer.

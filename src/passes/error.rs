@@ -1,9 +1,9 @@
 //! Errors of requests to a sky.
 
+use std::fmt::Display;
+
 use hifitime::Epoch;
 use thiserror::Error;
-
-use super::field::FieldError;
 
 use crate::frames::FramesError;
 use crate::orbit::OrbitError;
@@ -34,13 +34,15 @@ pub enum SkyError {
         /// Name of the observer.
         observer: String,
     },
-    /// A number in a request is invalid.
-    #[error("exposure {id}: {problem}")]
-    Exposure {
-        /// Name of the exposure or of the request.
-        id: String,
-        /// Cause, with the allowed values.
-        problem: String,
+    /// A value of an exposure, of a field or of a request is missing or invalid.
+    #[error("{what} is {given}; allowed: {allowed}")]
+    Invalid {
+        /// Name of the value, after the exposure or shape if there is one.
+        what: String,
+        /// Given value, or `missing`.
+        given: String,
+        /// Allowed values.
+        allowed: String,
     },
     /// The text of the start of an exposure is invalid.
     #[error("start: {0}")]
@@ -48,17 +50,12 @@ pub enum SkyError {
     /// The text of a right ascension or declination is invalid.
     #[error(transparent)]
     Direction(FramesError),
-    /// The field of view is invalid.
-    #[error(transparent)]
-    Field(#[from] FieldError),
-    /// The library does not have the brightness model.
-    #[error("unknown brightness model {name:?}; allowed: {}", known.join(", "))]
-    UnknownModel {
-        /// Requested name.
-        name: String,
-        /// Names in the library.
-        known: Vec<String>,
-    },
+}
+
+impl SkyError {
+    pub(super) fn invalid(what: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
+        Self::Invalid { what: what.into(), given: given.to_string(), allowed: allowed.into() }
+    }
 }
 
 /// Rejects times outside the years of the Sun's ephemeris.

@@ -43,12 +43,16 @@ impl Exposure {
 
     /// Rejects numbers that are not finite, negative lengths, and times outside the years of the Sun's ephemeris.
     pub(super) fn check(&self) -> Result<(), SkyError> {
-        let fail = |problem: String| Err(SkyError::Exposure { id: self.id.clone(), problem });
+        let id = &self.id;
         if !(self.duration_s >= 0.0 && self.duration_s.is_finite()) {
-            return fail(format!("duration is {} s; allowed: 0 or more", self.duration_s));
+            let given = format!("{} s", self.duration_s);
+            return Err(SkyError::invalid(format!("exposure {id}: duration"), given, "0 or more"));
         }
-        if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) || !self.rotation_rad.is_finite() {
-            return fail("pointing or rotation is not a finite number".to_owned());
+        if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) {
+            return Err(SkyError::invalid(format!("exposure {id}: pointing"), "not a direction", "finite numbers"));
+        }
+        if !self.rotation_rad.is_finite() {
+            return Err(SkyError::invalid(format!("exposure {id}: rotation"), self.rotation_rad, "finite numbers"));
         }
         check_epoch(self.start)
     }

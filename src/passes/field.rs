@@ -2,43 +2,13 @@
 
 use nalgebra::Vector3;
 use serde::Deserialize;
-use thiserror::Error;
 
+use super::error::SkyError;
 use crate::frames::{Direction, Gcrs};
 
-/// Errors of a field.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum FieldError {
-    /// The syntax of a field file is invalid.
-    #[error(
-        "invalid field: {0}; allowed: {{\"shapes\": [{{\"circle_deg\": d}} | {{\"rectangle_deg\": [w, h]}} | {{\"polygon_deg\": [[x, y], ...]}}], \"unit\": \"deg\"}}"
-    )]
-    Syntax(String),
-    /// The unit is not degrees.
-    #[error("unknown field unit {0:?}; allowed: \"deg\"")]
-    Unit(String),
-    /// The field has no shapes.
-    #[error("the field has no shapes; at least one is required")]
-    Empty,
-    /// The diameter of a circle is out of range.
-    #[error("field shape {shape}: diameter is {diameter_deg} deg; allowed: above 0, at most {allowed_deg} deg")]
-    Diameter {
-        /// Name or number of the shape.
-        shape: String,
-        /// Given value.
-        diameter_deg: f64,
-        /// Largest allowed value.
-        allowed_deg: f64,
-    },
-    /// A shape has no area on the tangent plane.
-    #[error("field shape {shape}: {problem}")]
-    Shape {
-        /// Name or number of the shape.
-        shape: String,
-        /// Cause, with the allowed values.
-        problem: String,
-    },
-}
+/// Form of a field file, for errors.
+const FIELD_FORM: &str =
+    r#"{"shapes": [{"circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x, y], ...]}], "unit": "deg"}"#;
 
 /// Largest distance of a point of a rectangle or polygon from the field's centre on the tangent plane, degrees (45° on
 /// the sky).
@@ -94,11 +64,11 @@ impl Field {
     /// Creates a circle of this full diameter, radians, centred on the pointing.
     ///
     /// # Errors
-    /// [`FieldError::Diameter`] unless it is above 0 and at most 180°.
-    pub fn circle(diameter_rad: f64) -> Result<Self, FieldError> {
+    /// A diameter that is not above 0 and at most 180°.
+    pub fn circle(diameter_rad: f64) -> Result<Self, SkyError> {
         let diameter_deg = diameter_rad.to_degrees();
         if !(diameter_deg > 0.0 && diameter_deg <= 180.0) {
-            return Err(FieldError::Diameter { shape: "circle".to_owned(), diameter_deg, allowed_deg: 180.0 });
+            return Err(invalid_diameter("circle", diameter_deg, 180.0));
         }
         let shape = Shape::Circle { centre: [0.0, 0.0], radius_rad: 0.5 * diameter_rad };
         Ok(Self { shapes: vec![NamedShape { name: "field".to_owned(), shape }] })
@@ -108,23 +78,23 @@ impl Field {
     ///
     /// # Errors
     /// The errors of [`Field::circle`].
-    pub fn circle_deg(diameter_deg: f64) -> Result<Self, FieldError> {
+    pub fn circle_deg(diameter_deg: f64) -> Result<Self, SkyError> {
         Self::circle(diameter_deg.to_radians())
     }
 
     /// Creates a rectangle of this full width (x) and height (y) on the tangent plane, degrees.
     ///
     /// # Errors
-    /// [`FieldError::Shape`] if a side is not above 0 or a corner is more than 45° away.
-    pub fn rectangle_deg(width_deg: f64, height_deg: f64) -> Result<Self, FieldError> {
+    /// A side that is not above 0, and a corner more than 45° from the pointing.
+    pub fn rectangle_deg(width_deg: f64, height_deg: f64) -> Result<Self, SkyError> {
         Ok(Self { shapes: vec![rectangle("field".to_owned(), [width_deg, height_deg], [0.0, 0.0])?] })
     }
 
     /// Creates a polygon with these corners on the tangent plane, degrees, in either orientation, convex or not.
     ///
     /// # Errors
-    /// [`FieldError::Shape`] if it has fewer than three corners, no area, or a corner more than 45° away.
-    pub fn polygon_deg(corners_deg: &[[f64; 2]]) -> Result<Self, FieldError> {
+    /// Fewer than three corners, no area, or a corner more than 45° from the pointing.
+    pub fn polygon_deg(corners_deg: &[[f64; 2]]) -> Result<Self, SkyError> {
         Ok(Self { shapes: vec![polygon("field".to_owned(), corners_deg, [0.0, 0.0])?] })
     }
 
@@ -133,11 +103,12 @@ impl Field {
     /// a mosaic.
     ///
     /// # Errors
-    /// Any [`FieldError`].
-    pub fn from_json(text: &str) -> Result<Self, FieldError> {
-        let file: FieldFile = serde_json::from_str(text).map_err(|error| FieldError::Syntax(error.to_string()))?;
+    /// Invalid JSON, a unit other than degrees, no shapes, and the errors of each shape.
+    pub fn from_json(text: &str) -> Result<Self, SkyError> {
+        let file: FieldFile = serde_json::from_str(text)
+            .map_err(|error| SkyError::invalid("field", format!("invalid ({error})"), FIELD_FORM))?;
         if let Some(unit) = file.unit.filter(|unit| unit != "deg") {
-            return Err(FieldError::Unit(unit));
+            return Err(SkyError::invalid("unit of the field", format!("{unit:?}"), "\"deg\""));
         }
         let shapes = file
             .shapes
@@ -150,14 +121,17 @@ impl Field {
                     (Some(diameter_deg), None, None) => circle(name, diameter_deg, centre_deg),
                     (None, Some(sides_deg), None) => rectangle(name, sides_deg, centre_deg),
                     (None, None, Some(corners_deg)) => polygon(name, &corners_deg, centre_deg),
-                    _ => Err(FieldError::Shape {
-                        shape: name,
-                        problem: "exactly one of circle_deg, rectangle_deg, polygon_deg is required".to_owned(),
-                    }),
+                    _ => {
+                        let allowed = "exactly one of circle_deg, rectangle_deg, polygon_deg";
+                        Err(SkyError::invalid(format!("field shape {name}"), "none of the forms, or several", allowed))
+                    }
                 }
             })
             .collect::<Result<Vec<_>, _>>()?;
-        if shapes.is_empty() { Err(FieldError::Empty) } else { Ok(Self { shapes }) }
+        if shapes.is_empty() {
+            return Err(SkyError::invalid("number of shapes of the field", 0, "1 or more"));
+        }
+        Ok(Self { shapes })
     }
 
     /// Names of the shapes in order.
@@ -236,57 +210,53 @@ fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item
     })
 }
 
-fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
+fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
     let offset_deg = centre_deg[0].hypot(centre_deg[1]);
     // Off-centre circles are limited by the gnomonic plane, like polygons.
     let allowed_deg = if offset_deg == 0.0 { 180.0 } else { 90.0 };
     if !(diameter_deg > 0.0 && diameter_deg <= allowed_deg) {
-        return Err(FieldError::Diameter { shape: name, diameter_deg, allowed_deg });
+        return Err(invalid_diameter(&name, diameter_deg, allowed_deg));
     }
     if !offset_deg.is_finite() || offset_deg > LARGEST_TANGENT_DEG {
-        return Err(too_far(name));
+        return Err(too_far(&name));
     }
     let shape = Shape::Circle { centre: centre_deg.map(f64::to_radians), radius_rad: 0.5 * diameter_deg.to_radians() };
     Ok(NamedShape { name, shape })
 }
 
-fn rectangle(name: String, [width, height]: [f64; 2], centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
+fn rectangle(name: String, [width, height]: [f64; 2], centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
     if !(width > 0.0 && height > 0.0) {
-        return Err(FieldError::Shape {
-            shape: name,
-            problem: format!("sides are {width} by {height} deg; allowed: above 0"),
-        });
+        let what = format!("field shape {name}: size");
+        return Err(SkyError::invalid(what, format!("{width} by {height} deg"), "sides above 0"));
     }
     let (x, y) = (0.5 * width, 0.5 * height);
     polygon(name, &[[-x, -y], [x, -y], [x, y], [-x, y]], centre_deg)
 }
 
-fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
+fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
     let corners: Vec<[f64; 2]> =
         corners_deg.iter().map(|corner| [0, 1].map(|axis| (corner[axis] + centre_deg[axis]).to_radians())).collect();
     if corners.len() < 3 {
-        return Err(FieldError::Shape {
-            shape: name,
-            problem: format!("{} corners; allowed: at least 3", corners.len()),
-        });
+        return Err(SkyError::invalid(format!("field shape {name}: number of corners"), corners.len(), "3 or more"));
     }
     let limit = LARGEST_TANGENT_DEG.to_radians();
     if !corners.iter().all(|corner| corner[0].hypot(corner[1]) <= limit) {
-        return Err(too_far(name));
+        return Err(too_far(&name));
     }
     if signed_area(&corners) == 0.0 {
-        return Err(FieldError::Shape { shape: name, problem: "the polygon has no area".to_owned() });
+        return Err(SkyError::invalid(format!("field shape {name}: area"), 0, "above 0"));
     }
     Ok(NamedShape { name, shape: Shape::Polygon(corners) })
 }
 
-fn too_far(shape: String) -> FieldError {
-    FieldError::Shape {
-        shape,
-        problem: format!(
-            "a point is not a finite number, or is more than {LARGEST_TANGENT_DEG} deg from the centre on the tangent plane"
-        ),
-    }
+fn too_far(shape: &str) -> SkyError {
+    let allowed = format!("finite numbers within {LARGEST_TANGENT_DEG} deg on the tangent plane");
+    SkyError::invalid(format!("field shape {shape}: distance of a point from the centre"), "too large", allowed)
+}
+
+fn invalid_diameter(shape: &str, diameter_deg: f64, allowed_deg: f64) -> SkyError {
+    let allowed = format!("above 0, at most {allowed_deg} deg");
+    SkyError::invalid(format!("field shape {shape}: diameter"), format!("{diameter_deg} deg"), allowed)
 }
 
 /// Returns the area by the shoelace formula; positive for anticlockwise corners.

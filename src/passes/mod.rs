@@ -29,7 +29,7 @@ pub use altaz::AltAz;
 pub use delayed_track::{DelayedTrack, ExposureInterval, Sighting};
 pub use error::SkyError;
 pub use exposure::Exposure;
-pub use field::{Field, FieldError, FieldOnSky};
+pub use field::{Field, FieldOnSky};
 pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
 };

@@ -96,9 +96,9 @@ impl ModelChoice {
 }
 
 fn find(library: &ModelLibrary, name: &str) -> Result<Arc<BrightnessModel>, SkyError> {
-    library.get(name).ok_or_else(|| SkyError::UnknownModel {
-        name: name.to_owned(),
-        known: library.names().map(str::to_owned).collect(),
+    library.get(name).ok_or_else(|| {
+        let known: Vec<&str> = library.names().collect();
+        SkyError::invalid("brightness model", format!("{name:?}"), known.join(", "))
     })
 }
 

@@ -93,7 +93,7 @@ impl Sky {
     ///
     /// # Errors
     /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
-    /// orbit; [`SkyError::Exposure`] for an altitude below 0 or above π/2, for times out of order or later than an
+    /// orbit; [`SkyError::Invalid`] for an altitude below 0 or above π/2, for times out of order or later than an
     /// hour, and for no times or more than ten thousand.
     pub fn snapshots(
         &self,
@@ -123,8 +123,7 @@ impl Sky {
             pointing: zenith,
             rotation_rad: 0.0,
         };
-        let field = Field::circle((2.0 * reach_rad).clamp(1e-3, std::f64::consts::PI))
-            .map_err(|error| invalid(error.to_string()))?;
+        let field = Field::circle((2.0 * reach_rad).clamp(1e-3, std::f64::consts::PI))?;
         let on_sky = field.on_sky(&exposure.pointing, 0.0);
         let candidates =
             self.candidate_intervals(&scene, &exposure, &on_sky, None, options.include_dark, &mut Vec::new());
@@ -222,22 +221,19 @@ impl Sky {
     }
 }
 
-fn invalid(problem: String) -> SkyError {
-    SkyError::Exposure { id: "sky".to_owned(), problem }
-}
-
 fn check(times_s: &[f64], options: &SnapshotOptions) -> Result<(), SkyError> {
     if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&options.min_altitude_rad) {
         let given_deg = options.min_altitude_rad.to_degrees();
-        return Err(invalid(format!("lowest altitude is {given_deg} deg; allowed: 0 to 90 deg")));
+        return Err(SkyError::invalid("lowest altitude", format!("{given_deg} deg"), "0 to 90 deg"));
     }
     let count = times_s.len();
     if !(1..=MOST_TIMES).contains(&count) {
-        return Err(invalid(format!("{count} times; allowed: 1 to {MOST_TIMES}")));
+        return Err(SkyError::invalid("number of times", count, format!("1 to {MOST_TIMES}")));
     }
     let in_order = times_s.windows(2).all(|pair| pair[0] < pair[1]);
     if let Some(bad_s) = times_s.iter().find(|time_s| !(0.0..=LONGEST_S).contains(*time_s)) {
-        return Err(invalid(format!("a time is {bad_s} s after the start; allowed: 0 to {LONGEST_S} s")));
+        let allowed = format!("0 to {LONGEST_S} s after the start");
+        return Err(SkyError::invalid("time", format!("{bad_s} s"), allowed));
     }
-    if in_order { Ok(()) } else { Err(invalid("the times are not in increasing order".to_owned())) }
+    if in_order { Ok(()) } else { Err(SkyError::invalid("order of the times", "not increasing", "increasing times")) }
 }

@@ -60,7 +60,7 @@ impl Band {
         Band::GaiaG,
     ];
 
-    /// Returns the name in tables: `V`, `g`, `G` (Gaia).
+    /// Returns the band's name in tables, for example `V`, `g` (LSST) or `G` (Gaia).
     pub fn name(self) -> &'static str {
         match self {
             Band::B => "B",
@@ -77,7 +77,7 @@ impl Band {
         }
     }
 
-    /// Returns the usual system of magnitudes in this band.
+    /// Returns the magnitude system that is usual for this band.
     pub fn usual_system(self) -> MagSystem {
         match self {
             Band::B | Band::V | Band::R | Band::I | Band::GaiaG => MagSystem::Vega,
@@ -87,8 +87,8 @@ impl Band {
 
     /// Returns the apparent magnitude of the Sun at 1 au.
     pub fn sun_magnitude(self, system: MagSystem) -> f64 {
-        // AB, and Vega of BVRI: Willmer (2018, ApJS 236, 47), table 3.
-        // Vega of ugrizy: those AB values less the AB magnitude of Vega (CALSPEC spectrum in pyphot 2.1.1) in the
+        // AB magnitudes, and Vega magnitudes in B, V, R and I: Willmer (2018, ApJS 236, 47), table 3.
+        // Vega magnitudes in u to y: the AB values less those of Vega (CALSPEC spectrum in pyphot 2.1.1) in the
         // LSST 2023 passbands (speclite 1.0): 0.61, -0.10, 0.14, 0.36, 0.51, 0.55.
         // G: Casagrande and VandenBerg (2018, MNRAS 479, L102); AB - Vega 0.114 from the Gaia DR3 zero points.
         let (vega, ab) = match self {

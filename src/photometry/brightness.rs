@@ -66,7 +66,7 @@ pub enum Earthshine {
 }
 
 impl Earthshine {
-    /// Returns the name in provenance.
+    /// Returns the name written to the provenance.
     pub fn name(self) -> &'static str {
         match self {
             Self::Off => "off",

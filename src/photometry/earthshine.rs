@@ -76,7 +76,7 @@ const LANES: usize = 8;
 pub struct PanelEarthshine {
     /// Irradiance on the panel: Σ dE cos φ_i, dimensionless.
     pub irradiance: f64,
-    /// Σ dE cos φ_i cosⁿθ, θ between the mirror direction of each source and the observer.
+    /// The sum Σ dE cos φ_i cosⁿθ, with θ between the mirror direction of each source and the observer.
     pub lobe: f64,
 }
 

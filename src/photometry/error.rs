@@ -17,7 +17,7 @@ pub enum PhotometryError {
         source: serde_json::Error,
     },
     /// Unsupported version of the schema.
-    #[error("model file {origin}: unsupported schema {given}, expected {SCHEMA_VERSION}")]
+    #[error("model file {origin}: schema is {given}; allowed: {SCHEMA_VERSION}")]
     ModelSchema {
         /// The file.
         origin: String,
@@ -25,7 +25,7 @@ pub enum PhotometryError {
         given: u32,
     },
     /// A number out of range, or not finite.
-    #[error("model file {origin}: {key} is {given}, allowed: {least} to {greatest}")]
+    #[error("model file {origin}: {key} is {given}; allowed: {least} to {greatest}")]
     ModelOutOfRange {
         /// The file.
         origin: String,
@@ -39,7 +39,7 @@ pub enum PhotometryError {
         greatest: f64,
     },
     /// A text outside the allowed ones.
-    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
+    #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}")]
     ModelText {
         /// The file.
         origin: String,
@@ -63,7 +63,7 @@ pub enum PhotometryError {
         key: &'static str,
     },
     /// A reference to a name that is not defined in this file.
-    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
+    #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}")]
     ModelReference {
         /// The file.
         origin: String,
@@ -76,8 +76,8 @@ pub enum PhotometryError {
     },
     /// A covariance that is not a symmetric matrix of the parameters with a non-negative diagonal.
     #[error(
-        "model file {origin}: covariance must be {size} x {size} (the coefficients in their order), finite and \
-         symmetric, with a diagonal of at least 0: {problem}"
+        "model file {origin}: invalid covariance ({problem}); allowed: a finite, symmetric matrix of {size} x {size} \
+         (the parameters in their order) with a diagonal of at least 0"
     )]
     ModelCovariance {
         /// The file.
@@ -88,19 +88,21 @@ pub enum PhotometryError {
         problem: String,
     },
     /// An unknown band.
-    #[error("unknown band {given:?}: expected B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
+    #[error("unknown band {given:?}; allowed: B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
     UnknownBand {
         /// Given name.
         given: String,
     },
     /// An unknown magnitude system.
-    #[error("unknown magnitude system {given:?}: expected Vega or AB")]
+    #[error("unknown magnitude system {given:?}; allowed: Vega and AB")]
     UnknownSystem {
         /// Given name.
         given: String,
     },
     /// No line with an id and a magnitude in their columns.
-    #[error("not a qs.mag table: none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37")]
+    #[error(
+        "none of {lines} lines is a row of a qs.mag table; allowed: a NORAD id in columns 1-5 and a magnitude in columns 34-37"
+    )]
     NoStandardMagnitudes {
         /// Number of lines.
         lines: usize,

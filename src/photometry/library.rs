@@ -56,7 +56,7 @@ impl ModelLibrary {
     /// Adds a model from the text of a file, replacing one of the same name; returns its name.
     ///
     /// # Errors
-    /// Same as [`BrightnessModel::from_json`]; the library is then unchanged.
+    /// The errors of [`BrightnessModel::from_json`]; the library is then unchanged.
     pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, PhotometryError> {
         let model = BrightnessModel::from_json(text, origin)?;
         Ok(self.add(model))

@@ -81,7 +81,7 @@ enum ParameterUncertainty {
     /// Derivatives by the coefficients of two panels; if the panel offset was fitted too, models at offsets on both
     /// sides.
     Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
-    /// Assemblies with parameters on both sides along each axis of the covariance.
+    /// Pairs of assemblies, with parameters below and above the fitted ones along each axis of the covariance.
     Pairs(Vec<[PanelAssembly; 2]>),
 }
 
@@ -106,7 +106,7 @@ impl BrightnessModel {
     /// Reads the text of a model file; errors contain `origin` (a file name).
     ///
     /// # Errors
-    /// Same as [`ModelFile::from_json`].
+    /// The errors of [`ModelFile::from_json`].
     pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
         Self::from_file(ModelFile::from_json(text, origin)?, origin)
     }
@@ -114,7 +114,7 @@ impl BrightnessModel {
     /// Creates a model from the content of a model file, which is validated again.
     ///
     /// # Errors
-    /// Same as [`ModelFile::validate`].
+    /// The errors of [`ModelFile::validate`].
     pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, PhotometryError> {
         file.validate(origin)?;
         let needs = |key| PhotometryError::ModelKey {
@@ -242,7 +242,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Same as [`Self::standard_magnitudes`] for satellites at many positions above one observer.
+    /// Writes the magnitudes of [`Self::standard_magnitudes`] for satellites at many positions above one observer.
     ///
     /// NaN for a satellite at the observer's position or at the Earth's centre.
     pub fn standard_magnitudes_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
@@ -259,7 +259,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns the magnitude at 1000 km of 1 m² sr⁻¹.
+    /// Returns the magnitude at 1000 km of a reflection of 1 m² sr⁻¹.
     fn zero_mag(&self) -> f64 {
         let unit = StandardMagnitude::from_reflection(1.0, self.band.sun_magnitude(self.system));
         unit.map_or(f64::NAN, |unit| unit.0)
@@ -406,7 +406,7 @@ impl BrightnessModel {
         band.sun_magnitude(system) - self.band.sun_magnitude(self.system)
     }
 
-    /// Returns the typical extent across the sky of the bright part, m.
+    /// Returns the typical size of the satellite's bright part, m.
     pub fn size_m(&self) -> f64 {
         self.size_m
     }

@@ -47,7 +47,8 @@ pub struct ModelFile {
     pub band: String,
     /// `Vega` or `AB`.
     pub mag_system: String,
-    /// Typical size of the satellite's bright part, m; the streak is wider by its angular size. Assumed for all shipped models.
+    /// Typical size of the satellite's bright part, m; the streak is wider by its angular size. Assumed for all shipped
+    /// models.
     pub size_m: f64,
     /// Sizes of the panels (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -119,7 +120,7 @@ pub struct Coefficients {
     pub n_base: f64,
 }
 
-/// m(1000 km) = Σ coefficients\[i\] φ^i, φ the angle Sun-satellite-observer in degrees.
+/// A polynomial m(1000 km) = Σ coefficients\[i\] φ^i, with φ the angle Sun-satellite-observer in degrees.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PhasePolynomial {

@@ -5,10 +5,10 @@ use nalgebra::{DMatrix, SymmetricEigen};
 /// Step along each axis of the covariance, in sigmas: well above rounding (1e-16), and small enough to be linear.
 const STEP_SIGMAS: f64 = 1e-3;
 
-/// Covariance of parameters, as independent directions of one sigma.
+/// Covariance of parameters, decomposed into independent directions, each one sigma long.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ParameterSigmas {
-    /// `(n_directions)` of `(n_parameters)`; directions without variance are omitted.
+    /// Vectors `(n_directions)` of `(n_parameters)`; directions without variance are omitted.
     directions: Vec<Vec<f64>>,
 }
 
@@ -36,7 +36,8 @@ impl ParameterSigmas {
         self.directions.iter().map(|direction| along(direction).powi(2)).sum()
     }
 
-    /// Returns parameters on both sides along each direction, for [`Self::variance_of_pairs`].
+    /// Returns pairs of parameters, below and above the given ones along each direction, for
+    /// [`Self::variance_of_pairs`].
     pub fn pairs(&self, parameters: &[f64]) -> Vec<[Vec<f64>; 2]> {
         let moved = |direction: &[f64], by: f64| {
             parameters.iter().zip(direction).map(|(parameter, d)| parameter + by * d).collect::<Vec<f64>>()

@@ -1,9 +1,9 @@
 //! Standard magnitudes by object, from the table for QuickSat (`qs.mag`).
 //!
-//! Mike McCants' intrinsic magnitude is for 1000 km, *full* phase, and the brightest likely aspect. Here magnitudes are
-//! means at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase and about 0.7
-//! mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half phase; merged
-//! lists in circulation add a round 1.0.) Rows without a magnitude are skipped.
+//! Mike McCants' intrinsic magnitude is for 1000 km, *full* phase, and the brightest likely aspect. Here it is
+//! converted to a mean at half phase (Molczan's convention), which is 1.45 mag fainter: 2.5 log10 2 for the phase, and
+//! about 0.7 mag from the brightest to the average aspect (McCants' page on the two definitions). Other programs read
+//! the column as half phase, and merged lists in circulation add a round 1.0. Rows without a magnitude are skipped.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 

@@ -17,7 +17,7 @@ use crate::math::quantile::quantile;
 const CONTAINED: [f64; 2] = [0.393, 0.865];
 /// Fraction of the samples that an axis may omit at each end.
 const OMITTED: f64 = 0.001;
-/// Margin beyond them at each end, as a fraction of their range.
+/// Margin of an axis beyond its samples at each end, as a fraction of their range.
 const MARGIN: f64 = 0.08;
 const HISTOGRAM: RGBColor = RGBColor(158, 202, 225);
 const TRUTH: RGBColor = RGBColor(213, 94, 0);
@@ -38,13 +38,13 @@ const WIDEST_PANEL: f64 = 230.0;
 pub struct Corner<'a> {
     /// Title; may be empty.
     pub title: &'a str,
-    /// `(n_param)`, 2 to 9: name of each parameter, with its unit, if any.
+    /// Name of each of the 2 to 9 parameters, with its unit, if any; shape `(n_param)`.
     pub names: &'a [String],
-    /// `(n_param)` columns of equal length, finite, in the parameters' units.
+    /// Columns of equal length, finite, in the parameters' units; shape `(n_param)`.
     pub samples: &'a [Vec<f64>],
-    /// `(n_param)` true values, if known; drawn as orange lines.
+    /// True values, if known; drawn as orange lines; shape `(n_param)`.
     pub truths: Option<&'a [f64]>,
-    /// `(n_param)` lower and upper bounds of the samples, if any: no axis extends past them.
+    /// Lower and upper bounds of the samples, if any: no axis extends past them; shape `(n_param)`.
     pub bounds: Option<&'a [[f64; 2]]>,
 }
 

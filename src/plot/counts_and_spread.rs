@@ -25,9 +25,9 @@ const BEYOND: f64 = 0.005;
 pub struct CountsAndSpread<'a> {
     /// Title.
     pub title: &'a str,
-    /// `(n_cell)` samples of each cell, 1 or more.
+    /// Samples of each cell, 1 or more; shape `(n_cell)`.
     pub counts: &'a [f64],
-    /// `(n_cell)` interquartile range of each cell's magnitudes, 0 or more, mag.
+    /// Interquartile range of each cell's magnitudes, 0 or more, mag; shape `(n_cell)`.
     pub iqr_mag: &'a [f64],
     /// Least number of samples of a kept cell, 1 or more; 80 in the paper.
     pub least_count: f64,

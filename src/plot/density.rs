@@ -52,8 +52,8 @@ impl Density {
     /// Returns the lines that enclose the densest cells with these fractions of all points, in pixels of the picture;
     /// line by line, fraction by fraction.
     ///
-    /// `walls` is true for the ends (left and right, lower and upper) that bound the points; smoothing does not move
-    /// counts past these.
+    /// `walls` is true for the ends (left and right, lower and upper) at which the points have a bound; smoothing moves
+    /// no counts past a bound.
     pub fn lines_around(&self, frame: &Frame, shares: &[f64], walls: [[bool; 2]; 2]) -> Vec<Vec<(f64, f64)>> {
         let side = self.bins + 2 * BORDER;
         let smooth = self.smooth(side, walls);
@@ -83,8 +83,8 @@ impl Density {
             .collect()
     }
 
-    /// Returns the counts with a border, smoothed with weights 1 : 2 : 1 along both sides; counts that would pass a
-    /// wall stay.
+    /// Returns the counts with a border, smoothed with weights 1 : 2 : 1 along both sides; counts that would be moved
+    /// past a wall remain in their cells.
     fn smooth(&self, side: usize, walls: [[bool; 2]; 2]) -> Vec<f64> {
         let mut grid = vec![0.0; side * side];
         for (cell, count) in self.counts.iter().enumerate() {

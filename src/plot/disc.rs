@@ -122,7 +122,7 @@ impl Raster {
             _ => None,
         };
         let mut lines = contours((self.side, self.side), SQUARE, level, value);
-        // Pixel centres are half a pixel inside.
+        // The grid of the contours counts from the centre of the first pixel, which is half a pixel inside.
         lines.iter_mut().flatten().for_each(|(x, y)| (*x, *y) = (*x + 0.5, *y + 0.5));
         lines
     }
@@ -242,7 +242,7 @@ impl Layout<'_> {
         DISC_TITLE + 2 * (self.sheet.radius + MARGIN)
     }
 
-    /// Returns the middle of a disc: for a half disc, that of its straight side.
+    /// Returns the middle of a disc; for a half disc, the middle of its straight side.
     fn middle(&self, index: usize) -> (f64, f64) {
         let (columns, _) = self.grid();
         let step = self.share() + if self.is_mixed() { BAR_SHARE } else { 0 };

@@ -9,7 +9,7 @@ use crate::maps::MapError;
 #[non_exhaustive]
 pub enum PlotError {
     /// A file name that ends in neither `.png` nor `.svg`.
-    #[error("invalid picture name {name}: expected a name that ends in .png or .svg")]
+    #[error("invalid picture name {name}; allowed: a name that ends in .png or .svg")]
     UnknownFormat {
         /// Given name.
         name: String,
@@ -24,7 +24,7 @@ pub enum PlotError {
         what: String,
     },
     /// Columns of different length.
-    #[error("{what}: {given} values, expected {expected} as in the other columns")]
+    #[error("{what}: {given} values; allowed: {expected}, as in the other columns")]
     Length {
         /// Name of the column.
         what: String,
@@ -34,7 +34,7 @@ pub enum PlotError {
         expected: usize,
     },
     /// A value that is not finite.
-    #[error("{what}: value {index} (counted from 0) is {value}; expected a finite number")]
+    #[error("{what}: value {index} (counted from 0) is {value}; allowed: a finite number")]
     NotFinite {
         /// Name of the column.
         what: String,
@@ -44,7 +44,7 @@ pub enum PlotError {
         value: f64,
     },
     /// A number out of range.
-    #[error("{what} is {given}, allowed: {allowed}")]
+    #[error("{what} is {given}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the number.
         what: String,

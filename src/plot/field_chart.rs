@@ -15,7 +15,7 @@ const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
 const BAR_LEFT: f64 = 796.0;
 const LIST_LEFT: f64 = 912.0;
-/// Largest distance of points from the centre, degrees: beyond it, the tangent plane diverges.
+/// Largest distance of points from the centre, degrees; the tangent plane diverges at 90.
 const FARTHEST_DEG: f64 = 75.0;
 const OUTLINE: RGBColor = RGBColor(60, 60, 60);
 const DARK: RGBColor = RGBColor(150, 150, 150);

@@ -27,11 +27,11 @@ pub struct LightCurve<'a> {
     pub title: &'a str,
     /// Caption below the chart.
     pub caption: &'a str,
-    /// `(n_point)` times, MJD (UTC), increasing.
+    /// Times, MJD (UTC), increasing; shape `(n_point)`.
     pub time_mjd: &'a [f64],
-    /// `(n_point)` magnitudes; NaN in the Earth's shadow.
+    /// Magnitudes; NaN in the Earth's shadow; shape `(n_point)`.
     pub magnitude: &'a [f64],
-    /// `(n_point)` one sigma of the magnitudes, mag; NaN without one.
+    /// One sigma of the magnitudes, mag; NaN without one; shape `(n_point)`.
     pub sigma_mag: &'a [f64],
     /// Intervals inside the field: entry and exit, MJD (UTC).
     pub in_field: &'a [[f64; 2]],
@@ -58,7 +58,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         }
     }
     if n < 2 || input.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
-        let (what, given) = ("the times of a track".to_owned(), format!("{n} that do not increase"));
+        let (what, given) = ("the list of times of a track".to_owned(), format!("not increasing ({n} values)"));
         return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
     }
     let lit: Vec<f64> = input.magnitude.iter().copied().filter(|magnitude| magnitude.is_finite()).collect();

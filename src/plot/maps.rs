@@ -19,7 +19,7 @@ const OF_THREE: usize = 210;
 /// Limit of apparent magnitude that the IAU recommends to operators, mag.
 const LIMIT_MAG: f64 = 7.0;
 
-/// Altitude below which values do not determine the colour scale with extinction, degrees: there the air absorbs
+/// Altitude below which values do not determine the colour scale with extinction, degrees: there the air dims by whole
 /// magnitudes.
 const LOW_DEG: f64 = 10.0;
 
@@ -295,7 +295,7 @@ fn disc<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disc<'a>, Plot
             return Err(PlotError::OutOfRange { what: what(), given: value.to_string(), allowed: "1 sample or more" });
         }
         if value_of.insert(cell, value).is_some() {
-            return Err(PlotError::OutOfRange { what: what(), given: "twice".to_owned(), allowed: "once" });
+            return Err(PlotError::OutOfRange { what: what(), given: "given twice".to_owned(), allowed: "once" });
         }
     }
     let nside = input.nside;

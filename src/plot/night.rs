@@ -32,15 +32,15 @@ pub struct NightTimeline<'a> {
     pub title: &'a str,
     /// Text after the number of exposures in the caption.
     pub caption: &'a str,
-    /// `(n_exposure)` shutter openings, MJD (UTC), within two days.
+    /// Shutter openings, MJD (UTC), within two days; shape `(n_exposure)`.
     pub start_mjd: &'a [f64],
-    /// `(n_exposure)` lengths, seconds, 0 or more.
+    /// Lengths, seconds, 0 or more; shape `(n_exposure)`.
     pub duration_s: &'a [f64],
-    /// `(n_exposure)` number of lit satellites that cross, 0 or more.
+    /// Number of lit satellites that cross, 0 or more; shape `(n_exposure)`.
     pub n_streaks: &'a [f64],
-    /// `(n_exposure)` brightest magnitude, mag; NaN without a streak or without a magnitude.
+    /// Brightest magnitude, mag; NaN without a streak or without a magnitude; shape `(n_exposure)`.
     pub brightest_mag: &'a [f64],
-    /// Magnitude above which a streak matters: a dashed line.
+    /// Magnitude limit, drawn as a dashed line.
     pub limit_mag: Option<f64>,
     /// Times, MJD (UTC), and the Sun's altitude, degrees, for the bands of day and twilight, in order of time; empty
     /// without a site.
@@ -70,7 +70,11 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
     let last = (0..n).map(end).fold(f64::NEG_INFINITY, f64::max);
     if last - first > 2.0 {
         let (what, given) = ("the time from first to last exposure".to_owned(), format!("{:.1} d", last - first));
-        return Err(PlotError::OutOfRange { what, given, allowed: "2 d, one night of a longer schedule" });
+        return Err(PlotError::OutOfRange {
+            what,
+            given,
+            allowed: "at most 2 d; select one night of a longer schedule",
+        });
     }
     let margin = (0.012 * (last - first)).max(20.0 / DAY_S);
     let x = Axis::linear(first - margin, last + margin);

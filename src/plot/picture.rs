@@ -110,7 +110,7 @@ impl Picture {
                 }
                 left -= next - gone;
                 gone = next;
-                // A remainder from rounding would never be consumed.
+                // A smaller remainder is a rounding error, which would never be used up.
                 if left <= 1e-6 {
                     if is_stroke {
                         self.line(&dash, colour, width);

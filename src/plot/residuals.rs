@@ -112,16 +112,17 @@ pub struct PhaseCurve<'a> {
     pub title: &'a str,
     /// Name of the magnitudes: `magnitude V at 1000 km`.
     pub magnitude_name: &'a str,
-    /// `(n_point)` Sun-satellite-observer angle, 0 to π, radians.
+    /// Sun-satellite-observer angle, 0 to π, radians; shape `(n_point)`.
     pub phase_angle_rad: &'a [f64],
-    /// `(n_point)` measured magnitudes, finite.
+    /// Measured magnitudes, finite; shape `(n_point)`.
     pub measured_mag: &'a [f64],
-    /// `(n_point)` magnitudes of the model in the same geometry, finite; empty without a model, for a single panel.
+    /// Magnitudes of the model in the same geometry, finite; empty without a model, for a single panel; shape
+    /// `(n_point)`.
     pub model_mag: &'a [f64],
 }
 
-/// Draws measured magnitudes against phase angle, those of the model next to them on the same axes, and the running
-/// medians of both in both; bright is up.
+/// Draws measured magnitudes against phase angle and, next to them on the same axes, the magnitudes of the model, with
+/// the running medians of both in both panels; bright is up.
 ///
 /// The axis of magnitudes contains at least 99.6 % of either; the caption gives the number beyond.
 ///
@@ -219,15 +220,15 @@ const PANEL_BEYOND: f64 = 0.01;
 pub struct ResidualPanels<'a> {
     /// Title.
     pub title: &'a str,
-    /// `(n_point)` observed less computed magnitudes, finite, mag.
+    /// Observed less computed magnitudes, finite, mag; shape `(n_point)`.
     pub residuals_mag: &'a [f64],
-    /// `(n_point)` latitude of the Sun above the plane of the chassis, radians.
+    /// Latitude of the Sun above the plane of the chassis, radians; shape `(n_point)`.
     pub sun_latitude_rad: &'a [f64],
-    /// `(n_point)` longitude of the observer from the Sun's azimuth, folded or not, radians.
+    /// Longitude of the observer from the Sun's azimuth, folded or not, radians; shape `(n_point)`.
     pub observer_longitude_rad: &'a [f64],
-    /// `(n_point)` latitude of the observer above the plane of the chassis, radians.
+    /// Latitude of the observer above the plane of the chassis, radians; shape `(n_point)`.
     pub observer_latitude_rad: &'a [f64],
-    /// `(n_point)` Sun-satellite-observer angle, radians.
+    /// Sun-satellite-observer angle, radians; shape `(n_point)`.
     pub phase_angle_rad: &'a [f64],
 }
 

@@ -52,21 +52,22 @@ pub struct SkyChart<'a> {
 pub struct SkyTrack {
     /// The satellite's name.
     pub name: String,
-    /// `(n_point)` times, MJD (UTC), increasing.
+    /// Times, MJD (UTC), increasing; shape `(n_point)`.
     pub time_mjd: Vec<f64>,
-    /// `(n_point)` azimuths from north through east, degrees.
+    /// Azimuths from north through east, degrees; shape `(n_point)`.
     pub azimuth_deg: Vec<f64>,
-    /// `(n_point)` altitudes, 0 to 90 degrees.
+    /// Altitudes, 0 to 90 degrees; shape `(n_point)`.
     pub altitude_deg: Vec<f64>,
-    /// `(n_point)` magnitudes; NaN in the Earth's shadow.
+    /// Magnitudes; NaN in the Earth's shadow; shape `(n_point)`.
     pub magnitude: Vec<f64>,
-    /// `(n_point)` one sigma of the magnitudes, mag; NaN without one.
+    /// One sigma of the magnitudes, mag; NaN without one; shape `(n_point)`.
     pub sigma_mag: Vec<f64>,
 }
 
 /// Draws the sky as seen from below, north up and east left: every pass in the colours of its magnitudes, grey without
 /// light, with an arrow where it sets, and a list with the times of its ends and its brightest magnitude. Up to three
 /// passes have times along them. A sky without a pass gets a note.
+///
 /// # Errors
 /// Fewer than two points, columns of unequal length, times that do not increase, invalid altitudes.
 pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
@@ -92,7 +93,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     for (track, line) in tracks.iter().zip(&lines) {
         picture.line(line, INK.to_rgba(), 5.0);
         for (step, pair) in line.windows(2).enumerate() {
-            // A step into the shadow is dark.
+            // A step with an end in the shadow has no magnitude and is drawn dark.
             picture.line(pair, colour(0.5 * (track.magnitude[step] + track.magnitude[step + 1])).to_rgba(), 3.4);
         }
         arrow(&mut picture, line, colour(track.magnitude[line.len() - 1]));
@@ -186,7 +187,7 @@ fn check_track(track: &SkyTrack) -> Result<(), PlotError> {
         return Err(PlotError::OutOfRange { what: of("an altitude"), given, allowed: "0 to 90 deg" });
     }
     if n < 2 || track.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
-        let (what, given) = (of("the times"), format!("{n} that do not increase"));
+        let (what, given) = (of("the list of times"), format!("not increasing ({n} values)"));
         return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
     }
     Ok(())

@@ -22,9 +22,10 @@ pub struct SkyRate<'a> {
     pub caption: &'a str,
     /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
     pub nside: u32,
-    /// `(n_cell)` RING cells of azimuth (from north through east, as longitude) and altitude (as latitude), each once.
+    /// RING cells of azimuth (from north through east, as longitude) and altitude (as latitude), each once; shape
+    /// `(n_cell)`.
     pub cells: &'a [u64],
-    /// `(n_cell)` expected streaks per exposure, 0 or more.
+    /// Expected streaks per exposure, 0 or more; shape `(n_cell)`.
     pub rate: &'a [f64],
     /// Azimuth of the Sun mark, degrees from north through east.
     pub sun_azimuth_deg: f64,
@@ -107,9 +108,9 @@ pub struct EquatorialRate<'a> {
     pub caption: &'a str,
     /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
     pub nside: u32,
-    /// `(n_cell)` RING cells of right ascension (as longitude) and declination (as latitude), ICRS, each once.
+    /// RING cells of right ascension (as longitude) and declination (as latitude), ICRS, each once; shape `(n_cell)`.
     pub cells: &'a [u64],
-    /// `(n_cell)` expected streaks per exposure, 0 or more.
+    /// Expected streaks per exposure, 0 or more; shape `(n_cell)`.
     pub rate: &'a [f64],
 }
 
@@ -117,7 +118,7 @@ pub struct EquatorialRate<'a> {
 /// rims; grey for directions that were not computed.
 ///
 /// # Errors
-/// Same as [`super::sky_rate()`].
+/// The errors of [`super::sky_rate()`].
 pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError> {
     let nside = input.nside;
     let by_cell = rates_by_cell(nside, input.cells, input.rate)?;

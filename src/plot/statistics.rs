@@ -118,6 +118,6 @@ mod tests {
         assert_eq!(check("O−C", &[]).unwrap_err().to_string(), "nothing to draw: no O−C");
         let error = check("O−C", &[0.0, f64::NAN]).unwrap_err().to_string();
         assert!(error.contains("O−C: value 1 (counted from 0) is NaN"), "{error}");
-        assert!(check_length("phase", &[0.0], 2).unwrap_err().to_string().contains("1 values, expected 2"));
+        assert!(check_length("phase", &[0.0], 2).unwrap_err().to_string().contains("1 values; allowed: 2"));
     }
 }

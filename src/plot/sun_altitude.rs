@@ -27,11 +27,11 @@ pub struct SunAltitude<'a> {
     pub title: &'a str,
     /// Text after the number of exposures in the caption.
     pub caption: &'a str,
-    /// `(n_exposure)` altitude of the Sun in the middle of the exposure, degrees.
+    /// Altitude of the Sun in the middle of the exposure, degrees; shape `(n_exposure)`.
     pub sun_altitude_deg: &'a [f64],
-    /// `(n_exposure)` number of lit satellites that cross, 0 or more.
+    /// Number of lit satellites that cross, 0 or more; shape `(n_exposure)`.
     pub n_trails: &'a [f64],
-    /// `(n_exposure)` number of those brighter than the limit, and the limit, mag.
+    /// Number of those brighter than the limit, and the limit, mag; shape `(n_exposure)`.
     pub n_bright: Option<(&'a [f64], f64)>,
     /// Width of the bins, degrees, 0.1 to 30.
     pub bin_deg: f64,
@@ -74,7 +74,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     bands_in_altitude(&mut picture, &numbers);
     let bands = bands_in_altitude(&mut picture, &rates);
-    // Points are pixels below the marks, and bands are marks that would hide them: with bands, points are marks too.
+    // Bands hide pixels, so with bands every point is drawn as a mark instead.
     for (&altitude, &trails) in input.sun_altitude_deg.iter().zip(input.n_trails) {
         if rates.holds(altitude, trails) {
             let (x, y) = rates.at(altitude, trails);

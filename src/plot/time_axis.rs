@@ -96,8 +96,8 @@ fn dates(axis: &Axis, ahead_h: f64) -> String {
     }
 }
 
-/// Bands: lower limit of the Sun's altitude, degrees; name; colour. Warm greys, darker for a brighter sky: dark bands
-/// would hide the marks over them.
+/// Bands of twilight: lower limit of the Sun's altitude, degrees; name; colour. The colours are warm greys, lighter
+/// than the marks, which dark bands would hide.
 const BANDS: [(f64, &str, RGBColor); 4] = [
     (-0.833, "day", RGBColor(250, 214, 140)),
     (-6.0, "civil", RGBColor(251, 228, 180)),

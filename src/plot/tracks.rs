@@ -14,7 +14,7 @@ const ROW: f64 = 29.0;
 /// One row of the list.
 pub(super) struct ListRow {
     pub name: String,
-    /// Formatted times of its begin and end.
+    /// Formatted times of its start and end.
     pub times: [String; 2],
     pub magnitude: f64,
     pub sigma_mag: f64,

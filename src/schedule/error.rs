@@ -36,7 +36,7 @@ pub enum ScheduleError {
         path: String,
     },
     /// The file has columns but no rows.
-    #[error("schedule {path} has columns but no exposures; at least one row is needed")]
+    #[error("schedule {path} has columns but no exposures; allowed: at least one row")]
     NoRows {
         /// The file.
         path: String,
@@ -84,7 +84,7 @@ pub enum ScheduleError {
     },
     /// Times are numbers or texts without a zone, and no time scale is specified.
     #[error(
-        "schedule {path}: missing time scale of column {column}; specify --time-scale utc, tai or tt \
+        "schedule {path}: the time scale of column {column} is missing; allowed: --time-scale utc, tai or tt \
          (opsim files use UTC, ConsDB and many others TAI; TAI read as UTC is wrong by 37 s, which invalidates every result)"
     )]
     NoTimeScale {
@@ -138,7 +138,7 @@ pub enum ScheduleError {
         format: String,
     },
     /// The file has an earlier annotation.
-    #[error("schedule {path} already has {what}; specify --replace to replace them")]
+    #[error("schedule {path} already has {what}; allowed: --replace, which replaces them")]
     AlreadyThere {
         /// The file.
         path: String,
@@ -146,7 +146,9 @@ pub enum ScheduleError {
         what: String,
     },
     /// The file changed between reading and writing.
-    #[error("schedule {path} has changed: {flags} rows were judged, it now has {rows}")]
+    #[error(
+        "schedule {path} has {rows} rows; allowed: the {flags} rows that were judged (the file changed in between)"
+    )]
     Changed {
         /// The file.
         path: String,
@@ -187,7 +189,7 @@ pub enum ScheduleError {
     )]
     PolicySyntax(String),
     /// The magnitude limit is neither a number nor numbers by band.
-    #[error("invalid magnitude limit '{given}': expected a number, or numbers by band such as g=7,y=5,default=6")]
+    #[error("invalid magnitude limit '{given}'; allowed: a number, or numbers by band such as g=7,y=5,default=6")]
     PolicyLimit {
         /// Given value.
         given: String,

@@ -56,8 +56,8 @@ impl Expected {
 ///
 /// Dark passes do not count. A near miss counts only if the policy has a `min_probability` and it is at least that
 /// probable. `avoid` = a crossing at least as probable as the policy requires (by default 0.5) that is brighter, at its
-/// peak, than a limit of the policy; or an expected loss larger than the policy allows. `streaked` = any other lit
-/// crossing.
+/// peak, than a limit of the policy; or an expected loss larger than the policy allows. `streaked` = any other pass
+/// that counts.
 pub(super) fn flag(
     exposure: &Exposure,
     band: Option<&str>,

@@ -40,7 +40,7 @@ pub struct Shard {
 
 /// Error of parsing a shard.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("invalid shard '{given}': expected I/N with 1 <= I <= N <= 1000000, for example 3/100")]
+#[error("invalid shard '{given}'; allowed: I/N with 1 <= I <= N <= 1000000, for example 3/100")]
 pub struct ShardError {
     given: String,
 }
@@ -136,7 +136,7 @@ mod tests {
     fn invalid_shards_are_errors_with_the_accepted_form() {
         assert_eq!("3/100".parse::<Shard>().unwrap().to_string(), "3/100");
         for text in ["", "3", "0/4", "5/4", "1/0", "a/b", "1/2/3", "-1/4", "1/10000000"] {
-            assert!(text.parse::<Shard>().unwrap_err().to_string().contains("expected I/N with 1 <= I <= N"), "{text}");
+            assert!(text.parse::<Shard>().unwrap_err().to_string().contains("allowed: I/N with 1 <= I <= N"), "{text}");
         }
     }
 

@@ -1,4 +1,4 @@
-//! Policy: limits on magnitude, lost pixels and probability, margin and longest delay.
+//! Policies: rules for verdicts, with limits on magnitude, lost pixels and probability, a margin and a longest delay.
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -154,7 +154,7 @@ impl Policy {
     /// A number is out of range.
     pub fn validate(&self) -> Result<(), ScheduleError> {
         if matches!(self.limit_mag, Some(MagnitudeLimit::OfTelescope(_))) {
-            let what = "invalid limit_mag \"telescope\": expected a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
+            let what = "limit_mag is \"telescope\"; allowed: a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
             return Err(ScheduleError::PolicySyntax(what.to_owned()));
         }
         let magnitudes = [

@@ -15,7 +15,7 @@ use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
 use super::verdict::{Verdict, VerdictKind};
 
-/// Distance of a clear start from entries and exits, which are accurate to a millisecond, seconds.
+/// Distance kept between a clear start and entries or exits, which are accurate to a millisecond, seconds.
 pub(super) const GUARD_S: f64 = 0.002;
 /// Resolution of starts, which are rounded away from the satellite, seconds.
 pub(super) const TICK_S: f64 = 0.001;
@@ -95,7 +95,7 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
 /// Takes less than half the time of [`flag_exposures`]; for exposures that are not rescheduled.
 ///
 /// # Errors
-/// As [`flag_exposures`].
+/// The errors of [`flag_exposures`].
 pub fn judge_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
     let Judged { report, flags, counted, .. } = judge(rows, request)?;
     Ok(finished(report, flags, counted))
@@ -119,7 +119,7 @@ impl Sky {
     }
 }
 
-/// Verdicts of the exposures as scheduled.
+/// Verdicts on the exposures at their scheduled starts.
 struct Judged<'a> {
     report: FlagReport,
     /// Flags by row.

@@ -1,4 +1,4 @@
-//! Schedules: exposures in the order of their rows; an invalid row has the reason instead of its exposure.
+//! Schedules: exposures in the order of their rows; an invalid row contains the reason instead of an exposure.
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;

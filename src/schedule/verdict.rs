@@ -1,4 +1,4 @@
-//! Verdict on one exposure, with the numbers behind it; `judge` decides it.
+//! Verdict on one exposure, with the numbers on which it is based; `judge` computes it.
 
 use std::fmt;
 
@@ -39,7 +39,7 @@ impl fmt::Display for VerdictKind {
     }
 }
 
-/// Verdict on one exposure, with its reasons and the passes behind it.
+/// Verdict on one exposure, with its reasons and the passes that cause it.
 ///
 /// Displayed as one line: the kind, the reasons, and the next clear start.
 #[derive(Clone, Debug, PartialEq)]

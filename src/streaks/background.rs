@@ -4,36 +4,10 @@ use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson};
 use serde::Deserialize;
-use thiserror::Error;
 
+use super::error::StreaksError;
 use super::psf::{RadialProfile, draw_point};
 use crate::images::{PixelPosition, Plane};
-
-/// Errors of a background.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum BackgroundError {
-    /// A number is out of range or not finite.
-    #[error("background: {key} is {given}; allowed: {least} to {greatest}")]
-    OutOfRange {
-        /// The key.
-        key: &'static str,
-        /// Given value.
-        given: f64,
-        /// Least allowed value.
-        least: f64,
-        /// Greatest allowed value.
-        greatest: f64,
-    },
-}
-
-impl BackgroundError {
-    pub(crate) fn check_range(key: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
-        if (least..=greatest).contains(&given) {
-            return Ok(());
-        }
-        Err(Self::OutOfRange { key, given, least, greatest })
-    }
-}
 
 /// Largest flux of a star, electrons.
 pub(crate) const BRIGHTEST_E: f64 = 1e12;
@@ -81,14 +55,14 @@ impl RandomStars {
     /// Draws stars for a frame of `rows` by `columns` and a margin around it; the same seed gives the same stars.
     ///
     /// # Errors
-    /// [`BackgroundError::OutOfRange`].
-    pub fn draw(&self, rows: usize, columns: usize, margin_pix: f64, seed: u64) -> Result<Vec<Star>, BackgroundError> {
-        BackgroundError::check_range("per_megapixel", self.per_megapixel, 0.0, 1e5)?;
-        BackgroundError::check_range("slope", self.slope, 0.05, 2.0)?;
-        BackgroundError::check_range("brightest_mag", self.brightest_mag, -30.0, 60.0)?;
-        BackgroundError::check_range("faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
-        BackgroundError::check_range("zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
-        BackgroundError::check_range("margin_pix", margin_pix, 0.0, 1e5)?;
+    /// A number out of range.
+    pub fn draw(&self, rows: usize, columns: usize, margin_pix: f64, seed: u64) -> Result<Vec<Star>, StreaksError> {
+        StreaksError::check_range("background: per_megapixel", self.per_megapixel, 0.0, 1e5)?;
+        StreaksError::check_range("background: slope", self.slope, 0.05, 2.0)?;
+        StreaksError::check_range("background: brightest_mag", self.brightest_mag, -30.0, 60.0)?;
+        StreaksError::check_range("background: faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
+        StreaksError::check_range("background: zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
+        StreaksError::check_range("background: margin_pix", margin_pix, 0.0, 1e5)?;
         let (width, height) = (columns as f64 + 2.0 * margin_pix, rows as f64 + 2.0 * margin_pix);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mean = self.per_megapixel * width * height * 1e-6;
@@ -112,19 +86,19 @@ impl RandomStars {
 /// the same profile everywhere.
 ///
 /// # Errors
-/// [`BackgroundError::OutOfRange`] for the sky, or for a star with a flux below 0 or not finite.
+/// A sky out of range, and a star with a flux below 0 or not finite.
 pub fn background(
     rows: usize,
     columns: usize,
     sky_e: f64,
     stars: &[Star],
     profile: &RadialProfile,
-) -> Result<Plane, BackgroundError> {
-    BackgroundError::check_range("sky_e", sky_e, 0.0, 1e9)?;
+) -> Result<Plane, StreaksError> {
+    StreaksError::check_range("background: sky_e", sky_e, 0.0, 1e9)?;
     let mut plane = Plane::zeros(rows, columns);
     plane.values_mut().fill(sky_e as f32);
     for star in stars {
-        BackgroundError::check_range("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
+        StreaksError::check_range("background: flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
         draw_point(profile, star.at, star.flux_e, rows, columns).add_to(&mut plane);
     }
     Ok(plane)

@@ -1,8 +1,9 @@
 //! Chip of a camera, and the path of a light over it.
 
 use super::count_scale::CountScale;
+use super::error::StreaksError;
 use super::light::{SkyPoint, SkyTrack};
-use super::render::{PathError, PathNode, StreakPath};
+use super::render::{PathNode, StreakPath};
 use super::tracking::Tracking;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{LightArea, PixelPosition, Wcs};
@@ -85,14 +86,14 @@ impl Chip {
     /// 3. Its points are converted by the WCS; a path ends where that fails, or between two visits.
     ///
     /// # Errors
-    /// [`PathError`] if times do not increase or a number is not finite.
+    /// Times that do not increase, and numbers that are not finite.
     pub fn paths(
         &self,
         track: &SkyTrack,
         tracking: &Tracking,
         centre: &Direction<Gcrs>,
         margin_pix: f64,
-    ) -> Result<Vec<ChipPath>, PathError> {
+    ) -> Result<Vec<ChipPath>, StreaksError> {
         let Some((middle, radius_rad)) = self.circle() else { return Ok(Vec::new()) };
         let margin_rad = (margin_pix * self.pixel_scale_arcsec() / 3600.0).to_radians();
         let reach_rad = radius_rad + margin_rad;
@@ -111,7 +112,7 @@ impl Chip {
         Ok(paths)
     }
 
-    fn chip_path(&self, nodes: Vec<PathNode>) -> Result<Option<ChipPath>, PathError> {
+    fn chip_path(&self, nodes: Vec<PathNode>) -> Result<Option<ChipPath>, StreaksError> {
         if nodes.len() < 2 {
             return Ok(None);
         }

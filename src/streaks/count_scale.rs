@@ -1,23 +1,6 @@
 //! Conversion between magnitudes and counts of a frame.
 
-use thiserror::Error;
-
-/// Errors of a count scale.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum CountScaleError {
-    /// The zero point is out of range.
-    #[error("zero point is {given} mag; allowed: -20 to 60 mag")]
-    ZeroPoint {
-        /// Given value, mag.
-        given: f64,
-    },
-    /// The exposure time is not above 0.
-    #[error("exposure is {given} s; allowed: above 0 s")]
-    Exposure {
-        /// Given value, seconds.
-        given: f64,
-    },
-}
+use super::error::StreaksError;
 
 /// Conversion between magnitudes and counts per second.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -32,12 +15,10 @@ impl CountScale {
     ///
     /// # Errors
     /// A zero point out of range, or an exposure that is not above 0 s.
-    pub fn of_frame(zero_point_mag: f64, exposure_s: f64) -> Result<Self, CountScaleError> {
-        if !(-20.0..=60.0).contains(&zero_point_mag) {
-            return Err(CountScaleError::ZeroPoint { given: zero_point_mag });
-        }
+    pub fn of_frame(zero_point_mag: f64, exposure_s: f64) -> Result<Self, StreaksError> {
+        StreaksError::check_range("zero point (mag)", zero_point_mag, -20.0, 60.0)?;
         if !(exposure_s > 0.0 && exposure_s.is_finite()) {
-            return Err(CountScaleError::Exposure { given: exposure_s });
+            return Err(StreaksError::invalid("exposure", format!("{exposure_s} s"), "above 0 s"));
         }
         Ok(Self { zero_point_mag, exposure_s })
     }
@@ -47,7 +28,7 @@ impl CountScale {
     ///
     /// # Errors
     /// The errors of [`CountScale::of_frame`].
-    pub fn of_counts_per_second(zero_point_mag: f64, exposure_s: f64) -> Result<Self, CountScaleError> {
+    pub fn of_counts_per_second(zero_point_mag: f64, exposure_s: f64) -> Result<Self, StreaksError> {
         // A star is exposed for the whole time: ZP_frame = ZP_1s + 2.5 log10 t.
         Self::of_frame(zero_point_mag, exposure_s)?;
         Self::of_frame(zero_point_mag + 2.5 * exposure_s.log10(), exposure_s)

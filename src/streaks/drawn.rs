@@ -105,7 +105,7 @@ pub fn draw_on_chip<'a>(
         let profile = shot.optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
         let paths = chip
             .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
-            .map_err(|source| StreaksError::Path { hdu: chip.hdu, source })?;
+            .map_err(|error| error.at(format_args!("HDU {}: path", chip.hdu)))?;
         for chip_path in paths.iter().filter(|chip_path| chip_path.path.total() > 0.0) {
             let patch = draw(&chip_path.path, &profile, chip.rows, chip.columns).within(&chip.light_area);
             if !patch.is_empty() && patch.sum() > 0.0 {

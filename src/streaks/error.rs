@@ -1,87 +1,77 @@
-//! Errors of the module `streaks`: brightness, optics, drawing, masks.
+//! Errors of the module `streaks`.
+
+use std::fmt::Display;
 
 use thiserror::Error;
 
-use super::background::BackgroundError;
-use super::count_scale::CountScaleError;
-use super::optics::OpticsError;
-use super::psf::BlurError;
-use super::render::PathError;
-use crate::passes::{FieldError, SkyError};
+use crate::images::ImagesError;
+use crate::passes::SkyError;
 
-/// Errors of the module `streaks`: brightness, optics, drawing, masks.
-#[derive(Clone, Debug, Error, PartialEq)]
+/// Errors of the brightness, drawing and injection of streaks.
+#[derive(Debug, Error)]
+#[non_exhaustive]
 pub enum StreaksError {
-    /// A number is out of range or not finite.
+    /// A value of a frame, of a file or of a call is missing or invalid.
     #[error("{what} is {given}; allowed: {allowed}")]
-    Modulation {
-        /// Name of the number.
-        what: &'static str,
-        /// Given value.
-        given: f64,
-        /// Allowed values.
-        allowed: &'static str,
-    },
-    /// The times of a light curve do not increase, or it has fewer than two points.
-    #[error("light curve, point {point}: {problem}")]
-    LightCurve {
-        /// Number of the point, from 1.
-        point: usize,
-        /// Cause, with the allowed values.
-        problem: &'static str,
-    },
-    /// A range of random streaks is invalid.
-    #[error("random streaks: {what} {from} to {to}; allowed: {allowed}")]
-    RandomStreaks {
-        /// Name of the numbers.
-        what: &'static str,
-        /// Given lower end.
-        from: f64,
-        /// Given upper end.
-        to: f64,
-        /// Allowed values.
-        allowed: &'static str,
-    },
-    /// Unknown mask preset.
-    #[error("unknown mask preset {given:?}; allowed: {allowed}")]
-    MaskPreset {
-        /// Given name.
+    Invalid {
+        /// Name of the value, after the file and HDU if there are any.
+        what: String,
+        /// Given value, or `missing`.
         given: String,
-        /// Names of all presets.
+        /// Allowed values.
         allowed: String,
     },
-    /// All bits of a 32-bit mask are in use.
-    #[error("the frame's own mask uses all bits up to {highest}; no bit is left for {plane}")]
-    MaskBits {
-        /// Plane without a bit.
-        plane: &'static str,
-        /// Highest usable bit.
-        highest: u32,
+    /// A description of a synthetic frame that is not valid TOML, or a key that is missing, unknown or of the wrong
+    /// type.
+    #[error("synthetic frame {origin}: {message}")]
+    Toml {
+        /// Name of the file.
+        origin: String,
+        /// Description and position of the error.
+        message: String,
     },
-    /// Error of the passes of a sky.
+    /// Error of the passes of satellites.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// The field of the chips is invalid.
-    #[error("invalid field of the frame's chips: {0}")]
-    Field(#[from] FieldError),
-    /// Error of the optics.
+    /// Error of a frame, its world coordinates or its detector.
     #[error(transparent)]
-    Optics(#[from] OpticsError),
-    /// The path over a chip is invalid.
-    #[error("invalid path over HDU {hdu}: {source}")]
-    Path {
-        /// HDU of the chip.
-        hdu: usize,
-        /// Cause.
-        source: PathError,
+    Images(#[from] ImagesError),
+    /// Error of one frame of several.
+    #[error("{source}; {done} of {count} frames have already been written, without a truth table")]
+    Batch {
+        /// Error of the frame.
+        source: Box<StreaksError>,
+        /// Number of frames that are complete.
+        done: usize,
+        /// Number of all frames.
+        count: usize,
     },
-    /// Error of the background of a frame.
+    /// Error of the folder for temporary files.
     #[error(transparent)]
-    Background(#[from] BackgroundError),
-    /// Error of the zero point or exposure of a frame.
-    #[error(transparent)]
-    CountScale(#[from] CountScaleError),
-    /// Error of the profile of a light.
-    #[error(transparent)]
-    Blur(#[from] BlurError),
+    Scratch(#[from] std::io::Error),
+}
+
+impl StreaksError {
+    pub(crate) fn invalid(what: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
+        Self::Invalid { what: what.into(), given: given.to_string(), allowed: allowed.into() }
+    }
+
+    /// Rejects a number outside its range or not finite.
+    pub(super) fn check_range(what: &str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
+        if (least..=greatest).contains(&given) {
+            return Ok(());
+        }
+        Err(Self::invalid(what, given, format!("{least} to {greatest}")))
+    }
+
+    /// Adds the place of an invalid value: file, HDU, or name of the settings.
+    pub(super) fn at(self, place: impl Display) -> Self {
+        match self {
+            Self::Invalid { what, given, allowed } => {
+                Self::Invalid { what: format!("{place}: {what}"), given, allowed }
+            }
+            Self::Images(error) => Self::Images(error.at(place)),
+            other => other,
+        }
+    }
 }

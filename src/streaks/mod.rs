@@ -9,9 +9,9 @@ mod chip;
 mod count_scale;
 mod drawn;
 mod error;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod frame;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod injection;
 mod light;
 mod optics;
@@ -20,31 +20,30 @@ mod render;
 mod tracking;
 mod truth;
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub(crate) use background::BRIGHTEST_E;
-pub use background::{BackgroundError, RandomStars, Star, background, flux_e};
+pub use background::{RandomStars, Star, background, flux_e};
 pub use chip::{Chip, ChipPath, circle_of, direction_on};
-pub use count_scale::{CountScale, CountScaleError};
+pub use count_scale::CountScale;
 pub use drawn::{DrawnStreak, Shot, StreakPoint, draw_on_chip};
 pub use error::StreaksError;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use frame::{
-    FrameOverrides, InjectError, InjectOptions, Injected, StarField, SyntheticError, SyntheticFrame, SyntheticShot,
-    TargetChip, TargetError, TargetFrame, inject,
+    FrameOverrides, InjectOptions, Injected, StarField, SyntheticFrame, SyntheticShot, TargetChip, TargetFrame, inject,
 };
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub use injection::{
-    ArrayFrame, ArrayInjected, InjectedFrame, Injection, InjectionError, InjectionPlan, InjectionSky, Injections, Mark,
-    RandomPlan, SyntheticPlan,
+    ArrayFrame, ArrayInjected, InjectedFrame, Injection, InjectionPlan, InjectionSky, Injections, Mark, RandomPlan,
+    SyntheticPlan,
 };
 pub use light::{
     Glint, LightCurve, Modulation, RandomStreaks, ResolvedPanels, SatelliteExposure, SatelliteLight, SkyPoint,
     SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,
 };
-pub use optics::{Optics, OpticsError, SeeingForm};
-pub use psf::{Blur, BlurError, RadialProfile, Seeing, draw_point};
+pub use optics::{Optics, SeeingForm};
+pub use psf::{Blur, RadialProfile, Seeing, draw_point};
 pub(crate) use psf::{PointLight, draw_points};
-pub use render::{PathError, PathNode, StreakPath, draw};
+pub use render::{PathNode, StreakPath, draw};
 pub use tracking::Tracking;
 pub use truth::{
     MaskPlanes, MaskPreset, MaskSpan, TruthRow, changed_spans, mask_spans, noise_of, points_table, trail_table,

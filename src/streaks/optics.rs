@@ -1,8 +1,6 @@
 //! Optics: the image of a light at a finite distance through atmosphere and telescope.
 
-use thiserror::Error;
-
-use crate::streaks::{Blur, BlurError, RadialProfile, Seeing};
+use crate::streaks::{Blur, RadialProfile, Seeing, StreaksError};
 
 /// Shape of a star's image.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -20,27 +18,6 @@ pub enum SeeingForm {
         widening: f64,
         /// Fraction of the flux in the wide Gaussian, 0 to 1.
         wide_share: f64,
-    },
-}
-
-/// Errors of an image profile.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum OpticsError {
-    /// A width is out of range on pixels of this size.
-    #[error("cannot draw a light at {range_km:.0} km on pixels of {pixel_scale_arcsec:.3} arcsec: {source}")]
-    Blur {
-        /// Distance of the light.
-        range_km: f64,
-        /// Side of a pixel.
-        pixel_scale_arcsec: f64,
-        /// Cause; widths are in pixels.
-        source: BlurError,
-    },
-    /// The pixel scale is not above 0.
-    #[error("pixel scale is {given} arcsec; allowed: above 0 arcsec")]
-    PixelScale {
-        /// Given value, arcsec.
-        given: f64,
     },
 }
 
@@ -62,16 +39,16 @@ impl Optics {
     /// `pixel_scale_arcsec` (the side of a square of the same area), `aspect` times as wide as high.
     ///
     /// # Errors
-    /// [`OpticsError`] if a width is out of the range that can be drawn.
+    /// A width outside the range that can be drawn.
     pub fn profile(
         &self,
         range_km: f64,
         radius_m: f64,
         pixel_scale_arcsec: f64,
         aspect: f64,
-    ) -> Result<RadialProfile, OpticsError> {
+    ) -> Result<RadialProfile, StreaksError> {
         if !(pixel_scale_arcsec > 0.0 && pixel_scale_arcsec.is_finite()) {
-            return Err(OpticsError::PixelScale { given: pixel_scale_arcsec });
+            return Err(StreaksError::invalid("pixel scale", format!("{pixel_scale_arcsec} arcsec"), "above 0 arcsec"));
         }
         // A length r at range d has the angle r / d: the defocused image of the pupil as well as the body (Ragazzoni
         // 2020).
@@ -82,10 +59,8 @@ impl Optics {
             inner_radius_pix: self.inner_radius_m * pixels_a_metre,
             body_radius_pix: radius_m * pixels_a_metre,
         };
-        RadialProfile::on_oblong(&blur, aspect).map_err(|source| OpticsError::Blur {
-            range_km,
-            pixel_scale_arcsec,
-            source,
+        RadialProfile::on_oblong(&blur, aspect).map_err(|error| {
+            error.at(format_args!("light at {range_km:.0} km on pixels of {pixel_scale_arcsec:.3} arcsec"))
         })
     }
 

@@ -90,7 +90,7 @@ fn text(format: &str) -> String {
     text
 }
 
-/// From the bytes of a file to a catalogue, including provenance.
+/// Reads a catalogue from the bytes of a file, including provenance.
 #[divan::bench(args = ["tle", "csv", "json", "xml", "kvn"], sample_count = 20)]
 fn read_25000(bencher: Bencher, format: &str) {
     let text = text(format);
@@ -101,7 +101,7 @@ fn read_25000(bencher: Bencher, format: &str) {
     });
 }
 
-/// From a file on disk; with RAYON_NUM_THREADS=1 on one core.
+/// Reads a catalogue from a file on disk; RAYON_NUM_THREADS=1 measures one core.
 #[divan::bench(sample_count = 20)]
 fn read_25000_tle_from_disk(bencher: Bencher) {
     let folder = tempfile::tempdir().expect("a folder");

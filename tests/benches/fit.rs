@@ -3,8 +3,8 @@
 //!     venv/bin/python tests/reference/make_fit_goldens.py --points 20000 points.csv
 //!     cargo bench --bench fit -- points.csv [--steps 500] [--threads 1]
 //!
-//! One descent from a fixed start (that of `peers/fit.py`), the whole search from many starts, and steps of 32 walkers,
-//! without and with earthshine. Prints medians.
+//! Times one descent from a fixed start (the start of `peers/fit.py`), the whole search from many starts, and steps of
+//! 32 walkers, without and with earthshine. Prints medians.
 
 use std::time::Instant;
 

@@ -19,14 +19,14 @@ fn orientation_exact(bencher: Bencher) {
     bencher.bench(|| Orientation::at(black_box(dusk()), &eop));
 }
 
-/// A night; target: 1 ms.
+/// Orientation table for a night; target: 1 ms.
 #[divan::bench]
 fn orientation_table_of_a_night(bencher: Bencher) {
     let eop = EopTable::embedded();
     bencher.bench(|| OrientationTable::new(dusk(), seconds_after(dusk(), 36_000.0), &eop));
 }
 
-/// A year; target: 0.1 s.
+/// Orientation table for a year; target: 0.1 s.
 #[divan::bench(sample_count = 10)]
 fn orientation_table_of_a_year(bencher: Bencher) {
     let eop = EopTable::embedded();

@@ -44,7 +44,7 @@ fn main() {
     }
 }
 
-/// Forty nights of a year.
+/// Returns the noon before the first of forty nights spread over a year.
 fn first_night() -> Epoch {
     "2023-01-05T12:00:00 UTC".parse().expect("an epoch")
 }

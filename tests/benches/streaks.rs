@@ -14,8 +14,8 @@ use streakcast::streaks::{Blur, RadialProfile, Seeing};
 use streakcast::streaks::{PathNode, StreakPath, draw};
 
 const SIZE: usize = 4096;
-/// As in `peers/streaks.py`: a slope that favours neither rows nor columns, the centre of the frame, one count of light
-/// per pixel.
+/// Streaks as in `peers/streaks.py`: an angle that favours neither rows nor columns, through the centre of the frame,
+/// one count of light per pixel.
 const ANGLE_RAD: f64 = 0.7;
 
 fn blurs() -> Vec<(&'static str, Blur)> {
@@ -30,7 +30,7 @@ fn blurs() -> Vec<(&'static str, Blur)> {
     ]
 }
 
-/// Straight, or a parabola with the middle `bow_pix` beside the chord, as caused by distortion.
+/// Straight, or a parabola with its middle `bow_pix` away from the chord, as caused by distortion.
 fn streak(length_pix: f64, bow_pix: f64) -> StreakPath {
     let (sin, cos) = ANGLE_RAD.sin_cos();
     let node = |time_s: f64| {

@@ -20,8 +20,8 @@ fn annotated(folder: &TempDir, name: &str, more: &[&str]) -> PathBuf {
     PathBuf::from(output)
 }
 
-/// Whether each line of a text (and each object of one-line JSON) is contained unchanged and in order in another;
-/// additions are allowed.
+/// Returns true if each line of a text (and each object of one-line JSON) is contained unchanged and in order in
+/// another text, which may have additional lines.
 fn is_contained(original: &str, text: &str) -> bool {
     let mut rest = text;
     let mut pieces = original
@@ -37,7 +37,7 @@ fn is_contained(original: &str, text: &str) -> bool {
     })
 }
 
-/// Verdicts of `flag`, one per row.
+/// Returns the verdicts of `flag`, one per row.
 fn verdicts(name: &str, more: &[&str]) -> Vec<String> {
     let answer = crate::common::cli::json(&[&["flag", "--schedule", &sample(name)], FLAG, SKY, more]);
     answer["flags"].as_array().unwrap().iter().map(|flag| flag["verdict"].as_str().unwrap().to_owned()).collect()
@@ -68,7 +68,7 @@ fn consdb_exports_are_tai_and_the_same_in_every_format() {
 fn obsplan_feeds_need_a_time_scale_and_number_their_rows() {
     let (code, _, stderr) = run(&[&["flag", "--schedule", &sample("obsplan.json")], FLAG, SKY]);
     assert_eq!(code, 2);
-    assert!(stderr.contains("missing time scale of column t_planning") && stderr.contains("37 s"), "{stderr}");
+    assert!(stderr.contains("the time scale of column t_planning is missing") && stderr.contains("37 s"), "{stderr}");
     let scale = &["--time-scale", "utc"];
     // The same night as the other samples, without rotation, which is irrelevant for a circular field.
     assert_eq!(verdicts("obsplan.json", scale), verdicts("consdb.csv", &[]));
@@ -113,7 +113,7 @@ fn original_bytes_are_kept_and_a_second_annotation_replaces_the_first() {
         assert_eq!(code, 0, "{name}: {stderr}");
         let strip = |text: &str| text.replace(&output, "").replace(&sample(name), "");
         assert_eq!(strip(&fs::read_to_string(path(&folder, "second")).unwrap()), strip(&text), "{name}");
-        // In place too, the file is written atomically and no temporary file remains.
+        // An annotation in place is also written atomically, and no temporary file remains.
         let (code, ..) = run(&[&["annotate", "--schedule", &output, "-o", &output, "--replace"], FLAG, SKY, scale]);
         assert_eq!(code, 0, "{name}");
         let stray = fs::read_dir(folder.path())
@@ -255,7 +255,7 @@ fn shards_of_a_batch_add_up_to_the_whole() {
     }
     let (code, _, stderr) = run(&[&["flag", "--schedule", &schedule, "--shard", "4/3"], WIDE, SKY]);
     assert_eq!(code, 2);
-    assert!(stderr.contains("invalid shard '4/3': expected I/N"), "{stderr}");
+    assert!(stderr.contains("invalid shard '4/3'; allowed: I/N"), "{stderr}");
 }
 
 #[cfg(feature = "parquet")]

@@ -55,7 +55,7 @@ fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 
-/// A request for Parquet is not answered with text.
+/// A build without Parquet reports an error, and does not write text instead.
 #[cfg(not(feature = "parquet"))]
 #[test]
 fn parquet_is_rejected_without_a_file() {
@@ -98,7 +98,7 @@ fn errors_for_unknown_values_list_the_allowed_ones() {
         &[&["serve", "--schedule", "x", "--bind", "nonsense"]],
         &["'nonsense' for '--bind", "allowed: an IP address and a port of 0 to 65535, for example 127.0.0.1:8642"],
     );
-    fails(&[&["map", "sky", "--model", "v1.5", "--sun-altitude-deg", "120"]], &["120 deg: allowed -90 to 90 deg"]);
+    fails(&[&["map", "sky", "--model", "v1.5", "--sun-altitude-deg", "120"]], &["120 deg; allowed: -90 to 90 deg"]);
 }
 
 #[test]
@@ -133,18 +133,18 @@ fn invalid_times_and_angles() {
         let arguments: Vec<&str> = POINTING[..1].iter().chain(others).chain(change).copied().collect();
         fails(&[&arguments, SITE, SHELLS], parts);
     };
-    with(&["--start", "2024-08-14T03:30:00"], &["names no time scale", "37 s", "--time-scale"]);
-    with(&["--start", "60536.1"], &["names no time scale", "37 s"]);
+    with(&["--start", "2024-08-14T03:30:00"], &["has no time scale", "37 s", "--time-scale"]);
+    with(&["--start", "60536.1"], &["has no time scale", "37 s"]);
     with(&["--start", "1850-01-01T00:00:00Z"], &["1957", "2099"]);
     with(&["--start", "3000-01-01T00:00:00Z"], &["1957", "2099"]);
-    with(&["--start", "2024-08-14T23:59:60Z"], &["no leap second"]);
+    with(&["--start", "2024-08-14T23:59:60Z"], &["only where a leap second was inserted"]);
     with(&["--start", "yesterday"], &["invalid time 'yesterday'", "ISO 8601"]);
-    with(&["--exposure", "30"], &["exposure 30 has no unit", "30s"]);
-    with(&["--exposure", "-30s"], &["exposure -30 s: allowed 0 s or more"]);
-    with(&["--fov", "0deg"], &["fov 0 deg: allowed above 0 deg, at most 180 deg"]);
+    with(&["--exposure", "30"], &["exposure is 30, without a unit", "30s"]);
+    with(&["--exposure", "-30s"], &["exposure is -30 s; allowed: 0 s or more"]);
+    with(&["--fov", "0deg"], &["fov is 0 deg; allowed: above 0 deg, at most 180 deg"]);
     with(&["--ra", "nan"], &["nan", "right ascension"]);
     with(&["--dec", "inf"], &["inf", "declination"]);
-    with(&["--fov", "3.5"], &["fov 3.5 has no unit", "3.5deg"]);
+    with(&["--fov", "3.5"], &["fov is 3.5, without a unit", "3.5deg"]);
     with(&["--ra", "25h"], &["25h", "right ascension"]);
     with(&["--dec", "-91"], &["-91", "declination"]);
     with(&["--dec", "85"], &["below the horizon", "allowed: 0 deg or more"]);
@@ -172,7 +172,7 @@ fn invalid_numbers() {
     ] {
         for (typed, shown) in [("nan", "NaN"), ("inf", "inf"), ("1e300", "1000")] {
             let typed = format!("--{name}={typed}");
-            let parts = [&*format!("error: {name} {shown}"), &*format!(": allowed {allowed}")];
+            let parts = [&*format!("error: {name} is {shown}"), &*format!("; allowed: {allowed}")];
             fails(&[POINTING, SITE, SHELLS, &[&typed]], &parts);
             fails(&[&flag(&schedule), &[&typed]], &parts);
         }
@@ -201,7 +201,7 @@ fn invalid_schedules() {
     fails(&[&flag(&folder.path().display().to_string())], &["is a directory"]);
     fails(&[&flag("/nowhere.csv")], &["/nowhere.csv"]);
     let mjd = b"exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n1,60536.14,30,280,-30\n";
-    schedule("mjd.csv", mjd, &["missing time scale of column start_mjd", "--time-scale utc, tai or tt", "37 s"]);
+    schedule("mjd.csv", mjd, &["the time scale of column start_mjd is missing", "--time-scale utc, tai or tt", "37 s"]);
     let early = format!("{HEADER}1,1850-08-14T03:30:00Z,30,280,-30\n");
     // Rows that cannot be evaluated are reported in the result and are not an error.
     let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);
@@ -222,14 +222,14 @@ fn unknown_arguments() {
     fails(&[POINTING, SITE, SHELLS, &["--band", "q"]], &["unknown band \"q\""]);
     fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["unknown telescope \"hubble\"", "rubin"]);
     fails(&[POINTING, SITE, SHELLS, &["--time-scale", "ut"]], &["time scale 'ut'", "utc, tai, tt"]);
-    fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["invalid threads 0; allowed: 1 to 1024"]);
-    fails(&[POINTING, SITE, SHELLS, &["--threads", "100000"]], &["invalid threads 100000; allowed: 1 to 1024"]);
+    fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads is 0; allowed: 1 to 1024"]);
+    fails(&[POINTING, SITE, SHELLS, &["--threads", "100000"]], &["threads is 100000; allowed: 1 to 1024"]);
     fails(
         &[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]],
-        &["min-probability 1.5: allowed above 0, at most 1"],
+        &["min-probability is 1.5; allowed: above 0, at most 1"],
     );
     fails(&[POINTING, SITE, SHELLS, &["--field", "x.json"]], &["--fov and --field exclude each other"]);
-    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples 100001: allowed 0 to 100000"]);
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples is 100001; allowed: 0 to 100000"]);
     fails(&[POINTING, SITE, SHELLS, &["--nonsense"]], &["--nonsense"]);
     fails(&[&["passses"]], &["passses", "passes"]);
     let config = file(&folder, "c.toml", b"limitmag = 7\n");
@@ -327,7 +327,7 @@ fn suspicious_schedules_give_warnings() {
     let policy = file(&folder, "p.toml", b"limit_mag = {g = 7.0}\n");
     let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
     assert_eq!(code, 0, "{stderr}");
-    assert!(stderr.contains("warning: 1 exposures have the id of an earlier one"), "{stderr}");
+    assert!(stderr.contains("warning: 1 exposures have the exposure_id of an earlier one"), "{stderr}");
     assert!(
         stderr.contains("warning: limit_mag of the policy has no value for band none, q and no default"),
         "{stderr}"

@@ -1,4 +1,4 @@
-//! `streakcast doctor`: checks before the night.
+//! `streakcast doctor`: check of the setup.
 
 use crate::common::cli::{path, run};
 use crate::common::elements::pair;
@@ -108,7 +108,7 @@ fn the_cache_is_checked() {
         "{all:?}"
     );
     assert!(
-        all.iter().any(|one| one.0 == "warning" && one.2.contains("was fetched, and the file is missing")),
+        all.iter().any(|one| one.0 == "warning" && one.2.contains("was fetched, but the file is missing")),
         "{all:?}"
     );
     std::fs::write(folder.path().join("celestrak-active.csv"), "x").unwrap();
@@ -183,7 +183,7 @@ fn no_finding_contradicts_another() {
     }
     assert!(page.contains("time: 2026-08-14T12:00:00Z, as given") && page.contains("satchecker --epoch"), "{page}");
     assert_eq!(page.matches(" models: ").count(), 1, "{page}");
-    // Unreadable models: no finding claims that every satellite has one.
+    // If models cannot be read, no finding states that every satellite has one.
     let config = path(&folder, "c.toml");
     std::fs::write(&config, "[models]\nfiles = ['no-such-model.json']\n").unwrap();
     let (code, page, _) = doctor(&["--elements", &elements, "--config", &config, "--cache", &cache]);

@@ -160,7 +160,7 @@ fn within_the_waiting_time_no_request_is_sent_and_the_cached_file_is_used() {
         "{stderr}"
     );
     assert!(server.requests().is_empty());
-    // Without a cached file this is an error.
+    // A failed request without a cached file is an error.
     std::fs::remove_file(cache.file()).unwrap();
     let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T13:59:00Z", &[]);
     assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
@@ -181,7 +181,7 @@ fn later_requests_are_conditional_and_304_keeps_the_file() {
     let record = cache.record();
     assert_eq!((&record["fetched_utc"], &record["asked_utc"]), (&"2024-08-12T12:00:00Z".into(), &NOON.into()));
     assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
-    // A file changed by another program is not what the server means by "not modified".
+    // "Not modified" does not apply to a file that another program has changed.
     std::fs::write(cache.file(), elements("sample.2le")).unwrap();
     let server = Server::one(ok(elements("sample.csv"), ""));
     assert_eq!(cache.run(&server.url, "2024-08-15T12:00:00Z", &[]).0, 0);
@@ -199,7 +199,7 @@ fn a_newer_file_replaces_the_old_one() {
     assert_eq!(cache.record()["fetched_utc"], NOON);
 }
 
-/// For each server failure the valid file is kept, the record has the reason, and the next request waits.
+/// After each failure of the server the valid file is kept, the sidecar has the reason, and the next request must wait.
 #[test]
 fn no_failure_replaces_a_valid_file() {
     let status = |status: &'static str, headers: &'static str, body: &'static str| -> Reply {
@@ -232,7 +232,7 @@ fn no_failure_replaces_a_valid_file() {
         (status("200 OK", "Content-Type: image/png\r\n", "\u{1}PNG"), &[], "no element sets"),
         (status("200 OK", "", ""), &[], "nothing"),
         (status("200 OK", "Content-Encoding: gzip\r\n", "this is not gzip"), &[], "with a truncated body"),
-        // More bytes are announced than sent.
+        // The response announces more bytes than it sends.
         (
             Box::new(move |stream| {
                 send(stream, format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n", half.len()).as_bytes());
@@ -241,7 +241,7 @@ fn no_failure_replaces_a_valid_file() {
             &[],
             "with a truncated body",
         ),
-        // No length is given, and the last record is cut.
+        // The response has no length, and its last record is cut.
         (
             Box::new(move |stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n");
@@ -256,9 +256,9 @@ fn no_failure_replaces_a_valid_file() {
             &[],
             "with a truncated body",
         ),
-        // More bytes than the limit.
+        // The response has more bytes than the limit.
         (Box::new(ok(vec![b'1'; 5_000], "")), &["--max-bytes", "1000"], "more than the limit of 1000 bytes"),
-        // Single bytes with long pauses.
+        // The server sends single bytes with long pauses.
         (
             Box::new(|stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n");
@@ -270,9 +270,9 @@ fn no_failure_replaces_a_valid_file() {
             &["--timeout", "5s"],
             "with a truncated body",
         ),
-        // No response.
+        // The server does not respond.
         (Box::new(|stream| _ = stream.read(&mut [0])), &["--timeout", "5s"], "no response"),
-        // Closed at once; not HTTP.
+        // The connection is closed at once, or the response is not HTTP.
         (Box::new(|_| {}), &[], "no response"),
         (Box::new(|stream| send(stream, b"SSH-2.0-OpenSSH_9.6\r\n")), &[], "no response"),
     ];
@@ -336,7 +336,7 @@ fn failed_connections_start_no_waiting_time() {
     assert_eq!(cache.run(&server.url, NOON, &[]).0, 0);
 }
 
-/// A login without connection starts no waiting time.
+/// A login that does not reach the server starts no waiting time.
 #[test]
 fn a_login_without_connection_starts_no_waiting_time() {
     let cache = Cache::new();
@@ -346,7 +346,7 @@ fn a_login_without_connection_starts_no_waiting_time() {
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (code, _, stderr) = cache.source(&words, &format!("http://{gone}"), NOON, &[]);
     assert!(code == 2 && stderr.contains("no request was sent; you may retry now"), "{stderr}");
-    // A login that is received and then disconnected does.
+    // A login that the server receives before it disconnects starts one.
     let server = Server::one(|_| {});
     let (code, _, stderr) = cache.source(&words, &server.url, NOON, &[]);
     assert!(
@@ -470,7 +470,7 @@ fn invalid_arguments_send_no_request() {
         (vec!["celestrak", "--group", "../../etc"], "invalid group '../../etc'; allowed"),
         (vec!["celestrak", "--group", "a&b"], "allowed: 1 to 64 letters"),
         (vec!["satchecker", "--epoch", "yesterday"], "yesterday"),
-        (vec!["celestrak", "--group", "x", "--timeout", "5"], "no unit"),
+        (vec!["celestrak", "--group", "x", "--timeout", "5"], "timeout is 5, without a unit"),
         (vec!["space-track"], "--credentials"),
         (vec!["space-track", "--credentials", "/no/such/file"], "credentials /no/such/file"),
     ] {

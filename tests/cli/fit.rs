@@ -112,7 +112,7 @@ fn verif_interrupted_chains_can_be_resumed() {
     assert_eq!((whole.steps(), whole.walkers(), whole.parameters()), (60, 32, 7));
     assert_eq!(about.parameters, ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"]);
     assert_eq!(whole, cut);
-    // With other points the fit is a different one.
+    // A chain of other points is that of another fit, and is rejected.
     let (code, _, stderr) = run(
         folder.path(),
         &format!("{FIT} --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.npz -o m.json"),
@@ -169,19 +169,19 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (format!("{FIT} -o nowhere/m.json"), vec!["nowhere"]),
         (format!("{FIT} -o m.json --report r.txt"), vec!["r.txt", ".md or .html"]),
         (format!("{FIT} -o m.json --free c1,c9"), vec!["c9", "n_base"]),
-        (format!("{FIT} -o m.json --hold c1=2"), vec!["c1=2", "0 to 1"]),
+        (format!("{FIT} -o m.json --hold c1=2"), vec!["hold c1 is 2", "0 to 1"]),
         (format!("{FIT} -o m.json --hold c1"), vec!["NAME=NUMBER"]),
-        (format!("{FIT} -o m.json --scatter-mag 0"), vec!["scatter-mag 0"]),
-        (format!("{FIT} -o m.json --mcmc 100 --burn-in 100"), vec!["burn-in 100", "100 steps"]),
+        (format!("{FIT} -o m.json --scatter-mag 0"), vec!["scatter-mag is 0"]),
+        (format!("{FIT} -o m.json --mcmc 100 --burn-in 100"), vec!["burn-in is 100", "100 steps"]),
         (format!("{FIT} -o m.json --mcmc 100 --burn-in 5 --walkers 9"), vec!["9 walkers", "even"]),
         (format!("{FIT} -o m.json --mcmc 100 --burn-in 5 --walkers 12"), vec!["12 walkers", "at least 14"]),
-        (format!("{FIT} -o m.json --date banana"), vec!["date banana", "2026-11"]),
+        (format!("{FIT} -o m.json --date banana"), vec!["invalid date banana", "2026-11"]),
         (format!("{FIT} -o m.json --date 2026-13"), vec!["date 2026-13"]),
         (format!("{FIT} -o m.json --date 2026-02-30"), vec!["date 2026-02-30"]),
         (format!("{FIT} -o m.json --date 26-1"), vec!["date 26-1"]),
         (format!("{FIT} -o m.json --name My_Model"), vec!["My_Model", "lower-case"]),
-        (format!("{FIT} -o m.json --folds 1"), vec!["folds 1", "0, or 2 or more"]),
-        (FIT.replace("--raw-points", "--jackknife 7") + " -o m.json", vec!["jackknife 7", "7 free parameters"]),
+        (format!("{FIT} -o m.json --folds 1"), vec!["folds is 1", "0, or 2 or more"]),
+        (FIT.replace("--raw-points", "--jackknife 7") + " -o m.json", vec!["jackknife is 7", "7 free parameters"]),
         (FIT.replace("--raw-points", "--nside 0") + " -o m.json", vec!["nside", "1 to 1024"]),
         (format!("{FIT} -o m.json --report -"), vec!["report -"]),
         (format!("{FIT} -o m.json --report m.md --chains m-phase.png --mcmc 9 --burn-in 1"), vec!["given twice"]),
@@ -194,12 +194,12 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
         (format!("{FIT} -o m.json --nside 8"), vec!["--nside", "--raw-points"]),
         (format!("{FIT} -o m.json --seed 3"), vec!["--mcmc"]),
         (format!("{FIT} -o m.json --identified mmt.csv"), vec!["--elements"]),
-        (format!("{FIT} -o m.json --layer-deg 0"), vec!["layer-deg 0", "0.01 to 180"]),
+        (format!("{FIT} -o m.json --layer-deg 0"), vec!["layer-deg is 0", "0.01 to 180"]),
         (FIT.replace("--raw-points", "--min-count 100000") + " -o m.json", vec!["no pixel remains", "--min-count"]),
         (FIT.replace("--height-km 550", "") + " -o m.json", vec!["no geometry", "--height-km"]),
-        (FIT.replace("fit run", "fit compare") + " --folds 1", vec!["folds 1", "2 or more"]),
+        (FIT.replace("fit run", "fit compare") + " --folds 1", vec!["folds is 1", "2 or more"]),
         (FIT.replace("starlink-v1.5", "v2mini") + " -o m.json", vec!["v2mini", "two_panel or panels"]),
-        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "allowed: "]),
+        (FIT.replace("starlink-v1.5", "no-model") + " -o m.json", vec!["no-model", "allowed: "]),
         (FIT.replace("mmt.csv", "missing.csv") + " -o m.json", vec!["missing.csv"]),
         (FIT.replace("mmt.csv", "empty.csv") + " -o m.json", vec!["empty.csv has no rows"]),
         (FIT.replace("mmt.csv", "unknown.csv") + " -o m.json", vec!["unknown.csv"]),
@@ -271,7 +271,7 @@ fn verif_thresholds_are_options_and_are_listed() {
     );
     let rows = provenance["rows_through_Clear"].as_u64().expect("a number");
     assert_eq!(provenance["rows_left_out"].as_u64(), Some(rows - count(&high) as u64), "{provenance}");
-    // Rows flagged by the survey.
+    // The survey flags rows as in the penumbra.
     let table = fs::read_to_string(at("mmt.csv")).expect("a table");
     fs::write(at("mmt.csv"), table.replace(",Clear,0,", ",Clear,1,")).expect("a file");
     assert_eq!(count(&reduce("--keep-penumbra-flag")), count(&plain));
@@ -325,8 +325,8 @@ fn verif_poor_fits_are_reported_and_not_dropped() {
     assert_ne!(plain[0], held[0]);
 }
 
-/// MMT-9 tracks of identified satellites, computed from element sets: closer to the record, and at least as well
-/// explained.
+/// MMT-9 tracks of identified satellites: positions from element sets agree with the recorded ranges, and the model
+/// fits at least as well.
 #[test]
 fn valid_identified_tracks_use_element_sets() {
     let Some(data) = crate::common::data_dir() else { return };

@@ -180,7 +180,7 @@ fn verif_documents() {
     for (row, pass) in rows[1..].iter().zip(passes) {
         assert_eq!(row[4].parse::<f64>().ok(), pass["peak_magnitude"].as_f64());
         assert!(row[24].starts_with("predicted by streakcast") && &row[26] == "X05", "{row:?}");
-        // A satellite with measured photometry.
+        // The satellite has measured photometry.
         assert!([3, 9, 10, 11, 13, 14, 17, 18, 19, 21, 22, 23].iter().all(|&cell| row[cell].is_empty()), "{row:?}");
     }
 
@@ -280,7 +280,7 @@ fn messages_use_the_singular_for_one() {
         ["forecast", "--elements", &file, "--accept-bad-checksums", "--mpc", "X05", "--night", "2026-03-20"];
     let (code, _, stderr) = run(&[&arguments]);
     assert!(code == 0 && stderr.contains("1 record accepted despite a wrong checksum"), "{stderr}");
-    // One satellite and one high pass, selected by the minimum culmination.
+    // The selection has one satellite with one high pass, because of the minimum culmination.
     let all = json(&[NIGHT, SKY, PLANES]);
     let all = all["passes"].as_array().unwrap();
     let one = all.iter().map(|pass| number(&pass["max_altitude_deg"])).fold(0.0, f64::max);
@@ -300,25 +300,25 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
         (&["--night", "14.8.2024"][..], &["invalid night '14.8.2024'", "2024-08-14"][..]),
         (&[], &["missing time range", "--night DATE"]),
         (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
-        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["allowed 0 to 31 days"]),
+        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["; allowed: 0 to 31 days"]),
         (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-08-13T00:00:00Z"], &["the end not before the start"]),
-        (&["--night", "2024-08-14", "--min-altitude", "95"], &["min-altitude 95 deg", "below 90 deg"]),
-        (&["--night", "2024-08-14", "--min-altitude", "NaN"], &["min-altitude NaN"]),
-        (&["--night", "2024-08-14", "--sun-altitude-deg", "-100"], &["sun-altitude-deg -100 deg", "-90 to 90 deg"]),
-        (&["--night", "2024-08-14", "--max-mag", "99"], &["max-mag 99 mag", "-30 to 40 mag"]),
-        (&["--night", "2024-08-14", "--samples", "1000000"], &["samples 1000000", "0 to 10000"]),
+        (&["--night", "2024-08-14", "--min-altitude", "95"], &["min-altitude is 95 deg", "below 90 deg"]),
+        (&["--night", "2024-08-14", "--min-altitude", "NaN"], &["min-altitude is NaN"]),
+        (&["--night", "2024-08-14", "--sun-altitude-deg", "-100"], &["sun-altitude-deg is -100 deg", "-90 to 90 deg"]),
+        (&["--night", "2024-08-14", "--max-mag", "99"], &["max-mag is 99 mag", "-30 to 40 mag"]),
+        (&["--night", "2024-08-14", "--samples", "1000000"], &["samples is 1000000", "0 to 10000"]),
         (&["--night", "2024-08-14", "--generation", "starlink"], &["generation 'starlink'", "starlink-v2mini"]),
         (
             &["--night", "2024-08-14", "--name", "ISS (ZARYA)"],
             &["none of the 4408 satellites has a name with ISS (ZARYA)"],
         ),
-        (&["--night", "2024-08-14", "--norad", "x"], &["'x'", "NORAD catalogue numbers, 1 to 999999999"]),
+        (&["--night", "2024-08-14", "--norad", "x"], &["'x'", "not a NORAD catalogue number; allowed: 1 to 999999999"]),
         (&["--night", "2024-08-14", "--norad", "0"], &["'0'", "1 to 999999999"]),
-        (&["--night", "2024-08-14", "--alarm", "5min"], &["--alarm is only for calendars", "--format ics"]),
-        (&["--night", "2024-08-14", "--alarm", "5min", "--format", "csv"], &["--alarm is only for calendars"]),
+        (&["--night", "2024-08-14", "--alarm", "5min"], &["--alarm is given without a calendar", "--format ics"]),
+        (&["--night", "2024-08-14", "--alarm", "5min", "--format", "csv"], &["--alarm is given without a calendar"]),
         (
             &["--night", "2024-08-14", "--angle-type", "azel"],
-            &["--angle-type is only for tracking data", "--format tdm"],
+            &["--angle-type is given without a tracking data message", "--format tdm"],
         ),
         (&["--night", "2024-08-14", "--utc-offset", "CET"], &["invalid value 'CET'", "--utc-offset", "+01:00"]),
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
@@ -363,7 +363,7 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
 /// Passes counted as in the shadow are above the horizon in darkness within the time span, and never sunlit there.
 #[test]
 fn verif_shadow_counts_passes_in_darkness_only() {
-    // Sunlit, and set before darkness.
+    // The satellite is sunlit and sets before it is dark.
     let evening = ["--start", "2026-08-14T22:10:00Z", "--end", "2026-08-14T22:45:00Z", "--norad", "900002031"];
     let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
     assert_eq!(night["passes_in_shadow"], 0, "{night}");
@@ -402,19 +402,19 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");
-    // By file name extension, in any case.
+    // The extension of the file name selects the format, in upper or lower case.
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "NIGHT.ICS");
     done(&[NIGHT, SKY, PLANES, empty, &["-o", &file]]);
     assert!(fs::read_to_string(&file).unwrap().starts_with("BEGIN:VCALENDAR"));
-    // Also for passes that are never visible.
+    // The calendar has this event also if all passes are invisible.
     let unseen = ["forecast", "--start", "2026-08-15T04:00:00Z", "--end", "2026-08-15T04:00:10Z", "--include-dark"];
     let calendar = done(&[&unseen, SKY, &["--format", "ics"]]);
     assert!(calendar.matches("BEGIN:VEVENT").count() == 1 && calendar.contains("all passes are in the Earth's shadow"));
     assert_eq!(run(&[&unseen, SKY, &["--format", "tdm"]]).0, 2);
     let (code, stdout, stderr) = run(&[NIGHT, SKY, PLANES, empty, &["--format", "tdm"]]);
     assert!(code == 2 && stdout.is_empty(), "{stdout}");
-    assert!(stderr.contains("fainter than mag -8") && stderr.contains("at least one segment"), "{stderr}");
+    assert!(stderr.contains("fainter than mag -8") && stderr.contains("needs at least one"), "{stderr}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The gate: exit codes, standard input and status file; requests to a mount; errors that must not stop a night.
+//! `gate`: exit codes, standard input and status file; requests to a mount; errors that must not stop a night.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -19,9 +19,9 @@ const LIMIT: &[&str] = &["--limit-mag", "7", "--max-wait", "10min"];
 const NOW: &str = "2024-08-14T23:30:00.000Z";
 /// The same evening in the year of the invented satellite, with elements half a day old.
 const ELEMENTS_NOW: &str = "2026-08-14T23:30:00.000Z";
-/// Time limit of a run with a result that does not depend on it; it only ends a hang.
+/// Time limit that only ends a hanging run; the result does not depend on it.
 const LONG: &str = "600s";
-/// Time limit of a run that is ended by it.
+/// Time limit of a run that ends with a timeout.
 const SHORT: &str = "3s";
 
 #[track_caller]
@@ -135,8 +135,8 @@ fn usage_errors_have_exit_code_2_always() {
         (&[GATE][..], "missing pointing; specify --ra and --dec"),
         (&[GATE, &["--ra", "10"]], "--dec"),
         (&[&GATE[..7], POINTING], "missing exposure time"),
-        (&[GATE, POINTING, &["--max-wait", "90"]], "max-wait 90 has no unit"),
-        (&[GATE, POINTING, &["--max-wait", "25h"]], "allowed 0 to 86400 s"),
+        (&[GATE, POINTING, &["--max-wait", "90"]], "max-wait is 90, without a unit"),
+        (&[GATE, POINTING, &["--max-wait", "25h"]], "max-wait is 90000 s; allowed: 0 to 86400 s"),
         (&[GATE, POINTING, &["--now", "yesterday"]], "invalid time 'yesterday'"),
         (&[GATE, &["--ra", "25h", "--dec", "0"]], "25h"),
         (&[GATE, POINTING, &["--stdin", "nina"]], "nina"),
@@ -172,12 +172,12 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
         crate::common::elements::pair(25544, "227.50000000") + &crate::common::elements::pair(25545, "227.50000000");
     let many: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
     check("elements", "elements.tle", 1, ELEMENTS_NOW);
-    // Half a record, as from a slow copy.
+    // The file ends within a record, as during a slow copy.
     fs::write(&elements, &all[..100]).unwrap();
     check("elements", "elements.tle", 2, ELEMENTS_NOW);
     fs::write(&elements, "").unwrap();
     check("elements", "is empty", 3, ELEMENTS_NOW);
-    // Complete file, clear field: there are few satellites.
+    // The file is complete, and the field is clear because there are few satellites.
     fs::write(&elements, &many).unwrap();
     let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
     assert_eq!(code, 0, "{stderr}");
@@ -211,7 +211,7 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     assert!(is_believed(&last, 1, "ends with a broken record"));
     assert!(is_believed(&many, 0, "clear now"));
     assert!(is_believed(&quarter, 11, "clear now"));
-    // Weeks old: waiting times are not reliable.
+    // Element sets that are weeks old do not give reliable waiting times.
     fs::write(&elements, &many).unwrap();
     check("stale_elements", "100 % of the elements are more than 14 days from now", 1, "2026-09-14T23:30:00Z");
 }
@@ -223,7 +223,7 @@ fn elements_being_replaced_are_read_again() {
     let whole: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
     let base: &[&str] =
         &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
-    // The gate reads for 0.9 s. On a loaded machine the writer may be later than that, and the attempt is repeated.
+    // The gate retries for 0.9 s. On a loaded machine the writer may be later, and the test is then repeated.
     let end = Instant::now() + Duration::from_secs(120);
     loop {
         fs::write(&elements, &whole[..60]).unwrap();
@@ -423,7 +423,7 @@ fn faulty_servers_do_not_stop_the_gate() {
         (vec![CCD.to_owned()], true, "no mount"),
         (vec![eod("Ok", STAMP)[..120].to_owned()], true, "no mount"),
         (vec!["\u{1}<<<&&>>\"garbage\u{7f}".to_owned(); 3], true, "no mount"),
-        (vec![eod("Busy", STAMP)], true, "Mount is Busy, not at rest"),
+        (vec![eod("Busy", STAMP)], true, "Mount is Busy; allowed: a mount at rest"),
         (vec![eod("Busy", STAMP) + &second], false, "several mounts (Mount, Other)"),
         (vec![eod("Ok", STAMP) + &place("-30.2446", "289.2506") + &second], false, "several mounts (Mount, Other)"),
         (vec![wrong], false, "invalid pointing of Mount: 14.5 h, -300 deg"),

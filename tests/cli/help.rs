@@ -42,7 +42,7 @@ fn examples(help: &str) -> Vec<&str> {
     list.lines().map(str::trim).filter(|line| !line.is_empty()).collect()
 }
 
-/// Every example is complete: it runs, or fails because a file of the example does not exist here.
+/// Every example is complete: it runs, or fails only because a file of the example does not exist here.
 #[test]
 fn every_verb_has_two_working_examples() {
     let mut completed = 0;
@@ -52,10 +52,11 @@ fn every_verb_has_two_working_examples() {
         for example in examples {
             let mut words: Vec<&str> = example.split_whitespace().collect();
             assert_eq!(words.remove(0), "streakcast", "{example}");
-            // Verbs that use the network or take long get an invalid value, which is checked after all flags are parsed.
+            // Verbs that use the network or take long are run with an invalid value, which is checked after all flags
+            // are parsed.
             let end = match words[..words.len().min(2)] {
-                ["fetch", _] => Some((["--timeout", "0s"], "timeout 0 s: allowed")),
-                ["reproduce", _] | ["map", "paper"] => Some((["--threads", "0"], "invalid threads 0; allowed")),
+                ["fetch", _] => Some((["--timeout", "0s"], "timeout is 0 s; allowed")),
+                ["reproduce", _] | ["map", "paper"] => Some((["--threads", "0"], "threads is 0; allowed")),
                 _ => None,
             };
             words.extend(end.iter().flat_map(|(flag, _)| flag));
@@ -133,7 +134,7 @@ fn all_missing_inputs_are_in_one_error() {
         &[&sky[..], &[field, "picture (-o FILE)", "schedule (--schedule FILE, or --from FILE)"]].concat(),
     );
     misses("plot sky-rate", &[&sky[..], &[field, "picture (-o FILE)", exposure[0], exposure[1]]].concat());
-    // A single one, with its flags.
+    // The error of a single missing input names its flags.
     misses("forecast --night 2024-08-14 --mpc X05", &["missing satellites; specify --elements FILE or --shells NAME"]);
     misses("plot body --model visorsat --sun-latitude-deg 20", &["missing picture; specify -o FILE"]);
 }

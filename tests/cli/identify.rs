@@ -79,7 +79,7 @@ fn invalid_streaks_give_one_line() {
     std::fs::write(&region, "fk5\ncircle(1,2,3\")\n").unwrap();
     let shutter = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
     let with = |words: &[&'static str]| [words.to_vec(), shutter.to_vec()].concat();
-    #[cfg_attr(not(feature = "fits"), allow(unused_mut))]
+    #[cfg_attr(not(all(feature = "fits", unix)), allow(unused_mut))]
     let mut cases: Vec<(Vec<&str>, &str)> = vec![
         (shutter.to_vec(), "missing streak; specify --end RA,DEC twice"),
         (with(&["--end", "1,2"]), "--end is given once; allowed: twice"),
@@ -94,18 +94,18 @@ fn invalid_streaks_give_one_line() {
         (vec!["--end", "1,2", "--end", "2,3", "--start", "2026-08-14T23:29:05Z"], "missing exposure time"),
         (
             vec!["--end", "1,2", "--end", "2,3", "--times", "2026-08-14T23:29:05Z", "2026-08-14T23:29:05Z"],
-            "times: the second is 0 s after",
+            "the second of --times is 0 s after",
         ),
-        (with(&["--end", "1,2", "--end", "2,3", "--place-sigma", "5"]), "has no unit"),
+        (with(&["--end", "1,2", "--end", "2,3", "--place-sigma", "5"]), "place-sigma is 5, without a unit"),
         (with(&["--end", "1,2", "--end", "2,3", "--fov", "3deg"]), "--fov has no effect"),
         (with(&["--end", "10,80", "--end", "11,80"]), "the streak is below the horizon of Rubin Observatory"),
-        (with(&["--end", "1,2", "--end", "2,3", "--top", "0"]), "top 0; allowed: 1 or more"),
-        (with(&["--ra", "1", "--dec", "2", "--position-angle", "400"]), "position angle 400"),
+        (with(&["--end", "1,2", "--end", "2,3", "--top", "0"]), "top is 0; allowed: 1 or more"),
+        (with(&["--ra", "1", "--dec", "2", "--position-angle", "400"]), "position angle is 400"),
         (with(&["--ra", "1", "--dec", "2", "--position-angle", "4", "--whole-streak"]), "a streak of known length"),
         ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: unsupported shape 'circle'"),
         (with(&["--region", "missing.reg"]), "missing.reg"),
     ];
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     cases.extend([
         (vec!["--image", "missing.fits", "--from-pix", "1,2", "--to-pix", "3,4"], "missing.fits"),
         (vec!["--image", "missing.fits", "--from-pix", "1;2", "--to-pix", "3,4"], "pixel '1;2'; allowed: X,Y"),
@@ -133,7 +133,7 @@ fn valid_a_ds9_region_is_a_streak() {
     assert_eq!(answer["candidates"][0]["name"], "STARLINK-1498", "{answer}");
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn valid_a_frame_provides_position_and_time() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -160,7 +160,7 @@ fn valid_a_frame_provides_position_and_time() {
     }
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 fn hdu_of_s28(frame: &str) -> usize {
     let frame = streakcast::images::FrameFile::open(std::path::Path::new(frame)).unwrap();
     frame.hdus().iter().find(|hdu| hdu.name == "S28").unwrap().index

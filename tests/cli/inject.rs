@@ -42,10 +42,10 @@ fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
     let counts: f64 = numbers(&rows, "counts").iter().sum();
     let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
     let added: f64 = old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum();
-    // Single precision with a sky of a thousand counts: 1e-4 of a count per pixel.
+    // Rounding to single precision, with a sky of a thousand counts, has an error of 1e-4 counts per pixel.
     assert!((added - counts).abs() < 1e-4 * counts, "{added} {counts}");
-    // LSST bits: STREAK 0, INJECTED 1. Changed pixels are marked, except for the faintest wings; pixels with STREAK
-    // also have INJECTED.
+    // LSST bits are STREAK 0 and INJECTED 1. Changed pixels are marked, except for the faintest wings. Pixels with
+    // STREAK also have INJECTED.
     assert!(mask.iter().all(|&bits| [0.0, 2.0, 3.0].contains(&bits)));
     let unmarked: f64 = old
         .iter()
@@ -57,7 +57,7 @@ fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
     assert!(unmarked.abs() < 1e-2 * counts, "{unmarked}");
     let stands_out = mask.iter().filter(|&&bits| bits == 3.0).count();
     assert!(stands_out > 300, "{stands_out}");
-    // Both streaks end at the frame's border, or where the shutter closed.
+    // Both streaks end at the frame's border, or at the position at which the shutter closed.
     for (x, y) in numbers(&rows, "x1_pix").into_iter().zip(numbers(&rows, "y1_pix")) {
         assert!((0.5..=400.5).contains(&x) && (0.5..=300.5).contains(&y));
     }
@@ -213,7 +213,7 @@ fn verif_a_tracked_satellite_is_a_point_with_its_total_light() {
 fn verif_stars_trail_with_non_sidereal_tracking() {
     let folder = TempDir::new().unwrap();
     let [description, list] = ["sky.toml", "stars.csv"].map(|name| path(&folder, name));
-    // One star in the centre of a frame without noise.
+    // The frame has one star in its centre and no noise.
     let sky = "columns = 400\nrows = 300\npixel_scale_arcsec = 0.5\nzero_point_1s_mag = 25.0\nsky_mag_arcsec2 = 40\n\
         star_list = 'stars.csv'\ndetector = { shot_noise = false }\n";
     fs::write(&description, sky).unwrap();
@@ -342,8 +342,8 @@ fn verif_faint_light_is_not_rounded_away() {
             pixels += old.iter().zip(&new).filter(|(old, new)| old != new).count() as f64;
             expected_counts += numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum::<f64>();
         }
-        // A pixel of x counts becomes 1 with probability x: its variance is below 1/4 count²; photon noise adds to it.
-        // Five sigma.
+        // A pixel of x counts is rounded to 1 with probability x, with a variance below 1/4 count², to which photon
+        // noise is added. Five sigma.
         let sigma = (4.0 * 0.25 * 400.0 * 40.0 + noise * expected_counts).sqrt();
         assert!(
             (added - expected_counts).abs() < 5.0 * sigma && pixels > 500.0,
@@ -384,7 +384,7 @@ fn verif_resolved_panels_are_two_light_sources() {
     // The total light is the same; at a corner of the frame one of the paths is a few pixels longer.
     let together: f64 = apart.iter().map(|(_, counts)| counts).sum();
     assert!((together / whole[0].1 - 1.0).abs() < 0.05, "{together} {}", whole[0].1);
-    // The light is distributed differently.
+    // The total is the same, but its distribution differs.
     let moved: f64 = whole_values.iter().zip(&apart_values).map(|(a, b)| f64::from((a - b).abs())).sum();
     assert!(moved > 0.05 * together, "{moved} {together}");
 }
@@ -532,7 +532,7 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
         (&plain, &plain, [random, seeing].concat(), &["plain.fits", "input"]),
         (&plain, &output, random.to_vec(), &["--seeing", "--telescope"]),
         (&plain, &output, [random, seeing, &["--psf", "moffat:1"]].concat(), &["moffat:1", "2 to 100"]),
-        (&plain, &output, [random, seeing, &["--hdu", "4"]].concat(), &["no HDU 4", "0 to 0"]),
+        (&plain, &output, [random, seeing, &["--hdu", "4"]].concat(), &["HDU 4 is missing", "0 to 0"]),
         (&plain, &output, [random, seeing, &["--glint", "3,0"]].concat(), &["--glint", "3 numbers"]),
         (&plain, &output, [random, seeing, &["--tumbling", "0,1"]].concat(), &["period", "0.02 to 1e5"]),
         (&plain, &output, [random, seeing, &["--exposure", "0s"]].concat(), &["exposure", "above 0"]),

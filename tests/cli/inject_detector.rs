@@ -26,7 +26,7 @@ fn verif_noise_beside_large_numbers_loses_no_light() {
         let image = ImageValues::new(SIDE, pixels).unwrap();
         let image = NewImage { name: "", values: &image, cards: &cards, rice: None };
         write_frame(Path::new(&input), &[image]).unwrap();
-        // A peak of some 30 counts: half of the resolution of single precision at 1e9.
+        // The peak is about 30 counts, half of the resolution of single precision at 1e9.
         let light = ["--random-streaks", "1", "--magnitude", "8", "--zero-point-1s", "22", "--gain", "2"];
         let sky =
             ["--pixel-scale", "1arcsec", "--seeing", "2.5arcsec", "--start", "2024-08-14T00:30:00Z", "--seed", "3"];
@@ -35,7 +35,7 @@ fn verif_noise_beside_large_numbers_loses_no_light() {
         let counts: f64 = numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum();
         let (sum, peak) = (added.iter().sum::<f64>(), added.iter().copied().fold(0.0, f64::max));
         assert!((5.0..200.0).contains(&peak), "{peak}");
-        // Two electrons per count; six sigma.
+        // The gain is two electrons per count; the tolerance is six sigma.
         let allowed = 6.0 * (counts / 2.0).sqrt();
         assert!((sum - counts).abs() < allowed && allowed < 0.04 * counts, "{number}: {sum} {counts}");
     }
@@ -60,7 +60,7 @@ fn verif_bleeding_and_ghosts_are_masked() {
     let files = ["--image", &plain, "-o", &output, "--detector", &detector, "--quiet", "--seed", "5"];
     done(&[&["inject"], &files, &["--random-streaks", "1", "--magnitude", "1", "--seeing", "2.5arcsec"]]);
     let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
-    // The sky noise is 17.5 counts; one count is added.
+    // The sky noise is 17.5 counts; streaks of one count are added.
     let [mut changed, mut unmasked, mut alone, mut idle] = [0; 4];
     for ((old, new), bits) in old.iter().zip(&new).zip(&mask) {
         let change = (new - old).abs();

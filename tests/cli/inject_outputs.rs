@@ -119,7 +119,7 @@ fn verif_options_of_satellites_are_rejected_for_random_streaks() {
     ] {
         let (code, stdout, stderr) = run(&[arguments, RANDOM, option]);
         assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
-        assert!(stderr.contains(&format!("{} is for satellites", option[0])), "{stderr}");
+        assert!(stderr.contains(&format!("{} has no effect on random streaks", option[0])), "{stderr}");
     }
     // A configuration file may contain options of other verbs.
     let config = path(&folder, "config.toml");

@@ -17,7 +17,7 @@ const PASSES: &[&str] = &[
     "80deg",
 ];
 
-/// Satellite, magnitude and altitude of every pass with a magnitude.
+/// Returns satellite, magnitude and altitude of every pass with a magnitude.
 fn magnitudes(answer: &Value) -> Vec<(u64, f64, f64)> {
     let of = |pass: &Value| {
         Some((pass["norad_id"].as_u64()?, pass["magnitude"].as_f64()?, pass["altitude_deg"].as_f64()?.to_radians()))

@@ -13,17 +13,17 @@ mod fetch;
 mod fit;
 mod forecast;
 mod gate;
-#[cfg(all(feature = "fit", feature = "fits", feature = "plot", feature = "serve", feature = "fetch"))]
+#[cfg(all(feature = "fit", feature = "fits", unix, feature = "plot", feature = "serve", feature = "fetch"))]
 mod help;
 #[cfg(feature = "cli")]
 mod identify;
-#[cfg(all(feature = "cli", feature = "fits"))]
+#[cfg(all(feature = "cli", feature = "fits", unix))]
 mod inject;
-#[cfg(all(feature = "cli", feature = "fits"))]
+#[cfg(all(feature = "cli", feature = "fits", unix))]
 mod inject_detector;
-#[cfg(all(feature = "cli", feature = "fits"))]
+#[cfg(all(feature = "cli", feature = "fits", unix))]
 mod inject_outputs;
-#[cfg(all(feature = "cli", feature = "fits"))]
+#[cfg(all(feature = "cli", feature = "fits", unix))]
 mod inject_raw;
 mod magnitudes;
 mod main_job;

@@ -1,4 +1,4 @@
-//! The main task of the command line: elements and a schedule in, passes and verdicts out, in every format.
+//! The main task of the command line: passes and verdicts in every format, from elements and a schedule.
 
 use std::fs;
 
@@ -181,7 +181,7 @@ fn schedules_in_four_formats_give_the_same_flags() {
 
 #[test]
 fn a_next_clear_start_is_the_earliest_clear_one() {
-    /// Ten degrees wide, so that some exposures must wait.
+    /// Field ten degrees wide, so that some exposures must wait.
     const WIDE: &[&str] = &["--fov", "10deg"];
     let folder = tempfile::tempdir().unwrap();
     fs::write(path(&folder, "s.csv"), evening()).unwrap();
@@ -320,7 +320,7 @@ fn bare_dates_use_the_given_scale() {
     assert_eq!(first("mjd.csv", &["--time-scale", "tt"]), at("28:50.816", "tt"));
     assert_eq!(first("tai.csv", &[]), at("29:23.000", "tai"));
     assert_eq!(first("utc.csv", &["--time-scale", "utc"]), at("30:00.000", "utc"));
-    // Two scales for one column are an error; a Z in a cell takes precedence.
+    // A flag and a column name with different scales are an error; a Z in a cell takes precedence.
     let named = ["flag", "--schedule", &path(&folder, "utc.csv"), "--fov", "0.1deg", "--time-scale", "tai"];
     let (code, _, stderr) = run(&[&named, SKY]);
     assert_eq!(code, 2, "{stderr}");
@@ -359,7 +359,7 @@ fn csv_schedules_are_annotated_and_keep_all_bytes() {
     let streaks = records(&fs::read_to_string(path(&folder, "out.streaks.csv")).unwrap());
     let count: usize = flags[1..].iter().map(|flag| flag[2].parse::<usize>().unwrap()).sum();
     assert_eq!(streaks.len() - 1, count);
-    // In place, and a second time only with the flag.
+    // An annotation in place replaces an earlier annotation only with the flag.
     let again = |more: &[&str]| run(&[&["annotate", "--schedule", &output, "-o", &output], more, FLAG, SKY]);
     assert_eq!(again(&[]).0, 2);
     assert_eq!(again(&["--replace"]).0, 0);
@@ -430,7 +430,7 @@ fn lists_of_models_sites_and_shells() {
 fn starlink_1102_is_found_in_a_decam_exposure() {
     let Some(data) = crate::common::data_dir() else { return };
     let elements = data.join("tle/supgp/starlink_supgp_2020-02-23.tle").display().to_string();
-    // Header of exposure 941420: DATE-OBS, EXPTIME, RA, DEC.
+    // Values of DATE-OBS, EXPTIME, RA and DEC in the header of exposure 941420.
     let words = [
         "passes",
         "--elements",

@@ -49,10 +49,10 @@ fn rubins_night_is_flagged() {
     assert_eq!(count("invalid"), 0);
     let (code, _, stderr) = run(&[&words[..5], &words[7..]]);
     assert_eq!(code, 2);
-    assert!(stderr.contains("missing time scale of column observationStartMJD"), "{stderr}");
+    assert!(stderr.contains("the time scale of column observationStartMJD is missing"), "{stderr}");
 }
 
-/// An error of 37 s changes the result: of 30 s visits crossed by one satellite, almost none keeps that satellite.
+/// A time error of 37 s changes the result: almost no visit of 30 s is still crossed by the same satellite.
 #[test]
 fn tai_read_as_utc_finds_other_satellites() {
     let Some(data) = crate::common::data_dir() else { return };

@@ -1,4 +1,4 @@
-//! The server: results and warnings equal those of the command line.
+//! `serve`: results and warnings equal those of the command line.
 
 use std::collections::BTreeSet;
 use std::io::{Read, Write};
@@ -28,7 +28,7 @@ fn the_night_equals_flag() {
     for statement in ["version", "shells", "site", "models", "earth_orientation", "band"] {
         assert_eq!(night["provenance"][statement], flags["provenance"][statement], "{statement}");
     }
-    // Day at both ends, dark in between.
+    // The Sun is up at both ends of the night and down in between.
     let sun: Vec<f64> =
         night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
     assert!(sun[0] > 30.0 && sun[sun.len() - 1] > 30.0 && sun.iter().copied().fold(90.0, f64::min) < -40.0, "{sun:?}");
@@ -95,7 +95,7 @@ fn other_starts_and_limits_equal_a_schedule_with_them() {
         verdicts.insert(flag["verdict"].as_str().unwrap().to_owned());
     }
     assert!(verdicts.len() > 1, "{verdicts:?}");
-    // The next clear start is clear.
+    // An exposure at the next clear start is clear.
     let first = server.json(&format!("/api/v1/exposure?{FIRST}"));
     let next = first["flags"][0]["next_clear_start_utc"].as_str().unwrap();
     let then = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", next)));
@@ -177,7 +177,8 @@ fn warnings_of_the_command_line_are_in_the_responses() {
             "{start}"
         );
     }
-    // The same for the sky and SatChecker's paths; the time at which a satellite fails depends on the request.
+    // The sky and SatChecker's paths have the same warnings; the time at which a satellite fails depends on the
+    // request.
     let words = |answer: &Value| -> Vec<String> {
         let warnings = answer["warnings"].as_array().unwrap().iter();
         warnings.map(|one| one.as_str().unwrap().split("SGP4").next().unwrap().to_owned()).collect()
@@ -188,7 +189,7 @@ fn warnings_of_the_command_line_are_in_the_responses() {
         assert_eq!(words(&answer), words(&exposure), "{target}");
         assert_eq!((&answer["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
     }
-    // Shells are computed for the day of the schedule: other days are reported.
+    // Shells are generated for the day of the schedule; a request for another day has a warning.
     let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
     assert!(
         answer["warnings"].to_string().contains("the shells were generated for 2026-08-14"),
@@ -280,7 +281,7 @@ fn the_dome_contains_the_crossings_of_the_field() {
     assert_eq!(table.len(), ours.len());
     for (theirs, ours) in table.iter().zip(ours) {
         match (theirs["magnitude"].as_f64(), ours.as_f64()) {
-            // Both are rounded, as is the Sun of the request.
+            // The map, the response and the Sun of the request are rounded.
             (Some(theirs), Some(ours)) => assert!((theirs - ours).abs() < 0.02, "{theirs} {ours}"),
             (theirs, ours) => assert_eq!(theirs.is_some(), ours.is_some(), "{theirs:?} {ours:?}"),
         }
@@ -300,7 +301,7 @@ const ABOVE: &[&str] = &["altitude", "azimuth", "dec", "julian_date", "name", "n
 #[test]
 fn satchecker_shapes_carry_magnitudes() {
     let server = shared();
-    // 2026-08-14T23:29:05Z; coordinates of X05.
+    // The time is 2026-08-14T23:29:05Z, the site that of the MPC code X05.
     let site = server.json("/api/v1/night")["site"].clone();
     let place =
         format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
@@ -410,7 +411,7 @@ fn openapi_describes_all_paths() {
 fn a_stop_completes_open_requests() {
     for signal in ["-TERM", "-INT"] {
         let server = serve(&[]);
-        // Half a request has arrived before the signal: it is answered, then the server ends. The result is cached,
+        // Half a request arrives before the signal. The server completes it, and then ends. The result is cached,
         // because the server waits at most 10 s.
         let target = format!("/api/v1/exposure?{FIRST}");
         server.json(&target);

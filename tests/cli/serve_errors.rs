@@ -69,7 +69,7 @@ fn is_last_problem(answer: &Response, status: u16, words: &str) {
     assert!(document["title"].is_string() && document["detail"].as_str().unwrap().contains(words), "{document}");
 }
 
-/// A request for `/health` with these lines of head, and what follows it.
+/// Returns a request for `/health` with these header lines, followed by these bytes.
 fn request(method: &str, lines: &str, body: &str) -> Vec<u8> {
     format!("{method} /health HTTP/1.1\r\nHost: localhost\r\n{lines}\r\n{body}").into_bytes()
 }
@@ -123,7 +123,7 @@ fn incomplete_and_late_heads_get_problem_documents() {
     broken.write_all(b"GET /health HTTP/1.1\r\nHost: local").unwrap();
     broken.shutdown(Shutdown::Write).unwrap();
     is_last_problem(&read(broken), 400, "incomplete head");
-    // Single bytes do not extend the time limit; a connection without a request gets no response.
+    // Single bytes do not extend the time limit. A connection without a request is closed without a response.
     let (mut slow, silent) = (server.connect(), server.connect());
     for byte in b"GET /health" {
         slow.write_all(&[*byte]).unwrap();
@@ -192,7 +192,8 @@ fn queries_of_any_bytes_are_read() {
 #[test]
 fn too_many_requests_are_refused() {
     let server = serve(&["--rate", "1"]);
-    // On one connection, at once: a slow machine that takes them one by one could stay below the rate.
+    // All are sent at once on one connection, because a slow machine that sends them one by one could stay below the
+    // rate.
     let first = server.raw(&[request("GET", "", "").repeat(100), request("GET", "Connection: close\r\n", "")].concat());
     assert_eq!(first.status, 200);
     let at = first.body.windows(12).position(|window| window == b"HTTP/1.1 429").expect("a refused request");

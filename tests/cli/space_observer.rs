@@ -18,7 +18,7 @@ fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// The first of eight pointings around the sky that is not blocked by the Earth and is crossed.
+/// Returns the first of eight pointings around the sky that the Earth does not block and a satellite crosses.
 fn crossed() -> (String, String, Value) {
     for ra in (0..360).step_by(45) {
         let (ra, dec) = (ra.to_string(), "20".to_owned());
@@ -83,13 +83,13 @@ fn the_observer_is_specified_once() {
             &["--observer-norad", "90001"],
             "missing elements of the telescope in orbit; specify --observer-elements FILE",
         ),
-        (&["--observer-elements", OBSERVER, "--observer-norad", "5"], "no element set of the observer 5 among 1"),
+        (&["--observer-elements", OBSERVER, "--observer-norad", "5"], "--observer-norad 5 is not among the 1 objects"),
         (
             &["--observer-elements", &two, "--accept-bad-checksums"],
             "contain 2 objects; specify one with --observer-norad",
         ),
         (&["--observer-elements", "nowhere.tle"], "nowhere.tle"),
-        (&["--observer-elements", OBSERVER, "--limb-height-km=-3"], "limb-height-km -3 km: allowed 0 to 1000 km"),
+        (&["--observer-elements", OBSERVER, "--limb-height-km=-3"], "limb-height-km is -3 km; allowed: 0 to 1000 km"),
         (&["--observer-elements", OBSERVER, "--limb-height-km", "900"], "km, below the limb height of 900 km; allowed"),
         (&["--mpc", "X05", "--limb-height-km", "3"], "specify --observer-elements FILE or --observer-norad ID"),
         (&["--mpc", "X05", "--shadow", "round"], "invalid shadow 'round'; allowed: geometric, atmosphere"),

@@ -1,4 +1,4 @@
-//! Clear windows: compared with `passes` at random times, and written in the formats of schedulers.
+//! `windows`: clear windows compared with `passes` at random times, and the formats of schedulers.
 
 use std::fs;
 
@@ -222,10 +222,10 @@ fn invalid_arguments_are_reported() {
             "the end not before the start",
         ),
         (&[base, SKY, RANGE, &["--format", "xlsx"]], "lco, eso-p2, astroq"),
-        (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude 95 deg: allowed -90 to 90"),
+        (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude is 95 deg; allowed: -90 to 90"),
         (
             &[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]],
-            "max_lost_fraction of the policy is not for windows",
+            "the policy has max_lost_fraction, which windows does not support",
         ),
         (&[&["windows", "--targets", "/nowhere.csv", "--fov", "6deg"], SKY, RANGE], "/nowhere.csv"),
     ] {

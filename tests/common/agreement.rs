@@ -1,11 +1,11 @@
-//! Agreement with a reference: the largest difference, compared with the allowed one.
+//! Comparison with a reference: the largest difference must not exceed the allowed one.
 //!
 //! Passed comparisons are written, one line each, to the file named by `STREAKCAST_FIGURES`; `docs/tables.sh` makes the
 //! table of docs/explanation/accuracy.md from these lines.
 
 use std::io::Write;
 
-/// Asserts on drop that something was compared and that no difference exceeds the allowed one.
+/// Differences from a reference. On drop it asserts that something was compared and that none exceeds the allowed one.
 pub struct Agreement {
     what: &'static str,
     authority: &'static str,
@@ -16,7 +16,7 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// `unit` may be empty, for ratios.
+    /// Creates an empty comparison; `unit` may be empty, for ratios.
     pub fn new(what: &'static str, authority: &'static str, allowed: f64, unit: &'static str) -> Self {
         Self { what, authority, allowed, unit, worst: 0.0, compared: 0 }
     }

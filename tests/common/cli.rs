@@ -5,7 +5,7 @@ use serde_json::Value;
 use tempfile::TempDir;
 
 const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
-/// Dusk over Rubin Observatory with a synthetic constellation: needs no data and always has crossings.
+/// Flags of a synthetic constellation over Rubin Observatory, which needs no data and has crossings at every dusk.
 pub const SKY: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
 
 pub fn run(arguments: &[&[&str]]) -> (i32, String, String) {
@@ -36,5 +36,5 @@ pub fn path(folder: &TempDir, name: &str) -> String {
     folder.path().join(name).display().to_string()
 }
 
-/// Field and limit of the schedules.
+/// Field and magnitude limit for the schedules.
 pub const FLAG: &[&str] = &["--fov", "3.5deg", "--limit-mag", "6.5"];

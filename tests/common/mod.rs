@@ -5,7 +5,7 @@ pub mod agreement;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod elements;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub mod injected;
 pub mod maps;
 pub mod random;

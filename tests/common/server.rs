@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-/// Limit on a read that would wait for ever.
+/// Limit on a read that would otherwise not end.
 const READ_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Sky, site and field of the servers of most tests.
@@ -127,7 +127,7 @@ pub fn serve(more: &[&str]) -> Server {
     Server::start(&[SHARED, RULES, &["--telescope", "rubin"], more].concat())
 }
 
-/// One server for all tests that send only requests; it stops with the last of them.
+/// Returns the server shared by all tests that only send requests; it stops with the last of them.
 pub fn shared() -> Arc<Server> {
     static SERVER: Mutex<Weak<Server>> = Mutex::new(Weak::new());
     let mut known = SERVER.lock().unwrap_or_else(PoisonError::into_inner);

@@ -196,7 +196,7 @@ impl<'o> Night<'o> {
         night
     }
 
-    /// Seconds are counted from noon.
+    /// Observer and Sun at a number of seconds after noon.
     fn at(&self, seconds: f64) -> Moment {
         let orientation = self.orientations.at_s(seconds);
         let to_gcrs = &orientation.itrs_to_gcrs;
@@ -205,7 +205,7 @@ impl<'o> Night<'o> {
         Moment { seconds, orientation, sun: self.suns.at_s(seconds).sun, observer, zenith }
     }
 
-    /// The generator of the night (`track` 0) or of one of its tracks.
+    /// Random numbers of the night (`track` 0) or of one of its tracks.
     fn random(&self, track: usize) -> ChaCha8Rng {
         let mut random = ChaCha8Rng::seed_from_u64(self.options.seed);
         random.set_stream((u64::from(self.number) << 32) | track as u64);

@@ -4,15 +4,15 @@
 //! The long version (two million points) is run by `cargo test --release --test fitting -- --include-ignored
 //! --nocapture fit_closed_circle`; the short one has fewer points and larger pixels.
 //!
-//! Switching off one noise source after the other (long version, paper's thresholds, two million points in 3,600
-//! tracks) shows one bias, caused by wrong associations. Two pixels in a hundred have a single track, and a tenth three
-//! tracks or fewer; if these are associated with another satellite, the densest magnitude is wrong and the
-//! interquartile range (that within tracks) is small, so that such pixels have the weight of good ones. With least
-//! squares they change c3 by +16 % and n_base by +10 % (4 to 5 sigma; at most 1 sigma without wrong associations but
-//! with the other attitudes of tracks and points), and the RMS is 0.27 instead of 0.11 mag. More points do not help; a
-//! robust loss or three tracks per pixel ([`ReduceOptions::least_tracks`]) do. Mode instead of mean, the size of pixels
-//! and the selection by spread change c1 by 3 %, n_sail by 1 % and the others by 0.6 % or less (measured without
-//! noise): a quarter of a sigma.
+//! In the long version (paper's thresholds, two million points in 3,600 tracks), switching off one noise source after
+//! the other shows one bias, caused by wrong associations. Two pixels in a hundred have a single track, and a tenth
+//! three tracks or fewer. If these tracks are associated with another satellite, the mode of the magnitudes is wrong,
+//! and the interquartile range, which is then the spread within tracks, is small, so that such pixels have the weight
+//! of good ones. With least squares they change c3 by +16 % and n_base by +10 % (4 to 5 sigma; without wrong
+//! associations at most 1 sigma), and the RMS is 0.27 instead of 0.11 mag. More points do not help; a robust loss or
+//! three tracks per pixel ([`ReduceOptions::least_tracks`]) do. Mode instead of mean, the size of pixels and the
+//! selection by spread change c1 by 3 %, n_sail by 1 % and the others by 0.6 % or less (measured without noise): a
+//! quarter of a sigma. noise): a quarter of a sigma.
 
 use crate::common::simulated_photometry::{SimulationOptions, simulate};
 use streakcast::elements::{Constellation, ElementSet, History};
@@ -112,7 +112,7 @@ fn free(loss: Loss) -> FitSettings {
     FitSettings { loss, ..FitSettings::free(&COEFFICIENTS) }
 }
 
-/// Checks that the coefficients are within `sigmas` of the truth.
+/// Asserts that the coefficients are within `sigmas` of the truth.
 fn check_coefficients(fit: &Fit, sigmas: f64) {
     let truth = [TRUTH.c1, TRUTH.c2, TRUTH.c3, TRUTH.c4, TRUTH.c5, TRUTH.n_sail, TRUTH.n_base];
     let off = |i: usize| (fit.parameters[i].value - truth[i]) / fit.uncertainty.sigma(i).expect("a sigma");
@@ -139,7 +139,7 @@ fn check_paper_tests(tests: &PaperTests, truth: Earthshine) {
     let known: Vec<f64> =
         tests.offsets.iter().filter(|layer| layer.sigma_deg.is_some()).map(|layer| layer.panel_offset_deg).collect();
     let mean = known.iter().sum::<f64>() / known.len() as f64;
-    /// Tolerance between layers of some hundred pixels each.
+    /// Tolerance of the offset between layers of some hundred pixels each.
     const OFFSET_DEG: f64 = 0.5;
     assert!(known.len() > 3 && mean.abs() < OFFSET_DEG, "{mean}");
     // The glossy lobe exists, and Akaike's criterion keeps it.
@@ -250,7 +250,7 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         let (pixels, fit) = fitted(&form, &measurements, paper, &free(robust));
         assert!(pixels.kept().count() > 1_000);
         let found = rms(&fit.residuals_mag);
-        /// Range around the paper's 0.24 mag.
+        /// Accepted RMS, around the paper's 0.24 mag.
         const RMS_MAG: std::ops::Range<f64> = 0.2..0.3;
         assert!(RMS_MAG.contains(&found), "{found}");
         check_coefficients(&fit, 2.0);
@@ -261,9 +261,9 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         let (_, plain) = fitted(&form, &measurements, paper, &free(Loss::Squares));
         let c3 = plain.value("c3").expect("c3") / TRUTH.c3 - 1.0;
         println!("  by squares over all pixels c3 is off by {:+.1} %", 100.0 * c3);
-        /// Fraction of c3.
+        /// Least bias, as a fraction of c3.
         const BIAS: f64 = 0.05;
-        assert!(c3 > BIAS, "{c3}: the limit that is stated above is no longer there");
+        assert!(c3 > BIAS, "{c3}: the bias by wrong associations is gone");
 
         let points = points_of_pixels(&checked);
         let tests = paper_tests(&form, &points, &FitSettings::default(), 1.0).expect("tests");

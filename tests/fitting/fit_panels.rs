@@ -4,7 +4,7 @@ use streakcast::fit::{FitPoint, FitSettings, Form, PanelsForm, PhaseForm, Proble
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BrightnessModel, Earthshine};
 
-/// Chassis of facets below a translucent sail, and clutter.
+/// A satellite with a chassis of facets below a translucent sail, and a sphere called clutter.
 const SATELLITE: &str = r#"{
   "schema": 1, "name": "invented", "title": "An invented satellite", "kind": "panels", "band": "V", "mag_system": "Vega", "size_m": 4.0,
   "panels": {
@@ -51,7 +51,7 @@ fn points() -> Vec<FitPoint> {
     suns.iter().flat_map(|&sun| directions.iter().map(move |&direction| at(sun, direction))).collect()
 }
 
-/// Earthshine between nodes of slope and exponent.
+/// Error of the interpolation of earthshine between nodes of slope and exponent, mag.
 const EARTH_MAG: f64 = 2e-3;
 
 #[test]
@@ -87,7 +87,7 @@ fn verif_parameters_are_recovered() {
         let names: Vec<String> = begun.parameters().into_iter().map(|parameter| parameter.name).collect();
         let settings = FitSettings { free: names, ..FitSettings::default() };
         let fit = Problem::new(&begun, &points, &settings).expect("a problem").solve().expect("a fit");
-        /// Tolerance of parameters without noise: derivatives are finite differences.
+        /// Relative tolerance of parameters without noise; derivatives are finite differences.
         const SHARE: f64 = 1e-3;
         for (parameter, truth) in fit.parameters.iter().zip(&truth) {
             assert!((parameter.value / truth - 1.0).abs() < SHARE, "{}: {} {truth}", parameter.name, parameter.value);

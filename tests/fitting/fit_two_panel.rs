@@ -70,8 +70,8 @@ fn many(suns_deg: &[f64]) -> Vec<FitPoint> {
     suns_deg.iter().flat_map(|&sun| directions.iter().map(move |&(lon, lat)| point(sun, lon, lat, 6.0, 0.2))).collect()
 }
 
-/// The product rule has errors of 3e-4 mag at exponents of 1 and 2, and its nodes change with the exponent;
-/// interpolation adds 2e-5. mag.
+/// Tolerance of earthshine, mag: the product rule has errors of 3e-4 mag at exponents of 1 and 2, where its nodes
+/// change with the exponent, and interpolation adds 2e-5 mag.
 const EARTH: f64 = 4e-4;
 
 #[test]
@@ -120,7 +120,7 @@ fn verif_slopes_are_derivatives() {
                 objective.cost(&moved)
             };
             let expected = (moved(h) - moved(-h)) / (2.0 * h);
-            /// Error of central differences over a step of 1e-5.
+            /// Relative error of central differences over a step of 1e-5.
             const DIFFERENCES: f64 = 2e-5;
             let scale = expected.abs().max(1e-3 * cost / x_i);
             assert!((slope[i] - expected).abs() < DIFFERENCES * scale, "{} {} {expected}", names[i], slope[i]);
@@ -136,7 +136,7 @@ fn valid_least_squares_against_scipy() {
         let problem = Problem::new(&form(Earthshine::Off), &golden.points, &settings).expect("a problem");
         let fit = problem.solve().expect("a fit");
         let scipy = golden.numbers(key)[0];
-        /// Both stop when the cost decreases by less than 1e-12.
+        /// Relative tolerance of the cost; both programs stop when it decreases by less than 1e-12.
         const COST: f64 = 1e-8;
         Agreement::new("Least squares, plain and robust: the least cost", "SciPy 1.17", COST, "of it")
             .see(fit.cost / scipy - 1.0);
@@ -188,7 +188,7 @@ fn valid_posterior_against_emcee() {
     assert!((0.2..0.7).contains(&found.acceptance), "{}", found.acceptance);
     for (i, marginal) in found.marginals.iter().enumerate() {
         let sigma = covariance[8 * i].sqrt();
-        // Independent draws of this chain; emcee's has five times as many.
+        // Number of independent draws of this chain; emcee's chain has five times as many.
         let draws = (found.steps * settings.walkers) as f64 / marginal.autocorrelation.steps;
         // Means scatter by σ/√draws, variances by √(2/draws): 4.5 sigma for 7 + 28 numbers.
         let (of_mean, of_variance) = (4.5 * sigma * (1.2 / draws).sqrt(), 4.5 * (2.4 / draws).sqrt());
@@ -228,7 +228,7 @@ fn valid_autocorrelation_times_against_emcee() {
     }
     let chain = Chain::from_parts(walkers, 1, places, vec![0.0; steps * walkers], vec![0; walkers]).expect("a chain");
     let tau = autocorrelation_times(&chain, 0)[0];
-    /// emcee computes the same products by a Fourier transform.
+    /// Tolerance of correlation times; emcee computes the same products by a Fourier transform.
     const ROUNDING: f64 = 1e-9;
     let mut times = Agreement::new("Autocorrelation times", "emcee 3.1.6", ROUNDING, "of them");
     times.see(tau.steps / golden.numbers("emcee_recurrence_tau")[0] - 1.0);
@@ -314,7 +314,7 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
         file.shape = file.shape.map(|shape| SatelliteShape { panel_offset_deg: shape.panel_offset_deg + by, ..shape });
         BrightnessModel::from_file(file, "moved").expect("a model")
     };
-    /// Relative error of differences over 0.02 deg, and minimum effect of the offset, mag.
+    /// Relative and absolute (mag) tolerance of differences over 0.02 deg.
     const DIFFERENCES: (f64, f64) = (1e-2, 1e-3);
     let (model, up, down) = (only(0.04), at_offset(0.01), at_offset(-0.01));
     let mut compared = 0;

@@ -28,7 +28,7 @@ fn golden(name: &str) -> csv::Reader<std::fs::File> {
 
 #[test]
 fn valid_modes_and_quartiles_against_scipy() {
-    // Golden values are printed to 1e-9; their grid for the kernel's mode is finer than 1e-5 mag.
+    // Tolerances: golden values are printed to 1e-9, and their grid for the kernel's mode is finer than 1e-5 mag.
     const PRINTED_MAG: f64 = 2e-9;
     const GRID_MAG: f64 = 2e-5;
     let mut compared = 0;
@@ -81,9 +81,13 @@ fn verif_each_reason_is_counted_with_its_first_row() {
     let row = |from: &str, to: &str| GOOD.replace(from, to).replace("7.18581", "7.18582");
     let at_550 = Placement::recorded(Some(550.0));
     for (reason, bad, expected) in [
-        (DropReason::Unparsable, row("2021-01-01 15:18:04.795000", "yesterday"), "Date 'yesterday', expected a time"),
+        (
+            DropReason::Unparsable,
+            row("2021-01-01 15:18:04.795000", "yesterday"),
+            "Date is 'yesterday'; allowed: a time",
+        ),
         (DropReason::Unparsable, row("2021-01-01", "2191-01-01"), "1957 to 2100"),
-        (DropReason::Unparsable, row(",0,", ",2,"), "Penumbra '2', expected 0 or 1"),
+        (DropReason::Unparsable, row(",0,", ",2,"), "Penumbra is '2'; allowed: 0 or 1"),
         (DropReason::Unparsable, row("697.324", "-697"), "Distance '-697'"),
         (DropReason::Unparsable, row("46056", "star"), "NORAD 'star'"),
         (DropReason::Unparsable, row(GOOD.trim_end(), "2021-01-01,8.1,7.1"), "Date '2021-01-01', expected"),
@@ -170,7 +174,7 @@ fn verif_reasons_that_need_element_sets() {
         .collect();
     let by_group = Placement { identified, ..Placement::elements(&history) };
     assert_eq!(measure(&mut other.source(), &by_group, &all).unwrap().points, sound.points);
-    // The neighbour in the plane is elsewhere, mostly below the horizon.
+    // The recorded satellite is the neighbour in the same plane, which is elsewhere, mostly below the horizon.
     let ids: Vec<NoradId> = history.element_sets().iter().map(|set| set.norad_id).collect();
     let next = |id: NoradId| ids[(ids.iter().position(|one| *one == id).unwrap() + 1) % ids.len()];
     other.records.iter_mut().zip(&records.records).for_each(|(other, one)| other.norad_id = one.norad_id.map(next));
@@ -182,7 +186,7 @@ fn verif_reasons_that_need_element_sets() {
     // Element sets of a month before.
     let stale = History::new(shell("2023-04-10T20:00:00 UTC"));
     assert_eq!(count(&records, &Placement::elements(&stale), &all, DropReason::StaleElements), 200);
-    // A single element set does not determine the station; three do, and three higher than the last rise.
+    // A single element set does not determine the phase of the mission; three do, and three higher than the last rise.
     let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
     assert_eq!(count(&records, &placement, &station, DropReason::OffStation), 200);
     let days =
@@ -275,7 +279,10 @@ fn verif_mixed_filters_are_rejected_unless_named() {
     let text = "t,m,f,d,p\n2021-01-01T15:18:04Z,7.1,V,700,80\n2021-01-01T15:18:05Z,7.2,B,700,80\n2021-01-01T15:18:06Z,7.3,v,700,80\n";
     let options = PhotometryOptions { columns: columns.clone(), ..PhotometryOptions::default() };
     let error = read(text, &options).unwrap_err();
-    assert_eq!(error.to_string(), "t.csv data row 2: filter 'B' after rows of filter 'V'; specify the filters");
+    assert_eq!(
+        error.to_string(),
+        "t.csv data row 2: filter is 'B' after rows of filter 'V'; allowed: one filter, unless the filters are specified"
+    );
     let options = PhotometryOptions { filters: vec!["V".into()], ..options };
     let records = read(text, &options).unwrap();
     assert_eq!((records.records.len(), records.dropped.count(DropReason::WrongFilter)), (2, 1));
@@ -382,7 +389,7 @@ fn verif_long_files_are_read_in_chunks_without_loss() {
 
 #[test]
 fn verif_simulated_photometry_survives_a_file() {
-    // Times are printed to a microsecond, distances to a metre, phases to 0.001 deg, magnitudes to 1e-5.
+    // Tolerance for rounding: times to 1 µs, distances to 1 m, phases to 0.001 deg, magnitudes to 1e-5.
     const ROUNDING_MAG: f64 = 1e-4;
     let (model, options) = (model(), quiet());
     let history = History::new(shell("2023-05-20T20:00:00 UTC"));

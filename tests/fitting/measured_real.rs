@@ -250,11 +250,11 @@ fn valid_stations_are_distinguished() {
     };
     assert!(share("v15_onstation_cfg", OrbitPhase::OnStation) > 0.95);
     assert!(share("v2mini_onstation", OrbitPhase::OnStation) > 0.9);
-    // Orbit raising consists of legs between parking orbits; decaying satellites first stay in orbit.
+    // Orbit raising alternates with parking orbits; decaying satellites first remain in their orbits.
     assert!(share("raising", OrbitPhase::Raising) > 3.0 * share("raising", OrbitPhase::Decaying));
     assert!(share("decaying", OrbitPhase::Decaying) > 3.0 * share("decaying", OrbitPhase::Raising));
     assert!(share("v15_onstation_cfg", OrbitPhase::Raising) + share("v15_onstation_cfg", OrbitPhase::Decaying) < 0.02);
-    // Years of satellites that rose and decayed: on station in between, by the paper's rule.
+    // Histories over years: these satellites were raised, then on station by the paper's rule, then decayed.
     for number in [44713, 44714, 44724] {
         let sets = history(&[data.join(format!("tle/history/starlink_{number}.txt"))]);
         let intervals = Stations::new(&sets, &StationRule::default()).intervals(NoradId(number));
@@ -264,7 +264,7 @@ fn valid_stations_are_distinguished() {
         assert!((longest.end - longest.start).to_unit(hifitime::Unit::Day) > 30.0, "{number}");
         let raised = intervals.iter().position(|one| one.phase == OrbitPhase::Raising).unwrap();
         let station = intervals.iter().position(|one| one == longest).unwrap();
-        assert!(raised < station, "{number} rose before it stood");
+        assert!(raised < station, "{number} was raised after its longest time on station");
     }
 }
 

@@ -40,7 +40,7 @@ fn valid_bundled_models_agree_with_published_means() {
 
 #[test]
 fn valid_files_have_the_published_numbers() {
-    // The same polynomial is in the model file and in the table of published numbers.
+    // Tolerance of rounding: the model file and the table of published numbers have the same polynomial.
     const ROUNDING_MAG: f64 = 1e-9;
     for name in ["visorsat", "starlink-v1.5-phase", "v2mini", "direct-to-cell"] {
         let rows = rows_of(name, None);
@@ -57,7 +57,7 @@ fn valid_files_have_the_published_numbers() {
 
 #[test]
 fn valid_population_means_against_satellites_one_by_one() {
-    // Different quadratures: steps of 2 by 5 deg and the shadow of the ellipsoid here, the shadow of a sphere there.
+    // Tolerances of two quadratures: steps of 2 by 5 deg and an ellipsoidal shadow here, a spherical shadow there.
     const MEAN_TOLERANCE_MAG: f64 = 0.015;
     const SD_TOLERANCE_MAG: f64 = 0.02;
     let mut reader = csv::ReaderBuilder::new()
@@ -111,7 +111,7 @@ fn verif_a_wrong_model_is_reported() {
 #[test]
 fn verif_a_model_in_another_band_is_converted_to_v() {
     const ROUNDING_MAG: f64 = 1e-9;
-    // Willmer (2018), table 3, as in `Band`: the Sun in i (AB) -27.04, in V (Vega) -26.76.
+    // Sun in i (AB) less Sun in V (Vega): Willmer (2018), table 3, as in `Band`.
     const I_LESS_V_MAG: f64 = -27.04 + 26.76;
     let in_i = [("/band", "i".into()), ("/mag_system", "AB".into())];
     let apart = |from: &str, name: &str, key: &str, value: f64| {
@@ -136,11 +136,11 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
 }
 
-/// The same rows in other code, with astropy's positions of site and Sun: arcseconds, and three digits.
+/// Tolerance for the same rows in Python, with astropy's positions of site and Sun: arcseconds, and three digits.
 const PYTHON_MAG: f64 = 0.002;
-/// The core is a median, which jumps between points in samples of 742.
+/// Tolerance of the core, a median, which jumps between points in samples of 742.
 const PYTHON_CORE_MAG: f64 = 0.005;
-/// Rows that pass the 100 km rule only here, by metres.
+/// Number of rows that may pass the 100 km rule only here, by metres.
 const PYTHON_ROWS: usize = 5;
 
 /// n, mean difference, RMS and core of bundled models against the measurements, mag: computed by
@@ -217,7 +217,8 @@ fn valid_fitted_range_contains_the_fitted_points() {
     let Some(data) = crate::common::data_dir() else { return };
     let photometry = Photometry::read(&data).unwrap();
     let library = ModelLibrary::embedded();
-    // Files give the inner 99 % of three angles, rounded to whole degrees; that of V1.5 also omits nine bright points.
+    // Least fraction of points inside: files give the inner 99 % of three angles, rounded to whole degrees; that of
+    // V1.5 also omits nine bright points.
     const LEAST_SHARE: f64 = 0.93;
     for (name, set) in [
         ("starlink-v1.5", DataSet::Pomenis),

@@ -63,29 +63,29 @@ fn verif_spellings_of_the_start() {
 #[test]
 fn verif_missing_and_contradictory_keywords() {
     for (cards, words) in [
-        ("EXPTIME = 60.0", "missing start of the exposure"),
+        ("EXPTIME = 60.0", "start of the exposure is missing"),
         ("DATE-OBS= '2020-03-06'\nEXPTIME = 60.0", "DATE-OBS is the date 2020-03-06 without a time"),
         (
             "DATE-OBS= '26/07/102'\nTIME-OBS= '19:36:37'\nEXPTIME = 60",
-            "DATE-OBS is the ambiguous date \"26/07/102\"; expected yyyy-mm-dd",
+            "DATE-OBS is the ambiguous date \"26/07/102\"; allowed: yyyy-mm-dd",
         ),
-        ("DATE-OBS= '26/07/02'\nJD      = 2452482.31709\nEXPTIME = 60", "specify --start"),
+        ("DATE-OBS= '26/07/02'\nJD      = 2452482.31709\nEXPTIME = 60", "or --start"),
         ("DATE-OBS= 'soon'\nEXPTIME = 60", "DATE-OBS is \"soon\"; allowed: a date such as"),
         ("DATE-OBS= '2020-03-06'\nTIME-OBS= 'noon'\nEXPTIME = 60", "TIME-OBS is \"noon\"; allowed: a time such as"),
         ("MJD-OBS = 1.0\nEXPTIME = 60", "MJD-OBS is \"1.0\"; allowed: a modified Julian date"),
         ("DATE-OBS= '2020-03-06T00:00:00'\nTIMESYS = 'LST'\nEXPTIME = 60", "TIMESYS is \"LST\"; allowed: UTC, TAI"),
         (
             "DATE-OBS= '2020-03-06T00:00:00'\nMJD-OBS = 58914.0010\nEXPTIME = 60",
-            "DATE-OBS (UTC) gives the start 2020-03-06T00:00:00 UTC, MJD-OBS (UTC) gives 2020-03-06T00:01:26.4",
+            "start of DATE-OBS (UTC) is 2020-03-06T00:00:00 UTC, and MJD-OBS (UTC) gives 2020-03-06T00:01:26.4",
         ),
         ("DATE-OBS= '2020-03-06T00:00:00'\nDATE-AVG= '2020-03-06T00:01:07'\nEXPTIME = 60", "37.0 s apart"),
-        ("DATE-OBS= '2020-03-06T00:00:00'", "missing length of the exposure"),
+        ("DATE-OBS= '2020-03-06T00:00:00'", "length of the exposure is missing"),
         ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 0.0", "EXPTIME is 0 s; allowed: above 0 s"),
         ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = -30", "EXPTIME is -30 s"),
         ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 'long'", "EXPTIME is \"long\"; allowed: a number of seconds"),
         (
             "DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 30\nEXPOSURE= 60",
-            "EXPTIME gives an exposure of 30 s, EXPOSURE gives 60 s",
+            "EXPTIME is 30 s and EXPOSURE is 60 s; allowed: one length",
         ),
     ] {
         let error = time(cards).expect_err(words);
@@ -152,7 +152,7 @@ fn verif_amplifiers_and_invalid_values() {
     assert_eq!(of("GAIN    = 0.5 / [ADU/e-] inverse").gain_e_adu.expect("a gain").value, 2.0);
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn valid_real_headers() {
     use streakcast::images::FrameFile;
@@ -174,7 +174,7 @@ fn valid_real_headers() {
         // MJD-OBS is 69.7 s later than DATE-OBS (TT?); the primary header below has TAI for a DATE-OBS in UTC.
         ("trailblazer/cutout_calexp-0941420_23.fits", 1, Err("37.0 s apart"), 0.0),
         ("astride/long.fits", 0, Err("DATE-OBS is the ambiguous date \"26/07/102\""), 0.0),
-        ("clean/gc_2mass_k.fits", 0, Err("missing length of the exposure"), 0.0),
+        ("clean/gc_2mass_k.fits", 0, Err("length of the exposure is missing"), 0.0),
     ] {
         let file = FrameFile::open(&data.join("frames").join(name)).unwrap_or_else(|error| panic!("{error}"));
         let found = ExposureTime::from_headers(&[file.header(hdu).expect(name), file.header(0).expect(name)]);

@@ -5,13 +5,13 @@ mod common;
 
 mod detector;
 mod exposure_headers;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod frame_copies;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod frame_files;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod frame_hostile;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 mod streak_real;
 mod streaks;
 mod wcs;

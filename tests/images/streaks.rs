@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use proptest::prelude::*;
 use streakcast::images::{PixelPosition, Plane};
 use streakcast::streaks::{Blur, RadialProfile, Seeing, draw_point};
-use streakcast::streaks::{PathError, PathNode, StreakPath, draw};
+use streakcast::streaks::{PathNode, StreakPath, draw};
 
 /// Of the peak, and of the flux: the accuracy that issue 19 requires.
 const PIXEL_TOLERANCE: f64 = 1e-3;
@@ -508,25 +508,29 @@ fn verif_rates_between_nodes() {
 
 #[test]
 fn verif_nodes_that_make_no_path_are_named() {
-    let error = |nodes: Vec<PathNode>| StreakPath::new(nodes).expect_err("an error");
-    assert_eq!(error(vec![node(0.0, 1.0, 1.0, 1.0)]), PathError::TooFew { given: 1 });
-    let twice = error(vec![node(0.5, 1.0, 1.0, 1.0), node(0.5, 2.0, 1.0, 1.0)]);
-    assert_eq!(twice, PathError::Order { node: 1, time_s: 0.5, before_s: 0.5 });
-    assert!(matches!(
-        error(vec![node(0.0, f64::NAN, 1.0, 1.0), node(1.0, 1.0, 1.0, 1.0)]),
-        PathError::NotFinite { node: 0, name: "x", .. }
-    ));
-    assert!(matches!(
-        error(vec![node(0.0, 1.0, 1.0, 1.0), node(1.0, 1.0, 1.0, f64::INFINITY)]),
-        PathError::NotFinite { name: "rate", .. }
-    ));
-    assert!(matches!(
-        error(vec![node(0.0, 1.0, 1e10, 1.0), node(1.0, 1.0, 1.0, 1.0)]),
-        PathError::NotFinite { name: "y", .. }
-    ));
-    assert!(
-        matches!(error(vec![node(0.0, 1.0, 1.0, -1.0), node(1.0, 1.0, 1.0, 1.0)]), PathError::Negative { node: 0, given } if given == -1.0)
-    );
+    let (at_0, at_1) = (node(0.0, 1.0, 1.0, 1.0), node(1.0, 1.0, 1.0, 1.0));
+    for (nodes, message) in [
+        (vec![at_0], "number of nodes of the path is 1; allowed: 2 or more"),
+        (
+            vec![node(0.5, 1.0, 1.0, 1.0), node(0.5, 2.0, 1.0, 1.0)],
+            "node 1: time is 0.5 s; allowed: at least 0.000000001 s after the previous node at 0.5 s",
+        ),
+        (
+            vec![node(0.0, f64::NAN, 1.0, 1.0), at_1],
+            "node 0: x is NaN; allowed: finite numbers (positions within 1e9 pixels)",
+        ),
+        (
+            vec![at_0, node(1.0, 1.0, 1.0, f64::INFINITY)],
+            "node 1: rate is inf; allowed: finite numbers (positions within 1e9 pixels)",
+        ),
+        (
+            vec![node(0.0, 1.0, 1e10, 1.0), at_1],
+            "node 0: y is 10000000000; allowed: finite numbers (positions within 1e9 pixels)",
+        ),
+        (vec![node(0.0, 1.0, 1.0, -1.0), at_1], "node 0: rate is -1 per second; allowed: 0 or more"),
+    ] {
+        assert_eq!(StreakPath::new(nodes).expect_err(message).to_string(), message);
+    }
 }
 
 #[test]

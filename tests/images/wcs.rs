@@ -6,7 +6,7 @@ use std::fs;
 use std::path::Path;
 
 use streakcast::frames::{Direction, Gcrs};
-use streakcast::images::{Header, PixelPosition, Wcs, WcsError};
+use streakcast::images::{Header, ImagesError, PixelPosition, Wcs};
 
 /// Tolerance of both directions against astropy: 1e-6 pixel; rounding is 1e-9 pixel for frames far from their CRPIX.
 const TOLERANCE_PIX: f64 = 1e-6;
@@ -85,7 +85,7 @@ fn valid_text_header_of_astrometry_net() {
     compare(&mut agreement, name, &Header::from_text(&fs::read_to_string(data.join(name)).expect("the header")), rows);
 }
 
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn valid_real_headers_against_astropy() {
     use streakcast::images::FrameFile;
@@ -117,28 +117,37 @@ CD2_1   =                  0.0\nCD2_2   =              0.00007\n";
 #[test]
 fn verif_unreadable_headers_give_a_reason() {
     for (changes, words) in [
-        (vec![("'RA---TAN'", "'        '")], "no world coordinates: CTYPE1 is \"\""),
+        (vec![("'RA---TAN'", "'        '")], "CTYPE1 is \"\" and CTYPE2 is"),
         (vec![("RA---TAN", "GLON-TAN"), ("DEC--TAN", "GLAT-TAN")], "one RA---xxx and one DEC--xxx"),
-        (vec![("TAN", "AIT")], "\"AIT\" of CTYPE1; allowed: TAN"),
+        (vec![("TAN", "AIT")], "projection of CTYPE1 is \"AIT\"; allowed: TAN"),
         (vec![("DEC--TAN", "DEC--SIN")], "CTYPE2 is \"DEC--SIN\"; allowed: the projection of the other axis"),
-        (vec![("CRPIX2  ", "CRPIX2X ")], "missing keyword CRPIX2"),
+        (vec![("CRPIX2  ", "CRPIX2X ")], "CRPIX2 is missing; allowed: a number"),
         (vec![("CRPIX2  =                400.0", "CRPIX2  = 'middle'")], "CRPIX2 is \"'middle'\"; allowed: a number"),
-        (vec![("CD2_2   =              0.00007", "CD2_2   =                  0.0")], "has no inverse"),
-        (vec![("CD1_1   =             -0.00007", "CD1_1   =                  nan")], "has no inverse"),
+        (
+            vec![("CD2_2   =              0.00007", "CD2_2   =                  0.0")],
+            "allowed: a matrix that has an inverse",
+        ),
+        (
+            vec![("CD1_1   =             -0.00007", "CD1_1   =                  nan")],
+            "allowed: a matrix that has an inverse",
+        ),
         (vec![("CRVAL2  =                 20.0", "CRVAL2  =                 95.0")], "CRVAL2 is 95 degrees"),
         (vec![("CD2_1", "CUNIT2  = 'pixel'\nCD2_1")], "CUNIT2 is \"pixel\"; allowed: deg"),
         (
             vec![("CD2_1", "RADESYS = 'FK4'\nEQUINOX = 1950.0\nCD2_1")],
-            "reference system FK4, equinox 1950; allowed: ICRS",
+            "reference system is FK4, equinox 1950; allowed: ICRS",
         ),
         (vec![("CD2_1", "EQUINOX = 1950.0\nCD2_1")], "a system without RADESYS, equinox 1950"),
         (vec![("CD2_1", "RADESYS = 'FK5'\nEQUINOX = 2020.4\nCD2_1")], "FK5, equinox 2020.4"),
-        (vec![("CD2_1", "A_ORDER = 2\nB_ORDER = 2\nA_2_0 = 0.01\nA_2_0   = 0.01\nCD2_1")], "distortion (SIP) folds"),
+        (
+            vec![("CD2_1", "A_ORDER = 2\nB_ORDER = 2\nA_2_0 = 0.01\nA_2_0   = 0.01\nCD2_1")],
+            "distortion (SIP) is folded",
+        ),
     ] {
         let error = Wcs::from_header(&lines(PLAIN, &changes)).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
     }
-    assert!(matches!(Wcs::from_header(&Header::default()), Err(WcsError::NoCelestialAxes { .. })));
+    assert!(matches!(Wcs::from_header(&Header::default()), Err(ImagesError::NoCelestialAxes { .. })));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The catalogue: every syntax gives the same satellite, in short and long files, one or several.
+//! Catalogues: every format gives the same satellite, from short and long texts and from one or several files.
 
 use crate::common::elements::{gzip, read, reasons, sample};
 use hifitime::Epoch;

@@ -85,7 +85,7 @@ fn verif_the_station_rule() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// The nearest set of a history equals that of a search through all sets.
+    /// The nearest element set of a history equals that found by a search through all sets.
     #[test]
     fn verif_nearest_equals_brute_force(
         minutes in proptest::collection::vec(0_i32..5000, 1..40),

@@ -218,7 +218,7 @@ proptest! {
         let _ = read(&gzip(&bytes));
     }
 
-    /// The same for texts that look valid at first.
+    /// Reading also returns a result for texts that begin like valid ones.
     #[test]
     fn verif_damaged_files_never_panic(
         which in 0_usize..7,

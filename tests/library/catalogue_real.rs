@@ -1,4 +1,4 @@
-//! The catalogue with real files in any state: expected numbers of records. Skipped without the data.
+//! Catalogues from real files, including damaged ones: expected numbers of records. Skipped without the data.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -140,7 +140,7 @@ fn valid_the_station_rule_on_real_histories() {
         for phase in &phases {
             *tally.entry(cells[0]).or_default().entry(phase.name()).or_default() += 1;
         }
-        // Two kilometres on either side with the same result: unambiguous.
+        // Mean altitudes that change by more than 2 km from both neighbours are raising or decaying beyond doubt.
         for (at, three) in sets.windows(3).enumerate() {
             let [before, now, after] = [0, 1, 2].map(|index| semi_major_axis_km(&three[index]));
             if now - before > 2.0 && after - now > 2.0 {

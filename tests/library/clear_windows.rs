@@ -14,7 +14,8 @@ use streakcast::schedule::{
 const EXPOSURE_S: f64 = 30.0;
 const MARGIN_S: f64 = 2.0;
 const SPAN_S: f64 = 3600.0;
-/// Ends are root-found to a millisecond and guarded by two; this far beyond them the verdict must change, seconds.
+/// Distance beyond the end of a window at which the verdict must differ, seconds; ends have an error of 1 ms and a
+/// guard of 2 ms.
 const TURN_S: f64 = 0.01;
 
 fn dusk() -> Epoch {
@@ -113,15 +114,15 @@ fn windows_end_at_the_minimum_altitude() {
     let request = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let eop = EopTable::embedded();
     let altitude_rad = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], sky.viewpoint(), &eop)[0];
-    // The altitude of the second target half way through: it rises or sets through it.
+    // The limit is the altitude of the second target half way through the span, so the target rises or sets through it.
     let limit_rad = altitude_rad(&exposure(seconds_after(dusk(), 0.5 * SPAN_S), 0.0, 1));
     let answer = windows(limit_rad, Blocking::Any, &request);
     let starts: Vec<f64> = answer[1].iter().map(ends_s).flat_map(|(first_s, last_s)| [first_s, last_s]).collect();
     assert!(!starts.is_empty());
     for start_s in &starts {
-        let stands_rad = altitude_rad(&exposure(seconds_after(dusk(), *start_s), EXPOSURE_S, 1));
-        // A hundredth of a second of the sky's rotation.
-        assert!(stands_rad > limit_rad - 1e-6, "{start_s} s: {} below", limit_rad - stands_rad);
+        let at_start_rad = altitude_rad(&exposure(seconds_after(dusk(), *start_s), EXPOSURE_S, 1));
+        // The tolerance is the rotation of the sky in a hundredth of a second.
+        assert!(at_start_rad > limit_rad - 1e-6, "{start_s} s: {} below", limit_rad - at_start_rad);
     }
     let all = windows(0.0, Blocking::Any, &request);
     let length_s = |windows: &[ClearWindow]| windows.iter().map(ends_s).map(|(first, last)| last - first).sum::<f64>();
@@ -140,7 +141,7 @@ fn windows_from_an_orbit_end_at_the_limb() {
     let field = Field::circle(0.5f64.to_radians()).expect("a field");
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
-    // Two thirds of an orbit: every target that is ever covered by the limb rises or sets.
+    // The span is two thirds of an orbit: every target that the Earth ever covers rises or sets in it.
     let target = WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, 1), band: None };
     let windows_with = |max_sun_altitude_rad| {
         let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad };

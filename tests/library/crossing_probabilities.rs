@@ -1,4 +1,5 @@
-//! Probability that satellites cross an exposure: against draws of the errors, with elements a day, three weeks and
+//! Probability that satellites cross an exposure, compared with random draws of the errors, for elements a day, three
+//! weeks and half a year old.
 //! half a year old.
 
 use std::borrow::Borrow;
@@ -22,7 +23,7 @@ fn sky(elements: Vec<ElementSet>) -> Sky {
 fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
     let epoch = at - age_days * Unit::Day;
     let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(epoch);
-    // Every satellite of the first shell counts: thinned out evenly.
+    // The first 1584 element sets are the first shell, which is thinned out evenly.
     elements.truncate(1584);
     let step = elements.len() / count;
     let mut elements: Vec<ElementSet> = elements.into_iter().step_by(step).collect();
@@ -33,10 +34,11 @@ fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
     elements
 }
 
-/// A satellite off its prediction by so many sigmas: late, and with its plane tilted in inclination and node.
+/// Returns a satellite displaced from its prediction by multiples of sigma: late, and with its orbit plane tilted in
+/// inclination and node.
 fn moved(set: &ElementSet, sigma: OrbitUncertainty, [late, inclination, node]: [f64; 3]) -> ElementSet {
     let mut set = set.clone();
-    // SGP4 computes from the time since epoch alone: a later epoch is a later satellite on the same path.
+    // SGP4 depends on the time since epoch only, so a later epoch is a satellite later on the same path.
     set.epoch = seconds_after(set.epoch, sigma.along_track_s * late);
     // Off the plane by σ at every argument of latitude: r Δi and r sin i ΔΩ, each with σ.
     let tilt_deg = (sigma.cross_track_km / 6928.0).to_degrees();
@@ -77,10 +79,10 @@ fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
         .collect()
 }
 
-/// Expected numbers of streaks, of streaked exposures, and streak length, against as many draws of all errors.
+/// Expected numbers of streaks and of streaked exposures, and expected streak length, against draws of all errors.
 ///
-/// Tolerance: three sigma of the draws, and 4 % for what is left out (planes that turn during the delay, the site
-/// standing still within a piece, one error across for two directions).
+/// Tolerance: three sigma of the draws, and 4 % for the approximations: planes do not turn during the delay, the site
+/// does not move within a piece of the exposure, and one cross-track error stands for two directions.
 #[test]
 fn verif_probabilities_against_draws_of_the_errors() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
@@ -96,8 +98,8 @@ fn verif_probabilities_against_draws_of_the_errors() {
     }
 }
 
-/// Lateness with wings, a week after the elements: satellites that hold their orbits. Delays of those that manoeuvred
-/// (3 %) are drawn, but not searched. Tolerance as above.
+/// The same a week after the elements, for satellites that hold their orbits, whose delays have a distribution with
+/// wings. Delays of satellites that manoeuvred (3 %) are drawn, but not searched. Tolerance as above.
 #[test]
 fn verif_probabilities_of_station_keeping_satellites() {
     const AGE_DAYS: f64 = 7.0;
@@ -128,12 +130,12 @@ fn verif_probabilities_of_station_keeping_satellites() {
     compare("station keeping, 7 d", &exposures, &field, sums(&found), skies.iter());
 }
 
-/// Half a year after the elements only delays of up to 300 s are counted: about their share of what is drawn, marked as
-/// a lower limit.
+/// Half a year after the elements only delays of up to 300 s are searched: the expected number is the drawn number
+/// times the fraction of such delays, and is marked as a lower limit.
 #[test]
 fn verif_probabilities_of_old_elements_are_lower_limits() {
     const AGE_DAYS: f64 = 180.0;
-    /// Satellites come round after half a turn: delays of whole revolutions bring some of them back.
+    /// Tolerance of the ratio: delays of whole revolutions bring some satellites back into the field.
     const SHARE: std::ops::Range<f64> = 0.7..1.3;
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
@@ -159,7 +161,7 @@ fn verif_probabilities_of_old_elements_are_lower_limits() {
     assert!(SHARE.contains(&(expected / (share * mean))), "{expected:.3} expected, {mean:.3} drawn, {share:.3}");
 }
 
-/// Streaks, streaked exposures and degrees of streak that are expected.
+/// Sums of expected streaks, streaked exposures and degrees of streak.
 fn sums(found: &[Vec<CrossingProbability>]) -> [f64; 3] {
     let sum = |of: &dyn Fn(&CrossingProbability) -> f64| found.iter().flatten().map(of).sum::<f64>();
     let none = |all: &Vec<CrossingProbability>| all.iter().map(|one| 1.0 - one.probability).product::<f64>();
@@ -170,7 +172,7 @@ fn sums(found: &[Vec<CrossingProbability>]) -> [f64; 3] {
     ]
 }
 
-/// Holds expected streaks, streaked exposures and degrees of streak against as many drawn skies.
+/// Compares expected streaks, streaked exposures and degrees of streak with the means of the draws.
 fn compare(
     name: &str,
     exposures: &[Exposure],
@@ -190,7 +192,7 @@ fn compare(
         let mean = seen.iter().sum::<f64>() / n;
         let sigma = (seen.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
         println!("{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn");
-        assert!(mean * n > 50.0, "{name}: too few {what} to tell anything");
+        assert!(mean * n > 50.0, "{name}: too few {what} for a comparison");
         assert!(
             (expected - mean).abs() < 3.0 * sigma + 0.04 * mean,
             "{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn"
@@ -198,9 +200,9 @@ fn compare(
     }
 }
 
-/// Exposures of one field from one start, elements a month old: what is expected of each of them against draws. The
-/// site moves by 120 km in the shortest, past planes that are known to 4 km. Tolerance as above, for each exposure on
-/// its own.
+/// Exposures of one field from the same start, with elements a month old: the expected numbers of each exposure against
+/// draws. The site moves by 120 km in the shortest exposure, past orbit planes with errors of 4 km. The tolerance, as
+/// above, applies to each exposure.
 #[test]
 fn verif_long_exposures_against_draws_of_the_errors() {
     const AGE_DAYS: f64 = 30.0;
@@ -228,11 +230,11 @@ fn verif_long_exposures_against_draws_of_the_errors() {
 }
 
 /// Probability and streak length of single satellites in exposures of minutes against the sum over all their errors.
-/// The site moves across each orbit plane in two minutes; with a delay of minutes it is in another place than predicted.
+/// The site moves across each orbit plane in two minutes, so after a delay of minutes it is at another position.
 #[test]
 fn verif_single_satellites_against_the_sum_over_their_errors() {
     const AGE_DAYS: f64 = 20.0;
-    /// Pieces of 10 s in passes of the field of about 120 s.
+    /// Relative tolerance: pieces of 10 s are coarse for passes that take about 120 s to cross the field.
     const TOLERANCE: f64 = 0.05;
     const DELAYS: usize = 400;
     const REACH_SIGMAS: f64 = 4.0;
@@ -289,13 +291,14 @@ fn verif_single_satellites_against_the_sum_over_their_errors() {
     assert!(checked >= 5, "only {checked}");
 }
 
-/// A shutter that stays open longer never has fewer satellites to expect, and a second more changes little: on station
-/// a month and manoeuvring 150 days after the elements.
+/// A longer exposure never has fewer expected satellites, and one more second changes their number little: a month
+/// after the elements of satellites on station, and 150 days after those of satellites that manoeuvre.
 #[test]
 fn verif_longer_exposures_have_no_less() {
-    /// Only the last piece of an exposure is another than in a longer one; of the number expected.
+    /// Allowed decrease as a fraction of the expected number: the last piece of an exposure is divided differently in a
+    /// longer one.
     const OF_ALL: f64 = 0.01;
-    /// Where few planes pass, each in about a minute, one of them brings up to this share of the number in a second.
+    /// Allowed increase in one second, as a fraction of the expected number: few planes pass, each in about a minute.
     const OF_A_SECOND: f64 = 0.03;
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
@@ -341,12 +344,12 @@ fn verif_longer_exposures_have_no_less() {
     }
 }
 
-/// A pass takes its range, and with it the angle of the error across, in the middle of its chord, a probability where
-/// it is nearest.
+/// Relative tolerance: a pass takes the range, and with it the angle of the cross-track error, in the middle of its
+/// chord; a probability takes it at the closest approach.
 const SAME: f64 = 1e-3;
 
-/// Every listed crossing is among the satellites, with the same probability, also where it enters or leaves the Earth's
-/// shadow.
+/// Every crossing that passes list is among the satellites of the probabilities, with the same probability, also where
+/// it enters or leaves the Earth's shadow.
 #[test]
 fn verif_probabilities_hold_every_crossing() {
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
@@ -370,7 +373,7 @@ fn verif_probabilities_hold_every_crossing() {
     }
 }
 
-/// Without light the passes are the same, near misses among them, with neither brightness nor peak.
+/// Passes computed without brightness are the same, including near misses, but have neither magnitude nor peak.
 #[test]
 fn verif_passes_without_light_are_the_same_but_for_it() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);

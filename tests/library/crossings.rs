@@ -35,7 +35,7 @@ fn utc(text: &str) -> Epoch {
 
 struct Golden {
     exposure: Exposure,
-    /// norad id to (enter, exit) pairs and the smallest separation
+    /// Pairs (enter, exit) and the smallest separation, by NORAD id.
     crossings: BTreeMap<u32, (Vec<(f64, f64)>, f64)>,
 }
 
@@ -228,16 +228,16 @@ fn field_of(request: &Request) -> Field {
     .expect("a field")
 }
 
-/// Both methods converge to the same roots on arcs with different nodes: 4 mm of orbit are 1 µs, and a hundred times as
-/// much if a track meets a border at half a degree.
+/// Tolerance of a root, seconds: both methods find the same roots on arcs with different nodes. A difference of 4 mm of
+/// orbit is 1 µs, and a hundred times as much if a track meets a border at half a degree.
 const SAME_ROOT_S: f64 = 2e-4;
-/// In exposures longer than a minute the Earth's velocity is also evaluated at different times: 3 mas after a quarter
-/// of an hour, which is more along a border met at a grazing angle.
+/// The same in exposures longer than a minute, in which the Earth's velocity is also evaluated at different times: 3
+/// mas after a quarter of an hour, which is more along a border met at a grazing angle.
 const SAME_ROOT_OF_LONG_EXPOSURES_S: f64 = 5e-3;
-/// The same crossing on an arc interpolated over the relevant time only: millimetres, and more time at grazed borders,
-/// seconds.
+/// Tolerance for the same crossing on an arc that is interpolated over the relevant time only, seconds: millimetres of
+/// position, which take longer where a border is met at a grazing angle.
 const SAME_ROOT_OF_SHORT_ARCS_S: f64 = 1e-5;
-/// A geostationary satellite takes a millisecond for 15 mas.
+/// Tolerance of a border, arcsec: a geostationary satellite moves by 15 mas in a millisecond.
 const SAME_BORDER_ARCSEC: f64 = 0.01;
 
 /// Computes the same request with and without the candidate search; returns the number of tested (field, satellite)
@@ -263,7 +263,7 @@ fn same_result(request: &Request, min_probability: Option<f64>) -> Result<usize,
     let options = PassOptions { include_dark: true, min_probability, ..PassOptions::default() };
     let culled = sky.field_passes(&exposures, &field, &options).expect("an answer");
     let brute = sky.field_passes_by_brute_force(&exposures, &field, &options).expect("an answer");
-    // Only satellites in the shadow throughout are skipped before SGP4.
+    // Only satellites that are in the shadow throughout are skipped before SGP4.
     let lit = PassOptions { include_dark: false, ..options };
     let lit = sky.field_passes(&exposures, &field, &lit).expect("an answer");
     let of_all: Vec<&Pass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
@@ -318,7 +318,8 @@ fn compare_search_with_brute_force(
     assert!(pairs >= at_least, "only {pairs} pairs were decided");
 }
 
-/// 200,000 pairs of a field and a satellite with the real catalogue, 170,000 without.
+/// The candidate search agrees with the full computation for 200,000 pairs of a field and a satellite with the real
+/// catalogue, or 170,000 without.
 #[test]
 fn verif_the_candidate_search_loses_and_adds_nothing() {
     compare_search_with_brute_force(12, 1, 300.0, None, 100_000);
@@ -329,7 +330,7 @@ fn verif_near_misses_survive_the_candidate_search() {
     compare_search_with_brute_force(2, 2, 60.0, Some(0.02), 8_000);
 }
 
-/// A field half below the horizon: every crossing begins and ends above the ground, some of them at the horizon.
+/// In a field half below the horizon every crossing begins and ends above the ground, some of them at the horizon.
 #[test]
 fn verif_no_crossing_is_below_the_horizon() {
     let (epoch, sky) = &*SKY;
@@ -395,8 +396,8 @@ fn verif_earlier_requests_change_nothing() {
     }
 }
 
-/// Slices of long exposures are searched in groups: an exposure of two hours and a half gives the crossings of 150
-/// exposures of a minute, across several cached windows. Crossings without light equal those of the lit passes.
+/// A long exposure is searched in groups of slices: two hours and a half give the crossings of 150 exposures of a
+/// minute, across several cached windows. Crossings computed without light equal those of the lit passes.
 #[test]
 fn verif_a_long_exposure_equals_its_minutes() {
     const MINUTES: u32 = 150;
@@ -444,7 +445,7 @@ fn verif_a_long_exposure_equals_its_minutes() {
                 }
             }
         }
-        // A graze shorter than the tolerance may be found by only one method.
+        // A graze shorter than the tolerance may be found by only one of the two methods.
         let same_s = SAME_ROOT_OF_LONG_EXPOSURES_S;
         for chords in long.values_mut().chain(short.values_mut()) {
             chords.retain(|(enter_s, exit_s)| exit_s - enter_s > 20.0 * same_s);

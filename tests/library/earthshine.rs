@@ -13,7 +13,7 @@ use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, Photomet
 
 /// Specified accuracy of the production rule on a chassis lit only by the Earth, mag.
 const EARTHSHINE_MAG: f64 = 1e-3;
-/// Exponent for which the rule has at least 2.5 times the nodes in each direction.
+/// Returns an exponent for which the rule has at least 2.5 times the nodes in each direction.
 fn finer(exponent: f64) -> f64 {
     if exponent > 60.0 { 1000.0 } else { 400.0 }
 }
@@ -73,7 +73,7 @@ fn healpix_earth(sun_rad: f64, height_km: f64, nside: u32) -> Vec<(Vector3<f64>,
         .collect()
 }
 
-/// c5 and c4 of the bundled Starlink V1.5: both terms in one number, without area and cos φ_r.
+/// Returns the light of a chassis with c4 and c5 of the bundled Starlink V1.5, without area and cos φ_r.
 fn chassis(shine: &PanelEarthshine, exponent: f64) -> f64 {
     0.0915 / PI * shine.irradiance + 0.1889 * (exponent + 2.0) / (2.0 * PI) * shine.lobe
 }
@@ -175,7 +175,7 @@ fn verif_a_uniformly_lit_earth_gives_its_solid_angle() {
 
 #[test]
 fn valid_diffuse_light_against_the_worked_ratios() {
-    // Relative to direct light on the chassis, at 550 km; computed independently on a mesh, and printed rounded.
+    // Relative tolerance of light relative to direct light on the chassis, at 550 km, computed on a mesh and rounded.
     const MESH_AND_ROUNDING: f64 = 0.03;
     for (sun_deg, expected) in [(-2.0_f64, 0.118), (-8.0, 0.0044), (-14.0, 2.8e-4), (-20.0, 3e-6)] {
         let sun = sun_deg.to_radians();

@@ -12,23 +12,24 @@ use streakcast::orbit::DragModel;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
-/// Heavens-Above prints seconds and whole degrees.
+/// Tolerances for Heavens-Above, which prints seconds and whole degrees.
 const HEAVENS_ABOVE_S: f64 = 3.0;
 const HEAVENS_ABOVE_DEG: f64 = 0.6;
 const HEAVENS_ABOVE_ROUNDING_S: f64 = 0.75;
-/// Half of 22.5° (they print one of sixteen compass points), plus a degree for rounding.
+/// Tolerance of azimuths: half of 22.5° (Heavens-Above prints one of sixteen compass points), plus a degree for
+/// rounding.
 const COMPASS_DEG: f64 = 12.25;
 
 /// Required agreement with STK; `passes_reference.rs` tests a tenth of it.
 const STK_S: f64 = 1.0;
 const STK_DEG: f64 = 0.05;
 
-/// Skyfield interpolates UT1: a few centimetres. The rest is the bisection of both (at most 2 ms was found).
+/// Tolerances for Skyfield: it interpolates UT1 (a few centimetres); the rest is the bisection of both (at most 2 ms).
 const SKYFIELD_S: f64 = 0.01;
-/// The altitude is flat around culmination, especially for slow satellites.
+/// Tolerance of culminations, where the altitude is flat, especially for slow satellites.
 const SKYFIELD_TOP_S: f64 = 0.05;
 const SKYFIELD_DEG: f64 = 0.001;
-/// The edge of the penumbra with 720 rays to the Sun's limb (at most 4 ms was found).
+/// Tolerance of the edge of the penumbra, found with 720 rays to the Sun's limb (differences are at most 4 ms).
 const SKYFIELD_SHADOW_S: f64 = 0.02;
 
 fn elements(path: &Path, id: u32) -> ElementSet {
@@ -109,7 +110,7 @@ fn valid_forecast_against_heavens_above() {
     }
     println!("{compared} passes, {} of ours: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
     assert_eq!(compared, 15);
-    // They list visible passes of the evening; additional passes of ours must be outside of their list.
+    // Heavens-Above lists the visible passes of the evening; additional passes of ours must be outside of its list.
     for (pass, visible) in seen {
         let row = PassRow { pass, elements: &sky.elements()[0] };
         assert!(degrees(visible.highest.altitude_rad) >= 9.99 && row.ends_by().is_some(), "{:?}", visible.begin.epoch);

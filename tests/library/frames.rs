@@ -17,19 +17,19 @@ use streakcast::orbit::Propagator;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
 
-/// The same theory in another language: rounding errors, at 42,164 km some 10⁻¹¹ km per product.
+/// Tolerances for the same theory in another language: rounding errors, at 42,164 km some 10⁻¹¹ km per product.
 const SAME_THEORY_KM: f64 = 1e-8;
 const SAME_THEORY_RAD: f64 = 1e-12;
 const SAME_THEORY_KM_S: f64 = 1e-12;
-/// astropy evaluates epv00 at TDB, we at TT: 1.7 ms of the Earth's 30 km/s, and of its acceleration of 6 mm/s².
+/// Tolerances of Sun and Earth: astropy evaluates epv00 at TDB, we at TT: 1.7 ms of 30 km/s and of 6 mm/s².
 const SUN_TDB_KM: f64 = 0.055;
 const EARTH_VELOCITY_TDB_KM_S: f64 = 1.5e-8;
-/// Skyfield's precession, nutation and sidereal time: the theories differ by 0.1 mas.
+/// Tolerance of Skyfield's precession, nutation and sidereal time: the theories differ by 0.1 mas.
 const SKYFIELD_ANGLE_RAD: f64 = 1e-4 * ARCSEC_RAD;
-/// Skyfield interpolates delta T daily and adds leap seconds afterwards: 0.1 ms of rotation, in position and altitude.
+/// Tolerance of sites: Skyfield interpolates delta T daily and adds leap seconds afterwards, 0.1 ms of rotation.
 const SKYFIELD_SITE_KM: f64 = 5e-5;
 const SKYFIELD_HORIZON_RAD: f64 = 7.3e-5 * 1e-4;
-/// epv00 compared with JPL's DE405: SOFA documents 11.2 km and 5 mm/s at most, 1900 to 2100.
+/// Tolerances of epv00 against JPL's ephemeris: SOFA documents 11.2 km and 5 mm/s at most, 1900 to 2100.
 const DE421_SUN_KM: f64 = 11.2;
 const DE421_EARTH_VELOCITY_KM_S: f64 = 5e-6;
 
@@ -110,7 +110,7 @@ fn valid_observers_and_sun_against_astropy() {
     }
 }
 
-/// The Sun deflects the light of ERFA's stars, 30 degrees and more away, by up to 0.015".
+/// Tolerance of apparent positions: the Sun deflects the light of stars 30 degrees and more away by up to 0.015".
 const DEFLECTION_RAD: f64 = 0.016 * ARCSEC_RAD;
 
 #[test]
@@ -156,7 +156,7 @@ fn observer(row: &Row) -> Observer {
     Observer::new(site.expect("a site"))
 }
 
-/// The embedded table: rows every three days, with a documented difference of at most 0.5 ms, 0.2 m at the equator.
+/// Tolerances of the embedded table: rows every three days, documented to differ by at most 0.5 ms (0.2 m).
 const EMBEDDED_UT1_S: f64 = 0.5e-3;
 const EMBEDDED_SITE_KM: f64 = 0.25e-3;
 
@@ -220,7 +220,7 @@ fn valid_finals2000a_against_astropy() {
     }
 }
 
-/// Printed to 10⁻⁸ km per component, at a time known to 10⁻¹⁰ days (4·10⁻⁸ km).
+/// Tolerance of Vallado's example: printed to 10⁻⁸ km per component, at a time known to 10⁻¹⁰ days (4·10⁻⁸ km).
 const VALLADO_KM: f64 = 1e-7;
 
 #[test]
@@ -250,8 +250,8 @@ fn valid_teme_to_itrf_against_vallado() {
     example.see((place.vector() - expected).norm());
 }
 
-/// Horizons uses another SGP4, and its element set's epoch is rounded to 10⁻⁸ days (1 ms, 8 m along the track);
-/// Skyfield's test of these rows allows 2 m.
+/// Tolerances for Horizons, which uses another SGP4 and rounds the epoch of its element set to 10⁻⁸ days (1 ms, 8 m
+/// along the track); Skyfield's test of these rows allows 2 m.
 const HORIZONS_ISS_KM: f64 = 2e-3;
 const HORIZONS_ISS_KM_S: f64 = 2e-6;
 

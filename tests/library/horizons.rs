@@ -16,20 +16,22 @@ use streakcast::orbit::Propagator;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
 
-/// Right ascension is printed to 0.01 s (0.15"), declination to 0.1"; 1 m across the line of sight is 0.35" at 600 km.
+/// Median error allowed by the printed digits: right ascension 0.01 s (0.15"), declination 0.1"; 1 m across the line of
+/// sight is 0.35" at 600 km.
 const MEDIAN_ARCSEC: f64 = 0.3;
 const WORST_ARCSEC: f64 = 1.0;
-/// Printed to 10⁻¹⁴ au (1.5 m); the site is known to a metre.
+/// Tolerance of ranges: printed to 10⁻¹⁴ au (1.5 m), and the site is known to a metre.
 const RANGE_KM: f64 = 5e-3;
-/// Rates in "/h to seven digits; ours are differences over a second on an arc of 10 minutes.
+/// Relative tolerance of rates: printed in "/h to seven digits; ours are differences over a second on a 10-minute arc.
 const RATE_RELATIVE: f64 = 2e-4;
 const RANGE_RATE_KM_S: f64 = 2e-4;
-/// Printed to 0.0001 degrees; the choice of the pole for the horizon has the same effect (0.47" = 0.00013 degrees in
-/// July 2021).
+/// Tolerance of azimuth and elevation: printed to 0.0001 degrees; the choice of the pole for the horizon has the same
+/// effect (0.47" = 0.00013 degrees in July 2021).
 const HORIZON_DEG: f64 = 3e-4;
 
 /// A row of the file `dat`:
-/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r S-T-O`.
+/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r
+/// S-T-O`.
 struct Row {
     name: String,
     epoch: Epoch,
@@ -146,15 +148,15 @@ fn valid_directions_against_horizons() {
         directions.see(setting.seen(&row.name, row.epoch).direction.separation_rad(&row.direction) / ARCSEC_RAD);
     }
     middle.see(setting.separations_arcsec(|sight| sight.direction).0);
-    // The light-time effect of the Earth's motion is really tested: without it all directions are 20" off.
+    // The light-time effect of the Earth's motion matters here: without it all directions are 20" off.
     let (plain, _) = setting.separations_arcsec(|sight| sight.geometric.direction().expect("not at the site"));
     assert!((15.0..30.0).contains(&plain), "{plain}");
 }
 
-/// 48.520031 N, 123.417137 W, 244.14 m is the position that these rows give with the pole at its origin. With the pole
-/// of July 2021 (0.235", 0.403") the same rows give 48.519974 N, 123.417006 W, 244.16 m: the longitude of the Minor
-/// Planet Center's list, 236.5830, to half a metre. So Horizons applies polar motion, and a site determined without it
-/// is displaced by the pole, here 11.6 m or 3.6".
+/// Horizons applies polar motion. Its rows give the position 48.520031 N, 123.417137 W, 244.14 m with the pole at its
+/// origin, and 48.519974 N, 123.417006 W, 244.16 m with the pole of July 2021 (0.235", 0.403"), which has the longitude
+/// of the Minor Planet Center's list, 236.5830, to half a metre. A site determined without polar motion is displaced by
+/// the pole, here 11.6 m or 3.6".
 #[test]
 fn valid_directions_without_polar_motion_from_the_displaced_site() {
     let site = Site::new_deg("658 displaced by the pole", 48.520_031, -123.417_137, 244.14).expect("a site");

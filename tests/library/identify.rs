@@ -79,7 +79,7 @@ fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
 
 /// Starlink-1102 in exposure 941420 of the Dark Energy Camera (see streak_real.rs), with elements 11.5 and 9.5 days
 /// old, the latter within a manoeuvre.
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 #[test]
 fn valid_starlink_1102_is_identified_in_decam() {
     use streakcast::images::{FrameFile, PixelPosition, Wcs};
@@ -100,7 +100,7 @@ fn valid_starlink_1102_is_identified_in_decam() {
     }
 }
 
-/// Predicted tracks in every form of a streak: the satellite that made one is ranked first.
+/// Streaks made from predicted tracks, in every form of a streak: their own satellite is ranked first.
 #[test]
 fn verif_passes_identify_themselves() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -174,7 +174,7 @@ fn verif_passes_identify_themselves() {
     }
 }
 
-/// Whether another object is on the same orbit, within ten seconds.
+/// Returns true if another object is on the same orbit, within ten seconds.
 fn has_companion(sky: &Sky, element_index: usize) -> bool {
     let own = &sky.elements()[element_index];
     let turn = |degrees: f64| (degrees + 180.0).rem_euclid(360.0) - 180.0;

@@ -19,7 +19,7 @@ mod horizons;
 mod identify;
 mod magnitude_sigma;
 mod maps;
-#[cfg(any(feature = "fits", feature = "plot"))]
+#[cfg(any(all(feature = "fits", unix), feature = "plot"))]
 mod maps_files;
 mod maps_paper;
 mod model_files;

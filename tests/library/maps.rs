@@ -6,13 +6,13 @@ use streakcast::geometry::Site;
 use streakcast::maps::{BodyView, Earth, Grid, SkyView};
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelLibrary, PhotometryOptions};
 
-/// One km of range would be 10⁻³ mag; here only the rounding of a quadratic's roots remains.
+/// Tolerance of ranges: the rounding of a quadratic's roots; one km would be 10⁻³ mag.
 const RANGE_KM: f64 = 1e-6;
 
-/// The paper's arccos formulas lose half the digits near the nadir.
+/// Tolerance of magnitudes: the paper's arccos formulas lose half the digits near the nadir.
 const MAGNITUDE: f64 = 1e-6;
 
-/// 4000 rays to the Sun's disk.
+/// Tolerance of lit fractions from 4000 rays to the Sun's disk.
 const LIT_FRACTION: f64 = 0.005;
 
 #[test]
@@ -59,11 +59,11 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
     assert!(magnitudes > 150 && dark > 100, "{magnitudes} {dark}");
 }
 
-/// Rows at once and single directions agree: sunlight only (computed in columns) and with earthshine, on a sphere and
-/// an ellipsoid, with and without extinction.
+/// Values computed by rows and by single directions agree: in sunlight only (columns) and with earthshine, on a sphere
+/// and an ellipsoid, with and without extinction.
 #[test]
 fn verif_cells_steps_and_single_directions_agree() {
-    // Columns compute each azimuth from the previous one, and the angles by other formulas.
+    // Tolerance: columns compute each azimuth from the previous one, and the angles by other formulas.
     const MAGNITUDE: f64 = 1e-9;
     const RANGE_KM: f64 = 1e-9;
     let model = v15();
@@ -96,13 +96,13 @@ fn verif_cells_steps_and_single_directions_agree() {
     }
 }
 
-/// Maps use a shortcut for magnitudes; here single predictions are used, for models of every kind.
+/// Magnitudes of maps, which are computed by a shortcut, equal single predictions for models of every kind.
 #[test]
 fn verif_maps_agree_with_single_predictions() {
     use streakcast::constants::AU_KM;
     use streakcast::frames::{Direction, Gcrs, Horizontal, Position};
     use streakcast::geometry::{ViewingGeometry, illumination};
-    /// The satellite positions of the map and of this test differ by some nanometres.
+    /// Tolerance of lit fractions: the satellite positions of the map and of this test differ by some nanometres.
     const LIT_FRACTION: f64 = 1e-9;
     let library = ModelLibrary::embedded();
     let site = Site::from_mpc("X05").unwrap();
@@ -151,7 +151,7 @@ fn verif_maps_agree_with_single_predictions() {
     }
 }
 
-/// Earthshine on the chassis: largest with a high Sun, zero without visible lit ground.
+/// Earthshine on the chassis is largest with a high Sun, and zero if no visible ground is lit.
 #[test]
 fn verif_earthshine_brightens_a_map() {
     let model = v15();
@@ -226,7 +226,7 @@ fn verif_the_shadow_shortcut_is_exact() {
     assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
 }
 
-/// Rows at once and single directions, by sunlight only and with earthshine.
+/// Body maps computed by rows and by single directions agree, in sunlight only and with earthshine.
 #[test]
 fn verif_body_maps_agree_with_single_directions() {
     const MAGNITUDE: f64 = 1e-9;
@@ -281,7 +281,7 @@ fn verif_invalid_requests() {
     };
     assert!(sky(550.0, 0.0, -0.2).is_ok());
     for (height_km, azimuth, altitude, part) in [
-        (0.0, 0.0, -0.2, "height 0 km: allowed above 0"),
+        (0.0, 0.0, -0.2, "height is 0 km; allowed: above 0"),
         (-5.0, 0.0, -0.2, "height -5 km"),
         (f64::NAN, 0.0, -0.2, "height NaN km"),
         (550.0, 0.0, 1.6, "Sun's altitude 91.6"),
@@ -293,7 +293,7 @@ fn verif_invalid_requests() {
     }
     let high = Site::new_deg("balloon", 0.0, 0.0, 40_000.0).unwrap();
     let below = SkyView::new(&model, Earth::Ellipsoid(high), 30.0, 0.0, 0.0, options()).unwrap_err().to_string();
-    assert!(below.contains("below site balloon: allowed heights above 40.0 km"), "{below}");
+    assert!(below.contains("below site balloon; allowed: above 40.0 km"), "{below}");
     assert!(BodyView::new(&model, -2.0, 550.0, options()).unwrap_err().to_string().contains("Sun's latitude -114.5"));
     assert!(BodyView::new(&model, -0.2, f64::INFINITY, options()).is_err());
 }

@@ -54,7 +54,8 @@ fn verif_figure_6_is_bright_towards_the_sun_and_dark_away_from_it() {
     assert!(spots.windows(2).all(|pair| pair[1] < pair[0]), "{spots:?}");
 }
 
-/// "... and that of the sail is the opposite": its front, seen from the ground straight in front of it.
+/// Section 5.1 continues "... and that of the sail is the opposite". Here the sail is seen from the ground straight in
+/// front of it.
 #[test]
 fn verif_the_sail_fades_as_the_sun_sinks() {
     let model = v15();

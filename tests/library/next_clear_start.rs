@@ -57,7 +57,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
     let rows: Vec<ScheduledExposure> =
         (0..80).map(|number| row(number, seconds_after(start, 34.0 * number as f64))).collect();
     let flags = flags_of(&rows);
-    // Some are avoided without a predicted crossing: these once had their own start as their next clear one.
+    // Some exposures are avoided without a predicted crossing; their next clear start must not be their own start.
     let by_loss_alone = || flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid && flag.n_streaks == 0);
     assert!(by_loss_alone().count() > 4, "{} avoided by their loss alone", by_loss_alone().count());
     assert!(by_loss_alone().any(|flag| flag.delay_s.is_some()));

@@ -64,8 +64,8 @@ const KINDS: [OrbitKind; 6] = [
     OrbitKind::Eccentric,
 ];
 
-/// Residuals for which the floor (the error at epoch, hidden because successive element sets share it) is less than
-/// half of sigma.
+/// The test uses residuals for which the floor (the error at epoch, hidden because successive element sets share it) is
+/// less than half of sigma.
 #[test]
 fn valid_one_sigma_along_the_track_contains_68_percent_of_held_out_residuals() {
     let residuals = residuals();

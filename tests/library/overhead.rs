@@ -96,7 +96,7 @@ fn the_same_satellites_from_elsewhere() {
 
 #[test]
 fn verif_sun_and_pointing_share_one_frame() {
-    /// The Sun's parallax (8.8 arcsec), with a margin for light time, which directions do not include.
+    /// Tolerance: the Sun's parallax (8.8 arcsec), with a margin for light time, which directions do not include.
     const TOLERANCE_RAD: f64 = 1e-4;
     let sky = sky();
     let hours: Vec<Epoch> = (0..24).map(|hour| seconds_after(dusk(), 3600.0 * f64::from(hour))).collect();
@@ -162,7 +162,7 @@ fn reference(sky: &Sky, at: Epoch, min_altitude_rad: f64, include_dark: bool) ->
 /// Snapshots contain exactly the satellites that SGP4 places above the altitude at each time.
 #[test]
 fn verif_snapshots_against_sgp4_of_every_satellite() {
-    /// Interpolation, millimetres at 500 km.
+    /// Tolerance of interpolated orbits: millimetres at 500 km.
     const TOLERANCE_RAD: f64 = 1e-7;
     let sky = mixed_sky();
     let queries: [(f64, Vec<f64>, f64); 4] = [

@@ -11,17 +11,17 @@ use streakcast::orbit::Propagator;
 use streakcast::passes::{ModelChoice, Sky, VisiblePass, VisibleRequest};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 
-/// STK prints 1 ms and has its own UT1 (a few ms of it move a low site by a metre, 1 ms of the satellite's motion).
+/// Tolerance for STK, which prints 1 ms and has its own UT1; a few ms of UT1 are 1 ms of the satellite's motion.
 const STK_S: f64 = 0.1;
 const STK_ALTITUDE_DEG: f64 = 0.006;
 
-/// Heavens-Above prints seconds and whole degrees.
+/// Tolerance of rise and set: Heavens-Above prints seconds and whole degrees.
 const HEAVENS_ABOVE_BORDER_S: f64 = 2.0;
-/// The altitude is flat around culmination, less so near the zenith.
+/// Tolerance of culminations, where the altitude is flat, less so near the zenith.
 const HEAVENS_ABOVE_TOP_S: f64 = 3.0;
 const HEAVENS_ABOVE_ALTITUDE_DEG: f64 = 0.6;
-/// Its "enters shadow" is our first dimming (half of the disk is hidden 4.4 s later, all of it 8.7 s later): rounding,
-/// and a different model.
+/// The shadow entry of Heavens-Above is our first dimming (half of the disk is hidden 4.4 s later, all of it 8.7 s
+/// later). The tolerance is for rounding and a different model.
 const HEAVENS_ABOVE_SHADOW_S: f64 = 1.0;
 
 fn elements(path: &Path, id: u32) -> ElementSet {

@@ -12,9 +12,9 @@ use streakcast::photometry::{
     PhotometryOptions, SatelliteModel, SatelliteShape, StandardMagnitude,
 };
 
-/// Two double-precision chains of some hundred operations, one through GEOS, on magnitudes near 7.
+/// Tolerance of magnitudes near 7: two double-precision chains of some hundred operations, one through GEOS.
 const GOLDEN_MAG: f64 = 1e-9;
-/// The same for fractions of the sail.
+/// The same tolerance for fractions of the sail.
 const GOLDEN_SHARE: f64 = 1e-10;
 
 /// Reproducible uniform numbers in [0, 1) (splitmix64).
@@ -87,7 +87,8 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
     assert!(rows == 600 && blocked_rows > 150);
 }
 
-/// Whether a ray from a point of the sail in a direction hits the chassis; plain vector algebra without projection.
+/// Returns true if a ray from a point of the sail in a direction hits the chassis, by vector algebra without
+/// projection.
 fn stopped(point: &Vector3<f64>, direction: &Vector3<f64>, base_length: f64, base_width: f64) -> bool {
     if direction.z == 0.0 {
         return false;
@@ -305,7 +306,7 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
     assert_eq!(brightness.source.to_string(), "stdmag");
 }
 
-/// Columns with the widest vectors compared with single directions, for all attitudes: 1e-9 mag.
+/// Columns computed with the widest vectors agree with single directions to 1e-9 mag, for all attitudes.
 #[test]
 fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
     let mut uniform = Uniform(21);

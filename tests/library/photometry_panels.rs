@@ -57,9 +57,9 @@ fn directions(random: &mut Random) -> (Vector3<f64>, Vector3<f64>) {
     (Vector3::new(sun.cos(), 0.0, sun.sin()), random.direction())
 }
 
-/// Sun and observer below the chassis or not, any offset: the light of each term and the blocked fraction agree with
-/// the closed form to 1e-9. The chassis' edge hides none of it; only with the Sun or the observer above the chassis
-/// plane is the list of panels more accurate (the sail's back is then not hidden, and the chassis is dark).
+/// For any position of Sun and observer and any offset, the light of each term and the blocked fraction of a list of
+/// panels agree with the closed form to 1e-9. With the Sun or the observer above the chassis plane the list of panels
+/// is more accurate (the sail's back is not hidden, and the chassis is dark).
 #[test]
 fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
     let mut random = Random(3);
@@ -99,7 +99,7 @@ fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
     assert!(compared > 4000, "{compared} geometries were partly blocked");
 }
 
-/// Whether a ray from a point of one rectangle in a direction hits another.
+/// Returns true if a ray from a point of one rectangle in a direction hits another.
 fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle) -> bool {
     let along = other.axes.normal.dot(direction);
     let t = other.axes.normal.dot(&(other.anchor_m - from)) / along;
@@ -189,7 +189,7 @@ fn verif_gradient_of_the_two_panels_against_differences() {
     }
 }
 
-/// The same covariance through derivatives and through changed parameters, and its contribution to the scatter.
+/// The same covariance gives the same sigma through derivatives and through changed parameters.
 #[test]
 fn verif_covariance_widens_the_sigma() {
     let shape = json!({"sail_length_m": 8.1, "sail_width_m": 2.8, "base_length_m": 1.3, "base_width_m": 2.8, "panel_offset_deg": 0.0});
@@ -317,7 +317,7 @@ fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
     assert!(short.contains("7 x 7"), "{short}");
 }
 
-/// The paper's satellite split into geometry without coefficients and laws without geometry: the same light.
+/// The paper's satellite gives the same light if geometry without coefficients and laws without geometry are combined.
 #[test]
 fn verif_lit_faces_and_laws_add_up_to_the_whole() {
     let shape = SatelliteShape {
@@ -377,8 +377,7 @@ fn verif_ranges_and_proportions_of_parameters() {
         }]
     }))
     .unwrap();
-    // A parameter used as both weight and exponent has the range allowed for both, and light is proportional to
-    // neither.
+    // A parameter used as both weight and exponent has the range allowed for both, and light is not proportional to it.
     let expected = [
         ([0.5, 1.0], false),
         ([0.0, 1.0], true),
@@ -399,10 +398,10 @@ fn verif_ranges_and_proportions_of_parameters() {
     assert!(!spec.is_linear(expected.len()));
 }
 
-/// Rough mirrors as rendered by Mitsuba.
+/// Rough mirrors agree with those rendered by Mitsuba.
 #[test]
 fn valid_facets_against_mitsuba() {
-    /// Two masking factors, each from a rational fit with an error of 0.35 %.
+    /// Relative tolerance: two masking factors, each from a rational fit with an error of 0.35 %.
     const MASKING_FIT: f64 = 0.0071;
     let unit = |zenith_deg: f64, azimuth_deg: f64| {
         let (zenith, azimuth) = (zenith_deg.to_radians(), azimuth_deg.to_radians());
@@ -433,7 +432,7 @@ fn verif_earthshine_by_new_lobes() {
         Law::Retro(Retro { weight: 1.0, exponent: 3.0 }),
         Law::Retro(Retro { weight: 1.0, exponent: 80.0 }),
     ];
-    /// At least 2.5 times the nodes required by the laws.
+    /// Exponent for which the rule has at least 2.5 times the nodes that the laws require.
     const FINE_EXPONENT: f64 = 1000.0;
     let normal = -Vector3::z();
     let mut worst = [0.0_f64; 2];

@@ -4,7 +4,7 @@ use crate::common::agreement::Agreement;
 use streakcast::elements::{ElementSet, ReadOptions, Satellites};
 use streakcast::orbit::{OrbitError, Propagator};
 
-/// The reference prints 10 µm and 1 µm/s; rounding of another compiler grows over months of deep-space resonance.
+/// Tolerances: the reference prints 10 µm and 1 µm/s; rounding grows over months of deep-space resonance.
 const POSITION_KM: f64 = 3e-7;
 const VELOCITY_KM_S: f64 = 2e-9;
 
@@ -81,8 +81,8 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The two modes of the reference code differ for only one orbit of the set: 23599, whose node passes a branch at 420
-/// minutes.
+/// The only orbit of the set for which the two modes of the reference code differ, and the time from which they do,
+/// minutes: its node passes a branch at 420 minutes.
 const TWO_MODES: (u32, f64) = (23599, 410.0);
 const TWO_MODES_KM: f64 = 1.0;
 

@@ -9,8 +9,8 @@ use streakcast::frames::{EopTable, Gcrs, OrientationTable, Position, seconds_aft
 use streakcast::geometry::{Illumination, SunTable, illumination};
 use streakcast::orbit::Propagator;
 
-/// Sun and Earth differ (epv00 and DE421: 11 km), times are bisected to 0.1 ms; high orbits that graze the shadow are
-/// the worst case.
+/// Tolerance of times: the positions of Sun and Earth differ (epv00 and DE421: 11 km), times are bisected to 0.1 ms,
+/// and high orbits that graze the shadow are the worst case.
 const MOMENT_S: f64 = 0.02;
 
 /// Angle between the Sun's edge and the spherical Earth of the golden cone: the same closed form, with our satellite

@@ -29,9 +29,9 @@ fn verif_shells_are_labelled_and_numbered() {
 
 #[test]
 fn verif_shells_have_their_altitude_and_the_same_satellites_at_every_epoch() {
-    /// The closed form omits J₂² terms: below 10 m; sampling one revolution in 200 steps adds little.
+    /// Tolerance of the mean radius: the closed form omits J₂² terms below 10 m; sampling in 200 steps adds little.
     const MEAN_RADIUS_TOLERANCE_KM: f64 = 0.02;
-    /// Thirty days of secular rates; SGP4 itself contributes a kilometre.
+    /// Tolerance after thirty days of secular rates; SGP4 itself contributes a kilometre.
     const SAME_SATELLITE_TOLERANCE_KM: f64 = 1.0;
     let epoch = Epoch::from_gregorian_utc_at_midnight(2026, 3, 20);
     for constellation in Constellation::embedded() {

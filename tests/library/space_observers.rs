@@ -30,8 +30,8 @@ fn sky(elements: Vec<ElementSet>, observer: &ElementSet) -> Sky {
     Sky::with_models(elements, observer, EopTable::embedded(), &choice)
 }
 
-/// Skyfield has its own UT1 table, of which only TEME's rotation by 10⁻⁴ s remains here. Its Sun and Earth are DE421:
-/// 0.01". All else is the same SGP4.
+/// Tolerance of directions: Skyfield has its own UT1, of which only a rotation of TEME by 10⁻⁴ s remains, and Sun and
+/// Earth from DE421 (0.01"); SGP4 is the same.
 const DIRECTION_ARCSEC: f64 = 0.02;
 
 #[test]
@@ -88,7 +88,8 @@ fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f
     }
 }
 
-/// Orbits close to those of the observers and far from them: the same shells, above, below, eccentric, geosynchronous.
+/// Returns orbits close to and far from those of the observers: the same shells, above, below, eccentric,
+/// geosynchronous.
 fn swarm(random: &mut Random, count: usize) -> Vec<ElementSet> {
     (0..count)
         .map(|number| {
@@ -109,8 +110,8 @@ const FASTEST_KM_S: f64 = 22.0;
 /// Satellites inside a field for less than this time may be missed, seconds.
 const FINEST_S: f64 = 5e-4;
 
-/// Follows one pair without candidate search, arcs or roots: steps over the time in which the field cannot be reached.
-/// Returns whether it was inside.
+/// Returns true if one pair is ever inside the field, without candidate search, arcs or roots: steps over the time in
+/// which the field can be reached.
 fn is_inside(
     observer: &Propagator,
     satellite: &Propagator,
@@ -145,7 +146,7 @@ fn is_inside(
     false
 }
 
-/// 120 exposures of 1,000 satellites: no crossing is missed and none is false.
+/// In 120 exposures of 1,000 satellites no crossing is missed and none is false.
 #[test]
 fn verif_no_crossing_is_lost_from_orbit() {
     let mut random = Random(7);

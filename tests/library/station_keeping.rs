@@ -1,7 +1,9 @@
-//! Satellites that hold their orbits: lateness and crossings with elements 1 to 14 days old, against later elements of the same satellites.
+//! Satellites that hold their orbits: lateness and crossings with elements 1 to 14 days old, against later elements of
+//! the same satellites.
 //!
-//! The Starlink catalogue of every day of June 2026. The calibration used even catalogue numbers and elements of 2, 9, 16 and 23 June;
-//! these tests use odd numbers and other days. The widening of the core sigmas was chosen on those days too.
+//! The Starlink catalogue of every day of June 2026. The calibration used even catalogue numbers and elements of 2, 9,
+//! 16 and 23 June; these tests use odd numbers and other days. The widening of the core sigmas was chosen on those days
+//! too.
 
 use std::collections::BTreeMap;
 
@@ -51,7 +53,8 @@ struct Cell {
     inside: usize,
 }
 
-/// 68 % of the lateness is within these limits, seconds, and one sigma holds 63 to 73 % (with three sigma of the sample's scatter).
+/// 68 % of the delays are within these limits, seconds, and one sigma contains 63 to 73 % (with three sigma of the
+/// sample's scatter).
 #[test]
 fn valid_lateness_of_station_keeping_satellites() {
     if crate::common::data_dir().is_none() {
@@ -141,7 +144,8 @@ fn exposures(count: usize, draws: &mut Random) -> Vec<Exposure> {
         .collect()
 }
 
-/// Stated probabilities of crossings, in tenths, against the share of them that crossed by elements of the night.
+/// Predicted probabilities of crossings, in bins of a tenth, against the fraction that crossed by elements of that
+/// night.
 ///
 /// Tolerance: 5 %, and three sigma of the sample.
 #[test]
@@ -189,7 +193,7 @@ fn valid_reliability_of_crossing_probabilities() {
             let (stated, observed) = (stated / count, observed / count);
             println!("{age} d, tenth {number}: {count} passes, stated {stated:.3}, observed {observed:.3}");
             let scatter = 3.0 * (stated * (1.0 - stated) / count).sqrt().max(0.5 / count);
-            // Where little is stated, a share of it.
+            // For small probabilities the tolerance is half of them.
             let allowed = f64::min(0.05, 0.5 * stated);
             assert!(
                 (stated - observed).abs() <= allowed + scatter,

@@ -1,5 +1,5 @@
-//! Statistics of a site: expected trails compared with real crossings, counts compared with the density of shells, and
-//! the verbs that print them.
+//! Statistics of a site: expected trails compared with computed crossings, counts compared with the density of shells,
+//! and the verbs that print these.
 
 use std::f64::consts::TAU;
 
@@ -14,10 +14,11 @@ use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::night_of;
 
-/// Three sigmas of counting some 800 trails, and 5 % for pointings at the border of the sampled sky.
+/// Relative tolerance: three sigmas of counting some 800 trails, and 5 % for pointings at the border of the sampled
+/// sky.
 const TRAILS: f64 = 0.16;
-/// The density of a shell is a mean over time and for a spherical Earth: 144 times include some 3,000 satellites above
-/// 30°.
+/// Relative tolerance: the formula is a mean over time for a spherical Earth; 144 times include some 3,000 satellites
+/// above 30°.
 const DENSITY: f64 = 0.05;
 
 fn sky(constellation: &Constellation, site: Site, epoch: Epoch) -> Sky {
@@ -40,7 +41,7 @@ fn request(site: &Site, date: &str) -> StatisticsRequest {
     }
 }
 
-/// The expectation of Bassa et al. compared with crossings of fields at random pointings above 30°.
+/// The expectation of Bassa et al. agrees with crossings of fields at random pointings above 30°.
 #[test]
 fn verif_expected_trails_agree_with_crossings() {
     let site = Site::from_mpc("X05").unwrap();
@@ -103,7 +104,7 @@ fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
     assert!(sky_counts(&sky, &refused).unwrap_err().to_string().contains("above 0 deg"));
 }
 
-/// Satellites over Paranal against the density of Bassa et al. (2022), section 2.
+/// The number of satellites over Paranal agrees with the density of Bassa et al. (2022), section 2.
 #[test]
 fn valid_satellites_above_against_the_density_of_shells() {
     let start = parse_instant("2025-03-20T00:00:00Z", None).unwrap();
@@ -167,8 +168,8 @@ mod verbs {
         let reproduce: [(&[&str], &str); 5] = [
             (&["hu2022"], "--schedule"),
             (&["hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
-            (&["lu2024b", "--schedule", "a.db"], "--schedule is not for reproduce lu2024b"),
-            (&["bassa2022", "--time-scale", "utc"], "--time-scale is not for reproduce bassa2022"),
+            (&["lu2024b", "--schedule", "a.db"], "--schedule has no effect on reproduce lu2024b"),
+            (&["bassa2022", "--time-scale", "utc"], "--time-scale has no effect on reproduce bassa2022"),
             (&["smith1999"], "hu2022, lu2024b, bassa2022"),
         ];
         let cases = statistics.iter().map(|case| (STATISTICS, case));
@@ -191,8 +192,8 @@ mod verbs {
         assert_eq!(rows.len(), 6);
         for row in rows {
             println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
-            // A year compared with thirteen nights in its October: docs/explanation/counts.md. The same nights agree within 20
-            // % with the paper's visits.
+            // A year compared with thirteen nights in its October: docs/explanation/counts.md. The same nights agree
+            // within 20 % with the paper's visits.
             let is_year = row["quantity"].as_str().unwrap().contains("of a year");
             let allowed = if is_year { 25.0 } else { 20.0 };
             assert!(row["difference_percent"].as_f64().unwrap().abs() < allowed, "{row}");

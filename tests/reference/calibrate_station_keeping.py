@@ -41,7 +41,7 @@ LABELS = {"Starlink15": "V1.5", "Starlink": "VisorSat, V2 Mini", "StarlinkStrong
 CORE_WEIGHT = 0.7
 # Twice the lag in days, rounded, between the value with the least half width and the one with the median at 0 (both are printed).
 LAG2_DAY = {"Starlink15": 0.75, "Starlink": 0.75, "StarlinkStrongDrag": 0.45, "DirectToCell": 0.33}
-# Core sigmas are widened by this factor: the held-out dates scatter more than the fitted ones.
+# Factor by which core sigmas are widened: the held-out dates scatter more than the fitted ones.
 WIDENING = {"Starlink15": 1.06, "Starlink": 1.1, "StarlinkStrongDrag": 1.25, "DirectToCell": 0.98}
 CAP_OF_PERIOD = 0.3413
 
@@ -124,7 +124,7 @@ def q(x, share=0.6827):
 
 
 def best_lags2(c):
-    """The lags with the least 68 % half widths of all ages (sum of their logarithms), and with the median at 0."""
+        """Returns the lags with the least 68 % half widths of all ages (summed logarithms), and those with median 0."""
     groups = [g for g in (np.flatnonzero(c["nominal"] == age) for age in AGES_DAY) if len(g) > 60]
     rate = c["drag"] * c["age"]
     lags = np.arange(0.0, 1.5, 0.01)
@@ -155,7 +155,7 @@ def cells(c):
 
 def fit(c, y):
     groups = cells(c)
-    # 1. The shape, with the core of every cell free: 40 % of the delays are within half its inner sigma and a bit.
+    # 1. The shape, with the core of every cell free: 40 % of the delays are within half of the cell's inner sigma.
     inner, weight = np.ones(len(y)), np.zeros(len(y))
     for g in groups:
         inner[g] = q(y[g], 0.4) / 0.62

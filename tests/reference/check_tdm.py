@@ -66,7 +66,7 @@ def nearest(observations, text):
 
 
 def apart_on_sky_deg(samples, observations):
-    """Largest separation between astropy's ICRS, one light time earlier, and the message; number of points."""
+    """Largest separation between astropy's ICRS, one light time earlier, and the message, and the number of points."""
     column = lambda name: np.array([point[name] for point in samples])
     azimuths, altitudes = np.radians(column("azimuth_deg")), np.radians(column("altitude_deg"))
     towards = np.array([np.cos(altitudes) * np.cos(azimuths), np.cos(altitudes) * np.sin(azimuths), np.sin(altitudes)])

@@ -64,7 +64,7 @@ def solve(g, m, s, loss, start):
 
 
 def recurrence(n_step, n_walker):
-    """x' = 0.9 x + u, u from a 31-bit congruential generator; the test reproduces it digit for digit."""
+    """Returns a chain x' = 0.9 x + u with u from a 31-bit congruential generator, which the test reproduces exactly."""
     state, x, out = 12345, np.zeros(n_walker), np.empty((n_step, n_walker))
     for t in range(n_step):
         for k in range(n_walker):

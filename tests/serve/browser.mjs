@@ -470,7 +470,7 @@ try {
     const refused = await seen(page);
     assert.equal(refused.text, "unknown: no answer");
     assert.deepEqual([refused.norads, refused.start, refused.next], [[], undefined, undefined]);
-    assert.deepEqual([await page.textContent("#dome-words"), await page.textContent("#crossings")], ["", "Nothing is known of this exposure."]);
+    assert.deepEqual([await page.textContent("#dome-words"), await page.textContent("#crossings")], ["", "No result for this exposure."]);
     assert.ok((await page.isHidden("#go")) && (await page.evaluate(() => document.activeElement.id)) === "after");
     await page.unroute(paths);
     await page.click("#before");

@@ -66,7 +66,7 @@ def icrs_deg(coordinates: SkyCoord) -> tuple[FloatArray, FloatArray]:
 def clear_on_grid(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
 ) -> BoolArray:
-    """Whether exposures with these starts are clear: ``(n_targets, n_starts)``. False below the horizon.
+    """Returns True where exposures with these starts are clear: ``(n_targets, n_starts)``. False below the horizon.
 
     Calls the model once per target and night, independent of the number of starts.
 
@@ -97,7 +97,7 @@ def clear_on_grid(
 def clear_one_by_one(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
 ) -> BoolArray:
-    """Like `clear_on_grid` for independent exposures of one length: ``(n,)``, all arrays ``(n,)``."""
+    """Returns the same as `clear_on_grid` for single exposures of one length, with one target per start: ``(n,)``."""
     clear = np.zeros(len(ra_deg), dtype=bool)
     clear[windows_of(model, ra_deg, dec_deg, starts_s, starts_s + length_s, length_s, blocking)[0]] = True
     return clear
@@ -137,7 +137,7 @@ def lost_on_grid(
 
 
 def _above_horizon(model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> BoolArray:
-    """Whether exposures stay above the horizon: clear starts of a model in which no satellite counts."""
+    """Returns True where exposures stay above the horizon: clear starts of a model in which no satellite counts."""
     unlimited = model.with_options(fov="1arcsec", field=None, policy={"limit_mag": BRIGHTEST_LIMIT_MAG}, limit_mag=None)
     return clear_on_grid(unlimited, ra_deg, dec_deg, starts_s, length_s, "avoid")
 
@@ -167,7 +167,7 @@ def windows_of(
 
 
 def _chunks(starts_s: FloatArray) -> list[tuple[int, int]]:
-    """Index ranges of groups of starts that span at most half a day."""
+    """Returns index ranges of groups of starts that span at most half a day."""
     if len(starts_s) == 0:
         return []
     number = np.floor((starts_s - starts_s[0]) / CHUNK_S)

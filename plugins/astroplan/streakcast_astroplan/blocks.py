@@ -85,7 +85,7 @@ class Rules:
         return 1.0 - lost_on_grid(model, ra_deg, dec_deg, early_s, long_s)
 
     def worth_of_each(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
-        """Like `worth` for exposures with individual starts: ``(n,)``, all arrays ``(n,)``."""
+        """Returns the same as `worth` for single exposures, with one target per start: ``(n,)``."""
         early_s, long_s = self.with_margins(starts_s, length_s)
         if self.score == "clear":
             return clear_one_by_one(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)

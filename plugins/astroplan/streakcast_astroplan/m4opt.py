@@ -18,7 +18,8 @@ except ImportError:
 
 
 class SatelliteStreaks(Constraint):  # type: ignore[misc]
-    """Whether an exposure that starts at the given time is clear. M4OPT combines constraints by ``&``, ``|`` and ``~``.
+    """Constraint that an exposure which starts at the given time is clear. M4OPT combines constraints by ``&``, ``|`` and
+    ``~``.
 
     Parameters
     ----------

@@ -12,7 +12,8 @@ from streakcast import StreakModel
 from ._clear import TICK_S, FloatArray, windows_of
 from .blocks import Rules
 
-#: Time span of one cached search, seconds: twelve steps of five minutes at the cost of three.
+#: Time span of one cached search, seconds. A search over an hour serves twelve steps of five minutes, and takes as long
+#: as three searches for single steps.
 SPAN_S = 3600.0
 #: Number of cached spans, of at most one kilobyte each.
 CACHED_SPANS = 4096

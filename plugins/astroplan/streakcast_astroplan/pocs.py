@@ -69,7 +69,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
             raise ValueError(f"min_clear_share is {min_clear_share}; allowed: 0 to 1")
         self.readout_s, self.min_clear_share, self.blocking = float(readout), float(min_clear_share), blocking
         self.hook = Hook(model if isinstance(model, StreakModel) else StreakModel(**model), "pocs")
-        # Reports invalid settings at construction.
+        # Invalid settings raise an error at construction.
         self._rules(1.0, 1).check(self.hook.model)
 
     def get_score(self, time: Time, observer: Any, observation: Any, **kwargs: Any) -> tuple[bool, float]:

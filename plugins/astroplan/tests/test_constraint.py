@@ -40,7 +40,7 @@ def contacts(sky, few):
 
 
 def is_clear(contacts, starts_s, length_s):
-    """Whether exposures with these starts (seconds after START) contain no contact; ``(n_targets, n_starts)``."""
+    """Returns True where exposures with these starts (seconds after START) contain no contact; ``(n_targets, n_starts)``."""
     return np.array([[not any(a <= start + length_s and b >= start for _, a, b in one) for start in starts_s] for one in contacts])
 
 

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from pyobs.robotic import Task
     from pyobs.robotic.scheduler import DataProvider
 
-#: Minimum interval between checks of the host's clock, seconds: a check takes as long as a computation.
+#: Minimum interval between checks of the host's site and clock, seconds. A check takes as long as a computation.
 CLOCK_CHECK_S = 10.0
 #: Rating if satellites cannot be computed.
 CLEAR = 1.0
@@ -114,11 +114,11 @@ class Settings(BaseModel):
         return self
 
     def rules(self) -> Rules:
-        """Requirements for exposures."""
+        """Returns the requirements for exposures."""
         return Rules(Exposures(self.exposure_s, self.readout_s, self.n_exposures), blocking=self.blocking, margin_s=self.margin_s)
 
     def hook(self) -> Hook:
-        """The model with its counters, shared by all settings of the same model."""
+        """Returns the model with its counters, shared by all settings of the same model."""
         return self._host().hook
 
     def _host(self) -> Host:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class SatelliteConstraint(Settings, Constraint):
-    """Whether enough exposures of a task are clear of satellites.
+    """Constraint that enough exposures of a task are clear of satellites.
 
     In the constraints of a scheduler or a task::
 
@@ -43,7 +43,7 @@ class SatelliteConstraint(Settings, Constraint):
     min_clear_share: float = Field(default=1.0, gt=0.0, le=1.0)
 
     async def __call__(self, time: Time, task: Task, data: DataProvider) -> bool:
-        """Whether a task may start at a time.
+        """Returns True if a task may start at a time.
 
         Parameters
         ----------
@@ -62,7 +62,7 @@ class SatelliteConstraint(Settings, Constraint):
         return await self.share_of_task(time, task, data) >= self.min_clear_share
 
     async def filter_skycoord(self, time: Time, coords: SkyCoord, data: DataProvider) -> npt.NDArray[np.bool_]:
-        """Whether ``n_exposures`` exposures (default 1) that start at a time are clear, for many positions.
+        """Returns for each position whether ``n_exposures`` exposures (default 1) that start at a time are clear.
 
         Parameters
         ----------

@@ -10,10 +10,10 @@ use crate::exposures::two_parts;
 
 /// Nanoseconds from 1900-01-01 to 1970-01-01.
 const UNIX_ZERO_NS: i128 = 25_567 * 86_400 * 1_000_000_000;
-/// NumPy's `NaT`.
+/// Value of NumPy's `NaT` (a missing time).
 const NOT_A_TIME: i64 = i64::MIN;
 
-/// Returns one dictionary per column: `name`, `unit`, `description`, `kind` and the data of that kind.
+/// Returns one dictionary per column with `name`, `unit`, `description`, `kind` and the data.
 pub fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyList>> {
     let result = PyList::empty(py);
     for (index, column) in table.columns.iter().enumerate() {

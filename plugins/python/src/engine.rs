@@ -15,7 +15,8 @@ use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, Sna
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict, VerdictKind,
-    WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures, streak_table,
+    WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures,
+    streak_table,
 };
 
 use crate::columns::{columns, times};
@@ -30,7 +31,7 @@ type WithWarnings<T> = (T, Vec<String>);
 #[pyclass(frozen, module = "streakcast._core")]
 pub struct Engine {
     sky_cache: Py<SkyCache>,
-    /// The field, or the message for a missing field.
+    /// Field of view, or the error message of a missing field.
     field: Result<Field, String>,
     telescope: Option<Telescope>,
     policy: Policy,
@@ -200,7 +201,7 @@ impl Engine {
         let exposures = exposures.to_exposures()?;
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
-            return Err(failure::request(format!("samples {samples}; allowed: 0 to {most}")));
+            return Err(failure::request(format!("samples is {samples}; allowed: 0 to {most}")));
         }
         let (table, warnings) = failure::without_lock(py, || self.pass_table(&exposures, include_dark, samples))?;
         Ok((columns(py, &table)?, warnings))
@@ -229,7 +230,7 @@ impl Engine {
             "any" => Blocking::Any,
             "avoid" => Blocking::Avoided,
             "limits" => Blocking::Limits,
-            other => return Err(failure::request(format!("blocking '{other}'; allowed: any, avoid, limits"))),
+            other => return Err(failure::request(format!("blocking is '{other}'; allowed: any, avoid, limits"))),
         };
         let limits = Limits {
             blocking,
@@ -288,7 +289,7 @@ impl Engine {
 struct SkyRows {
     moment: Vec<i64>,
     norad_id: Vec<i64>,
-    /// Three components per row.
+    /// Unit vectors, three components per row.
     direction: Vec<f64>,
     range_km: Vec<f64>,
     rate_deg_s: Vec<f64>,
@@ -381,8 +382,8 @@ impl Engine {
         Ok((table, warnings))
     }
 
-    /// Returns windows with the indices of their targets. Each row is the time span for the exposures of a target; rows
-    /// with the same span are computed together.
+    /// Returns windows with the indices of their targets. The exposure of a row has the time span of its windows; rows
+    /// with the same time span are computed together.
     fn windows(
         &self,
         rows: Vec<ScheduledExposure>,

@@ -8,6 +8,7 @@ use streakcast::config::parse_time_scale;
 use streakcast::frames::is_covered;
 use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, epoch_from_mjd};
+use streakcast::output::format_utc;
 use streakcast::passes::Exposure;
 use streakcast::schedule::ScheduledExposure;
 
@@ -115,7 +116,7 @@ impl Columns<'_> {
 /// Returns the epoch of a two-part Julian date, TAI, within the supported years.
 pub fn start_of(index: usize, jd1: f64, jd2: f64) -> PyResult<Epoch> {
     let jd = jd1 + jd2;
-    // Checked first: the count of nanoseconds would overflow far outside.
+    // The range is checked first, because the count of nanoseconds would overflow for distant times.
     let epoch =
         (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
     epoch.ok_or_else(|| PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099")))
@@ -153,4 +154,10 @@ pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<Schedule
 /// Returns the lower-case name of a time scale.
 pub fn scale_name(scale: TimeScale) -> String {
     scale.to_string().to_ascii_lowercase()
+}
+
+/// Returns a time as ISO 8601 text (UTC), to the nanosecond.
+#[pyfunction]
+pub fn utc_text(jd1: f64, jd2: f64) -> PyResult<String> {
+    Ok(format_utc(start_of(0, jd1, jd2)?, 9))
 }

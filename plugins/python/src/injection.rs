@@ -7,21 +7,13 @@ use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use streakcast::config::{Config, InjectionConfig, ConfigError, SkyOf, inject_frames, inject_into_array};
+use streakcast::config::{Config, ConfigError, InjectionConfig, SkyOf, inject_frames, inject_into_array};
 use streakcast::images::{Header, ImageValues, Pixels};
-use streakcast::output::format_utc;
 use streakcast::streaks::{ArrayInjected, Injections};
 
 use crate::columns::columns;
-use crate::exposures::start_of;
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
-
-/// Returns a time as ISO 8601 text (UTC), to the nanosecond.
-#[pyfunction]
-pub fn utc_text(jd1: f64, jd2: f64) -> PyResult<String> {
-    Ok(format_utc(start_of(0, jd1, jd2)?, 9))
-}
 
 /// Adds streaks to the file of the request, or to an image. Returns `summary`, `truth`, `points`, `trails`, `bits`,
 /// `warnings`, and for an image `image` and `mask`. `output` is the file to write, or for an image a folder for

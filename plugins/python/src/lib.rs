@@ -7,6 +7,7 @@ mod columns;
 mod engine;
 mod exposures;
 mod failure;
+#[cfg(unix)]
 mod injection;
 mod light;
 mod plots;
@@ -26,7 +27,9 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(exposures::times_from_text, module)?)?;
     module.add_function(wrap_pyfunction!(exposures::times_from_mjd, module)?)?;
     module.add_function(wrap_pyfunction!(sky_cache::setup_files, module)?)?;
-    module.add_function(wrap_pyfunction!(injection::utc_text, module)?)?;
+    module.add_function(wrap_pyfunction!(exposures::utc_text, module)?)?;
+    // Frames need CFITSIO, which does not build on Windows.
+    #[cfg(unix)]
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
     module.add_function(wrap_pyfunction!(requests::forecast, module)?)?;
     module.add_function(wrap_pyfunction!(requests::identify, module)?)?;

@@ -16,7 +16,7 @@ use streakcast::plot::{
 use crate::exposures::{Column, epoch_of};
 use crate::failure;
 
-/// Number of points of a circle.
+/// Number of points of a circle's outline.
 const CIRCLE_POINTS: usize = 180;
 
 /// Rendered chart.
@@ -84,7 +84,8 @@ struct Night {
     brightest_mag: Vec<f64>,
 }
 
-/// A field, the diameter of a round one, and its streaks: name, track, entry and exit (MJD UTC), magnitude, sigma.
+/// Columns of a field chart: centre, diameter of a circular field, and streaks with name, track, entry and exit (MJD
+/// UTC), magnitude and sigma.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct FieldOf {

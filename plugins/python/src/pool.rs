@@ -1,5 +1,5 @@
-//! Thread pool of this process. A forked child has none of its parent's threads and needs a new pool, because the
-//! parent's would wait for ever.
+//! Thread pool of the process. A forked child has none of its parent's threads, so that the parent's pool would wait
+//! for ever; the child creates a new pool.
 
 use std::mem;
 use std::process;
@@ -23,7 +23,7 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
     }
     let pool = ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let pool = Arc::new(pool);
-    // The parent's pool is leaked: dropping it would wait for threads that do not exist here.
+    // The parent's pool is never dropped, because that would wait for threads that do not exist in this process.
     mem::forget(kept.replace((own, pool.clone())));
     Ok(pool)
 }

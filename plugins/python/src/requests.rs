@@ -1,9 +1,10 @@
-//! Forecasts of nights and identification of streaks: JSON documents to requests of the library, results to tables.
+//! Forecasts of nights and identification of streaks: converts JSON documents to requests of the library, and results
+//! to tables.
 
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
-use streakcast::config::{Config, ForecastConfig, IdentifyConfig, ConfigError};
+use streakcast::config::{Config, ConfigError, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
     ForecastError, ForecastRequest, PassRow, Selection, forecast as compute_forecast, night_table, pass_table,
 };
@@ -130,7 +131,7 @@ fn exception(error: ConfigError) -> PyErr {
         error if !error.is_of_request() => failure::setup(error),
         ConfigError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
             let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
-            failure::request(format!("{name} {given}{unit}; allowed: {allowed}"))
+            failure::request(format!("{name} is {given}{unit}; allowed: {allowed}"))
         }
         other => failure::request(failure::as_arguments(&other.to_string())),
     }

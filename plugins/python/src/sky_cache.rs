@@ -35,7 +35,7 @@ impl SkyCache {
         self.prepared(moment).map_err(failure::setup)
     }
 
-    /// Like `of`, with the library's error.
+    /// Returns the same sky as `of`, but an error of the library instead of a Python exception.
     pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         let night = self.night_of(moment);
         if let Some(prepared) = self.find_cached(night) {

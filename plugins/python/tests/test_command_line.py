@@ -16,7 +16,7 @@ TEXT_COLUMNS = {"name", "international_designator", "illumination", "band", "mag
 
 
 def same(ours, theirs):
-    """Whether two values agree to half a unit of the last digit printed by the command line."""
+    """Returns True if two values agree to half a unit of the last digit printed by the command line."""
     if theirs is None:
         return ours is None or (isinstance(ours, float) and math.isnan(ours)) or ours is np.ma.masked
     if isinstance(theirs, Decimal):

@@ -113,7 +113,7 @@ def test_workers_read_elements_from_their_path(data, visits, tmp_path):
 
 
 def test_invalid_surveys_are_rejected(visits, survey_model, tmp_path):
-    with pytest.raises(ValueError, match="no column exposure_s"):
+    with pytest.raises(ValueError, match="missing columns of visits exposure_s"):
         fewer = {name: column for name, column in visits.items() if name != "exposure_s"}
         streakcast.dask.annotate(fewer, survey_model, None, tmp_path)
     with pytest.raises(ValueError, match="differ in length"):

@@ -58,7 +58,7 @@ def assert_equal(ours, theirs, name):
 
 
 def same_moment(ours, theirs):
-    """Whether times agree to half of the last printed digit, plus 1 ns for the conversion through two doubles."""
+    """Returns True if times agree to half of the last printed digit, plus 1 ns for the conversion through two doubles."""
     if isinstance(ours, str):
         return ours == theirs
     digits = len(theirs.split(".")[1]) - 1 if "." in theirs else 0
@@ -162,19 +162,19 @@ def test_the_old_method_gives_the_same_passes(sky):
 def test_invalid_arguments_are_reported(sky):
     cases = [
         (dict(night="14.8.2026"), "invalid night '14.8.2026'; allowed: the local date of the evening"),
-        (dict(), "specify either night, or start and end"),
+        (dict(), "specify night, or start and end"),
         (dict(night=[]), "night is empty; allowed"),
-        (dict(night=NIGHT, start=START, end=START), "specify either night, or start and end"),
+        (dict(night=NIGHT, start=START, end=START), "specify night, or start and end"),
         (dict(start=START), "start and end require each other"),
         (dict(start=START, end="2026-08-13T00:00:00Z"), "the end not before the start"),
-        (dict(night=NIGHT, min_altitude=95), "min_altitude 95 deg; allowed: 0 deg to below 90 deg"),
+        (dict(night=NIGHT, min_altitude=95), "min_altitude is 95 deg; allowed: 0 deg to below 90 deg"),
         (dict(night=NIGHT, max_sun_altitude=-100), "max_sun_altitude -100 deg"),
         (dict(night=NIGHT, max_mag=float("nan")), "max_mag is nan"),
-        (dict(night=NIGHT, samples=20_000), "samples 20000; allowed: 0 to 10000"),
-        (dict(night=NIGHT, samples=-1), "samples -1; allowed: 0 or more"),
+        (dict(night=NIGHT, samples=20_000), "samples is 20000; allowed: 0 to 10000"),
+        (dict(night=NIGHT, samples=-1), "samples is -1; allowed: 0 or more"),
         (dict(night=NIGHT, generation="starlink"), "unknown generation 'starlink'; allowed: .*starlink-v2mini"),
         (dict(night=NIGHT, name="ISS (ZARYA)"), "none of the 4408 satellites has a name with ISS"),
-        (dict(night=NIGHT, norad=0), "norad 0; allowed: 1 or more"),
+        (dict(night=NIGHT, norad=0), "norad is 0; allowed: 1 or more"),
         (dict(night=NIGHT, norad=10**10), "1 to 999999999"),
         (dict(night=NIGHT, output="pandas"), "allowed: auto, qtable, dict"),
     ]

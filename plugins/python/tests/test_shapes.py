@@ -146,5 +146,5 @@ def test_clear_windows_as_plain_arrays(model):
     assert isinstance(times.first_start, Time) and plain.first_start.dtype == "datetime64[ns]" and len(times.target) >= 2
     for one, other in ((times.first_start, plain.first_start), (times.last_start, plain.last_start)):
         assert np.abs(one.datetime64 - other).max() < np.timedelta64(1, "us")
-    with pytest.raises(ValueError, match="output 'table'; allowed: auto, qtable, dict"):
+    with pytest.raises(ValueError, match="output is 'table'; allowed: auto, qtable, dict"):
         model.clear_windows(TARGET, START, end, 30.0, output="table")

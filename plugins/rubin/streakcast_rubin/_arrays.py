@@ -1,4 +1,4 @@
-"""Array types."""
+"""Types of NumPy arrays in annotations."""
 
 from __future__ import annotations
 

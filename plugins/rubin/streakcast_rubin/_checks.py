@@ -13,7 +13,7 @@ BANDS = ("u", "g", "r", "i", "z", "y", "default")
 
 def one_of(name: str, value: str, allowed: tuple[str, ...]) -> str:
     if value not in allowed:
-        raise ValueError(f"{name} '{value}'; allowed: {', '.join(allowed)}")
+        raise ValueError(f"{name} is '{value}'; allowed: {', '.join(allowed)}")
     return value
 
 
@@ -39,6 +39,6 @@ def limits(limit_mag: Any) -> Any:
     if isinstance(limit_mag, Mapping):
         unknown = [band for band in limit_mag if band not in BANDS]
         if unknown:
-            raise ValueError(f"limit_mag names the band '{unknown[0]}'; allowed: {', '.join(BANDS)}")
+            raise ValueError(f"limit_mag has the unknown band '{unknown[0]}'; allowed: {', '.join(BANDS)}")
         return {band: at_least(f"limit_mag['{band}']", one, -30.0, 40.0) for band, one in limit_mag.items()}
     return at_least("limit_mag", limit_mag, -30.0, 40.0)

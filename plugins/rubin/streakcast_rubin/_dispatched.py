@@ -13,7 +13,7 @@ from typing import Any
 EXPIRY_DAY = 10.0 / 1440.0
 #: Time after which deferrals are no longer counted, days; queues are never that old.
 DEFERRAL_EXPIRY_DAY = 0.25
-#: Number of entries above which expired ones are deleted; queues are shorter.
+#: Number of entries above which expired ones are deleted. Queues are shorter than this.
 MAX_ENTRIES = 1000
 
 #: Number, field and band; numbers are not unique if two copies have filled their queues.
@@ -38,7 +38,7 @@ class DispatchedVisits:
         return self
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # A pickle is used in another process, which has dispatched nothing; deferrals are kept.
+        # A pickle is used in another process, which has dispatched no visit. Only deferrals are kept.
         return (DispatchedVisits, (dict(self._deferred),))
 
     def add(self, visit: Any, owner: Owner, mjd: float) -> None:
@@ -67,7 +67,7 @@ class DispatchedVisits:
         self._deferred.pop(key_of(visit), None)
 
     def is_with_another(self, visit: Any, owner: Owner, mjd: float) -> bool:
-        """Whether another copy dispatched the visit recently."""
+        """Returns True if another copy dispatched the visit recently."""
         dispatched = self._in_progress.get(key_of(visit))
         return dispatched is not None and dispatched[0] is not owner and abs(mjd - dispatched[1]) < EXPIRY_DAY
 

@@ -95,7 +95,9 @@ class Mount:
             self._reset_to(now)
         self.conditions_mjd = now
         candidates = [self.host_mjd] if self.last is None else [self.host_mjd, float(self.last["free_mjd"])]
-        # Times ahead by more than the maximum age of a queue belong to another night: the scheduler restarted earlier.
+        # Times further ahead than the maximum age of a queue belong to another night: the scheduler restarted at an
+        # earlier
+        # # time.
         return max([now, *(one for one in candidates if one - now < QUEUE_DAY)])
 
     def openings(self, conditions: Any, visits: Any) -> Openings:

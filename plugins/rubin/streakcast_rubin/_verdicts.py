@@ -61,7 +61,7 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
             "in the wrong scale visits are 37 s off"
         )
     if scale not in SCALES:
-        raise ValueError(f"mjd_scale '{scale}'; allowed: {', '.join(SCALES)}")
+        raise ValueError(f"mjd_scale is '{scale}'; allowed: {', '.join(SCALES)}")
     return scale
 
 

@@ -107,9 +107,9 @@ def annotate(
     source, target = Path(opsim), Path(output)
     scale = scale_of(model, mjd_scale)
     if not source.is_file():
-        raise ValueError(f"{source} is not a file")
+        raise ValueError(f"{source} is not a file; allowed: an opsim database")
     if target.exists() and source.samefile(target):
-        raise ValueError(f"{target} is the database itself; specify another file")
+        raise ValueError(f"output {target} is the database; allowed: another file")
     part = _new_file_beside(target)
     try:
         with contextlib.closing(sqlite3.connect(f"{source.resolve().as_uri()}?mode=ro", uri=True)) as old:
@@ -148,7 +148,7 @@ def _add_tables(base: sqlite3.Connection, source: Path, model: StreakModel, scal
     required = ["observationId", "fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "rotSkyPos", band]
     missing = [name for name in required if name not in columns]
     if missing:
-        raise ValueError(f"{source}: observations has no column {', '.join(missing)}; existing: {', '.join(columns) or 'none'}")
+        raise ValueError(f"{source}: missing column {', '.join(missing)} in observations, which has {', '.join(columns) or 'none'}")
     rows = base.execute(f"SELECT {', '.join(required)} FROM observations ORDER BY observationId").fetchall()
     ids, ra, dec, mjd, length, rotation = (np.array([row[one] for row in rows], dtype=float) for one in range(6))
     options = {"rotation": np.nan_to_num(rotation), "scale": scale, "output": "dict"}

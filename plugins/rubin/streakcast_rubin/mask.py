@@ -23,8 +23,7 @@ CELL_REACH_DEG = float(hp.max_pixrad(NSIDE, degrees=True))
 FASTEST_STEP_DEG = 1.3 * SAMPLE_S
 #: Margin around the radius of fields, degrees: tracks have errors of some arcminutes.
 FIELD_PAD_DEG = 0.1
-#: In a sector of the sky that is crossed everywhere, cells are masked if they lose this many times as much as its best
-#: tenth.
+#: Ratio to the loss of the best tenth of a sector above which cells are masked, if the whole sector is crossed.
 MASK_RATIO = 2.0
 #: Number of samples in a slot.
 STEPS = int(SLOT_S / SAMPLE_S)
@@ -127,9 +126,9 @@ class StreakMaskBasisFunction(StreakMap):
             A survey without such fields, or one that rotates them at each call, after it has evaluated the mask.
         """
         if getattr(survey, "fields", None) is None or np.shape(getattr(survey, "hp2fields", ())) != (CELLS,):
-            raise ValueError(f"{type(survey).__name__} has no fields for the cells of nside {NSIDE}")
+            raise ValueError(f"{type(survey).__name__} has no fields for the cells of nside {NSIDE}; allowed: a survey with fields and hp2fields")
         if getattr(survey, "dither", None) == "call":
-            raise ValueError("the survey rotates its fields at each call (dither='call'), after it has evaluated the mask")
+            raise ValueError("the survey has dither='call' and rotates its fields after the mask is evaluated; allowed: dither='night' or none")
         self._survey, self._rotated_fields = survey, None
 
     def _fields(self, night: int) -> tuple[Any, Any]:

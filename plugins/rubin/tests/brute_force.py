@@ -169,7 +169,7 @@ class Truth:
         return {int(near[one]): float(least[one]) for one in np.flatnonzero(least < radius_deg)}
 
     def _lit(self, place_km: np.ndarray, times: Time) -> np.ndarray:
-        """Whether any part of the Sun's disc is above the limb of a spherical Earth."""
+        """Returns True if any part of the Sun's disc is above the limb of a spherical Earth."""
         tdb = times.tdb
         sun = -erfa.epv00(tdb.jd1, tdb.jd2)[0]["p"]
         sun = sun / np.linalg.norm(sun, axis=-1, keepdims=True)
@@ -180,7 +180,7 @@ class Truth:
 
 
 def streaked(truth: Truth, visits: np.ndarray, radius_deg: float = 1.75, scale: str = "utc") -> np.ndarray:
-    """Whether each visit is crossed by a lit satellite while the shutter is open."""
+    """Returns for each visit whether it is crossed by a lit satellite while the shutter is open."""
     starts = Time(np.asarray(visits["mjd"]), format="mjd", scale=scale)
     found = truth.crossings(np.asarray(visits["RA"]), np.asarray(visits["dec"]), starts, np.asarray(visits["exptime"]), radius_deg)
     return np.array([bool(one) for one in found], dtype=bool)

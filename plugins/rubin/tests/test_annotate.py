@@ -55,14 +55,14 @@ def test_existing_tables_are_replaced_only_if_requested(opsim, models, tmp_path)
 def test_invalid_databases_are_rejected(opsim, models, tmp_path):
     with pytest.raises(ValueError, match="is not a file"):
         annotate(tmp_path / "none.db", tmp_path / "out.db", models[4408])
-    with pytest.raises(ValueError, match="is the database itself"):
+    with pytest.raises(ValueError, match="is the database; allowed: another file"):
         annotate(opsim[0], opsim[0], models[4408])
     (tmp_path / "text.db").write_text("not a database, but long enough that SQLite reads its header " * 11)
     with pytest.raises(ValueError, match="text.db: file is not a database"):
         annotate(tmp_path / "text.db", tmp_path / "out.db", models[4408])
     with sqlite3.connect(tmp_path / "poor.db") as base:
         base.execute("CREATE TABLE observations (observationId INTEGER, fieldRA REAL)")
-    with pytest.raises(ValueError, match="no column fieldDec, observationStartMJD"):
+    with pytest.raises(ValueError, match="missing column fieldDec, observationStartMJD"):
         annotate(tmp_path / "poor.db", tmp_path / "out.db", models[4408])
     assert not (tmp_path / "out.db").exists()
     assert not [one for one in tmp_path.iterdir() if one.suffix == ".part"]

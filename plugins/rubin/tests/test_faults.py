@@ -106,7 +106,7 @@ def test_times_need_a_scale(folder):
     with pytest.raises(ValueError, match="missing mjd_scale"):
         manager_of(model)
     assert manager_of(model, mjd_scale="tai").mjd_scale == "tai"
-    with pytest.raises(ValueError, match="mjd_scale 'ut1'; allowed: utc, tai, tt"):
+    with pytest.raises(ValueError, match="mjd_scale is 'ut1'; allowed: utc, tai, tt"):
         manager_of(model, mjd_scale="ut1")
 
 
@@ -124,9 +124,9 @@ def test_tai_and_utc_differ(models, pairs_evening):
         ({"max_defer": -1}, "max_defer is -1"),
         ({"jitter_s": float("nan")}, "jitter_s is nan"),
         ({"max_extra_slew_s": "5"}, "max_extra_slew_s is '5'"),
-        ({"damage": "stars"}, "damage 'stars'; allowed: pixels, light"),
-        ({"blocking": "some"}, "blocking 'some'; allowed: any, avoid"),
-        ({"limit_mag": {"q": 7.0}}, "limit_mag names the band 'q'"),
+        ({"damage": "stars"}, "damage is 'stars'; allowed: pixels, light"),
+        ({"blocking": "some"}, "blocking is 'some'; allowed: any, avoid"),
+        ({"limit_mag": {"q": 7.0}}, "limit_mag has the unknown band 'q'"),
         ({"limit_mag": "bright"}, "limit_mag is 'bright'"),
         ({"limit_mag": 7.0, "blocking": "any"}, "limit_mag has no effect with blocking='any'"),
     ],

@@ -119,7 +119,7 @@ def test_copies_follow_the_copied_survey(conditions, models, greedy):
 def test_surveys_that_cannot_be_followed(models, greedy):
     function = StreakMaskBasisFunction(models[4408])
     greedy.dither = "call"
-    with pytest.raises(ValueError, match="rotates its fields at each call"):
+    with pytest.raises(ValueError, match="rotates its fields after the mask is evaluated"):
         function.follow(greedy)
     with pytest.raises(ValueError, match="object has no fields for the cells of nside 32"):
         function.follow(object())

@@ -11,9 +11,11 @@ use crate::output::Output;
 /// Largest offset of a local clock from UTC, hours.
 const MAX_UTC_OFFSET_H: f64 = 14.0;
 
+/// Format and file of the output.
 #[derive(Args)]
 pub struct OutputArguments {
-    /// Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional parquet
+    /// Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional
+    /// parquet
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
     /// Output file; standard output if omitted
@@ -22,13 +24,13 @@ pub struct OutputArguments {
 }
 
 impl OutputArguments {
-    /// Opens the output in the given format, else that of the configuration.
+    /// Opens the output in the given format, or else in that of the configuration.
     pub fn open(self, config: &Config) -> anyhow::Result<Output> {
         Output::new(self.format.as_deref().or(config.format.as_deref()), self.output)
     }
 }
 
-/// Rejects flags of a camera, which have no effect without one; `subject` is what the flags do not affect.
+/// Rejects flags of a camera for a result that has none; `subject` describes that result in the error.
 pub fn reject_camera(flags: &Config, subject: &str) -> anyhow::Result<()> {
     let given = [
         ("--fov", flags.fov.is_some()),
@@ -38,7 +40,7 @@ pub fn reject_camera(flags: &Config, subject: &str) -> anyhow::Result<()> {
         ("--min-probability", flags.min_probability.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
-        Some((flag, _)) => Err(anyhow!("{flag} has no effect on {subject}; omit it")),
+        Some((flag, _)) => Err(anyhow!("{flag} has no effect on {subject}; allowed: the command without it")),
         None => Ok(()),
     }
 }
@@ -46,9 +48,10 @@ pub fn reject_camera(flags: &Config, subject: &str) -> anyhow::Result<()> {
 /// Reads hours ahead of UTC: `+01:00`, `-4:30`, `+5`, `5.75`, `Z`.
 pub fn utc_offset_h(text: &str) -> Result<f64, String> {
     let hours = if text.eq_ignore_ascii_case("z") { Some(0.0) } else { signed_hours(text) };
-    hours
-        .filter(|hours| (-MAX_UTC_OFFSET_H..=MAX_UTC_OFFSET_H).contains(hours))
-        .ok_or_else(|| "allowed: hours ahead of UTC from -14:00 to +14:00, for example +01:00 or -4.5".to_owned())
+    hours.filter(|hours| (-MAX_UTC_OFFSET_H..=MAX_UTC_OFFSET_H).contains(hours)).ok_or_else(|| {
+        "not an offset from UTC; allowed: hours ahead of UTC from -14:00 to +14:00, for example +01:00 or -4.5"
+            .to_owned()
+    })
 }
 
 fn signed_hours(text: &str) -> Option<f64> {
@@ -62,7 +65,7 @@ fn signed_hours(text: &str) -> Option<f64> {
     if let Some(hours) = whole(hours) {
         return Some(sign * (f64::from(hours) + f64::from(whole(minutes).filter(|minutes| *minutes < 60)?) / 60.0));
     }
-    // A decimal point excludes minutes.
+    // A number with a decimal point has no minutes.
     let is_decimal = rest.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
     rest.parse::<f64>().ok().filter(|_| is_decimal).map(|hours| sign * hours)
 }

@@ -1,4 +1,4 @@
-//! Cache of fetched elements: files with sidecars for their provenance and the time of the next allowed request.
+//! Cache of fetched elements. Each file has a sidecar with its provenance and the time of the next allowed request.
 
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub struct FetchRecord {
     pub last_modified: Option<String>,
     /// Time of the last request.
     pub asked_utc: Option<String>,
-    /// Response in words; `asking` until it arrives.
+    /// Description of the response; `asking` while there is none.
     pub answer: Option<String>,
     /// Earliest time of the next request.
     pub not_before_utc: Option<String>,
@@ -50,17 +50,18 @@ impl FetchRecord {
     }
 }
 
-/// Returns the given folder, else that of the system.
+/// Returns the given folder, or else the cache folder of the system.
 pub fn cache_folder(given: Option<&Path>) -> anyhow::Result<PathBuf> {
     match given {
         Some(folder) => Ok(folder.to_owned()),
         None => etcetera::base_strategy::choose_native_strategy()
             .map(|system| etcetera::BaseStrategy::cache_dir(&system).join(CACHE_FOLDER))
-            .map_err(|_| anyhow!("this system has no cache folder; specify --cache FOLDER")),
+            .map_err(|_| anyhow!("missing cache folder, which this system does not have; specify --cache FOLDER")),
     }
 }
 
-/// Returns the sidecars of a folder with their files, sorted by name. The file of a failed request may be missing.
+/// Returns the sidecars in a folder with the paths of their files, sorted by name. After a failed request the file may
+/// be missing.
 pub fn records_in(folder: &Path) -> Vec<(PathBuf, FetchRecord)> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut found: Vec<(PathBuf, FetchRecord)> = entries

@@ -35,7 +35,7 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe))
 }
 
-/// Writes a message on one line; standard error may be closed.
+/// Writes a message on one line of standard error, and ignores a closed standard error.
 fn report(message: &str) {
     let message: Vec<&str> = message.split_whitespace().collect();
     let _ = io::Write::write_all(&mut io::stderr(), format!("error: {}\n", message.join(" ")).as_bytes());
@@ -61,7 +61,7 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
                 .filter(|line| !line.is_empty())
                 .collect();
             let mut message = message.join("; ").replace(":; ", ": ");
-            // clap lists similar names only; all of them are more useful.
+            // clap lists only similar names.
             if let Some(names) = allowed_names(error, command) {
                 message += &format!("; allowed: {names}");
             }
@@ -76,7 +76,7 @@ fn allowed_names(error: &clap::Error, mut command: Command) -> Option<String> {
     if error.kind() != ErrorKind::InvalidSubcommand {
         return None;
     }
-    // Verbs come first: the first other word is the unknown one.
+    // Verbs come first, so that the first word that is no verb is the unknown one.
     for word in std::env::args_os().skip(1) {
         let Some(inner) = command.find_subcommand(word) else { break };
         command = inner.clone();

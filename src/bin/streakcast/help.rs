@@ -2,17 +2,17 @@
 
 use clap::{Arg, Command};
 
-/// Flags of which some are required together, on the command line or in the configuration file.
+/// Flags of which one, or one set, is required on the command line or in the configuration file.
 struct Group {
-    /// Heading of the flags; empty for flags without one.
+    /// Heading of the flags; empty for flags without a heading.
     heading: &'static str,
-    /// Heading with the rule.
+    /// Heading that states which flags are required.
     marked_heading: &'static str,
-    /// Ids of the flags without a heading.
+    /// Ids of the flags that have no heading.
     ids: &'static [&'static str],
     /// Alternatives in the usage line.
     usage: &'static str,
-    /// Alternatives in words, for the flags in `ids`.
+    /// Alternatives in words, for the help of the flags in `ids`.
     rule: &'static str,
 }
 
@@ -338,7 +338,7 @@ const VERBS: &[VerbHelp] = &[
 
 /// Adds required flags and examples to the help of all verbs.
 pub fn complete(command: Command) -> Command {
-    // Examples are not wrapped: they can be copied.
+    // Without wrapping, examples can be copied.
     VERBS.iter().fold(command.term_width(0), |command, help| {
         let names: Vec<&str> = help.path.split(' ').collect();
         at(command, &names, help)

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod cache;
+mod clock;
 mod failure;
 mod help;
 mod notices;
@@ -25,7 +26,7 @@ use verbs::flag::FlagArguments;
 use verbs::forecast::ForecastArguments;
 use verbs::gate::GateArguments;
 use verbs::identify::IdentifyArguments;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use verbs::inject::InjectArguments;
 use verbs::lists::ListArguments;
 use verbs::map::MapArguments;
@@ -53,13 +54,13 @@ enum Verb {
     Passes(Box<PassesArguments>),
     /// Give a verdict for each exposure of a schedule, with reasons and the next clear start
     Flag(Box<FlagArguments>),
-    /// Write the schedule file again with its cells unchanged and added verdicts and streaks
+    /// Write a copy of the schedule file with verdicts and streaks added and all other cells unchanged
     Annotate(Box<AnnotateArguments>),
     /// Find time windows in which targets can be exposed without a crossing above the limits
     Windows(Box<WindowsArguments>),
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
-    /// Wait until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
+    /// Wait until an exposure can start without a crossing, before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
     /// Identify the satellite of a measured streak: ranked candidates
     Identify(Box<IdentifyArguments>),
@@ -69,7 +70,7 @@ enum Verb {
     #[cfg(feature = "plot")]
     Plot(Box<PlotArguments>),
     /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     Inject(Box<InjectArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
     #[cfg(feature = "fetch")]
@@ -77,7 +78,7 @@ enum Verb {
     /// Fit a brightness model to photometry
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
-    /// Serve a web page and an HTTP API for a schedule: its nights, and the effect of other start times
+    /// Serve a web page and an HTTP API that show the nights of a schedule and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
     /// Count sunlit satellites over a site, their magnitudes, and the trails per exposure
@@ -112,7 +113,7 @@ fn main() -> ExitCode {
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "plot")]
         Verb::Plot(typed) => verbs::plot::run(*typed),
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         Verb::Inject(typed) => verbs::inject::run(*typed),
         #[cfg(feature = "fetch")]
         Verb::Fetch(typed) => verbs::fetch::run(&typed),

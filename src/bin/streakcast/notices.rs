@@ -8,7 +8,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 use streakcast::config::PreparedSky;
 use streakcast::orbit::LeftOut;
 
-/// Least number of exposures for a progress bar.
+/// Smallest number of exposures for which a progress bar is shown.
 const LONG_WORK: usize = 2000;
 
 /// Writer of messages to standard error.
@@ -23,19 +23,19 @@ impl Notices {
         Self { quiet, verbose: false }
     }
 
-    /// Sets whether warnings with a count list all their satellites.
+    /// Sets whether a warning of satellites left out lists all of them.
     pub fn with_details(self, verbose: bool) -> Self {
         Self { verbose, ..self }
     }
 
-    /// Prints warnings, one a line.
+    /// Prints warnings, one on each line.
     pub fn warn<'a>(&self, warnings: impl IntoIterator<Item = &'a String>) {
         for warning in warnings {
             self.info(&format!("warning: {warning}"));
         }
     }
 
-    /// Prints a warning of satellites left out of a result, if there are any, and all of them if verbose.
+    /// Prints a warning if satellites are left out of a result, with a list of them if verbose.
     ///
     /// # Errors
     /// All satellites are left out.
@@ -58,7 +58,7 @@ impl Notices {
         }
     }
 
-    /// Returns a progress bar over `length` exposures, hidden for short work, without a terminal, or if quiet.
+    /// Returns a progress bar over `length` exposures; hidden for short work, without a terminal, or if quiet.
     pub fn progress(&self, length: usize) -> ProgressBar {
         if length < LONG_WORK { ProgressBar::hidden() } else { self.bar(length, "exposures") }
     }

@@ -43,11 +43,11 @@ pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable";
 pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable, .parquet";
 
 impl Format {
-    /// Returns the format of a file extension; CSV without one.
+    /// Returns the format of a file extension; CSV for a name without extension.
     fn by_extension(path: &Path) -> anyhow::Result<Self> {
         match extension(path).as_str() {
             "" => Ok(Format::Csv),
-            // With the error of a build without it, instead of CSV.
+            // `required` reports a build without this format.
             "parquet" => Self::required("parquet"),
             end => Self::by_name(end)
                 .ok_or_else(|| anyhow!("the extension of {} is not a format; allowed: {EXTENSIONS}", path.display())),
@@ -76,16 +76,16 @@ impl Format {
     }
 }
 
-/// Returns the extension of a file name in lower case; empty without one.
+/// Returns the extension of a file name in lower case; empty if there is none.
 fn extension(path: &Path) -> String {
     path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase()
 }
 
-/// Result of a verb: its main table, further tables for JSON, and its style on a terminal.
+/// Result of a verb: the main table, further tables for JSON, and the style on a terminal.
 pub struct Answer<'a> {
     /// Arrays of a JSON document in order, including the main table.
     pub sections: Vec<Section<'a>>,
-    /// Table of all other formats.
+    /// Table that all formats other than JSON contain.
     pub main: &'a Table,
     /// Provenance of the result.
     pub provenance: &'a Provenance,
@@ -101,13 +101,14 @@ pub struct Output {
 }
 
 impl Output {
-    /// Opens an output in the given format, else that of the file extension, else a table on a terminal and CSV elsewhere.
-    /// Checks that the file can be written before any work. A path of `-` is standard output.
+    /// Opens an output in the given format, or else that of the file extension. Standard output, also given as `-`, has
+    /// a table on a terminal and CSV elsewhere. Checks that the file can be written.
     pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
         let path = path.filter(|path| path != Path::new(STANDARD_OUTPUT));
         let default_format = || match &path {
-            Some(path) => Format::by_extension(path)
-                .map_err(|error| anyhow!("{error}; csv without an extension; or specify --format")),
+            Some(path) => {
+                Format::by_extension(path).map_err(|error| anyhow!("{error}, no extension (csv), or any with --format"))
+            }
             None if stdout().is_terminal() => Ok(Format::Table),
             None => Ok(Format::Csv),
         };
@@ -141,7 +142,7 @@ impl Output {
             Format::VoTable => write_votable(out, answer.main, answer.provenance),
             #[cfg(feature = "parquet")]
             Format::Parquet => {
-                // The footer holds offsets: the writer needs a buffer.
+                // The Parquet writer needs a file or a buffer, not a stream.
                 let mut bytes = Vec::new();
                 streakcast::output::write_parquet(&mut bytes, answer.main, answer.provenance)?;
                 out.write_all(&bytes)
@@ -187,14 +188,14 @@ impl Output {
     }
 }
 
-/// Checks before any work that a file can be written.
+/// Checks that a file can be written, for use before a long computation.
 pub fn check(path: &Path) -> anyhow::Result<()> {
     check_name(path)?;
     check_target(path).map_err(|error| cannot_write(path, &error))
 }
 
-/// Checks a file that is replaced atomically: not a pipe, not a device.
-#[cfg(feature = "fits")]
+/// Checks that a file can be replaced atomically, which excludes pipes and devices.
+#[cfg(all(feature = "fits", unix))]
 pub fn check_whole(path: &Path) -> anyhow::Result<()> {
     check_name(path)?;
     streakcast::output::AtomicFile::check(path).map_err(|error| cannot_write(path, &error))
@@ -210,7 +211,7 @@ fn check_name(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes a file of bytes atomically.
-#[cfg(any(feature = "fit", feature = "fits", feature = "plot"))]
+#[cfg(any(feature = "fit", all(feature = "fits", unix), feature = "plot"))]
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))
 }

@@ -1,9 +1,9 @@
-//! Check of required inputs. All missing ones are reported in one error.
+//! Check of required inputs, with one error that lists all missing ones.
 
 use anyhow::anyhow;
 use streakcast::config::Config;
 
-/// Inputs that a verb requires; collects those that neither flags nor the configuration file give.
+/// Collector of required inputs that neither the flags nor the configuration file give.
 pub struct Required<'a> {
     config: &'a Config,
     /// Description and flags of each missing input.

@@ -11,21 +11,21 @@ pub struct Shown {
     pub decimals: Option<usize>,
 }
 
-/// Shorthand for a list of [`Shown`].
+/// Returns a column with the decimals of the table.
 pub const fn shown(column: &'static str, heading: &'static str) -> Shown {
     Shown { column, heading, decimals: None }
 }
 
-/// As [`shown`], with numbers and seconds rounded to `decimals`.
+/// Returns a column with numbers and seconds rounded to `decimals`.
 pub const fn rounded(column: &'static str, heading: &'static str, decimals: usize) -> Shown {
     Shown { column, heading, decimals: Some(decimals) }
 }
 
 /// Style of a table on a terminal.
 pub struct Style<'a> {
-    /// Columns; those missing from the table, and those without values, are omitted.
+    /// Columns in their order. Columns without a value in any row, or missing from the table, are omitted.
     pub columns: &'a [Shown],
-    /// Row in bold.
+    /// Index of the row in bold, if any.
     pub bold_row: Option<usize>,
 }
 

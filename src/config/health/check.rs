@@ -1,4 +1,4 @@
-//! The check of a whole configuration.
+//! Check of all inputs of a configuration at a given time.
 
 use hifitime::Epoch;
 
@@ -10,10 +10,10 @@ use crate::elements::SourceFile;
 use crate::passes::ModelChoice;
 use crate::photometry::ModelLibrary;
 
-/// Findings at a moment.
+/// Findings of a check at one time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
-    /// Findings; at least one for each subject.
+    /// Findings, at least one for each subject of the check.
     pub findings: Vec<Finding>,
     /// The element sets; `None` if none are given or none could be read.
     pub elements: Option<ElementState>,
@@ -29,7 +29,8 @@ impl Health {
 }
 
 impl Config {
-    /// Checks all inputs as a request for `now` would use them. An input that cannot be read is a finding.
+    /// Checks all inputs for a request at `now`. An input that cannot be read is reported as a finding, not as an
+    /// error.
     pub fn health(&self, now: Epoch, source: MomentSource) -> Health {
         let mut health = Health::default();
         self.check_elements(now, source, &mut health);
@@ -75,7 +76,7 @@ impl Config {
                 return;
             }
         };
-        // Models that cannot be read are a finding of `camera`; the finding on their use is omitted then.
+        // `camera` reports models that cannot be read; the finding on the use of models is then omitted.
         let given = self.model_choice();
         let is_readable = given.is_ok();
         let Some(choice) = given.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };

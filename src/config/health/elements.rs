@@ -12,19 +12,20 @@ use crate::orbit::{DragModel, OrbitClass, uncertainty};
 use crate::output::format_utc;
 use crate::passes::ModelChoice;
 
-/// Borders of the histogram, days. Element sets below the first one have epochs in the future.
+/// Borders of the histogram of ages, days. Negative ages are those of epochs in the future.
 const BORDERS_DAYS: [f64; 9] = [-FUTURE_DAYS, 0.0, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 30.0];
-/// Time ahead of the clock above which an element set is not an operator's prediction, days.
+/// Largest time by which the epoch of an operator's predicted element set is ahead of the clock, days.
 const FUTURE_DAYS: f64 = 1.5;
 /// Age above which element sets cause a warning, days.
 const OLD_DAYS: f64 = 14.0;
 /// Share of old element sets above which the finding is a warning.
 const OLD_SHARE: f64 = 0.05;
-/// Median along-track error above which the finding is a warning, s: a degree or more for low satellites.
+/// Median along-track error above which the finding is a warning, s. A low satellite moves by more than a degree in
+/// this time.
 const LARGE_ERROR_S: f64 = 3.0;
-/// Number of satellites of one name above which they are reported as a constellation without a model.
+/// Least number of satellites of one name that are reported as a constellation without a model.
 const CONSTELLATION: usize = 30;
-/// Largest number of names listed.
+/// Largest number of constellations in the finding.
 const LISTED: usize = 10;
 
 /// One bar of the histogram of ages.
@@ -34,7 +35,7 @@ pub struct AgeBin {
     pub from_days: f64,
     /// Upper border of the age, days; infinite for the last bin.
     pub to_days: f64,
-    /// Element sets in it.
+    /// Number of element sets in the bin.
     pub count: usize,
 }
 
@@ -60,7 +61,7 @@ pub struct ElementState {
     pub median_along_track_sigma_s: f64,
     /// Number of satellites of each generation with a model of its own.
     pub kinds: Vec<(Generation, usize)>,
-    /// Other satellites by name, most frequent first, without rocket bodies, debris and those with a standard magnitude.
+    /// Satellites with the default model, grouped by name, the most frequent name first.
     pub unmatched: Vec<Unmatched>,
 }
 
@@ -108,7 +109,7 @@ impl ElementState {
 
     /// Returns the findings on age, rejected records and duplicates.
     pub fn findings(&self, catalogue: &Satellites, now: Epoch, source: MomentSource) -> Vec<Finding> {
-        // Current elements do not help with a request for another time.
+        // A request for another time needs elements of that time, not newer ones.
         let nearer = match source {
             MomentSource::Clock => "fetch newer elements (streakcast fetch)",
             MomentSource::Given => {
@@ -140,7 +141,7 @@ impl ElementState {
             let finding = format!("{} are older than {OLD_DAYS:.0} days", share(old));
             let remedy = match 2 * old > self.satellites {
                 true => nearer.to_owned(),
-                false => "none if the satellites have decayed; otherwise fetch newer elements".to_owned(),
+                false => "nothing if the satellites have decayed; otherwise fetch newer elements".to_owned(),
             };
             found.push(Finding::new(severity, SUBJECT, finding, remedy));
         }
@@ -178,7 +179,7 @@ impl ElementState {
         }
         if catalogue.duplicates > 0 {
             let finding = format!("{} duplicate records", catalogue.duplicates);
-            found.push(Finding::new(Severity::Note, SUBJECT, finding, "none: each is used once"));
+            found.push(Finding::new(Severity::Note, SUBJECT, finding, "nothing: each is used once"));
         }
         if catalogue.superseded > 0 {
             let finding = format!("{} older records of objects with a newer one", catalogue.superseded);
@@ -186,7 +187,7 @@ impl ElementState {
                 Severity::Note,
                 SUBJECT,
                 finding,
-                "none: the element set closest to the time of the request is used",
+                "nothing: the element set closest to the time of the request is used",
             ));
         }
         found

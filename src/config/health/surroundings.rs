@@ -11,12 +11,12 @@ use crate::geometry::Site;
 use crate::output::format_utc;
 use crate::passes::Viewpoint;
 
-/// Time before its end at which a table should be replaced, days.
+/// Remaining time below which a table should be replaced, days.
 const SOON_DAYS: f64 = 60.0;
 /// Distance within which two sites are the same, degrees.
 const SAME_SITE_DEG: f64 = 0.2;
 
-/// Checks UT1 and the leap seconds.
+/// Checks that the tables of UT1 and leap seconds cover the time.
 pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "Earth orientation";
     let remedy = "specify a newer table with --eop finals2000A.all (https://datacenter.iers.org)";
@@ -64,14 +64,14 @@ fn status(table: &EopTable, now: Epoch, subject: &'static str, remedy: &str) -> 
     }
 }
 
-/// Checks the clock against times that are impossible.
+/// Checks that the time of the clock is possible.
 pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementState>) -> Finding {
     let time = format_utc(now, 0);
     if source == MomentSource::Given {
         return Finding::fine("time", format!("{time}, as given; the clock of this machine is not checked"));
     }
     const SUBJECT: &str = "clock";
-    // The bundled table is as old as its measured part; a machine without a clock starts in 1970.
+    // The measured part of the bundled table ends before the release. A machine without a clock starts in 1970.
     if matches!(EopTable::embedded().status(now), EopStatus::Measured | EopStatus::TooEarly { .. }) {
         let finding = format!("{time}, which is before the release of this version of streakcast");
         let remedy = "correct the clock (chrony, w32time); for a time in the past specify --now TIME";
@@ -93,7 +93,7 @@ pub(super) fn policy(config: &Config) -> Finding {
             return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/reference/configuration.md");
         }
     };
-    // In one line, as in its file.
+    // The keys and values of the policy file on one line.
     let keys: Vec<String> = match serde_json::to_value(&policy) {
         Ok(serde_json::Value::Object(keys)) => keys
             .into_iter()
@@ -153,7 +153,7 @@ pub(super) fn place(config: &Config, now: Epoch) -> Vec<Finding> {
     found
 }
 
-/// Returns the known observatory at this latitude and the longitude of opposite sign.
+/// Returns the known observatory at the same latitude and the longitude of opposite sign, unless one is at the site.
 fn mirrored(site: &Site) -> Option<&'static Site> {
     let near = |latitude_rad: f64, longitude_rad: f64| {
         Site::all().find(|known| {

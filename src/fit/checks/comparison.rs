@@ -12,8 +12,9 @@ use super::published::{PublishedCurve, PublishedMean, Subject};
 /// to 0.2 mag for solar colours, and surveys of one satellite type differ by the same amount.
 pub const OFFSET_TOLERANCE_MAG: f64 = 0.3;
 
-/// Largest core of a good model, in units of the sigma in its file. Sigma contains 68.3 % of single magnitudes, and so
-/// does the core of a normal distribution: 0.7 mag for a stated 0.6 mag is acceptable, twice the stated sigma is not.
+/// Largest core of a good model, in units of the sigma in its file; the core is 1.4826 times the median absolute
+/// deviation. Sigma contains 68.3 % of single magnitudes, and so does the core of a normal distribution: 0.7 mag for a
+/// stated 0.6 mag is acceptable, twice the stated sigma is not.
 const CORE_TOLERANCE_SIGMA: f64 = 1.15;
 
 /// Largest RMS of a good model, in the same units. Flares and misidentified satellites cause wings, which raise the RMS
@@ -79,9 +80,9 @@ pub struct Comparison {
     pub reference: &'static str,
     /// Number of geometries or measurements compared.
     pub n: usize,
-    /// Mean of the model over them, mag.
+    /// Mean of the model over these geometries or measurements, mag.
     pub model_mean_mag: Option<f64>,
-    /// Standard deviation of the model over them, mag.
+    /// Standard deviation of the model over these geometries or measurements, mag.
     pub model_sd_mag: Option<f64>,
     /// Mean of the reference: as published, or over the same geometries or measurements, mag.
     pub reference_mean_mag: Option<f64>,
@@ -108,8 +109,9 @@ pub struct Comparison {
 ///
 /// * with a published mean if the means differ by no more than the standard deviation of the survey, whose geometries
 ///   differ from those of the population;
-/// * with a published curve if the mean and the RMS of the differences are no more than that: the survey itself
-///   scatters as much about its curve, and a model with more angles than the phase deviates from it;
+/// * with a published curve if neither the mean nor the RMS of the differences exceeds that standard deviation: the
+///   survey scatters as much about its own curve, and a model that depends on more angles than the phase deviates from
+///   it;
 /// * with measurements if the mean differs by no more than [`OFFSET_TOLERANCE_MAG`], the core is no more than 1.15 and
 ///   the RMS no more than 2 times the sigma in the model's file.
 ///

@@ -30,9 +30,9 @@ pub trait LogProbability: Sync {
 pub struct Chain {
     walkers: usize,
     parameters: usize,
-    /// `(n_step, n_walker, n_param)`, the last index fastest.
+    /// Positions of the walkers; shape `(n_step, n_walker, n_param)`, the last index fastest.
     positions: Vec<f64>,
-    /// `(n_step, n_walker)`.
+    /// Logarithms of the probability; shape `(n_step, n_walker)`.
     log_probabilities: Vec<f64>,
     /// Accepted proposals, `(n_walker)`.
     accepted: Vec<u64>,
@@ -158,7 +158,8 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Ensemble with one walker at each starting position.
     ///
     /// # Errors
-    /// [`FitError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
+    /// [`FitError`]: too few or an odd number of walkers, a starting position of probability zero, or positions
+    /// that do not differ.
     pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, FitError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
@@ -176,7 +177,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Continues a chain of the same posterior and seed.
     ///
     /// # Errors
-    /// [`FitError::ChainShape`] if the chain is empty; those of [`Self::new`] if its last places are invalid.
+    /// [`FitError::ChainShape`] if the chain is empty; the errors of [`Self::new`] if its last positions are invalid.
     pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, FitError> {
         let Some(last) = chain.steps().checked_sub(1) else {
             return Err(FitError::ChainShape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
@@ -245,7 +246,7 @@ const SCALE: f64 = 2.0;
 /// Proposed move of a walker.
 struct Proposal {
     to: Vec<f64>,
-    /// ln z^(n-1).
+    /// Logarithm of the factor z^(n-1) of the acceptance probability.
     log_factor: f64,
 }
 
@@ -257,9 +258,9 @@ fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
     Proposal { to, log_factor: (from.len() as f64 - 1.0) * z.ln() }
 }
 
-/// c of the window M ≥ c τ(M).
+/// Factor c in the window of the autocorrelation time, M ≥ c τ(M).
 const WINDOW: f64 = 5.0;
-/// Least number of τ in a chain with a reliable τ.
+/// Least length of a chain with a reliable τ, in units of τ.
 const TRUSTED: f64 = 50.0;
 
 /// Integrated autocorrelation time of one parameter.

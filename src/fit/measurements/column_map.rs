@@ -144,7 +144,7 @@ impl ColumnMap {
         let unit = |allowed: &[(&str, f64)]| {
             let found = allowed.iter().find(|(name, _)| name.eq_ignore_ascii_case(value)).map(|(_, size)| *size);
             let names: Vec<_> = allowed.iter().map(|(name, _)| *name).collect();
-            found.ok_or_else(|| wrong(format!("invalid {key} '{value}': expected one of {}", names.join(", "))))
+            found.ok_or_else(|| wrong(format!("{key} is '{value}'; allowed: {}", names.join(", "))))
         };
         let lengths = [("km", 1.0), ("m", 1e-3)];
         match key {
@@ -153,7 +153,7 @@ impl ColumnMap {
                     "utc" => TimeScale::UTC,
                     "tai" => TimeScale::TAI,
                     "tt" => TimeScale::TT,
-                    _ => return Err(wrong(format!("invalid time_scale '{value}': expected utc, tai or tt"))),
+                    _ => return Err(wrong(format!("time_scale is '{value}'; allowed: utc, tai, tt"))),
                 };
                 self.time_scale = Some(scale);
             }
@@ -165,7 +165,7 @@ impl ColumnMap {
                     let known: Vec<_> = Field::ALL.iter().map(|(_, name)| *name).collect();
                     let known = known.join(", ");
                     let settings = "time_scale, angle_unit, distance_unit, height_unit";
-                    return Err(wrong(format!("unknown key '{key}': expected one of {known}, {settings}")));
+                    return Err(wrong(format!("unknown key '{key}'; allowed: {known}, {settings}")));
                 };
                 let column = &mut self.columns[*field as usize];
                 if column.replace(value.to_owned()).is_some() {
@@ -195,7 +195,7 @@ impl ColumnMap {
             let there = fields.iter().filter(|field| has(**field)).count();
             if there != 0 && there != fields.len() {
                 let names: Vec<_> = fields.iter().map(|field| Field::ALL[*field as usize].1).collect();
-                return Err(wrong(format!("{} must be given together", names.join(", "))));
+                return Err(wrong(format!("{} are incomplete; allowed: all of them, or none", names.join(", "))));
             }
         }
         for fields in &together[3..] {
@@ -222,7 +222,7 @@ fn pairs(text: &str) -> Result<Vec<(String, String)>, FitError> {
     let listed = |map: BTreeMap<String, serde_json::Value>| {
         let pair = |(key, value): (String, serde_json::Value)| match plain(&value) {
             Some(text) => Ok((key, text)),
-            None => Err(wrong(format!("invalid {key} {value}: expected the name of a column or a number"))),
+            None => Err(wrong(format!("{key} is {value}; allowed: the name of a column or a number"))),
         };
         map.into_iter().map(pair).collect()
     };
@@ -238,7 +238,7 @@ fn pairs(text: &str) -> Result<Vec<(String, String)>, FitError> {
         Some((key, value)) if !value.trim().is_empty() => {
             Ok((key.trim().to_owned(), unquoted(value.trim()).to_owned()))
         }
-        _ => Err(wrong(format!("invalid '{word}': expected key=column"))),
+        _ => Err(wrong(format!("entry is '{word}'; allowed: key=column"))),
     };
     words.map(pair).collect()
 }
@@ -274,12 +274,12 @@ mod tests {
             ("time=Date,time_scale=utc", "missing key 'magnitude'"),
             ("magnitude=Mag,colour=B", "unknown key 'colour'"),
             ("magnitude=Mag,magnitude=B", "repeated key 'magnitude'"),
-            ("magnitude=Mag,latitude=3", "must be given together"),
+            ("magnitude=Mag,latitude=3", "allowed: all of them, or none"),
             ("magnitude=Mag,phase=3", "phase requires distance"),
-            ("magnitude=Mag,angle_unit=hours", "expected one of deg, rad"),
-            ("magnitude=Mag,time_scale=local", "expected utc, tai or tt"),
-            ("magnitude", "expected key=column"),
-            ("{\"magnitude\": [1]}", "expected the name of a column"),
+            ("magnitude=Mag,angle_unit=hours", "allowed: deg, rad"),
+            ("magnitude=Mag,time_scale=local", "allowed: utc, tai, tt"),
+            ("magnitude", "allowed: key=column"),
+            ("{\"magnitude\": [1]}", "allowed: the name of a column"),
         ] {
             let error = ColumnMap::from_text(text).expect_err(text).to_string();
             assert!(error.contains(expected), "{text}: {error}");

@@ -13,7 +13,7 @@ use crate::frames::{
 };
 use crate::geometry::{Site, SunTable};
 
-/// Days per table: long compared with its two extra nodes.
+/// Days per table, long enough that the extra nodes at its ends cost little.
 const BLOCK_DAYS: f64 = 16.0;
 
 /// Tables of the blocks of days prepared so far.

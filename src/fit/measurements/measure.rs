@@ -89,7 +89,7 @@ impl Measurements {
 /// Returns all measurements of a source, 130 bytes each.
 ///
 /// # Errors
-/// Those of [`measure_each`].
+/// The errors of [`measure_each`].
 pub fn measure(
     source: &mut impl RecordSource,
     placement: &Placement,

@@ -40,7 +40,7 @@ impl Ranged {
         picked.into_iter()
     }
 
-    /// `None` for a row without time, site or range.
+    /// Creates the recorded range of a row with the position of its observer; `None` without time, site or range.
     pub(super) fn of(record: &Record, ephemeris: &Ephemeris, sites: &[SiteAxes]) -> Option<Self> {
         let (epoch, (range_km, phase_rad)) = (record.epoch?, record.sighting.distance_and_phase());
         let moment = ephemeris.at(epoch)?;

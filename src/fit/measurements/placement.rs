@@ -32,7 +32,7 @@ pub enum PositionSource {
     },
     /// Quantities of the row; records with distance and phase only require the radius of the orbit.
     Recorded {
-        /// `None`: rows with only distance and phase have no geometry.
+        /// Radius of the orbit; if `None`, rows with only distance and phase have no geometry.
         radius: Option<OrbitRadius>,
     },
 }
@@ -313,7 +313,7 @@ struct NearestOrbit {
     norad_id: NoradId,
     /// Minutes from its epoch between which no other element set is nearer.
     nearest_min: [f64; 2],
-    /// `None` if SGP4 rejects the element set.
+    /// Propagator; `None` if SGP4 rejects the element set.
     propagator: Option<Propagator>,
 }
 

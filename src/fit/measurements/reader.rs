@@ -19,11 +19,11 @@ use crate::geometry::Site;
 /// Options for reading photometry.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PhotometryOptions {
-    /// Format; `None`: recognised by the header.
+    /// Format; if `None`, it is recognised by the header.
     pub format: Option<Format>,
-    /// Column mapping for a custom table; then no format is needed.
+    /// Column mapping for a custom table; the format may then be omitted.
     pub columns: Option<ColumnMap>,
-    /// Site of all rows; `None`: that of the format or the columns.
+    /// Site of all rows; if `None`, the site of the format or the site in the columns is used.
     pub site: Option<Site>,
     /// Selected filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
     pub filters: Vec<String>,

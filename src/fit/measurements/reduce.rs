@@ -165,8 +165,8 @@ impl Reducer {
     /// Empty reducer.
     ///
     /// # Errors
-    /// [`FitError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not
-    /// positive.
+    /// [`FitError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the
+    /// spread that is not positive.
     pub fn new(options: ReduceOptions) -> Result<Self, FitError> {
         let setting = |name, given: String, allowed| Err(FitError::Setting { name, given, allowed });
         let width_deg = options.layer_width_rad.to_degrees();
@@ -252,7 +252,7 @@ fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sum
 /// Reduces points in memory; see [`Reducer`] for larger sets.
 ///
 /// # Errors
-/// Those of [`Reducer::new`].
+/// The errors of [`Reducer::new`].
 pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, FitError> {
     let mut reducer = Reducer::new(options)?;
     reducer.add(points);

@@ -149,7 +149,7 @@ impl<'l> Rows<'l> {
                 self.parsed.dropped.add(reason, || {
                     let given = layout.text(cell, field).unwrap_or_default();
                     let column = layout.map.column(field).unwrap_or_default();
-                    let problem = format!("{column} '{given}', expected {expected}");
+                    let problem = format!("{column} is '{given}'; allowed: {expected}");
                     DropExample { file: String::new(), row, problem }
                 });
             }

@@ -6,7 +6,8 @@
 //! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     s  unit vector to the Sun
 //! ```
 //!
-//! up to the mirror image α → -α, which is irrelevant for a satellite that is symmetric about the Sun's plane.
+//! The solution is unique up to its mirror image, α → -α, which is equally bright if the satellite is symmetric about
+//! the Sun's plane.
 
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::geometry::ViewingGeometry;

@@ -50,7 +50,7 @@ const LAYERS: [(f64, f64, f64); 8] = [
     (71.0, 214.65, -2.0),
     (84.852, 186.946, 0.0),
 ];
-/// g₀ M / R of the standard, K/km.
+/// The constant g₀ M / R of the standard, K/km.
 const HYDROSTATIC_K_KM: f64 = 34.163_195;
 /// The Earth's radius of the standard, km.
 const STANDARD_RADIUS_KM: f64 = 6356.766;

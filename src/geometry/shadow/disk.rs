@@ -12,7 +12,7 @@ use crate::math::quadrature::gauss_legendre;
 /// Coefficients of μ⁰ to μ⁵: a₀ + a₁/λ (+ a₅/λ⁵) of the source at λ = 0.55 µm; their sum is 1, the centre of the disk.
 const DARKENING: [f64; 6] = [0.269_80, 1.340_25, -1.642_88, 2.082_24, -1.473_53, 0.424_12];
 
-/// ∫ (1 - v²)^(n/2) dv over [-1, 1], n = 0 to 5.
+/// Integrals ∫ (1 - v²)^(n/2) dv over [-1, 1] for n = 0 to 5.
 const CHORD: [f64; 6] = [2.0, FRAC_PI_2, 4.0 / 3.0, 3.0 * PI / 8.0, 16.0 / 15.0, 5.0 * PI / 16.0];
 
 /// Quadrature rule, accurate to 10⁻⁵ of the disk's light.

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::images::{Patch, Plane};
 
+use super::super::error::ImagesError;
 use super::conversion::{Purpose, electrons, fraction, stream};
-use super::error::DetectorError;
 use super::saturation::{Bleeding, Saturated, Saturation};
 use super::settings::Detector;
 
@@ -37,7 +37,7 @@ impl Detector {
     ///
     /// # Errors
     /// As [`added_light`](Detector::added_light).
-    pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, DetectorError> {
+    pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, ImagesError> {
         let (added, saturated) = self.added_light(frame, patches, seed)?;
         for light in added {
             let pixel = &mut frame.row_mut(light.row)[light.column];
@@ -61,19 +61,20 @@ impl Detector {
     /// on the seed, but not on the number of threads.
     ///
     /// # Errors
-    /// The errors of [`Detector::validate`]; [`DetectorError::Shape`] if a patch is for a frame of another shape;
-    /// [`DetectorError::AmplifierOutside`].
+    /// The errors of [`Detector::validate`]; a patch for a frame of another shape; an amplifier
+    /// that extends beyond the frame.
     pub fn added_light(
         &self,
         frame: &Plane,
         patches: &[Patch],
         seed: u64,
-    ) -> Result<(Vec<AddedLight>, Saturated), DetectorError> {
+    ) -> Result<(Vec<AddedLight>, Saturated), ImagesError> {
         let (rows, columns) = (frame.rows(), frame.columns());
         self.validate_for(rows, columns)?;
         if let Some(patch) = patches.iter().find(|patch| (patch.rows(), patch.columns()) != (rows, columns)) {
-            let (light_rows, light_columns) = (patch.rows(), patch.columns());
-            return Err(DetectorError::Shape { light_rows, light_columns, rows, columns });
+            let size = |rows, columns| format!("{rows} rows by {columns} columns");
+            let allowed = format!("{}, the size of the frame", size(rows, columns));
+            return Err(ImagesError::invalid("size of the light", size(patch.rows(), patch.columns()), allowed));
         }
         let mut changes: Vec<Change> =
             (0..rows).into_par_iter().flat_map_iter(|row| self.light_of_row(frame, patches, seed, row)).collect();

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson, StandardNormal};
 use serde::Deserialize;
 
-use super::error::DetectorError;
+use super::super::error::ImagesError;
 
 /// Whole counts within the converter's range.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
@@ -31,9 +31,14 @@ impl Default for Quantisation {
 }
 
 impl Quantisation {
-    pub(super) fn validate(&self) -> Result<(), DetectorError> {
-        DetectorError::check_range("quantisation.least_adu", self.least_adu, -1e6, 1e6)?;
-        DetectorError::check_range("quantisation.greatest_adu", self.greatest_adu, self.least_adu + 1.0, 16_777_216.0)
+    pub(super) fn validate(&self) -> Result<(), ImagesError> {
+        ImagesError::check_range("detector: quantisation.least_adu", self.least_adu, -1e6, 1e6)?;
+        ImagesError::check_range(
+            "detector: quantisation.greatest_adu",
+            self.greatest_adu,
+            self.least_adu + 1.0,
+            16_777_216.0,
+        )
     }
 
     /// Returns the change of a count to the next whole one if a signal is added: within the range, or no farther beyond

@@ -2,7 +2,9 @@
 
 use serde::Deserialize;
 
-use super::error::DetectorError;
+use std::fmt::Display;
+
+use super::super::error::ImagesError;
 
 /// Position of an amplifier's first pixel to be read, with rows and columns counted from 0.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Deserialize)]
@@ -81,30 +83,35 @@ impl Amplifier {
 }
 
 impl Crosstalk {
-    pub(super) fn validate(&self) -> Result<(), DetectorError> {
-        let list = |message: String| DetectorError::List { key: "crosstalk", message };
+    pub(super) fn validate(&self) -> Result<(), ImagesError> {
+        let invalid = |what: String, given: &dyn Display, allowed: String| {
+            Err(ImagesError::invalid(format!("detector: crosstalk: {what}"), given, allowed))
+        };
         let count = self.amplifiers.len();
         if count < 2 {
-            return Err(list(format!("{count} amplifiers; at least 2 are required")));
+            return invalid("number of amplifiers".into(), &count, "at least 2".into());
         }
         for (number, amplifier) in self.amplifiers.iter().enumerate() {
             if amplifier.rows == 0 || amplifier.columns == 0 {
-                return Err(list(format!("amplifier {number} has no pixels")));
+                return invalid(format!("amplifier {number}"), &"empty", "at least one pixel".into());
             }
             if (amplifier.rows, amplifier.columns) != (self.amplifiers[0].rows, self.amplifiers[0].columns) {
-                return Err(list(format!("amplifier {number} differs in size from amplifier 0")));
+                let size = format!("{} rows by {} columns", amplifier.rows, amplifier.columns);
+                return invalid(format!("amplifier {number}"), &size, "the size of amplifier 0".into());
             }
             if let Some(other) = self.amplifiers[..number].iter().position(|other| other.overlaps(amplifier)) {
-                return Err(list(format!("amplifiers {other} and {number} overlap")));
+                return invalid(format!("amplifier {number}"), &format!("over amplifier {other}"), "no overlap".into());
             }
         }
         if self.coefficients.len() != count || self.coefficients.iter().any(|row| row.len() != count) {
-            return Err(list(format!("coefficients must be {count} rows of {count} numbers")));
+            let rows: Vec<usize> = self.coefficients.iter().map(Vec::len).collect();
+            let given = format!("{} rows of {rows:?} numbers", rows.len());
+            return invalid("coefficients".into(), &given, format!("{count} rows of {count} numbers"));
         }
         for (victim, row) in self.coefficients.iter().enumerate() {
-            row.iter().try_for_each(|c| DetectorError::check_range("crosstalk.coefficients", *c, -0.1, 0.1))?;
+            row.iter().try_for_each(|c| ImagesError::check_range("detector: crosstalk.coefficients", *c, -0.1, 0.1))?;
             if row[victim] != 0.0 {
-                return Err(list(format!("the coefficient of amplifier {victim} on itself must be 0")));
+                return invalid(format!("coefficient of amplifier {victim} on itself"), &row[victim], "0".into());
             }
         }
         Ok(())
@@ -113,19 +120,17 @@ impl Crosstalk {
     /// Checks that all amplifiers lie within a frame of this shape.
     ///
     /// # Errors
-    /// [`DetectorError::AmplifierOutside`] for an amplifier outside the frame.
-    pub(super) fn check_shape(&self, rows: usize, columns: usize) -> Result<(), DetectorError> {
+    /// An amplifier that extends beyond the frame.
+    pub(super) fn check_shape(&self, rows: usize, columns: usize) -> Result<(), ImagesError> {
         for (number, amplifier) in self.amplifiers.iter().enumerate() {
             if amplifier.end_row() > rows || amplifier.end_column() > columns {
-                return Err(DetectorError::AmplifierOutside {
-                    number,
-                    first_row: amplifier.first_row,
-                    end_row: amplifier.end_row(),
-                    first_column: amplifier.first_column,
-                    end_column: amplifier.end_column(),
-                    rows,
-                    columns,
-                });
+                let Amplifier { first_row, first_column, .. } = *amplifier;
+                let (last_row, last_column) = (amplifier.end_row() - 1, amplifier.end_column() - 1);
+                return Err(ImagesError::invalid(
+                    format!("detector: amplifier {number}"),
+                    format!("rows {first_row} to {last_row} and columns {first_column} to {last_column}"),
+                    format!("rows and columns of the frame of {rows} rows by {columns} columns"),
+                ));
             }
         }
         Ok(())

@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use crate::images::Plane;
 
+use super::super::error::ImagesError;
 use super::conversion::{Purpose, electrons, gaussian, stream};
-use super::error::DetectorError;
 use super::saturation::Saturated;
 use super::settings::Detector;
 
@@ -14,9 +14,8 @@ impl Detector {
     /// together) before vignetting. The result depends on the seed, but not on the number of threads.
     ///
     /// # Errors
-    /// The errors of [`Detector::validate`], and [`DetectorError::AmplifierOutside`] if an amplifier lies outside the
-    /// frame.
-    pub fn expose(&self, light: &Plane, seed: u64) -> Result<(Plane, Saturated), DetectorError> {
+    /// The errors of [`Detector::validate`], and an amplifier that extends beyond the frame.
+    pub fn expose(&self, light: &Plane, seed: u64) -> Result<(Plane, Saturated), ImagesError> {
         let (rows, columns) = (light.rows(), light.columns());
         self.validate_for(rows, columns)?;
         let mut frame = light.clone();

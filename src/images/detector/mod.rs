@@ -5,7 +5,6 @@
 mod add;
 mod conversion;
 mod crosstalk;
-mod error;
 mod expose;
 mod non_linearity;
 mod saturation;
@@ -15,7 +14,6 @@ mod vignetting;
 pub use add::AddedLight;
 pub use conversion::Quantisation;
 pub use crosstalk::{Amplifier, Crosstalk, ReadoutCorner};
-pub use error::DetectorError;
 pub use non_linearity::NonLinearity;
 pub use saturation::{Bleeding, Saturated, Saturation};
 pub use settings::Detector;

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::error::DetectorError;
+use super::super::error::ImagesError;
 
 /// Measured signal of `e` electrons: e (1 + c₀ s + c₁ s² + ...), s = e / scale; along its tangent above the scale, e
 /// itself below 0.
@@ -16,18 +16,21 @@ pub struct NonLinearity {
 }
 
 impl NonLinearity {
-    pub(super) fn validate(&self) -> Result<(), DetectorError> {
-        DetectorError::check_range("non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
+    pub(super) fn validate(&self) -> Result<(), ImagesError> {
+        ImagesError::check_range("detector: non_linearity.scale_e", self.scale_e, 1.0, 1e9)?;
         self.coefficients
             .iter()
-            .try_for_each(|c| DetectorError::check_range("non_linearity.coefficients", *c, -1.0, 1.0))?;
-        let list = |message: &str| DetectorError::List { key: "non_linearity", message: message.to_owned() };
+            .try_for_each(|c| ImagesError::check_range("detector: non_linearity.coefficients", *c, -1.0, 1.0))?;
+        let invalid = |given: &str, allowed: &str| {
+            Err(ImagesError::invalid("detector: non_linearity.coefficients", given, allowed))
+        };
         if self.coefficients.is_empty() {
-            return Err(list("at least one coefficient is required"));
+            return invalid("empty", "at least one number");
         }
         // Slopes below 0.01 cannot be inverted.
         if (0..=1000).any(|step| self.value_and_slope(f64::from(step) / 1000.0).1 < 0.01) {
-            return Err(list("the signal does not grow with the light up to scale_e"));
+            let given = format!("{:?}", self.coefficients);
+            return invalid(&given, "numbers with which the signal grows with the light up to scale_e");
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::images::Plane;
 
-use super::error::DetectorError;
+use super::super::error::ImagesError;
 
 /// Full well of the pixels, and what happens to the charge beyond it.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
@@ -41,8 +41,8 @@ pub struct Saturated {
 }
 
 impl Saturation {
-    pub(super) fn validate(&self) -> Result<(), DetectorError> {
-        DetectorError::check_range("saturation.full_well_e", self.full_well_e, 1.0, 1e9)
+    pub(super) fn validate(&self) -> Result<(), ImagesError> {
+        ImagesError::check_range("detector: saturation.full_well_e", self.full_well_e, 1.0, 1e9)
     }
 
     /// Limits all pixels to their capacity and distributes the excess by bleeding.

@@ -2,9 +2,9 @@
 
 use serde::Deserialize;
 
+use super::super::error::ImagesError;
 use super::conversion::Quantisation;
 use super::crosstalk::Crosstalk;
-use super::error::DetectorError;
 use super::non_linearity::NonLinearity;
 use super::saturation::Saturation;
 use super::vignetting::Vignetting;
@@ -24,7 +24,7 @@ use super::vignetting::Vignetting;
 ///      quantisation = { greatest_adu = 65535 }",
 /// )?;
 /// assert_eq!(detector.saturation.map(|saturation| saturation.full_well_e), Some(140_000.0));
-/// # Ok::<(), streakcast::images::DetectorError>(())
+/// # Ok::<(), streakcast::images::ImagesError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -69,10 +69,12 @@ impl Detector {
     /// Reads the settings from a TOML table.
     ///
     /// # Errors
-    /// [`DetectorError::Toml`] for text that is not a detector, otherwise the errors of [`Detector::validate`].
-    pub fn from_toml(text: &str) -> Result<Self, DetectorError> {
-        let detector: Self = toml::from_str(text)
-            .map_err(|error| DetectorError::Toml { message: error.to_string().trim().to_owned() })?;
+    /// Text that is not a detector, and the errors of [`Detector::validate`].
+    pub fn from_toml(text: &str) -> Result<Self, ImagesError> {
+        let detector: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
+            origin: "detector".to_owned(),
+            message: error.to_string().trim().to_owned(),
+        })?;
         detector.validate()?;
         Ok(detector)
     }
@@ -80,11 +82,11 @@ impl Detector {
     /// Checks the range of every number.
     ///
     /// # Errors
-    /// [`DetectorError`] for the first value that is out of range, not finite, or inconsistent with the others.
-    pub fn validate(&self) -> Result<(), DetectorError> {
-        DetectorError::check_range("gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
-        DetectorError::check_range("bias_adu", self.bias_adu, -1e6, 1e6)?;
-        DetectorError::check_range("read_noise_e", self.read_noise_e, 0.0, 1e5)?;
+    /// [`ImagesError`] for the first value that is out of range, not finite, or inconsistent with the others.
+    pub fn validate(&self) -> Result<(), ImagesError> {
+        ImagesError::check_range("detector: gain_e_adu", self.gain_e_adu, 1e-6, 1e6)?;
+        ImagesError::check_range("detector: bias_adu", self.bias_adu, -1e6, 1e6)?;
+        ImagesError::check_range("detector: read_noise_e", self.read_noise_e, 0.0, 1e5)?;
         self.vignetting.as_ref().map_or(Ok(()), Vignetting::validate)?;
         self.saturation.as_ref().map_or(Ok(()), Saturation::validate)?;
         self.non_linearity.as_ref().map_or(Ok(()), NonLinearity::validate)?;
@@ -95,9 +97,8 @@ impl Detector {
     /// Checks all values, and the amplifiers for a frame of this shape.
     ///
     /// # Errors
-    /// The errors of [`Detector::validate`], and [`DetectorError::AmplifierOutside`] if an amplifier lies outside the
-    /// frame.
-    pub(super) fn validate_for(&self, rows: usize, columns: usize) -> Result<(), DetectorError> {
+    /// The errors of [`Detector::validate`], and an amplifier that extends beyond the frame.
+    pub(super) fn validate_for(&self, rows: usize, columns: usize) -> Result<(), ImagesError> {
         self.validate()?;
         self.crosstalk.as_ref().map_or(Ok(()), |crosstalk| crosstalk.check_shape(rows, columns))
     }

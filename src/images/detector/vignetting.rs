@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::error::DetectorError;
+use super::super::error::ImagesError;
 
 /// Transmission as a function of the distance from a centre, 1 without loss.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -31,34 +31,47 @@ pub enum Vignetting {
 }
 
 impl Vignetting {
-    pub(super) fn validate(&self) -> Result<(), DetectorError> {
+    pub(super) fn validate(&self) -> Result<(), ImagesError> {
         let centre = match self {
             Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. } => centre_pix,
         };
         for coordinate in centre.iter().flatten() {
-            DetectorError::check_range("vignetting.centre_pix", *coordinate, -1e6, 1e6)?;
+            ImagesError::check_range("detector: vignetting.centre_pix", *coordinate, -1e6, 1e6)?;
         }
-        let list = |message: &str| DetectorError::List { key: "vignetting", message: message.to_owned() };
         match self {
             Self::Polynomial { radius_pix, coefficients, .. } => {
-                DetectorError::check_range("vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
+                ImagesError::check_range("detector: vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
                 if coefficients.is_empty() {
-                    return Err(list("a polynomial requires at least one coefficient"));
+                    return Err(ImagesError::invalid(
+                        "detector: vignetting.coefficients",
+                        "empty",
+                        "at least one number",
+                    ));
                 }
                 coefficients
                     .iter()
-                    .try_for_each(|c| DetectorError::check_range("vignetting.coefficients", *c, -10.0, 10.0))
+                    .try_for_each(|c| ImagesError::check_range("detector: vignetting.coefficients", *c, -10.0, 10.0))
             }
             Self::Table { radii_pix, transmission, .. } => {
                 if radii_pix.len() != transmission.len() || radii_pix.first() != Some(&0.0) {
-                    return Err(list("radii_pix and transmission must have the same length and begin at radius 0"));
+                    let allowed = "as many numbers as in transmission, of which the first is 0";
+                    return Err(ImagesError::invalid(
+                        "detector: vignetting.radii_pix",
+                        format!("{radii_pix:?}"),
+                        allowed,
+                    ));
                 }
                 if radii_pix.windows(2).any(|pair| !(pair[1] > pair[0] && pair[1].is_finite())) {
-                    return Err(list("radii_pix must increase"));
+                    let allowed = "numbers that increase";
+                    return Err(ImagesError::invalid(
+                        "detector: vignetting.radii_pix",
+                        format!("{radii_pix:?}"),
+                        allowed,
+                    ));
                 }
                 transmission
                     .iter()
-                    .try_for_each(|t| DetectorError::check_range("vignetting.transmission", *t, 0.0, 2.0))
+                    .try_for_each(|t| ImagesError::check_range("detector: vignetting.transmission", *t, 0.0, 2.0))
             }
         }
     }

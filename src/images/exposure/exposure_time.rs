@@ -4,6 +4,7 @@ use hifitime::{Epoch, TimeScale, TimeUnits};
 
 use crate::frames::{epoch_from_jd, epoch_from_mjd, seconds_after, seconds_between};
 
+use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::moment::{DateText, at, parse_date, parse_time};
 use super::moment::{Keywords, resolution};
@@ -61,93 +62,12 @@ pub struct ExposureTime {
 /// Longest exposure, s: 115 days, beyond any sum of exposures.
 const LONGEST_S: f64 = 1e7;
 
-/// Errors of the exposure time in a header: missing, invalid or contradictory keywords.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ExposureError {
-    /// No keyword gives the start.
-    #[error(
-        "missing start of the exposure (no DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ...); specify --start"
-    )]
-    NoStart,
-    /// A date without a time.
-    #[error(
-        "{keyword} is the date {value} without a time, and no other keyword gives the time (TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS); specify --start"
-    )]
-    NoTime {
-        /// The keyword.
-        keyword: String,
-        /// Its value.
-        value: String,
-    },
-    /// A date that is ambiguous.
-    #[error("{keyword} is the ambiguous date {value:?}; expected yyyy-mm-dd, or specify --start")]
-    UnclearDate {
-        /// The keyword.
-        keyword: String,
-        /// Its value.
-        value: String,
-    },
-    /// A value that is not a date, time or number.
-    #[error("{keyword} is {value:?}; allowed: {allowed}")]
-    Unreadable {
-        /// The keyword.
-        keyword: String,
-        /// Its value.
-        value: String,
-        /// Allowed values.
-        allowed: &'static str,
-    },
-    /// Two keywords that contradict one another.
-    #[error(
-        "{first} gives the start {first_start}, {second} gives {second_start}: {difference_s:.1} s apart; specify --start"
-    )]
-    StartConflict {
-        /// First keyword, with the computation of the start.
-        first: String,
-        /// Start from the first keyword.
-        first_start: Epoch,
-        /// Second keyword.
-        second: String,
-        /// Start from the second keyword.
-        second_start: Epoch,
-        /// Second less first start, s.
-        difference_s: f64,
-    },
-    /// No keyword gives the length.
-    #[error(
-        "missing length of the exposure (no EXPTIME, XPOSURE, EXPOSURE, ITIME, ...); specify it, for example --exposure 30s"
-    )]
-    NoLength,
-    /// Two lengths that contradict one another.
-    #[error(
-        "{first} gives an exposure of {first_s} s, {second} gives {second_s} s; specify it, for example --exposure 30s"
-    )]
-    LengthConflict {
-        /// First keyword.
-        first: String,
-        /// Length from the first keyword, s.
-        first_s: f64,
-        /// Second keyword.
-        second: String,
-        /// Length from the second keyword, s.
-        second_s: f64,
-    },
-    /// The length is above 1e7 s.
-    #[error("{keyword} is {seconds} s; allowed: above 0 s, at most {LONGEST_S} s")]
-    TooLong {
-        /// The keyword.
-        keyword: String,
-        /// The length, s.
-        seconds: f64,
-    },
-    /// The length is not above 0.
-    #[error("{keyword} is {seconds} s; allowed: above 0 s (a bias frame has no exposure)")]
-    NotPositive {
-        /// The keyword.
-        keyword: String,
-        /// The length, s.
-        seconds: f64,
-    },
+/// Sources of the start, for errors.
+const START_KEYWORDS: &str =
+    "DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ..., or --start";
+
+fn unreadable(keyword: String, value: &str, allowed: &str) -> ImagesError {
+    ImagesError::invalid(keyword, format!("{value:?}"), allowed)
 }
 
 /// Start with its keyword and the rounding error of its digits.
@@ -165,9 +85,9 @@ impl ExposureTime {
     /// tenth of the length.
     ///
     /// # Errors
-    /// [`ExposureError`]: missing or invalid keywords, a year of two digits, two contradictory keywords, a length of 0
+    /// Missing or invalid keywords, a year of two digits, two contradictory keywords, a length of 0
     /// or less.
-    pub fn from_headers(headers: &[&Header]) -> Result<Self, ExposureError> {
+    pub fn from_headers(headers: &[&Header]) -> Result<Self, ImagesError> {
         let keywords = Keywords(headers);
         let (duration_s, duration_from) = duration(keywords)?;
         let start = start(keywords, duration_s)?;
@@ -178,7 +98,7 @@ impl ExposureTime {
     ///
     /// # Errors
     /// The errors of [`from_headers`](ExposureTime::from_headers) for the length.
-    pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, ExposureError> {
+    pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, ImagesError> {
         duration(Keywords(headers)).map(|(seconds, _)| seconds)
     }
 
@@ -187,33 +107,35 @@ impl ExposureTime {
     ///
     /// # Errors
     /// The errors of [`from_headers`](ExposureTime::from_headers) for the start.
-    pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, ExposureError> {
+    pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, ImagesError> {
         start(Keywords(headers), duration_s).map(|start| start.epoch)
     }
 }
 
 /// Returns the length and its keyword.
-fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ExposureError> {
+fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ImagesError> {
     let mut lengths = Vec::new();
     for keyword in LENGTHS {
         let Some((header, name)) = keywords.find(keyword) else { continue };
         let Some(number) = header.number(&name) else {
             let value = header.text(&name).unwrap_or_default();
-            return Err(ExposureError::Unreadable { keyword: name, value, allowed: "a number of seconds" });
+            return Err(unreadable(name, &value, "a number of seconds"));
         };
         lengths.push((number * unit_s(&header.comment(&name)), name));
     }
     let mut lengths = lengths.into_iter();
-    let (seconds, name) = lengths.next().ok_or(ExposureError::NoLength)?;
-    if !(seconds > 0.0 && seconds.is_finite()) {
-        return Err(ExposureError::NotPositive { keyword: name, seconds });
-    }
-    if seconds > LONGEST_S {
-        return Err(ExposureError::TooLong { keyword: name, seconds });
+    let (seconds, name) = lengths.next().ok_or_else(|| {
+        let allowed = "EXPTIME, XPOSURE, EXPOSURE, ITIME, ..., or for example --exposure 30s";
+        ImagesError::invalid("length of the exposure", "missing", allowed)
+    })?;
+    if !(seconds > 0.0 && seconds <= LONGEST_S) {
+        let allowed = format!("above 0 s, at most {LONGEST_S} s (a bias frame has no exposure)");
+        return Err(ImagesError::invalid(name, format!("{seconds} s"), allowed));
     }
     match lengths.find(|(other, _)| (other - seconds).abs() > LENGTH_SLACK_S + LENGTH_SLACK * seconds) {
         Some((second_s, second)) => {
-            Err(ExposureError::LengthConflict { first: name, first_s: seconds, second, second_s })
+            let given = format!("{seconds} s and {second} is {second_s} s");
+            Err(ImagesError::invalid(name, given, "one length; specify it, for example --exposure 30s"))
         }
         None => Ok((seconds, name)),
     }
@@ -233,7 +155,7 @@ fn unit_s(comment: &str) -> f64 {
 }
 
 /// Returns the time scale of dates (TIMESYS).
-fn scale(keywords: Keywords<'_>) -> Result<TimeScale, ExposureError> {
+fn scale(keywords: Keywords<'_>) -> Result<TimeScale, ImagesError> {
     let Some((keyword, value)) = keywords.text(&["TIMESYS"]) else { return Ok(TimeScale::UTC) };
     let name = value.to_ascii_uppercase();
     let name = name.split('(').next().unwrap_or_default().trim();
@@ -243,12 +165,12 @@ fn scale(keywords: Keywords<'_>) -> Result<TimeScale, ExposureError> {
         "TT" | "TDT" | "ET" => Ok(TimeScale::TT),
         "TDB" => Ok(TimeScale::TDB),
         "GPS" => Ok(TimeScale::GPST),
-        _ => Err(ExposureError::Unreadable { keyword, value, allowed: "UTC, TAI, TT, TDB or GPS" }),
+        _ => Err(unreadable(keyword, &value, "UTC, TAI, TT, TDB or GPS")),
     }
 }
 
 /// Returns the start with the highest precedence, after checking that all starts in the header agree.
-fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError> {
+fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> {
     let scale = scale(keywords)?;
     let mut starts = Vec::new();
     let mut unclear = None;
@@ -261,10 +183,14 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
                 Some(start) => starts.push(start),
                 None => day_alone = day_alone.or(Some((name, value))),
             },
-            DateText::Unclear => unclear = unclear.or(Some(ExposureError::UnclearDate { keyword: name, value })),
+            DateText::Unclear => {
+                unclear = unclear.or_else(|| {
+                    Some(ImagesError::invalid(name, format!("the ambiguous date {value:?}"), "yyyy-mm-dd, or --start"))
+                })
+            }
             DateText::Unreadable => {
                 let allowed = "a date such as 2024-08-14T00:30:00.5, or 2024-08-14 with a time in another keyword";
-                return Err(ExposureError::Unreadable { keyword: name, value, allowed });
+                return Err(unreadable(name, &value, allowed));
             }
         }
     }
@@ -289,9 +215,14 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
         }
         loose.extend(middles);
         loose.extend(starts_before(keywords, ENDS, duration_s, "the exposure", scale)?);
-        let nothing =
-            day_alone.map_or(ExposureError::NoStart, |(keyword, value)| ExposureError::NoTime { keyword, value });
-        return loose.into_iter().next().ok_or(nothing);
+        return loose.into_iter().next().ok_or_else(|| match day_alone {
+            None => ImagesError::invalid("start of the exposure", "missing", START_KEYWORDS),
+            Some((keyword, value)) => ImagesError::invalid(
+                keyword,
+                format!("the date {value} without a time"),
+                "also the time, in TIME-OBS, UTC-OBS, UTSTART, ..., or MJD-OBS, or --start",
+            ),
+        });
     };
     let slack_of = |other: &Start, is_middle: bool| {
         START_SLACK_S + first.slack_s + other.slack_s + if is_middle { MIDDLE_SLACK * duration_s } else { 0.0 }
@@ -300,25 +231,19 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
     for (other, is_middle) in others {
         let difference_s = seconds_between(first.epoch, other.epoch);
         if difference_s.abs() > slack_of(other, is_middle) {
-            return Err(ExposureError::StartConflict {
-                first: format!("{} ({scale})", first.from),
-                first_start: first.epoch.round(1.milliseconds()),
-                second: format!("{} ({scale})", other.from),
-                second_start: other.epoch.round(1.milliseconds()),
-                difference_s,
-            });
+            let [first_start, second_start] = [first, other].map(|start| start.epoch.round(1.milliseconds()));
+            return Err(ImagesError::invalid(
+                format!("start of {} ({scale})", first.from),
+                format!("{first_start}, and {} ({scale}) gives {second_start}: {difference_s:.1} s apart", other.from),
+                "one start; specify --start",
+            ));
         }
     }
-    starts.into_iter().next().ok_or(ExposureError::NoStart)
+    Ok(starts.swap_remove(0))
 }
 
 /// Combines a date with the time of another keyword.
-fn time_of(
-    keywords: Keywords<'_>,
-    day: [u32; 3],
-    date: &str,
-    scale: TimeScale,
-) -> Result<Option<Start>, ExposureError> {
+fn time_of(keywords: Keywords<'_>, day: [u32; 3], date: &str, scale: TimeScale) -> Result<Option<Start>, ImagesError> {
     let Some((name, value)) = keywords.text(TIMES).or_else(|| keywords.text(LOOSE_TIMES)) else { return Ok(None) };
     let scale = if name == "TAIHMS" { TimeScale::TAI } else { scale };
     // Some observatories write date and time here.
@@ -327,7 +252,7 @@ fn time_of(
     }
     let epoch = parse_time(&value).and_then(|(clock, seconds)| at(day, clock, seconds, scale));
     let allowed = "a time such as 00:30:00.5";
-    let epoch = epoch.ok_or_else(|| ExposureError::Unreadable { keyword: name.clone(), value, allowed })?;
+    let epoch = epoch.ok_or_else(|| unreadable(name.clone(), &value, allowed))?;
     Ok(Some(Start { epoch, from: format!("{date} + {name}"), slack_s: 0.0 }))
 }
 
@@ -337,7 +262,7 @@ fn days(
     keyword: &str,
     is_julian: bool,
     scale: TimeScale,
-) -> Result<Option<Start>, ExposureError> {
+) -> Result<Option<Start>, ImagesError> {
     let Some((header, name)) = keywords.find(keyword) else { return Ok(None) };
     let epoch = header.number(&name).and_then(|number| {
         if is_julian { epoch_from_jd(number, scale).ok() } else { epoch_from_mjd(number, scale).ok() }
@@ -349,7 +274,7 @@ fn days(
         } else {
             "a modified Julian date between 1900 and 2200"
         };
-        return Err(ExposureError::Unreadable { keyword: name, value, allowed });
+        return Err(unreadable(name, &value, allowed));
     };
     let slack_s = header.card(&name).map_or(0.0, resolution) * crate::constants::DAY_S;
     Ok(Some(Start { epoch, from: name, slack_s }))
@@ -361,7 +286,7 @@ fn start_by_comment(
     keyword: &str,
     duration_s: f64,
     scale: TimeScale,
-) -> Result<Option<Start>, ExposureError> {
+) -> Result<Option<Start>, ImagesError> {
     let Some((header, name)) = keywords.find(keyword) else { return Ok(None) };
     let comment = header.comment(&name).to_ascii_lowercase();
     let (back_s, what) = if comment.contains("end") {
@@ -386,7 +311,7 @@ fn starts_before(
     back_s: f64,
     what: &str,
     scale: TimeScale,
-) -> Result<Vec<Start>, ExposureError> {
+) -> Result<Vec<Start>, ImagesError> {
     let mut found = Vec::new();
     for keyword in names {
         let start = if keyword.starts_with("DATE") {

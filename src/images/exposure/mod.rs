@@ -8,4 +8,4 @@ mod exposure_time;
 mod moment;
 
 pub use calibration::{Calibration, CountBasis, HeaderValue, PixelUnit, ZeroPoint};
-pub use exposure_time::{ExposureError, ExposureTime};
+pub use exposure_time::ExposureTime;

@@ -25,7 +25,7 @@ use fitsio_sys::{
 };
 
 use super::super::card::Card;
-use super::error::FrameError;
+use super::super::error::ImagesError;
 
 /// Codes of `fitsio.h`.
 const READONLY: c_int = 0;
@@ -90,19 +90,19 @@ pub(super) struct Handle<'a> {
 
 impl<'a> Handle<'a> {
     /// Opens a file for reading.
-    pub fn open(path: &'a Path) -> Result<Self, FrameError> {
+    pub fn open(path: &'a Path) -> Result<Self, ImagesError> {
         // SAFETY: the name is NUL-terminated and lives until the call returns; the other pointers are valid for writing.
         Self::begin(path, READONLY, |file, name, status| unsafe { ffdkopn(file, name, READONLY, status) })
     }
 
     /// Opens a file for reading and writing.
-    pub fn edit(path: &'a Path) -> Result<Self, FrameError> {
+    pub fn edit(path: &'a Path) -> Result<Self, ImagesError> {
         // SAFETY: as in `open`.
         Self::begin(path, READWRITE, |file, name, status| unsafe { ffdkopn(file, name, READWRITE, status) })
     }
 
     /// Creates a file; it must not exist.
-    pub fn create(path: &'a Path) -> Result<Self, FrameError> {
+    pub fn create(path: &'a Path) -> Result<Self, ImagesError> {
         // SAFETY: as in `open`.
         Self::begin(path, READWRITE, |file, name, status| unsafe { ffdkinit(file, name, status) })
     }
@@ -111,7 +111,7 @@ impl<'a> Handle<'a> {
         path: &'a Path,
         mode: c_int,
         call: impl FnOnce(*mut *mut fitsfile, *const c_char, *mut c_int) -> c_int,
-    ) -> Result<Self, FrameError> {
+    ) -> Result<Self, ImagesError> {
         let name = c_name(path)?;
         let _guard = lock();
         let (mut file, mut status) = (ptr::null_mut(), 0);
@@ -130,14 +130,14 @@ impl<'a> Handle<'a> {
     }
 
     /// Applies functions of `fitsio` to the file.
-    pub fn fitsio<T>(&mut self, work: impl FnOnce(&mut FitsFile) -> Result<T, FitsioError>) -> Result<T, FrameError> {
+    pub fn fitsio<T>(&mut self, work: impl FnOnce(&mut FitsFile) -> Result<T, FitsioError>) -> Result<T, ImagesError> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
         work(file).map_err(|error| of_fitsio(path, error))
     }
 
     /// Calls functions of CFITSIO with the file and a status.
-    fn call(&mut self, work: impl FnOnce(*mut fitsfile, &mut c_int)) -> Result<(), FrameError> {
+    fn call(&mut self, work: impl FnOnce(*mut fitsfile, &mut c_int)) -> Result<(), ImagesError> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
         let mut status = 0;
@@ -147,7 +147,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Writes all buffers and closes the file.
-    pub fn close(mut self) -> Result<(), FrameError> {
+    pub fn close(mut self) -> Result<(), ImagesError> {
         // `fitsio` drops the status of closing; after this call closing cannot fail.
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
@@ -156,7 +156,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Moves to an HDU, counted from 0.
-    pub fn go_to(&mut self, hdu: usize) -> Result<(), FrameError> {
+    pub fn go_to(&mut self, hdu: usize) -> Result<(), ImagesError> {
         // SAFETY: the file is open; CFITSIO accepts a null pointer for a type that is not needed.
         self.call(|file, status| unsafe {
             ffmahd(file, hdu as c_int + 1, ptr::null_mut(), status);
@@ -171,7 +171,7 @@ impl<'a> Handle<'a> {
         first: usize,
         values: &mut [T],
         is_marked: bool,
-    ) -> Result<(), FrameError> {
+    ) -> Result<(), ImagesError> {
         let (mut no_value, mut any) = (T::NO_VALUE, 0);
         let mark = if is_marked { (&raw mut no_value).cast::<c_void>() } else { ptr::null_mut() };
         let (count, values) = (values.len(), values.as_mut_ptr().cast::<c_void>());
@@ -183,7 +183,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Appends an HDU from its whole header; the data are written after that.
-    pub fn append_hdu(&mut self, cards: &[Card]) -> Result<(), FrameError> {
+    pub fn append_hdu(&mut self, cards: &[Card]) -> Result<(), ImagesError> {
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffcrhd(file, status);
@@ -196,7 +196,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Appends cards to the current header.
-    pub fn append_cards(&mut self, cards: &[Card]) -> Result<(), FrameError> {
+    pub fn append_cards(&mut self, cards: &[Card]) -> Result<(), ImagesError> {
         for card in cards {
             // The text of a card has no zeros: characters that are not ASCII are `?`.
             let text = CString::new(card.text()).unwrap_or_default();
@@ -209,7 +209,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Appends an image compressed by RICE, one row a tile, without a name. `bitpix` is one of `fitsio.h`.
-    pub fn append_rice(&mut self, rice: Rice, bitpix: c_int, [rows, columns]: [usize; 2]) -> Result<(), FrameError> {
+    pub fn append_rice(&mut self, rice: Rice, bitpix: c_int, [rows, columns]: [usize; 2]) -> Result<(), ImagesError> {
         let mut tile: [c_long; 2] = [columns as c_long, 1];
         let mut axes: [c_long; 2] = [columns as c_long, rows as c_long];
         // SAFETY: the file is open and the arrays have two entries as announced; each call does nothing if `status` is
@@ -225,7 +225,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Writes all pixels of the current image; those equal to `mark` are stored without a value.
-    pub fn write_marked<T: CPixel>(&mut self, values: &mut [T], mut mark: T) -> Result<(), FrameError> {
+    pub fn write_marked<T: CPixel>(&mut self, values: &mut [T], mut mark: T) -> Result<(), ImagesError> {
         let (count, values) = (values.len(), values.as_mut_ptr().cast::<c_void>());
         let mark = (&raw mut mark).cast::<c_void>();
         // SAFETY: `values` contains `count` numbers of the type of `T::CODE`, `mark` points to one more.
@@ -235,7 +235,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Removes gaps from the heap of the current table.
-    pub fn compact_heap(&mut self) -> Result<(), FrameError> {
+    pub fn compact_heap(&mut self) -> Result<(), ImagesError> {
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffcmph(file, status);
@@ -243,7 +243,7 @@ impl<'a> Handle<'a> {
     }
 
     /// Returns the sums of the current HDU for DATASUM and CHECKSUM: of its data, and of the whole HDU.
-    pub fn sums(&mut self) -> Result<[c_ulong; 2], FrameError> {
+    pub fn sums(&mut self) -> Result<[c_ulong; 2], ImagesError> {
         let [mut data, mut all] = [0, 0];
         // SAFETY: the file is open, and the pointers to both sums are valid for writing.
         self.call(|file, status| unsafe {
@@ -269,31 +269,31 @@ pub(super) fn checksum_text(sum: c_ulong) -> String {
     text_of(&text)
 }
 
-fn c_name(path: &Path) -> Result<CString, FrameError> {
+fn c_name(path: &Path) -> Result<CString, ImagesError> {
     // CFITSIO interprets a blank or a tilde at the beginning of a name; a folder before the name prevents that.
     let path = if path.is_relative() { &Path::new(".").join(path) } else { path };
-    CString::new(path.as_os_str().as_encoded_bytes()).map_err(|error| FrameError::Io {
+    CString::new(path.as_os_str().as_encoded_bytes()).map_err(|error| ImagesError::Io {
         path: path.to_owned(),
         source: std::io::Error::new(std::io::ErrorKind::InvalidInput, error),
     })
 }
 
-fn of_fitsio(path: &Path, error: FitsioError) -> FrameError {
+fn of_fitsio(path: &Path, error: FitsioError) -> ImagesError {
     let message = match error {
         FitsioError::Fits(error) => return failed(path, error.status),
         FitsioError::Utf8(_) => "the name of the file is not UTF-8".to_owned(),
         other => other.to_string(),
     };
     clear_messages();
-    FrameError::Cfitsio { path: path.to_owned(), status: 0, message }
+    ImagesError::Cfitsio { path: path.to_owned(), status: 0, message }
 }
 
-fn check(path: &Path, status: c_int) -> Result<(), FrameError> {
+fn check(path: &Path, status: c_int) -> Result<(), ImagesError> {
     if status == 0 { Ok(()) } else { Err(failed(path, status)) }
 }
 
 /// Returns the error of a status, with CFITSIO's first message.
-fn failed(path: &Path, status: c_int) -> FrameError {
+fn failed(path: &Path, status: c_int) -> ImagesError {
     let mut buffer = [0; MESSAGE_LENGTH];
     // SAFETY: the short text of a status is at most 30 characters long.
     unsafe { ffgerr(status, buffer.as_mut_ptr()) };
@@ -307,7 +307,7 @@ fn failed(path: &Path, status: c_int) -> FrameError {
         message.push_str("; the disk may be full");
     }
     clear_messages();
-    FrameError::Cfitsio { path: path.to_owned(), status, message }
+    ImagesError::Cfitsio { path: path.to_owned(), status, message }
 }
 
 /// Converts text that ends in a zero; the last character of a buffer is always one.

@@ -15,12 +15,12 @@ use std::path::{Path, PathBuf};
 use crate::output::{AtomicFile, ScratchFolder};
 
 use super::super::card::{Card, CardValue};
+use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice, checksum_text};
 use super::deltas::Deltas;
 use super::deltas::{Changed, Outcome};
 use super::dither::between_steps;
-use super::error::FrameError;
 use super::frame_file::FrameFile;
 use super::hdu::{BLOCK, HduInfo, HduKind, copy_range, header_bytes, padded};
 use super::new_hdu::{NewHdu, TableColumn, create, folder_of};
@@ -50,20 +50,19 @@ impl<'a> FrameCopy<'a> {
     /// Begins a copy that will be written to `target`.
     ///
     /// # Errors
-    /// [`FrameError::SameFile`] if the target is the input, [`FrameError::Io`] if its folder is missing or not
-    /// writable.
-    pub fn begin(source: &FrameFile, target: &Path) -> Result<Self, FrameError> {
-        let input = File::open(source.path()).map_err(FrameError::io(source.path()))?;
+    /// A target that is the input, or a folder of the target that is missing or not writable.
+    pub fn begin(source: &FrameFile, target: &Path) -> Result<Self, ImagesError> {
+        let input = File::open(source.path()).map_err(ImagesError::io(source.path()))?;
         if let (Ok(here), Ok(there)) = (source.path().canonicalize(), target.canonicalize())
             && here == there
         {
-            return Err(FrameError::SameFile { path: target.to_owned() });
+            return Err(ImagesError::invalid(target.display().to_string(), "also the input", "another output"));
         }
         Ok(Self {
             source: source.clone(),
             input,
             target: target.to_owned(),
-            output: AtomicFile::new(target).map_err(FrameError::io(target))?,
+            output: AtomicFile::new(target).map_err(ImagesError::io(target))?,
             headers: BTreeMap::new(),
             light: BTreeMap::new(),
             appended: Vec::new(),
@@ -81,19 +80,18 @@ impl<'a> FrameCopy<'a> {
     /// pixels keep their exact numbers, in lossy tiles too, and changed pixels get the nearest step.
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], [`FrameError::Outside`].
+    /// An HDU that is missing or not an image of two axes, and pixels outside the image.
     pub fn add(
         &mut self,
         hdu: usize,
         row: usize,
         first_column: usize,
         values: impl Into<Cow<'a, [f32]>>,
-    ) -> Result<(), FrameError> {
+    ) -> Result<(), ImagesError> {
         let values = values.into();
         let (_, [rows, columns]) = self.source.image(hdu)?;
         if row >= rows || first_column + values.len() > columns {
-            let (path, last) = (self.source.path().to_owned(), (first_column + values.len()).max(1) - 1);
-            return Err(FrameError::Outside { path, hdu, columns, rows, row, first: first_column, last });
+            return Err(self.source.outside(hdu, row, [first_column, first_column + values.len()]));
         }
         self.light.entry(hdu).or_default().add(row * columns + first_column, values);
         Ok(())
@@ -103,8 +101,8 @@ impl<'a> FrameCopy<'a> {
     /// comment keeps the old one.
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`].
-    pub fn set_card(&mut self, hdu: usize, keyword: &str, value: &CardValue, comment: &str) -> Result<(), FrameError> {
+    /// An HDU that the file does not have.
+    pub fn set_card(&mut self, hdu: usize, keyword: &str, value: &CardValue, comment: &str) -> Result<(), ImagesError> {
         self.header_mut(hdu)?.set(keyword, value, comment);
         Ok(())
     }
@@ -112,8 +110,8 @@ impl<'a> FrameCopy<'a> {
     /// Adds HISTORY to the header of an HDU, after the existing HISTORY.
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`].
-    pub fn add_history(&mut self, hdu: usize, text: &str) -> Result<(), FrameError> {
+    /// An HDU that the file does not have.
+    pub fn add_history(&mut self, hdu: usize, text: &str) -> Result<(), ImagesError> {
         self.header_mut(hdu)?.add_remark("HISTORY", text);
         Ok(())
     }
@@ -126,8 +124,8 @@ impl<'a> FrameCopy<'a> {
     /// Appends a table after all HDUs.
     ///
     /// # Errors
-    /// [`FrameError::Malformed`] if columns differ in length.
-    pub fn append_table(&mut self, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), FrameError> {
+    /// Columns that differ in length.
+    pub fn append_table(&mut self, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), ImagesError> {
         self.appended.push(NewHdu::table(name, columns.to_vec(), cards)?);
         Ok(())
     }
@@ -135,10 +133,10 @@ impl<'a> FrameCopy<'a> {
     /// Writes the copy and renames it to its target. Returns the counts of changed pixels by HDU.
     ///
     /// # Errors
-    /// Errors of the system and of CFITSIO, and [`FrameError::Tiles`] if tiles cannot be changed. An existing file at
+    /// Errors of the system and of CFITSIO, and tiles that cannot be changed. An existing file at
     /// the target is then kept, and no other file remains.
-    pub fn finish(mut self) -> Result<BTreeMap<usize, Changed>, FrameError> {
-        let scratch = ScratchFolder::new(folder_of(self.output.path())).map_err(FrameError::io(&self.target))?;
+    pub fn finish(mut self) -> Result<BTreeMap<usize, Changed>, ImagesError> {
+        let scratch = ScratchFolder::new(folder_of(self.output.path())).map_err(ImagesError::io(&self.target))?;
         let (mut changed, mut repacked) = (BTreeMap::new(), BTreeMap::new());
         for (&hdu, light) in &mut self.light {
             light.sort();
@@ -162,14 +160,14 @@ impl<'a> FrameCopy<'a> {
         let headers_at = self.write(&repacked, &new, &mut changed).map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => {
                 let why = "the input was truncated while it was copied";
-                FrameError::Io { path: self.source.path().to_owned(), source: io::Error::new(source.kind(), why) }
+                ImagesError::Io { path: self.source.path().to_owned(), source: io::Error::new(source.kind(), why) }
             }
-            _ => FrameError::Io { path: self.target.clone(), source },
+            _ => ImagesError::Io { path: self.target.clone(), source },
         })?;
         for (hdu, at) in headers_at {
             self.sum_up(hdu, at)?;
         }
-        self.output.finish_lazily().map_err(FrameError::io(&self.target))?;
+        self.output.finish_lazily().map_err(ImagesError::io(&self.target))?;
         Ok(changed)
     }
 
@@ -216,15 +214,15 @@ impl<'a> FrameCopy<'a> {
     }
 
     /// Updates DATASUM and CHECKSUM, if present, in the HDU of the output with the header at a byte.
-    fn sum_up(&mut self, hdu: usize, at: u64) -> Result<(), FrameError> {
+    fn sum_up(&mut self, hdu: usize, at: u64) -> Result<(), ImagesError> {
         let path = self.output.path().to_owned();
         let mut output = self.output.file();
         let header = entry_of(&mut self.headers, &self.source, hdu)?;
-        let mut write = |header: &Header| -> Result<(), FrameError> {
-            output.seek(SeekFrom::Start(at)).map_err(FrameError::io(&self.target))?;
-            output.write_all(&header_bytes(header)).map_err(FrameError::io(&self.target))
+        let mut write = |header: &Header| -> Result<(), ImagesError> {
+            output.seek(SeekFrom::Start(at)).map_err(ImagesError::io(&self.target))?;
+            output.write_all(&header_bytes(header)).map_err(ImagesError::io(&self.target))
         };
-        let sums = || -> Result<_, FrameError> {
+        let sums = || -> Result<_, ImagesError> {
             let mut handle = Handle::open(&path)?;
             handle.go_to(hdu)?;
             handle.sums()
@@ -243,7 +241,7 @@ impl<'a> FrameCopy<'a> {
         write(header)
     }
 
-    fn header_mut(&mut self, hdu: usize) -> Result<&mut Header, FrameError> {
+    fn header_mut(&mut self, hdu: usize) -> Result<&mut Header, ImagesError> {
         entry_of(&mut self.headers, &self.source, hdu)
     }
 }
@@ -253,7 +251,7 @@ fn entry_of<'a>(
     headers: &'a mut BTreeMap<usize, Header>,
     source: &FrameFile,
     hdu: usize,
-) -> Result<&'a mut Header, FrameError> {
+) -> Result<&'a mut Header, ImagesError> {
     let header = source.header(hdu)?;
     Ok(headers.entry(hdu).or_insert_with(|| header.clone()))
 }

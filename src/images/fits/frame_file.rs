@@ -4,13 +4,16 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::super::plane::Plane;
 use super::cfitsio::{CPixel, Handle};
-use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind, scan};
 use super::tile_header::columns;
 use super::tile_table::TileTable;
+
+/// Words in EXTNAME or EXTTYPE of images that do not contain light.
+const NON_LIGHT_WORDS: [&str; 9] = ["MASK", "VARIANCE", "WEIGHT", "WHT", "IVAR", "DQ", "ERR", "FLAG", "SIGMA"];
 
 /// FITS file with its structure: single images, mosaics, compressed tiles (`.fz`), tables.
 ///
@@ -26,10 +29,10 @@ impl FrameFile {
     /// Opens a file. Its name is used literally: brackets and exclamation marks have no special meaning.
     ///
     /// # Errors
-    /// [`FrameError`]: the file is missing, a directory, not readable, compressed as a whole, not FITS or truncated; a
+    /// [`ImagesError`]: the file is missing, a directory, not readable, compressed as a whole, not FITS or truncated; a
     /// header does not describe its data; or bytes between HDUs belong to none.
-    pub fn open(path: &Path) -> Result<Self, FrameError> {
-        let io = FrameError::io(path);
+    pub fn open(path: &Path) -> Result<Self, ImagesError> {
+        let io = ImagesError::io(path);
         let mut file = File::open(path).map_err(&io)?;
         if file.metadata().map_err(&io)?.is_dir() {
             return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "is a directory")));
@@ -53,48 +56,73 @@ impl FrameFile {
         self.hdus.iter().filter(|hdu| hdu.image_size().is_some()).map(|hdu| hdu.index).collect()
     }
 
+    /// Numbers of the HDUs with an image of two axes that contains light: neither a mask nor a weight nor a variance,
+    /// by EXTNAME and EXTTYPE.
+    pub fn light_images(&self) -> Vec<usize> {
+        let is_light = |hdu: &usize| {
+            ["EXTNAME", "EXTTYPE"].iter().filter_map(|keyword| self.headers[*hdu].text(keyword)).all(|name| {
+                let name = name.to_ascii_uppercase();
+                !NON_LIGHT_WORDS.iter().any(|word| name.contains(word))
+            })
+        };
+        self.images().into_iter().filter(is_light).collect()
+    }
+
     /// Returns one HDU.
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`].
-    pub fn hdu(&self, hdu: usize) -> Result<&HduInfo, FrameError> {
-        self.hdus.get(hdu).ok_or_else(|| FrameError::NoHdu { path: self.path.clone(), hdu, last: self.hdus.len() - 1 })
+    /// An HDU that the file does not have.
+    pub fn hdu(&self, hdu: usize) -> Result<&HduInfo, ImagesError> {
+        self.hdus.get(hdu).ok_or_else(|| {
+            let what = format!("{}: HDU {hdu}", self.path.display());
+            ImagesError::invalid(what, "missing", format!("0 to {}", self.hdus.len() - 1))
+        })
     }
 
     /// Returns the header of an HDU.
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`].
-    pub fn header(&self, hdu: usize) -> Result<&Header, FrameError> {
+    /// An HDU that the file does not have.
+    pub fn header(&self, hdu: usize) -> Result<&Header, ImagesError> {
         self.hdu(hdu).map(|info| &self.headers[info.index])
     }
 
     /// Returns rows and columns of an image of two axes.
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`], [`FrameError::NoImage`].
-    pub fn image_size(&self, hdu: usize) -> Result<[usize; 2], FrameError> {
+    /// An HDU that is missing or not an image of two axes.
+    pub fn image_size(&self, hdu: usize) -> Result<[usize; 2], ImagesError> {
         self.image(hdu).map(|(_, size)| size)
     }
 
     /// Returns the HDU of an image, with its rows and columns.
-    pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), FrameError> {
+    pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), ImagesError> {
         let info = self.hdu(hdu)?;
-        let size = info.image_size().ok_or_else(|| FrameError::NoImage {
-            path: self.path.clone(),
-            hdu,
-            is: info.words(),
-            images: self.images(),
+        let size = info.image_size().ok_or_else(|| {
+            let what = format!("{}: HDU {hdu}", self.path.display());
+            let allowed = match self.images() {
+                images if images.is_empty() => "an image of two axes (the file has none)".to_owned(),
+                images => format!("an image of two axes: HDU {images:?}"),
+            };
+            ImagesError::invalid(what, info.words(), allowed)
         })?;
         Ok((info, size))
+    }
+
+    /// Returns the error of pixels outside an image: `columns` are the first column and the one after the last.
+    pub(super) fn outside(&self, hdu: usize, row: usize, columns: [usize; 2]) -> ImagesError {
+        let [first, end] = columns;
+        let what = format!("{}: HDU {hdu}: row {row}, columns {first} to {}", self.path.display(), end.max(1) - 1);
+        let [rows, columns] = self.image_size(hdu).unwrap_or_default();
+        ImagesError::invalid(what, "outside the image", format!("{rows} rows and {columns} columns, counted from 0"))
     }
 
     /// Reads all pixels of an image, physical values (BSCALE and BZERO applied), in single precision; NaN for pixels
     /// without a value (NaN, BLANK).
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], invalid headers and tiles, and errors of CFITSIO.
-    pub fn read_plane(&self, hdu: usize) -> Result<Plane, FrameError> {
+    /// An HDU that is missing or not an image of two axes, invalid headers and tiles, and errors of CFITSIO.
+    pub fn read_plane(&self, hdu: usize) -> Result<Plane, ImagesError> {
         let (info, [rows, columns]) = self.image(hdu)?;
         let mut handle = self.checked(info)?;
         let mut plane = Plane::zeros(rows, columns);
@@ -105,13 +133,12 @@ impl FrameFile {
     /// Reads some rows of an image, physical values in double precision, row by row; NaN for pixels without a value.
     ///
     /// # Errors
-    /// The errors of [`read_plane`](FrameFile::read_plane), and [`FrameError::Outside`] if the image has no such rows.
-    pub fn read_rows(&self, hdu: usize, rows: impl IntoIterator<Item = usize>) -> Result<Vec<f64>, FrameError> {
+    /// The errors of [`read_plane`](FrameFile::read_plane), and rows outside the image.
+    pub fn read_rows(&self, hdu: usize, rows: impl IntoIterator<Item = usize>) -> Result<Vec<f64>, ImagesError> {
         let (info, [row_count, columns]) = self.image(hdu)?;
         let rows: Vec<usize> = rows.into_iter().collect();
         if let Some(&row) = rows.iter().max().filter(|row| **row >= row_count) {
-            let (path, last) = (self.path.clone(), columns - 1);
-            return Err(FrameError::Outside { path, hdu, columns, rows: row_count, row, first: 0, last });
+            return Err(self.outside(hdu, row, [0, columns]));
         }
         let mut handle = self.checked(info)?;
         let mut values = vec![f64::NO_VALUE; rows.len() * columns];
@@ -125,11 +152,10 @@ impl FrameFile {
     }
 
     /// Opens the file in CFITSIO at an image, after checking all headers that CFITSIO reads before it.
-    fn checked(&self, info: &HduInfo) -> Result<Handle<'_>, FrameError> {
+    fn checked(&self, info: &HduInfo) -> Result<Handle<'_>, ImagesError> {
         for (before, header) in self.hdus.iter().zip(&self.headers).take(info.index) {
             if before.kind == HduKind::Table {
-                columns(header)
-                    .map_err(|invalid_value| FrameError::invalid_value(&self.path, before.index, invalid_value))?;
+                columns(header).map_err(|error| error.in_hdu(&self.path, before.index))?;
             }
         }
         if let HduKind::CompressedImage(_) = info.kind {

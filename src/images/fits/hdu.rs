@@ -6,8 +6,8 @@ use std::ops::Range;
 use std::path::Path;
 
 use super::super::card::{CARD_LENGTH, Card};
+use super::super::error::ImagesError;
 use super::super::header::{Header, is_end};
-use super::error::FrameError;
 use super::pixel_format::{Bitpix, PixelFormat};
 use super::tile_header::check_compressed;
 
@@ -112,8 +112,8 @@ pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>)
 }
 
 /// Finds all HDUs of a file with their headers. Zeros and blanks after the last one are ignored.
-pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, FrameError> {
-    let io = FrameError::io(path);
+pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, ImagesError> {
+    let io = ImagesError::io(path);
     let length = file.metadata().map_err(&io)?.len();
     let mut found: Vec<(HduInfo, Header)> = Vec::new();
     let mut at = 0;
@@ -131,19 +131,16 @@ pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)
             file.seek(SeekFrom::Start(at)).map_err(&io)?;
             let mut shown = [0; 16];
             let count = file.read(&mut shown).map_err(&io)?;
-            return Err(FrameError::NoHeader {
-                path: path.to_owned(),
-                hdu: index - 1,
-                at,
-                begin: readable(&shown[..count]),
-            });
+            let what = format!("{}: data after HDU {} at byte {at}", path.display(), index - 1);
+            let allowed = format!("XTENSION or the end of the file (check the NAXISn of HDU {})", index - 1);
+            return Err(ImagesError::invalid(what, format!("{:?}", readable(&shown[..count])), allowed));
         }
         let header = read_header(path, file, index, at, length)?;
         let data_at = file.stream_position().map_err(&io)?;
         let info = describe(path, index, &header, at, data_at)?;
         if data_at + info.data_length > length {
             let needed = data_at + info.data_length;
-            return Err(FrameError::Truncated { path: path.to_owned(), hdu: index, what: "its data", needed, length });
+            return Err(truncated(path, index, "data", needed, length));
         }
         at = info.end();
         found.push((info, header));
@@ -151,7 +148,7 @@ pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)
     Ok(found)
 }
 
-fn check_begin(path: &Path, begin: &[u8]) -> Result<(), FrameError> {
+fn check_begin(path: &Path, begin: &[u8]) -> Result<(), ImagesError> {
     let packers: [(&[u8], &str); 5] = [
         (b"\x1f\x8b", "gzip"),
         (b"BZh", "bzip2"),
@@ -160,12 +157,20 @@ fn check_begin(path: &Path, begin: &[u8]) -> Result<(), FrameError> {
         (b"\x1f\x9d", "compress"),
     ];
     if let Some((_, packer)) = packers.iter().find(|(magic, _)| begin.starts_with(magic)) {
-        return Err(FrameError::Packed { path: path.to_owned(), packer });
+        let allowed = "a decompressed FITS file, or compressed tiles (.fz)";
+        return Err(ImagesError::invalid(path.display().to_string(), format!("compressed with {packer}"), allowed));
     }
     if begin.starts_with(b"SIMPLE  =") {
         return Ok(());
     }
-    Err(FrameError::NotFits { path: path.to_owned(), begin: readable(&begin[..begin.len().min(16)]) })
+    let given = format!("not a FITS file (it begins with {:?})", readable(&begin[..begin.len().min(16)]));
+    Err(ImagesError::invalid(path.display().to_string(), given, "a file that begins with \"SIMPLE  =\""))
+}
+
+fn truncated(path: &Path, hdu: usize, part: &str, needed: u64, length: u64) -> ImagesError {
+    let what = format!("{}: HDU {hdu}", path.display());
+    let allowed = format!("at least {needed} bytes for its {part} (the file has {length})");
+    ImagesError::invalid(what, "truncated", allowed)
 }
 
 fn readable(bytes: &[u8]) -> String {
@@ -187,15 +192,15 @@ fn is_padding(file: &mut File, mut chunk: Vec<u8>) -> io::Result<bool> {
     }
 }
 
-fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -> Result<Header, FrameError> {
-    let io = FrameError::io(path);
+fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -> Result<Header, ImagesError> {
+    let io = ImagesError::io(path);
     file.seek(SeekFrom::Start(at)).map_err(&io)?;
     let mut cards = Vec::new();
     let mut block = vec![0; BLOCK];
     for number in 1..=LONGEST_HEADER as u64 {
         let needed = at + number * BLOCK as u64;
         if needed > length {
-            return Err(FrameError::Truncated { path: path.to_owned(), hdu, what: "its header", needed, length });
+            return Err(truncated(path, hdu, "header", needed, length));
         }
         file.read_exact(&mut block).map_err(&io)?;
         for bytes in block.chunks(CARD_LENGTH) {
@@ -206,22 +211,21 @@ fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -
             cards.push(card);
         }
     }
-    Err(FrameError::invalid_value(path, hdu, ("END".into(), "missing".into(), "a header that ends with END".into())))
+    Err(ImagesError::invalid("END", "missing", "a header that ends with END").in_hdu(path, hdu))
 }
 
-fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, FrameError> {
-    let invalid_value = |keyword: &str, value: String, allowed: &str| {
-        FrameError::invalid_value(path, index, (keyword.to_owned(), value, allowed.to_owned()))
-    };
+fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, ImagesError> {
+    let invalid_value =
+        |keyword: &str, value: String, allowed: &str| ImagesError::invalid(keyword, value, allowed).in_hdu(path, index);
     let given = |keyword: &str| {
         header.integer(keyword).map_or_else(|| "missing or not a number".to_owned(), |number| number.to_string())
     };
-    let count = |keyword: &str, default: Option<u64>, allowed: &str| -> Result<u64, FrameError> {
+    let count = |keyword: &str, default: Option<u64>, allowed: &str| -> Result<u64, ImagesError> {
         let number = header.integer(keyword).and_then(|number| u64::try_from(number).ok());
         let number = number.or(default.filter(|_| !header.contains(keyword)));
         number.ok_or_else(|| invalid_value(keyword, given(keyword), allowed))
     };
-    let bitpix = |keyword: &str| -> Result<Bitpix, FrameError> {
+    let bitpix = |keyword: &str| -> Result<Bitpix, ImagesError> {
         let known = header.integer(keyword).and_then(Bitpix::from_number);
         known.ok_or_else(|| invalid_value(keyword, given(keyword), "8, 16, 32, 64, -32 or -64"))
     };
@@ -262,8 +266,7 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
     };
     if is_compressed {
         format.blank = format.blank.or(header.integer("ZBLANK"));
-        [shape, _] =
-            check_compressed(header).map_err(|invalid_value| FrameError::invalid_value(path, index, invalid_value))?;
+        [shape, _] = check_compressed(header).map_err(|error| error.in_hdu(path, index))?;
         format.bitpix = bitpix("ZBITPIX")?;
     }
     if !format.bitpix.is_integer() {

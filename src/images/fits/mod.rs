@@ -8,7 +8,6 @@
 mod cfitsio;
 mod deltas;
 mod dither;
-mod error;
 mod frame_copy;
 mod frame_file;
 mod hdu;
@@ -20,7 +19,6 @@ mod tiles;
 
 pub use cfitsio::Rice;
 pub use deltas::Changed;
-pub use error::FrameError;
 pub use frame_copy::FrameCopy;
 pub use frame_file::FrameFile;
 pub use hdu::{HduInfo, HduKind};

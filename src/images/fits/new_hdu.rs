@@ -6,9 +6,9 @@ use std::path::Path;
 use crate::output::{AtomicFile, ScratchFolder};
 
 use super::super::card::{Card, CardValue, to_ascii};
+use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice};
-use super::error::FrameError;
 use super::pixel_format::ImageValues;
 
 /// Keywords of the structure of a file, which follow from the data and are not taken from a caller.
@@ -35,7 +35,7 @@ pub struct NewImage<'a> {
 ///
 /// # Errors
 /// Errors of the system and of CFITSIO; no partial file remains.
-pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), FrameError> {
+pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), ImagesError> {
     let mut hdus: Vec<NewHdu> =
         images.iter().map(|image| NewHdu::image(image.name, image.values, image.cards, image.rice)).collect();
     if let Some(NewHdu { data: NewData::Image(_), is_primary, .. }) = hdus.first_mut() {
@@ -47,13 +47,13 @@ pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), FrameEr
 /// Writes a file of one table after an empty primary HDU.
 ///
 /// # Errors
-/// The errors of [`write_frame`], and [`FrameError::Malformed`] if columns differ in length.
-pub fn write_table(target: &Path, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), FrameError> {
+/// The errors of [`write_frame`], and columns that differ in length.
+pub fn write_table(target: &Path, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), ImagesError> {
     write_hdus(target, &[NewHdu::table(name, columns.to_vec(), cards)?])
 }
 
-fn write_hdus(target: &Path, hdus: &[NewHdu<'_>]) -> Result<(), FrameError> {
-    let io = FrameError::io(target);
+fn write_hdus(target: &Path, hdus: &[NewHdu<'_>]) -> Result<(), ImagesError> {
+    let io = ImagesError::io(target);
     let mut output = AtomicFile::new(target).map_err(&io)?;
     let folder = ScratchFolder::new(folder_of(output.path())).map_err(&io)?;
     let path = folder.path().join("new.fits");
@@ -68,7 +68,7 @@ pub(super) fn folder_of(target: &Path) -> &Path {
 }
 
 /// Creates a file of HDUs, after an empty primary HDU of one block unless the first of them is primary.
-pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), FrameError> {
+pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), ImagesError> {
     let mut handle = Handle::create(path)?;
     let mut number = 0;
     if hdus.first().is_none_or(|hdu| !hdu.is_primary) {
@@ -145,7 +145,7 @@ impl Cells {
         cells.contains(&None).then(|| if cells.contains(&Some(-1)) { i64::MIN } else { -1 })
     }
 
-    fn write(&self, handle: &mut Handle<'_>, hdu: usize, name: &str) -> Result<(), FrameError> {
+    fn write(&self, handle: &mut Handle<'_>, hdu: usize, name: &str) -> Result<(), ImagesError> {
         let null = self.null().unwrap_or(-1);
         handle.fitsio(|file| {
             let table = file.hdu(hdu)?;
@@ -203,23 +203,27 @@ impl<'a> NewHdu<'a> {
     /// Creates a table.
     ///
     /// # Errors
-    /// [`FrameError::Malformed`] if columns differ in length or are more than 999.
-    pub fn table(name: &str, columns: Vec<TableColumn>, cards: &[Card]) -> Result<Self, FrameError> {
-        let malformed = |why: String| FrameError::Malformed { name: name.to_owned(), why };
+    /// Columns that differ in length, or more than 999 columns.
+    pub fn table(name: &str, columns: Vec<TableColumn>, cards: &[Card]) -> Result<Self, ImagesError> {
         let rows = columns.first().map_or(0, |column| column.cells.len());
         if let Some(column) = columns.iter().find(|column| column.cells.len() != rows) {
-            let (name, count) = (&column.name, column.cells.len());
-            return Err(malformed(format!("column {name} has {count} cells but the first one has {rows}")));
+            let what = format!("table {name:?}: length of column {}", column.name);
+            return Err(ImagesError::invalid(
+                what,
+                column.cells.len(),
+                format!("{rows}, the length of the first column"),
+            ));
         }
         if columns.len() > 999 {
-            return Err(malformed(format!("{} columns; allowed: at most 999 in a FITS table", columns.len())));
+            let what = format!("table {name:?}: number of columns");
+            return Err(ImagesError::invalid(what, columns.len(), "at most 999 in a FITS table"));
         }
         let data = NewData::Table(columns);
         Ok(Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false })
     }
 
     /// Appends the HDU to a file, as number `hdu`.
-    fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), FrameError> {
+    fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), ImagesError> {
         let mut header = match &self.data {
             NewData::Image(values) => image_header(values, self.is_primary),
             NewData::Rice(..) => Header::default(),

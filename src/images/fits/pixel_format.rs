@@ -1,8 +1,8 @@
 //! Stored numbers of pixels: types, conversion to physical values, and arrays.
 
+use super::super::error::ImagesError;
 use super::cfitsio::{CPixel, Handle, Rice};
 use super::deltas::Outcome;
-use super::error::FrameError;
 use crate::images::card::Card;
 use crate::images::plane::Plane;
 
@@ -277,7 +277,7 @@ impl ImageValues {
     }
 
     /// Writes the pixels to the current image of CFITSIO, HDU number `hdu`.
-    pub(super) fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), FrameError> {
+    pub(super) fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), ImagesError> {
         handle.fitsio(|file| {
             let image = file.hdu(hdu)?;
             match &self.pixels {
@@ -298,7 +298,7 @@ impl ImageValues {
         hdu: usize,
         rice: Rice,
         cards: &[Card],
-    ) -> Result<(), FrameError> {
+    ) -> Result<(), ImagesError> {
         // USHORT_IMG of `fitsio.h`: 16 bits with BZERO.
         let bitpix = if let Pixels::U16(_) = self.pixels { 20 } else { self.format().bitpix.number() as i32 };
         handle.append_rice(rice, bitpix, self.size())?;

@@ -7,8 +7,8 @@ use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
+use super::super::error::ImagesError;
 use super::super::header::Header;
-use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind};
 use super::tile_header::{COMPRESSED, Column, UNCOMPRESSED, check_compressed, columns};
 
@@ -28,12 +28,12 @@ impl TileTable {
     /// pixels require.
     ///
     /// # Errors
-    /// [`FrameError::Keyword`], [`FrameError::Tiles`] with the number of the tile, and errors of the system.
-    pub fn read(path: &Path, info: &HduInfo, header: &Header) -> Result<Self, FrameError> {
-        let io = FrameError::io(path);
-        let invalid_value = |invalid_value| FrameError::invalid_value(path, info.index, invalid_value);
-        let [sides, tile] = check_compressed(header).map_err(invalid_value)?;
-        let columns = columns(header).map_err(invalid_value)?;
+    /// Invalid keywords, [`ImagesError::Tiles`] with the number of the tile, and errors of the system.
+    pub fn read(path: &Path, info: &HduInfo, header: &Header) -> Result<Self, ImagesError> {
+        let io = ImagesError::io(path);
+        let of_hdu = |error: ImagesError| error.in_hdu(path, info.index);
+        let [sides, tile] = check_compressed(header).map_err(of_hdu)?;
+        let columns = columns(header).map_err(of_hdu)?;
         let count = |keyword: &str| header.integer(keyword).map_or(0, |number| number as usize);
         let (row_length, rows) = (count("NAXIS1"), count("NAXIS2"));
         let mut file = File::open(path).map_err(&io)?;
@@ -43,7 +43,7 @@ impl TileTable {
         let table = Self { columns, bytes, row_length, sides, tile };
         let heap = if header.contains("THEAP") { count("THEAP") } else { row_length * rows };
         let heap_length = info.data_length - heap as u64;
-        let mut begin = |offset: u64, length: usize| -> Result<Vec<u8>, FrameError> {
+        let mut begin = |offset: u64, length: usize| -> Result<Vec<u8>, ImagesError> {
             let mut bytes = vec![0; length];
             file.seek(SeekFrom::Start(info.data_at + heap as u64 + offset)).map_err(&io)?;
             file.read_exact(&mut bytes).map_err(&io)?;
@@ -52,10 +52,10 @@ impl TileTable {
         for row in 0..rows {
             let pixels = table.pixels(row);
             for column in table.columns.iter().filter(|column| column.variable.is_some()) {
-                let broken = |why: &str| FrameError::Tiles {
+                let broken = |why: &str| ImagesError::Tiles {
                     path: path.to_owned(),
                     hdu: info.index,
-                    why: format!("{} of tile {}: {why}", column.name, row + 1),
+                    problem: format!("{} of tile {}: {why}", column.name, row + 1),
                 };
                 let (count, size) = table.length(column, row);
                 let (offset, length) = (table.offset(column, row), count.saturating_mul(size));

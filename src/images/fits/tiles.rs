@@ -18,12 +18,12 @@ use fitsio::hdu::FitsHdu;
 use fitsio::images::{ReadImage, WriteImage};
 
 use super::super::card::{Card, CardValue};
+use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::cfitsio::Handle;
 use super::deltas::Deltas;
 use super::deltas::{Changed, Outcome};
 use super::dither::{Dither, between_steps};
-use super::error::FrameError;
 use super::hdu::{BLOCK, HduInfo, HduKind, copy_range, header_bytes, scan};
 use super::new_hdu::empty_primary;
 use super::pixel_format::{Bitpix, PixelFormat, Stored};
@@ -75,7 +75,7 @@ struct Quantised {
 /// `header`.
 ///
 /// # Errors
-/// [`FrameError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and the
+/// [`ImagesError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and the
 /// system.
 pub(super) fn repack(
     source: &Path,
@@ -83,9 +83,9 @@ pub(super) fn repack(
     header: &mut Header,
     light: &Deltas<'_>,
     scratch: &Path,
-) -> Result<(Changed, Repacked), FrameError> {
-    let failed = |why: String| FrameError::Tiles { path: source.to_owned(), hdu: info.index, why };
-    let io = FrameError::io(source);
+) -> Result<(Changed, Repacked), ImagesError> {
+    let failed = |problem: String| ImagesError::Tiles { path: source.to_owned(), hdu: info.index, problem };
+    let io = ImagesError::io(source);
     let table = TileTable::read(source, info, header)?;
     let HduKind::CompressedImage(algorithm) = &info.kind else {
         return Err(failed("the image is not compressed".to_owned()));
@@ -236,7 +236,7 @@ fn edit(
     tiles: &BTreeMap<usize, Vec<Touched>>,
     format_of: impl Fn(usize) -> TileFormat,
     changed: &mut Changed,
-) -> Result<(), FrameError> {
+) -> Result<(), ImagesError> {
     let mut handle = Handle::edit(scratch)?;
     handle.fitsio(|file| {
         let image = file.hdu(1)?;

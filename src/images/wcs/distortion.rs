@@ -1,7 +1,7 @@
 //! Distortions from pixels to the plane and within the plane: polynomials of SIP, TPV, TNX and ZPX.
 
+use super::super::error::ImagesError;
 use super::super::header::Header;
-use super::error::WcsError;
 
 /// Powers (m, n) of (u, v) of PVi_k in TPV, by k; `None` for a radial term: r, r³, r⁵, r⁷.
 ///
@@ -75,16 +75,18 @@ impl Distortion {
     ///
     /// Shupe et al. (2005, ASP Conf. 347, 491): u' = u + Σ A_pq uᵖ v^q. AP and BP are approximations of the inverse and
     /// are not used: the inverse is solved numerically.
-    pub fn sip(header: &Header) -> Result<Option<Self>, WcsError> {
+    pub fn sip(header: &Header) -> Result<Option<Self>, ImagesError> {
         if !header.contains("A_ORDER") && !header.contains("B_ORDER") {
             return Ok(None);
         }
-        let surface = |letter: char| -> Result<Surface, WcsError> {
+        let surface = |letter: char| -> Result<Surface, ImagesError> {
             let keyword = format!("{letter}_ORDER");
-            let order = header.integer(&keyword).ok_or_else(|| WcsError::Missing { keyword: keyword.clone() })?;
-            let order = usize::try_from(order).ok().filter(|order| *order <= HIGHEST_ORDER).ok_or_else(|| {
-                WcsError::Value { keyword, value: order.to_string(), allowed: "an order from 0 to 20" }
-            })?;
+            let order =
+                header.integer(&keyword).ok_or_else(|| ImagesError::invalid(keyword.clone(), "missing", "a number"))?;
+            let order = usize::try_from(order)
+                .ok()
+                .filter(|order| *order <= HIGHEST_ORDER)
+                .ok_or_else(|| ImagesError::invalid(keyword, order.to_string(), "an order from 0 to 20"))?;
             let mut polynomial = Polynomial::zero(order);
             for p in 0..=order {
                 for q in 0..=order - p {
@@ -126,14 +128,10 @@ impl Distortion {
     /// Reads IRAF's surfaces `lngcor` and `latcor`, added in degrees of the plane; `None` if both are missing.
     ///
     /// F. Valdes and L. Davis, "The TNX world coordinate system" (registry of FITS conventions).
-    pub fn iraf(longitude: &str, latitude: &str, kind: &'static str) -> Result<Option<Self>, WcsError> {
+    pub fn iraf(longitude: &str, latitude: &str, kind: &'static str) -> Result<Option<Self>, ImagesError> {
         let read = |words: &str, name: &str| {
             match attribute(words, name) {
-            Some(numbers) => surface_of(&numbers).map(Some).ok_or_else(|| WcsError::Value {
-                keyword: "WATj_nnn".to_owned(),
-                value: format!("{name} = {numbers:?}"),
-                allowed: "the numbers of a surface: type (1 Chebyshev, 2 Legendre, 3 plain), orders, cross terms, limits, coefficients",
-            }),
+            Some(numbers) => surface_of(&numbers).map(Some).ok_or_else(|| ImagesError::invalid("WATj_nnn".to_owned(), format!("{name} = {numbers:?}"), "the numbers of a surface: type (1 Chebyshev, 2 Legendre, 3 plain), orders, cross terms, limits, coefficients")),
             None => Ok(None),
         }
         };

@@ -1,8 +1,8 @@
 //! World coordinates of a header, including common non-standard keywords.
 
+use super::super::error::ImagesError;
 use super::super::header::Header;
 use super::distortion::{Distortion, attribute};
-use super::error::WcsError;
 use super::projection::NativePole;
 use super::projection::{Projection, Zpn};
 
@@ -35,12 +35,12 @@ pub(super) struct HeaderTerms {
 
 impl HeaderTerms {
     /// Reads the parameters from a header.
-    pub fn from_header(header: &Header) -> Result<Self, WcsError> {
+    pub fn from_header(header: &Header) -> Result<Self, ImagesError> {
         let types: Vec<String> = (1..=2).map(|axis| header.text(&format!("CTYPE{axis}")).unwrap_or_default()).collect();
         let longitude_axis = match (types[0].split('-').next(), types[1].split('-').next()) {
             (Some("RA"), Some("DEC")) => 0,
             (Some("DEC"), Some("RA")) => 1,
-            _ => return Err(WcsError::NoCelestialAxes { ctype1: types[0].clone(), ctype2: types[1].clone() }),
+            _ => return Err(ImagesError::NoCelestialAxes { ctype1: types[0].clone(), ctype2: types[1].clone() }),
         };
         check_system(header)?;
         let latitude_axis = 1 - longitude_axis;
@@ -49,11 +49,11 @@ impl HeaderTerms {
         };
         let (code, other) = (code(longitude_axis), code(latitude_axis));
         if code != other {
-            return Err(WcsError::Value {
-                keyword: format!("CTYPE{}", latitude_axis + 1),
-                value: format!("{:?}", types[latitude_axis]),
-                allowed: "the projection of the other axis",
-            });
+            return Err(ImagesError::invalid(
+                format!("CTYPE{}", latitude_axis + 1),
+                format!("{:?}", types[latitude_axis]),
+                "the projection of the other axis",
+            ));
         }
         let projection_code = code.split('-').next().unwrap_or_default();
         let units = [unit_deg(header, 1)?, unit_deg(header, 2)?];
@@ -61,11 +61,11 @@ impl HeaderTerms {
         let values = [required(header, "CRVAL1")? * units[0], required(header, "CRVAL2")? * units[1]];
         let declination_deg = values[latitude_axis];
         if declination_deg.abs() > 90.0 {
-            return Err(WcsError::Value {
-                keyword: format!("CRVAL{}", latitude_axis + 1),
-                value: format!("{declination_deg} degrees"),
-                allowed: "a declination from -90 to 90 degrees",
-            });
+            return Err(ImagesError::invalid(
+                format!("CRVAL{}", latitude_axis + 1),
+                format!("{declination_deg} degrees"),
+                "a declination from -90 to 90 degrees",
+            ));
         }
         let by_axis = matrix(header, units, latitude_axis);
         let matrix_deg = [by_axis[longitude_axis], by_axis[latitude_axis]];
@@ -101,17 +101,21 @@ impl HeaderTerms {
             }
             "ZPN" => zpn(&|m| pv(latitude_axis, m))?,
             "SIN" if (1..=2).any(|m| pv(latitude_axis, m).is_some_and(|slant| slant != 0.0)) => {
-                return Err(WcsError::Projection {
-                    keyword: format!("PV{}_1", latitude_axis + 1),
-                    code: "slant SIN".to_owned(),
-                });
+                return Err(ImagesError::invalid(
+                    format!("PV{}_1", latitude_axis + 1),
+                    "that of a slant SIN",
+                    KNOWN_PROJECTIONS,
+                ));
             }
             "SIN" => Projection::Sin,
             "STG" => Projection::Stg,
             "ARC" => Projection::Arc,
             "ZEA" => Projection::Zea,
             "CAR" => Projection::Car,
-            _ => return Err(WcsError::Projection { keyword: format!("CTYPE{}", longitude_axis + 1), code }),
+            _ => {
+                let what = format!("projection of CTYPE{}", longitude_axis + 1);
+                return Err(ImagesError::invalid(what, format!("{code:?}"), KNOWN_PROJECTIONS));
+            }
         };
         let pole = NativePole {
             right_ascension_deg: values[longitude_axis],
@@ -133,22 +137,20 @@ impl HeaderTerms {
     }
 }
 
-fn required(header: &Header, keyword: &str) -> Result<f64, WcsError> {
+fn required(header: &Header, keyword: &str) -> Result<f64, ImagesError> {
     if let Some(number) = header.number(keyword) {
         return Ok(number);
     }
     match header.card(keyword) {
-        None => Err(WcsError::Missing { keyword: keyword.to_owned() }),
-        Some(card) => Err(WcsError::Value {
-            keyword: keyword.to_owned(),
-            value: format!("{:?}", card.text()[9..].trim()),
-            allowed: "a number",
-        }),
+        None => Err(ImagesError::invalid(keyword.to_owned(), "missing", "a number")),
+        Some(card) => {
+            Err(ImagesError::invalid(keyword.to_owned(), format!("{:?}", card.text()[9..].trim()), "a number"))
+        }
     }
 }
 
 /// Returns the degrees in the unit of an axis; without CUNIT, degrees.
-fn unit_deg(header: &Header, axis: usize) -> Result<f64, WcsError> {
+fn unit_deg(header: &Header, axis: usize) -> Result<f64, ImagesError> {
     let keyword = format!("CUNIT{axis}");
     let unit = header.text(&keyword).unwrap_or_default();
     match unit.to_ascii_lowercase().as_str() {
@@ -157,11 +159,11 @@ fn unit_deg(header: &Header, axis: usize) -> Result<f64, WcsError> {
         "arcsec" | "arcsecond" | "arcseconds" | "asec" => Ok(1.0 / 3600.0),
         "mas" => Ok(1.0 / 3.6e6),
         "rad" | "radian" | "radians" => Ok(1f64.to_degrees()),
-        _ => Err(WcsError::Value {
+        _ => Err(ImagesError::invalid(
             keyword,
-            value: format!("{unit:?}"),
-            allowed: "deg, arcmin, arcsec, mas or rad (or one of these spelt out)",
-        }),
+            format!("{unit:?}"),
+            "deg, arcmin, arcsec, mas or rad (or one of these spelt out)",
+        )),
     }
 }
 
@@ -198,20 +200,18 @@ fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 
     matrix
 }
 
-fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, WcsError> {
+fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, ImagesError> {
     let mut coefficients: Vec<f64> = (0..30).map(|m| named(m).unwrap_or(0.0)).collect();
     let used = coefficients.iter().rposition(|c| *c != 0.0).map_or(0, |last| last + 1);
     coefficients.truncate(used);
     let shown = format!("{coefficients:?}");
-    Zpn::new(coefficients).map(Projection::Zpn).ok_or_else(|| WcsError::Value {
-        keyword: "PV2_m (or projpm)".to_owned(),
-        value: shown,
-        allowed: "a polynomial that grows from the centre on",
+    Zpn::new(coefficients).map(Projection::Zpn).ok_or_else(|| {
+        ImagesError::invalid("PV2_m (or projpm)".to_owned(), shown, "a polynomial that grows from the centre on")
     })
 }
 
 /// Checks for ICRS, or FK5 of equinox 2000. Without RADESYS the equinox determines the system (paper II, section 3.1).
-fn check_system(header: &Header) -> Result<(), WcsError> {
+fn check_system(header: &Header) -> Result<(), ImagesError> {
     let equinox = header.number("EQUINOX").or_else(|| header.number("EPOCH"));
     let named = header.text("RADESYS").or_else(|| header.text("RADECSYS")).map(|name| name.to_ascii_uppercase());
     let is_2000 = equinox.is_none_or(|year| (year - 2000.0).abs() < EQUINOX_SLACK);
@@ -225,7 +225,8 @@ fn check_system(header: &Header) -> Result<(), WcsError> {
     }
     let name = named.unwrap_or_else(|| "a system without RADESYS".to_owned());
     let system = equinox.map_or(name.clone(), |year| format!("{name}, equinox {year}"));
-    Err(WcsError::ReferenceSystem { system })
+    let allowed = "ICRS, or FK5 of equinox 2000, which is taken as ICRS (they differ by 0.02 arcsec)";
+    Err(ImagesError::invalid("reference system", system, allowed))
 }
 
 /// Returns columns and rows: of the image within a compressed one, of the image, or from the keywords of

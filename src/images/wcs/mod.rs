@@ -4,11 +4,9 @@
 //! to the sphere and rotates it onto the sky, and `wcs` combines them.
 
 mod distortion;
-mod error;
 mod header_terms;
 mod projection;
 #[expect(clippy::module_inception, reason = "the file of the type after which the folder is named")]
 mod wcs;
 
-pub use error::WcsError;
 pub use wcs::Wcs;

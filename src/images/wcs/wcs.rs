@@ -5,8 +5,8 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use crate::frames::{Direction, Gcrs};
 
 use super::super::card::Card;
+use super::super::error::ImagesError;
 use super::super::header::Header;
-use super::error::WcsError;
 use super::header_terms::HeaderTerms;
 use super::projection::NativePole;
 use super::projection::Projection;
@@ -70,9 +70,9 @@ impl Wcs {
     /// Reads the world coordinates of a header.
     ///
     /// # Errors
-    /// [`WcsError`] if there are no celestial axes, a number is missing or invalid, the projection or the reference
+    /// [`ImagesError`] if there are no celestial axes, a number is missing or invalid, the projection or the reference
     /// system is not supported, the matrix has no inverse, or the distortion folds within the frame.
-    pub fn from_header(header: &Header) -> Result<Self, WcsError> {
+    pub fn from_header(header: &Header) -> Result<Self, ImagesError> {
         Self::from_terms(HeaderTerms::from_header(header)?)
     }
 
@@ -87,7 +87,7 @@ impl Wcs {
         rotation_rad: f64,
         columns: usize,
         rows: usize,
-    ) -> Result<Self, WcsError> {
+    ) -> Result<Self, ImagesError> {
         let scale_deg = scale_arcsec / 3600.0;
         let (sine, cosine) = rotation_rad.sin_cos();
         Self::from_terms(HeaderTerms {
@@ -108,22 +108,29 @@ impl Wcs {
         })
     }
 
-    fn from_terms(terms: HeaderTerms) -> Result<Self, WcsError> {
+    fn from_terms(terms: HeaderTerms) -> Result<Self, ImagesError> {
         let [[a, b], [c, d]] = terms.matrix_deg;
         let matrix = Matrix2::new(a, b, c, d);
-        let inverse = matrix
-            .try_inverse()
-            .filter(|inverse| inverse.iter().all(|entry| entry.is_finite()))
-            .ok_or(WcsError::Singular(terms.matrix_deg))?;
-        let to_sky = terms.pole.to_sky().ok_or_else(|| WcsError::Value {
-            keyword: "LONPOLE".to_owned(),
-            value: format!("{:?} with LATPOLE {:?}", terms.pole.lonpole_deg, terms.pole.latpole_deg),
-            allowed: "a native pole that is consistent with CRVAL",
+        let inverse =
+            matrix.try_inverse().filter(|inverse| inverse.iter().all(|entry| entry.is_finite())).ok_or_else(|| {
+                let allowed = "a matrix that has an inverse (CDi_j, or PCi_j with CDELTi)";
+                ImagesError::invalid("matrix of pixels to degrees", format!("{:?}", terms.matrix_deg), allowed)
+            })?;
+        let to_sky = terms.pole.to_sky().ok_or_else(|| {
+            ImagesError::invalid(
+                "LONPOLE".to_owned(),
+                format!("{:?} with LATPOLE {:?}", terms.pole.lonpole_deg, terms.pole.latpole_deg),
+                "a native pole that is consistent with CRVAL",
+            )
         })?;
         let size = terms.size.unwrap_or([UNKNOWN_SIDE_PIX; 2]);
         let mut wcs = Self { terms, matrix, inverse, to_sky, size, trusted: None };
         if let Some(kind) = wcs.distortion() {
-            wcs.trusted = Some(wcs.trusted_area().ok_or(WcsError::Folded { kind })?);
+            let trusted = wcs.trusted_area().ok_or_else(|| {
+                let allowed = "one position on the sky for each pixel";
+                ImagesError::invalid(format!("distortion ({kind})"), "folded within the frame", allowed)
+            })?;
+            wcs.trusted = Some(trusted);
         }
         Ok(wcs)
     }

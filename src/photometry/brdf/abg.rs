@@ -3,7 +3,7 @@
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
 //! | `a` | sr⁻¹ | 0 and up | height: the peak is A/B |
-//! | `b` | 1 | more than 0 | end of the flat top, x^g = B |
+//! | `b` | 1 | more than 0 | the flat top ends where x^g = B |
 //! | `g` | 1 | 0 and up | slope of the wing |
 //!
 //! x is the distance between the projections of the observer and of the mirror direction onto the surface (the

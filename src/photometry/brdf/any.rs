@@ -14,7 +14,7 @@ pub enum Law {
     Abg(Abg),
     /// A bell-shaped lobe.
     Gaussian(Gaussian),
-    /// The logarithm expanded in reciprocal quantities.
+    /// A polynomial for the logarithm of the reflectance.
     Binomial(Binomial),
     /// A lobe about the transmitted direction.
     Straight(Straight),
@@ -27,14 +27,14 @@ pub enum Law {
 impl Law {
     /// Returns the exponent of the Phong lobe of the same width, for the sampling of extended sources.
     pub fn equivalent_exponent(&self) -> f64 {
-        /// Exponent for binomials, whose lobes may have any width: the narrowest for which the rule for the Earth is
-        /// tested.
+        /// Exponent used for binomial laws, whose lobes may have any width: the narrowest lobe for which the sum over
+        /// the Earth is tested.
         const SHARP: f64 = 200.0;
         // cosⁿθ falls to half at θ² ≈ 2 ln 2 / n
         let of_half_width = |theta: f64| 2.0 * std::f64::consts::LN_2 / theta.powi(2);
         let exponent = match self {
             Self::Lambert(_) => 1.0,
-            // The width counts, not the direction of the lobe.
+            // Only the width of the lobe matters here, not its direction.
             Self::Phong(Phong { exponent, .. })
             | Self::Straight(Straight { exponent, .. })
             | Self::Retro(Retro { exponent, .. }) => *exponent,

@@ -19,9 +19,9 @@ use super::law::{Brdf, Incidence};
 /// Coefficients of a binomial expansion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Binomial {
-    /// `(n_k, n_i)`.
+    /// Coefficients of the powers of D; shape `(n_k, n_i)`.
     pub b: Vec<Vec<f64>>,
-    /// `(n_k, n_j)`; as many rows as `b`.
+    /// Coefficients of the logarithms; shape `(n_k, n_j)`, with as many rows as `b`.
     pub c: Vec<Vec<f64>>,
     /// Ratio of successive widths.
     pub d: f64,

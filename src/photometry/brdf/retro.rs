@@ -12,7 +12,7 @@
 //!
 //! It is empirical: fits to measured satellites require light in this direction.
 //!
-//! Reference: the lobe of Lu (2024), eq. 2, about the other direction.
+//! Reference: the lobe of Lu (2024), eq. 2, with its axis towards the source.
 
 use super::law::{Brdf, Incidence, lobe_per_sr};
 

@@ -10,11 +10,12 @@
 //! energy: for light along the normal `weight` is transmitted; at oblique incidence part of the lobe is on the lit
 //! side, where `through` has no light, and less is transmitted; at grazing incidence half of the lobe is lost and the
 //! rest lies in the plane. The lobe depends on the angle between Sun and observer only: it is reciprocal, and 0 for
-//! angles below 90°. On a `front` it gives the part above the plane, some light near grazing incidence.
+//! angles below 90°. As a law of a `front` it contributes only the part of the lobe above the panel's plane, some light
+//! near grazing incidence.
 //!
 //! It is empirical: fits to measured satellites require light in this direction.
 //!
-//! Reference: the lobe of Lu (2024), eq. 2, about the other direction.
+//! Reference: the lobe of Lu (2024), eq. 2, with its axis along the transmitted light.
 
 use super::law::{Brdf, Incidence, lobe_per_sr};
 

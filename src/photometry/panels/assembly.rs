@@ -1,8 +1,8 @@
 //! Light of a satellite composed of panels and spheres.
 //!
-//! A panel uses the laws `front` (lit and seen from the front), `back` (lit and seen from behind) or `through` (lit from
-//! the front, seen from behind). The parts that other panels shade or hide are removed exactly; light reflected between panels is
-//! neglected, as in the paper. Spheres add their light and are never hidden.
+//! A panel uses the laws `front` (lit and seen from the front), `back` (lit and seen from behind) or `through` (lit
+//! from the front, seen from behind). The parts that other panels shade or hide are removed exactly; light reflected
+//! between panels is neglected, as in the paper. Spheres add their light and are never hidden.
 
 use nalgebra::Vector3;
 
@@ -59,7 +59,7 @@ pub struct LitFace {
     pub face: Face,
     /// Incidence on the lit side: from behind for the back, from the front for transmitted light.
     pub incidence: Incidence,
-    /// |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ contributes f times this, m² sr⁻¹.
+    /// Unobstructed projected area |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ contributes f times this, m² sr⁻¹.
     pub open_m2: f64,
     /// BF, the fraction of the panel that is shaded or hidden, [0, 1].
     pub blocked: f64,
@@ -232,7 +232,7 @@ impl PanelAssembly {
         for blocker in panel.blockers.iter().take(MOST_BLOCKERS).filter_map(|&number| self.panels.get(number)) {
             let other = blocker.placed(to_sun);
             for direction in directions.iter().take(2) {
-                shapes[count] = placed.stopped_by(&other, direction);
+                shapes[count] = placed.blocked_by(&other, direction);
                 count += 1;
             }
         }

@@ -15,7 +15,7 @@ use crate::photometry::brdf::{
 use crate::photometry::error::Check;
 
 /// Cosines of incidence at which the energy conservation of a face is checked.
-const HELD_AT_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
+const ENERGY_CHECK_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
 /// Error of the numerical integral of the reflected power.
 const ENERGY_SLACK: f64 = 2e-3;
 
@@ -151,7 +151,7 @@ impl PanelsSpec {
             let faces: [(&str, &[Law], &[Law]); 2] =
                 [("front and through", &panel.front, &panel.through), ("back", &panel.back, &[])];
             for (face, reflect, transmit) in faces {
-                for cos_in in HELD_AT_COSINES {
+                for cos_in in ENERGY_CHECK_COSINES {
                     let share: f64 = reflect.iter().map(|law| reflected_share(law, cos_in)).sum::<f64>()
                         + transmit.iter().map(|law| transmitted_share(law, cos_in)).sum::<f64>();
                     let key = format!("panels.{} ({face}, light at cosine {cos_in}): reflected fraction", panel.name);

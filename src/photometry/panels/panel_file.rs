@@ -12,7 +12,7 @@ pub struct PanelsSpec {
     pub parameters: Vec<PanelParameter>,
     /// The panels.
     pub panels: Vec<PanelSpec>,
-    /// Parts without orientation.
+    /// Spheres, for parts without an orientation.
     #[serde(default)]
     pub spheres: Vec<SphereSpec>,
     /// Pairs of panels of which one may shade or hide the other.
@@ -61,7 +61,7 @@ pub struct PanelSpec {
     pub earthshine: bool,
 }
 
-/// A part without orientation; never blocked, and without earthshine.
+/// A sphere, for a part without an orientation. It is never shaded or hidden and receives no earthshine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereSpec {
@@ -186,9 +186,9 @@ pub enum LawSpec {
     },
     /// A binomial expansion of the logarithm; its coefficients are numbers of a laboratory fit.
     Binomial {
-        /// b\[k\]\[i\].
+        /// Coefficients b\[k\]\[i\].
         b: Vec<Vec<f64>>,
-        /// c\[k\]\[j\], as many rows as b.
+        /// Coefficients c\[k\]\[j\], with as many rows as b.
         c: Vec<Vec<f64>>,
         /// Ratio of successive widths.
         d: f64,

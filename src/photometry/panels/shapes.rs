@@ -1,6 +1,5 @@
-//! Shapes of panels: polygons, rectangles and spheres.
-//!
-//! They are never shaded or hidden, cast no shadow, and receive no earthshine.
+//! Shapes of panels: polygons and rectangles. Spheres, for parts without an orientation, are never shaded or hidden,
+//! cast no shadow, and receive no earthshine.
 
 use std::f64::consts::PI;
 
@@ -150,7 +149,7 @@ impl PlacedRectangle {
     ///
     /// Exact for flat rectangles: only the part of the other on the side of this plane to which `direction` points can
     /// block, and it is projected along `direction` onto the plane.
-    pub fn stopped_by(&self, other: &Self, direction: &Vector3<f64>) -> PanelPolygon {
+    pub fn blocked_by(&self, other: &Self, direction: &Vector3<f64>) -> PanelPolygon {
         let along = self.axes.normal.dot(direction);
         // Edge-on there is no light to block.
         if along.abs() < 1e-12 {
@@ -280,12 +279,12 @@ mod tests {
         let (below, above) = pair(0.5);
         // Light from 45° along x: the shadow moves by half a side, and half of it remains.
         let slant = Vector3::new(-1.0, 0.0, 1.0).normalize();
-        assert!((below.stopped_by(&above, &slant).area_m2() - 0.5).abs() < 1e-15);
-        assert!((below.stopped_by(&above, &Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
+        assert!((below.blocked_by(&above, &slant).area_m2() - 0.5).abs() < 1e-15);
+        assert!((below.blocked_by(&above, &Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
         // From below it is behind; and the lower one hides the back of the upper one.
-        assert_eq!(below.stopped_by(&above, &-Vector3::z()).area_m2(), 0.0);
-        assert!((above.stopped_by(&below, &-Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
-        assert_eq!(below.stopped_by(&above, &Vector3::x()).area_m2(), 0.0);
+        assert_eq!(below.blocked_by(&above, &-Vector3::z()).area_m2(), 0.0);
+        assert!((above.blocked_by(&below, &-Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
+        assert_eq!(below.blocked_by(&above, &Vector3::x()).area_m2(), 0.0);
     }
 
     fn sphere(phase: SpherePhase) -> Sphere {

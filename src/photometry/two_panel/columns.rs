@@ -43,10 +43,11 @@ pub(in crate::photometry) enum Columns<'a> {
 /// Number of geometries evaluated together: their intermediate values, some 7 kB, stay in the first-level cache.
 const BLOCK: usize = 32;
 
-/// Least light with a magnitude, m² sr⁻¹.
+/// Smallest light for which a magnitude is computed, m² sr⁻¹.
 const LEAST_M2_SR: f64 = 1e-300;
 
-/// Writes magnitudes at 1000 km into `out`; NaN where no lit surface is visible. `zero_mag` is that of 1 m² sr⁻¹.
+/// Writes magnitudes at 1000 km into `out`; NaN where no lit surface is visible. `zero_mag` is the magnitude of a
+/// reflection of 1 m² sr⁻¹.
 pub(in crate::photometry) fn standard_magnitudes(
     model: &SatelliteModel,
     zero_mag: f64,

@@ -64,7 +64,7 @@ pub struct ChassisAndSail {
     half_both_m: f64,
 }
 
-/// Fractions of the sail's area without light.
+/// Fractions of the sail's area that reflect no light to the observer.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Blocked {
     /// Fraction shaded by the chassis or hidden behind it: BF of the paper, [0, 1].
@@ -90,15 +90,15 @@ pub(crate) struct OpenSail<const N: usize> {
 /// Geometry without coefficients: open areas times cosines, m², and logarithms of the mirror cosines.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(crate) struct LitPanels<const N: usize> {
-    /// cos φ_i cos φ_r A (1 - BF) of the sail's front.
+    /// Front of the sail: cos φ_i cos φ_r A (1 - BF).
     pub front_m2: [f64; N],
-    /// cos φ_i cos(π - φ_r) A (1 - BF') of the sail, lit from the front and seen from behind.
+    /// Sail lit from the front and seen from behind: cos φ_i cos(π - φ_r) A (1 - BF').
     pub through_m2: [f64; N],
-    /// cos φ_i cos φ_r A of the chassis.
+    /// Chassis: cos φ_i cos φ_r A.
     pub base_m2: [f64; N],
-    /// ln cos θ_sail.
+    /// Logarithm of the sail's mirror cosine, ln cos θ_sail.
     pub ln_sail: [f64; N],
-    /// ln cos θ_base.
+    /// Logarithm of the chassis' mirror cosine, ln cos θ_base.
     pub ln_base: [f64; N],
 }
 

@@ -87,7 +87,7 @@ impl Edits {
 
     /// Returns the edited text.
     pub fn apply(mut self, text: &str) -> String {
-        // A removal that ends at the position of an insertion is applied first, one that starts there after it.
+        // A removal that ends at the position of an insertion is applied before it; one that starts there, after it.
         self.0.sort_by_key(|(range, _)| (range.start, range.end));
         let mut out = String::with_capacity(text.len() * 2);
         let mut written = 0;

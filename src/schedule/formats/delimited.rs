@@ -174,7 +174,7 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
 /// Reads ECSV text, separated by commas or blanks.
 ///
 /// # Errors
-/// As [`ecsv_layout`].
+/// The errors of [`ecsv_layout`].
 pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let (layout, header) = parse_ecsv(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Ecsv, layout.names);

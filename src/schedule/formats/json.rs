@@ -82,7 +82,7 @@ pub(in crate::schedule) struct JsonLayout {
 /// Finds the rows of JSON text.
 ///
 /// # Errors
-/// As [`read`].
+/// The errors of [`read`].
 pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLayout, ScheduleError> {
     let error = |error: serde_json::Error| bad(path, &error);
     let offset = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;

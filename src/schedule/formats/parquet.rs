@@ -35,7 +35,7 @@ fn broken(path: &Path, error: &dyn std::fmt::Display) -> ScheduleError {
 /// Reads all rows of a file.
 ///
 /// # Errors
-/// As [`batches`].
+/// The errors of [`batches`].
 pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     let (reader, _) = batches(path)?;
     let schema = arrow_array::RecordBatchReader::schema(&reader);

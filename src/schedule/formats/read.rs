@@ -11,7 +11,7 @@ use super::{delimited, json, votable};
 /// Reads a file into a raw table.
 ///
 /// # Errors
-/// As [`Schedule::read`](super::super::Schedule::read), except for errors in columns and time scales.
+/// The errors of [`Schedule::read`](super::super::Schedule::read), except for errors in columns and time scales.
 pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleError> {
     let io_error = |source| ScheduleError::Io { path: display(path), source };
     if fs::metadata(path).map_err(io_error)?.is_dir() {

@@ -216,7 +216,7 @@ impl VoTableLayout {
 /// Reads a VOTable.
 ///
 /// # Errors
-/// As [`votable_layout`].
+/// The errors of [`votable_layout`].
 pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let layout = votable_layout(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::VoTable, layout.names);

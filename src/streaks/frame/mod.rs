@@ -8,6 +8,6 @@ mod target_frame;
 mod write;
 
 pub use synthetic::{StarField, SyntheticFrame};
-pub use synthetic_shot::{SyntheticError, SyntheticShot};
-pub use target_frame::{FrameOverrides, TargetChip, TargetError, TargetFrame};
-pub use write::{InjectError, InjectOptions, Injected, inject};
+pub use synthetic_shot::SyntheticShot;
+pub use target_frame::{FrameOverrides, TargetChip, TargetFrame};
+pub use write::{InjectOptions, Injected, inject};

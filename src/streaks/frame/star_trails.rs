@@ -3,13 +3,14 @@
 use rayon::prelude::*;
 
 use super::super::chip::Chip;
+use super::super::error::StreaksError;
 use super::super::light::{SkyPoint, SkyTrack};
 use super::super::render::draw;
 use super::super::tracking::Tracking;
-use super::synthetic_shot::{SyntheticError, SyntheticShot};
+use super::synthetic_shot::SyntheticShot;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{Patch, PixelPosition, Plane};
-use crate::streaks::{BRIGHTEST_E, BackgroundError, RadialProfile, RandomStars, Star};
+use crate::streaks::{BRIGHTEST_E, RadialProfile, RandomStars, Star};
 
 /// Star with a direction on the sky.
 #[derive(Copy, Clone, Debug)]
@@ -40,13 +41,13 @@ const TRAILS_AT_ONCE: usize = 256;
 /// direction of each is that at the time at which it is nearest to the chip's middle.
 ///
 /// # Errors
-/// The errors of [`RandomStars::draw`]; [`BackgroundError::OutOfRange`] if more than a million are expected.
+/// The errors of [`RandomStars::draw`], and more than a million expected stars.
 pub(super) fn draw_stars(
     field: &RandomStars,
     chip: &Chip,
     shot: &SyntheticShot<'_>,
     reach_pix: f64,
-) -> Result<Vec<SkyStar>, BackgroundError> {
+) -> Result<Vec<SkyStar>, StreaksError> {
     let Tracking::Rate { reference_s, .. } = shot.tracking else { return Ok(Vec::new()) };
     // Pixels per second at the middle of the chip and of the exposure.
     let step_s = 1e-3 * shot.exposure_s;
@@ -58,7 +59,7 @@ pub(super) fn draw_stars(
     let width = (chip.rows as f64).hypot(chip.columns as f64) + 2.0 * reach_pix;
     let (rows, columns) = (width.ceil() as usize, (width + speed * shot.exposure_s).ceil() as usize);
     let expected = field.per_megapixel * 1e-6 * rows as f64 * columns as f64;
-    BackgroundError::check_range("stars that trail over the frame", expected, 0.0, MAX_MEAN_STARS)?;
+    StreaksError::check_range("background: stars that trail over the frame", expected, 0.0, MAX_MEAN_STARS)?;
     let middle = chip.middle();
     let on_sky = |star: Star| {
         // Positions in the strip at the time for which the world coordinates hold.
@@ -90,8 +91,8 @@ pub(super) fn add_trails(
     chip: &Chip,
     shot: &SyntheticShot<'_>,
     profile: &RadialProfile,
-) -> Result<(), SyntheticError> {
-    let trail = |star: &SkyStar| -> Result<Vec<Patch>, SyntheticError> {
+) -> Result<(), StreaksError> {
+    let trail = |star: &SkyStar| -> Result<Vec<Patch>, StreaksError> {
         let [first_s, last_s] = star.over_s;
         let point = |moment: u32| SkyPoint {
             time_s: first_s + (last_s - first_s) * f64::from(moment) / f64::from(MOMENTS),
@@ -102,13 +103,13 @@ pub(super) fn add_trails(
         let track = SkyTrack { points: (0..=MOMENTS).map(point).collect() };
         let paths = chip.paths(&track, &shot.tracking, &shot.centre, profile.pixel_reach_pix())?;
         if !paths.is_empty() {
-            BackgroundError::check_range("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
+            StreaksError::check_range("background: flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
         }
         Ok(paths.iter().map(|chip_path| draw(&chip_path.path, profile, chip.rows, chip.columns)).collect())
     };
     for batch in stars.chunks(TRAILS_AT_ONCE) {
         // Trails are drawn in parallel and added in order, so the sums do not depend on the threads.
-        let trails = batch.par_iter().map(trail).collect::<Result<Vec<_>, SyntheticError>>()?;
+        let trails = batch.par_iter().map(trail).collect::<Result<Vec<_>, StreaksError>>()?;
         trails.iter().flatten().for_each(|patch| patch.add_to(light));
     }
     Ok(())

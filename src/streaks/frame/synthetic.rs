@@ -6,10 +6,11 @@ use hifitime::TimeScale;
 use serde::Deserialize;
 
 use super::super::chip::Chip;
-use super::super::count_scale::{CountScale, CountScaleError};
+use super::super::count_scale::CountScale;
+use super::super::error::StreaksError;
 use super::super::tracking::Tracking;
 use super::star_trails::{SkyStar, add_trails, draw_stars};
-use super::synthetic_shot::{SyntheticError, SyntheticShot};
+use super::synthetic_shot::SyntheticShot;
 use crate::frames::{Direction, mjd_utc};
 use crate::images::{
     Card, CardValue, Detector, ImageValues, LightArea, NewImage, Pixels, Plane, Rice, Wcs, write_frame,
@@ -31,7 +32,7 @@ use crate::streaks::{Blur, RadialProfile, RandomStars, Star, background, flux_e}
 ///     "sky.toml",
 /// )?;
 /// assert_eq!(frame.columns, 1024);
-/// # Ok::<(), streakcast::streaks::SyntheticError>(())
+/// # Ok::<(), streakcast::streaks::StreaksError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -81,9 +82,9 @@ impl SyntheticFrame {
     /// Reads the description from TOML; `origin` is the name of the file in errors.
     ///
     /// # Errors
-    /// [`SyntheticError`]: text that is not TOML, unknown or missing keys, values out of range.
-    pub fn from_toml(text: &str, origin: &str) -> Result<Self, SyntheticError> {
-        let frame: Self = toml::from_str(text).map_err(|error| SyntheticError::Toml {
+    /// Text that is not TOML, unknown or missing keys, values out of range.
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, StreaksError> {
+        let frame: Self = toml::from_str(text).map_err(|error| StreaksError::Toml {
             origin: origin.to_owned(),
             message: error.to_string().trim_end().to_owned(),
         })?;
@@ -91,28 +92,24 @@ impl SyntheticFrame {
         Ok(frame)
     }
 
-    fn validate(&self) -> Result<(), SyntheticError> {
-        let held = |key, given: f64, [least, most]: [f64; 2], allowed| {
-            if (least..=most).contains(&given) {
-                Ok(())
-            } else {
-                Err(SyntheticError::OutOfRange { key, given, allowed })
-            }
+    fn validate(&self) -> Result<(), StreaksError> {
+        let held = |key: &str, given: f64, [least, most]: [f64; 2]| {
+            StreaksError::check_range(&format!("synthetic frame: {key}"), given, least, most)
         };
-        held("columns", self.columns as f64, [16.0, 32768.0], "16 to 32768")?;
-        held("rows", self.rows as f64, [16.0, 32768.0], "16 to 32768")?;
-        held("pixel_scale_arcsec", self.pixel_scale_arcsec, [0.001, 600.0], "0.001 to 600")?;
-        held("rotation_deg", self.rotation_deg, [-360.0, 360.0], "-360 to 360")?;
-        held("zero_point_1s_mag", self.zero_point_1s_mag, [0.0, 50.0], "0 to 50")?;
-        held("sky_mag_arcsec2", self.sky_mag_arcsec2, [0.0, 40.0], "0 to 40")?;
-        Ok(self.detector.validate()?)
+        held("columns", self.columns as f64, [16.0, 32768.0])?;
+        held("rows", self.rows as f64, [16.0, 32768.0])?;
+        held("pixel_scale_arcsec", self.pixel_scale_arcsec, [0.001, 600.0])?;
+        held("rotation_deg", self.rotation_deg, [-360.0, 360.0])?;
+        held("zero_point_1s_mag", self.zero_point_1s_mag, [0.0, 50.0])?;
+        held("sky_mag_arcsec2", self.sky_mag_arcsec2, [0.0, 40.0])?;
+        Ok(self.detector.validate().map_err(|error| error.at("synthetic frame"))?)
     }
 
     /// Computes the light of sky and stars through the detector, and the world coordinates.
     ///
     /// # Errors
-    /// [`SyntheticError`].
-    pub fn expose(&self, shot: &SyntheticShot<'_>) -> Result<(Plane, Wcs), SyntheticError> {
+    /// Values out of range and invalid lists of stars.
+    pub fn expose(&self, shot: &SyntheticShot<'_>) -> Result<(Plane, Wcs), StreaksError> {
         let rotation_rad = self.rotation_deg.to_radians();
         let wcs = Wcs::tangent(shot.centre, self.pixel_scale_arcsec, rotation_rad, self.columns, self.rows)?;
         let profile = RadialProfile::of(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
@@ -156,7 +153,7 @@ impl SyntheticFrame {
     }
 
     /// Returns the frame as a chip on which a star of magnitude 0 gives one electron.
-    fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, CountScaleError> {
+    fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, StreaksError> {
         Ok(Chip {
             hdu: 0,
             name: String::new(),
@@ -173,8 +170,8 @@ impl SyntheticFrame {
     /// point, gain.
     ///
     /// # Errors
-    /// [`SyntheticError`]; no partial file remains.
-    pub fn write(&self, shot: &SyntheticShot<'_>, path: &Path) -> Result<(), SyntheticError> {
+    /// Values out of range, invalid lists of stars, and files that cannot be written; no partial file remains.
+    pub fn write(&self, shot: &SyntheticShot<'_>, path: &Path) -> Result<(), StreaksError> {
         let (counts, wcs) = self.expose(shot)?;
         let whole = self.detector.quantisation.is_some();
         let largest = counts.values().iter().copied().fold(f32::NEG_INFINITY, f32::max);
@@ -234,26 +231,31 @@ impl SyntheticFrame {
     }
 }
 
-fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, SyntheticError> {
+/// Columns and ranges of a list of stars, for errors.
+const STAR_LIST_FORM: &str = "CSV with ra_deg, dec_deg (-90 to 90) and magnitude (-30 to 60)";
+
+fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, StreaksError> {
     #[derive(Deserialize)]
     struct Row {
         ra_deg: f64,
         dec_deg: f64,
         magnitude: f64,
     }
-    let failed = |problem: String| SyntheticError::StarList { path: path.display().to_string(), problem };
-    let mut reader = csv::ReaderBuilder::new()
-        .comment(Some(b'#'))
-        .trim(csv::Trim::All)
-        .from_path(path)
-        .map_err(|error| failed(error.to_string()))?;
+    let shown = path.display();
+    let failed = |error: csv::Error| {
+        StreaksError::invalid(format!("star list {shown}"), format!("invalid ({error})"), STAR_LIST_FORM)
+    };
+    let mut reader =
+        csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).from_path(path).map_err(failed)?;
     let mut stars = Vec::new();
     for row in reader.deserialize::<Row>() {
-        let row = row.map_err(|error| failed(error.to_string()))?;
+        let row = row.map_err(failed)?;
         let flux_e = flux_e(row.magnitude, zero_point_mag);
         if !(row.ra_deg.is_finite() && row.dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&row.magnitude)) {
             let Row { ra_deg, dec_deg, magnitude } = row;
-            return Err(failed(format!("star {}: ra {ra_deg}, dec {dec_deg}, magnitude {magnitude}", stars.len() + 1)));
+            let what = format!("star list {shown}: star {}", stars.len() + 1);
+            let given = format!("at ra {ra_deg}, dec {dec_deg}, magnitude {magnitude}");
+            return Err(StreaksError::invalid(what, given, STAR_LIST_FORM));
         }
         let direction = Direction::from_lon_lat_rad(row.ra_deg.to_radians(), row.dec_deg.to_radians());
         stars.push(SkyStar { direction, flux_e, over_s: [0.0, exposure_s] });

@@ -4,75 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use hifitime::Epoch;
-use thiserror::Error;
 
 use super::super::chip::{Chip, circle_of};
-use super::super::count_scale::{CountScale, CountScaleError};
+use super::super::count_scale::CountScale;
+use super::super::error::StreaksError;
 use crate::frames::{Direction, Gcrs};
-use crate::images::{
-    Calibration, CountBasis, ExposureError, ExposureTime, FrameError, FrameFile, Header, LightArea, PixelUnit, Wcs,
-    WcsError,
-};
-
-/// Errors of a frame into which streaks are to be injected.
-#[derive(Debug, Error)]
-pub enum TargetError {
-    /// Error of the file.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// Error of the exposure time.
-    #[error("{path}: {source}")]
-    Exposure {
-        /// The file.
-        path: String,
-        /// Cause.
-        source: Box<ExposureError>,
-    },
-    /// The file has no image.
-    #[error("{path}: no image of two axes (masks, weights and tables are ignored)")]
-    NoImage {
-        /// The file.
-        path: String,
-    },
-    /// The header has no valid world coordinates.
-    #[error("{path}: HDU {hdu}: {source}")]
-    Wcs {
-        /// The file.
-        path: String,
-        /// Number of the HDU, from 0.
-        hdu: usize,
-        /// Cause.
-        source: WcsError,
-    },
-    /// The header has no zero point.
-    #[error("{path}: missing zero point of HDU {hdu} (no FLUXMAG0, MAGZERO, MAGZP, MAGZPT, ...); specify --zero-point")]
-    NoZeroPoint {
-        /// The file.
-        path: String,
-        /// Number of the HDU, from 0.
-        hdu: usize,
-    },
-    /// The zero point is ambiguous.
-    #[error(
-        "{path}: {keyword} = {mag} is ambiguous: the magnitude of one count in the whole exposure, or of one count per second; specify --zero-point {mag} or --zero-point-1s {mag}"
-    )]
-    ZeroPointBasis {
-        /// The file.
-        path: String,
-        /// Keyword of the zero point.
-        keyword: String,
-        /// Value of the zero point.
-        mag: f64,
-    },
-    /// The zero point or exposure is out of range.
-    #[error("{path}: {source}")]
-    Scale {
-        /// The file.
-        path: String,
-        /// Cause.
-        source: CountScaleError,
-    },
-}
+use crate::images::{Calibration, CountBasis, ExposureTime, FrameFile, Header, ImagesError, LightArea, PixelUnit, Wcs};
 
 /// Values of a frame that override its header.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -119,7 +56,7 @@ pub struct TargetFrame {
     /// Images of the frame, at least one.
     pub chips: Vec<TargetChip>,
     /// HDUs of images without valid world coordinates, with the reason.
-    pub left_out: Vec<(usize, WcsError)>,
+    pub left_out: Vec<(usize, String)>,
     /// Filter or band as written in the header.
     pub filter: Option<String>,
     /// Names of instrument, telescope and observatory in the header, in this order.
@@ -128,9 +65,6 @@ pub struct TargetFrame {
     pub mask_planes: BTreeMap<String, u32>,
 }
 
-/// Words in EXTNAME or EXTTYPE of images that do not contain light.
-const NON_IMAGE_WORDS: [&str; 9] = ["MASK", "VARIANCE", "WEIGHT", "WHT", "IVAR", "DQ", "ERR", "FLAG", "SIGMA"];
-
 impl TargetFrame {
     /// Opens a frame and reads its headers.
     ///
@@ -138,13 +72,19 @@ impl TargetFrame {
     /// overrides. A zero point is required in the header of each image, in that of the file, or in the overrides.
     ///
     /// # Errors
-    /// [`TargetError`].
-    pub fn open(path: &Path, overrides: &FrameOverrides) -> Result<Self, TargetError> {
+    /// A file that cannot be read, a frame without images or without time, length or zero point, and invalid values.
+    pub fn open(path: &Path, overrides: &FrameOverrides) -> Result<Self, StreaksError> {
         let file = FrameFile::open(path)?;
         let shown = path.display().to_string();
         let images = images(&file, overrides)?;
-        let Some(&first) = images.first() else { return Err(TargetError::NoImage { path: shown }) };
-        let headers = |hdu: usize| -> Result<[&Header; 2], FrameError> { Ok([file.header(hdu)?, file.header(0)?]) };
+        let Some(&first) = images.first() else {
+            return Err(StreaksError::invalid(
+                format!("{shown}: number of images of two axes"),
+                0,
+                "1 or more (masks, weights and tables are ignored)",
+            ));
+        };
+        let headers = |hdu: usize| -> Result<[&Header; 2], ImagesError> { Ok([file.header(hdu)?, file.header(0)?]) };
         let (opened, exposure_s) = exposure(&headers(first)?, overrides, &shown)?;
         let (mut chips, mut left_out) = (Vec::new(), Vec::new());
         for &hdu in &images {
@@ -152,14 +92,12 @@ impl TargetFrame {
                 Ok((wcs, is_on_sky)) => {
                     chips.push(target_chip(&file, hdu, wcs, is_on_sky, exposure_s, overrides, &shown)?)
                 }
-                Err(ChipError::Frame(error)) => return Err(error.into()),
-                Err(ChipError::Wcs(error)) => left_out.push((hdu, error)),
+                Err(error) => left_out.push((hdu, error)),
             }
         }
-        if chips.is_empty()
-            && let Some((hdu, source)) = left_out.first().cloned()
-        {
-            return Err(TargetError::Wcs { path: shown, hdu, source });
+        if chips.is_empty() && !left_out.is_empty() {
+            let (hdu, error) = left_out.swap_remove(0);
+            return Err(error.in_hdu(path, hdu).into());
         }
         let first_headers = headers(first)?;
         let calibration = Calibration::from_headers(&first_headers);
@@ -168,7 +106,7 @@ impl TargetFrame {
             opened,
             exposure_s,
             chips,
-            left_out,
+            left_out: left_out.into_iter().map(|(hdu, error)| (hdu, error.to_string())).collect(),
             filter: calibration.band.map(|band| band.value),
             observatory: ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY"].into_iter().filter_map(text).collect(),
             mask_planes: mask_planes(&file)?,
@@ -183,7 +121,7 @@ impl TargetFrame {
 }
 
 /// Returns the HDUs of images that contain light.
-fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, FrameError> {
+fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, ImagesError> {
     if !overrides.hdus.is_empty() {
         let mut hdus = overrides.hdus.clone();
         hdus.sort_unstable();
@@ -195,21 +133,14 @@ fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, Fr
         }
         return Ok(hdus);
     }
-    let mut found = file.images();
-    found.retain(|&hdu| {
-        let header = file.header(hdu).ok();
-        let text_of = |keyword| header.and_then(|header| header.text(keyword)).unwrap_or_default().to_ascii_uppercase();
-        let names = [text_of("EXTNAME"), text_of("EXTTYPE")];
-        !NON_IMAGE_WORDS.iter().any(|word| names.iter().any(|name| name.contains(word)))
-    });
-    Ok(found)
+    Ok(file.light_images())
 }
 
-fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> Result<(Epoch, f64), TargetError> {
+fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> Result<(Epoch, f64), StreaksError> {
     if let (Some(start), Some(duration_s)) = (overrides.start, overrides.duration_s) {
         return Ok((start, duration_s));
     }
-    let failed = |source: ExposureError| TargetError::Exposure { path: path.to_owned(), source: Box::new(source) };
+    let failed = |error: ImagesError| error.at(path);
     // The overrides replace missing or wrong values of the header.
     let duration_s =
         overrides.duration_s.map_or_else(|| ExposureTime::duration_from_headers(headers), Ok).map_err(failed)?;
@@ -218,24 +149,19 @@ fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> R
     Ok((start, duration_s))
 }
 
-enum ChipError {
-    Frame(FrameError),
-    Wcs(WcsError),
-}
-
 /// Returns the world coordinates of a chip, and true if they come from its header.
-fn chip_wcs(file: &FrameFile, hdu: usize, overrides: &FrameOverrides) -> Result<(Wcs, bool), ChipError> {
-    let error = match Wcs::from_header(file.header(hdu).map_err(ChipError::Frame)?) {
+fn chip_wcs(file: &FrameFile, hdu: usize, overrides: &FrameOverrides) -> Result<(Wcs, bool), ImagesError> {
+    let error = match Wcs::from_header(file.header(hdu)?) {
         Ok(wcs) => return Ok((wcs, true)),
         Err(error) => error,
     };
     match (overrides.pixel_scale_arcsec, &error) {
-        (Some(scale_arcsec), WcsError::NoCelestialAxes { .. }) => {
-            let [rows, columns] = file.image_size(hdu).map_err(ChipError::Frame)?;
+        (Some(scale_arcsec), ImagesError::NoCelestialAxes { .. }) => {
+            let [rows, columns] = file.image_size(hdu)?;
             let centre = Direction::from_lon_lat_rad(0.0, 0.0);
-            Wcs::tangent(centre, scale_arcsec, 0.0, columns, rows).map(|wcs| (wcs, false)).map_err(ChipError::Wcs)
+            Wcs::tangent(centre, scale_arcsec, 0.0, columns, rows).map(|wcs| (wcs, false))
         }
-        _ => Err(ChipError::Wcs(error)),
+        _ => Err(error),
     }
 }
 
@@ -247,18 +173,25 @@ fn target_chip(
     exposure_s: f64,
     overrides: &FrameOverrides,
     path: &str,
-) -> Result<TargetChip, TargetError> {
+) -> Result<TargetChip, StreaksError> {
     let calibration = Calibration::from_headers(&[file.header(hdu)?, file.header(0)?]);
     let (mag, basis) = match (overrides.zero_point, &calibration.zero_point) {
         (Some(given), _) => given,
         (None, Some(stated)) => match stated.basis {
             Some(basis) => (stated.mag, basis),
             None => {
-                let (path, keyword) = (path.to_owned(), stated.keyword.clone());
-                return Err(TargetError::ZeroPointBasis { path, keyword, mag: stated.mag });
+                let (keyword, mag) = (&stated.keyword, stated.mag);
+                return Err(StreaksError::invalid(
+                    format!("{path}: {keyword}"),
+                    format!("{mag}, the magnitude of one count either in the whole exposure or per second"),
+                    format!("--zero-point {mag} or --zero-point-1s {mag} to choose one"),
+                ));
             }
         },
-        (None, None) => return Err(TargetError::NoZeroPoint { path: path.to_owned(), hdu }),
+        (None, None) => {
+            let allowed = "FLUXMAG0, MAGZERO, MAGZP, MAGZPT, ..., or --zero-point";
+            return Err(StreaksError::invalid(format!("{path}: HDU {hdu}: zero point"), "missing", allowed));
+        }
     };
     let scale = match basis {
         // In a frame with units per second both bases are the same.
@@ -266,7 +199,7 @@ fn target_chip(
         CountBasis::Frame => CountScale::of_frame(mag, exposure_s),
         CountBasis::Second => CountScale::of_counts_per_second(mag, exposure_s),
     };
-    let scale = scale.map_err(|source| TargetError::Scale { path: path.to_owned(), source })?;
+    let scale = scale.map_err(|error| error.at(path))?;
     let [rows, columns] = file.image_size(hdu)?;
     let info = file.hdu(hdu)?;
     let name = info.name.clone();
@@ -290,7 +223,7 @@ fn target_chip(
 
 /// Returns the variance plane of a masked image of Rubin's pipelines: the HDU after the planes IMAGE and MASK (EXTNAME,
 /// or EXTTYPE if tiles are compressed), of the same size.
-fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, FrameError> {
+fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, ImagesError> {
     let is_plane = |hdu: usize, name: &str| {
         let header = file.header(hdu).ok();
         let text_of = |keyword| header.and_then(|header| header.text(keyword)).is_some_and(|text| text == name);
@@ -301,7 +234,7 @@ fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, FrameError
 }
 
 /// Returns the planes in the `MP_` keywords of any mask in the file.
-fn mask_planes(file: &FrameFile) -> Result<BTreeMap<String, u32>, FrameError> {
+fn mask_planes(file: &FrameFile) -> Result<BTreeMap<String, u32>, ImagesError> {
     let mut planes = BTreeMap::new();
     for info in file.hdus() {
         for card in file.header(info.index)?.cards() {

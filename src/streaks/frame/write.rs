@@ -2,34 +2,17 @@
 
 use std::path::Path;
 
-use thiserror::Error;
-
 use super::super::drawn::DrawnStreak;
+use super::super::error::StreaksError;
 use super::super::truth::{
     MaskPlanes, TruthRow, changed_spans, mask_spans, noise_of, points_table, truth_rows, truth_table,
 };
 use super::target_frame::{TargetChip, TargetFrame};
 use crate::images::{
-    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, ImageValues,
-    Patch, Pixels, Quantisation, Saturation, TableColumn,
+    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, FrameCopy, ImageValues, ImagesError, Patch,
+    Pixels, Quantisation, Saturation, TableColumn,
 };
 use crate::output::{Column, Kind, Table, Value};
-
-/// Errors of writing a frame with streaks.
-#[derive(Debug, Error)]
-pub enum InjectError {
-    /// Error of the files.
-    #[error(transparent)]
-    Frame(#[from] FrameError),
-    /// Error of the detector.
-    #[error("HDU {hdu}: {source}")]
-    Detector {
-        /// HDU of the chip.
-        hdu: usize,
-        /// Cause.
-        source: DetectorError,
-    },
-}
 
 /// Options for the conversion of light to counts and for the truth.
 #[derive(Clone, Debug)]
@@ -70,13 +53,13 @@ pub struct Injected {
 /// any order.
 ///
 /// # Errors
-/// [`InjectError`]; an existing file at `output` is then kept.
+/// [`StreaksError`]; an existing file at `output` is then kept.
 pub fn inject(
     frame: &TargetFrame,
     streaks: &[DrawnStreak<'_>],
     options: &InjectOptions,
     output: &Path,
-) -> Result<Injected, InjectError> {
+) -> Result<Injected, StreaksError> {
     let mut copy = FrameCopy::begin(&frame.file, output)?;
     let mut report = Injected::default();
     let mut masks = Vec::new();
@@ -147,13 +130,13 @@ fn quantisation(target: &TargetChip) -> Option<Quantisation> {
 }
 
 /// Adds the light without a detector.
-fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), FrameError> {
+fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), ImagesError> {
     let mut spans = streaks.iter().flat_map(|streak| streak.patch.iter());
     spans.try_for_each(|span| copy.add(target.chip.hdu, span.row, span.first_column, span.values))
 }
 
 /// Returns one sigma of a chip's pixels, from some of its rows.
-fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameError> {
+fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, ImagesError> {
     const ROWS: usize = 48;
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     let rows = lit.rows.clone().step_by(lit.rows.len().div_ceil(ROWS).max(1));
@@ -171,7 +154,7 @@ fn expose(
     streaks: &[&DrawnStreak<'_>],
     detector: &Detector,
     seed: u64,
-) -> Result<Vec<AddedLight>, InjectError> {
+) -> Result<Vec<AddedLight>, StreaksError> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     let before = frame.file.read_plane(hdu)?;
     let electrons = |patch: &Patch| {
@@ -182,8 +165,8 @@ fn expose(
     let patches: Vec<Patch> = streaks.iter().map(|streak| electrons(&streak.patch)).collect();
     // Each chip has its own random numbers.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    let failed = |source| InjectError::Detector { hdu, source };
-    let (mut added, _) = detector.added_light(&before, &patches, seed).map_err(failed)?;
+    let (mut added, _) =
+        detector.added_light(&before, &patches, seed).map_err(|error| error.in_hdu(frame.file.path(), hdu))?;
     // Charge that bled out of the illuminated area is lost.
     added.retain(|light| lit.rows.contains(&light.row) && lit.columns.contains(&light.column));
     for of_row in added.chunk_by(|a, b| a.row == b.row) {
@@ -197,7 +180,7 @@ fn expose(
 
 /// Adds the variance of the light to the plane of variances, if any: n electrons have a variance of n, in the unit of
 /// the frame n / gain². As in the pipelines that wrote the plane, n is the measured and not the expected number.
-fn add_variance(copy: &mut FrameCopy<'_>, target: &TargetChip, added: &[AddedLight]) -> Result<(), FrameError> {
+fn add_variance(copy: &mut FrameCopy<'_>, target: &TargetChip, added: &[AddedLight]) -> Result<(), ImagesError> {
     let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_per_unit) else { return Ok(()) };
     for of_span in added.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column)) {
         let variances: Vec<f32> = of_span.iter().map(|light| light.change_adu.max(0.0) / gain as f32).collect();
@@ -246,7 +229,7 @@ fn append_masks(
     frame: &TargetFrame,
     masks: Vec<(&TargetChip, ImageValues)>,
     planes: &MaskPlanes,
-) -> Result<(), FrameError> {
+) -> Result<(), ImagesError> {
     let taken = |name: &str| frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case(name));
     let one = frame.chips.len() == 1 && !taken("MASK");
     for (target, image) in masks {

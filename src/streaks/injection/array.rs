@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::error::InjectionError;
+use super::super::error::StreaksError;
 use super::run::Injections;
 use crate::images::{FrameFile, Header, ImageValues, NewImage, Pixels, write_frame};
 use crate::output::ScratchFolder;
@@ -30,7 +30,7 @@ impl<'a> ArrayFrame<'a> {
     ///
     /// # Errors
     /// The file cannot be written.
-    pub fn new(image: &'a ImageValues, cards: &Header, scratch: &Path) -> Result<Self, InjectionError> {
+    pub fn new(image: &'a ImageValues, cards: &Header, scratch: &Path) -> Result<Self, StreaksError> {
         let frame = Self { image, folder: ScratchFolder::new(scratch)? };
         write_frame(&frame.input(), &[NewImage { name: "", values: image, cards: cards.cards(), rice: None }])?;
         Ok(frame)
@@ -50,7 +50,7 @@ impl<'a> ArrayFrame<'a> {
     ///
     /// # Errors
     /// The file cannot be read.
-    pub fn finish(self, mut injections: Injections) -> Result<ArrayInjected, InjectionError> {
+    pub fn finish(self, mut injections: Injections) -> Result<ArrayInjected, StreaksError> {
         for frame in &mut injections.frames {
             // The column contains the name of the scratch file.
             frame.truth.columns.remove(0);
@@ -70,8 +70,8 @@ impl<'a> ArrayFrame<'a> {
         let mask_hdu = file.hdus().iter().find(|hdu| hdu.name == "MASK").map(|hdu| hdu.index);
         let mask = mask_hdu.map(|hdu| file.read_rows(hdu, 0..rows)).transpose()?;
         let mask = mask.map(|bits| bits.into_iter().map(|bit| bit as i32).collect());
-        let image =
-            ImageValues::new(columns, pixels).ok_or_else(|| InjectionError::invalid("the image has no pixels"))?;
+        let image = ImageValues::new(columns, pixels)
+            .ok_or_else(|| StreaksError::invalid("image", "empty", "at least one pixel"))?;
         Ok(ArrayInjected { image, mask, injections })
     }
 }

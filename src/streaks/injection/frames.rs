@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::error::StreaksError;
 use super::super::frame::{FrameOverrides, SyntheticFrame, SyntheticShot, TargetFrame};
-use super::error::InjectionError;
 use super::plan::{InjectionPlan, SyntheticPlan};
 use crate::images::HduKind;
 use crate::output::ScratchFolder;
@@ -23,13 +23,10 @@ struct SyntheticMaker<'a> {
 }
 
 impl<'a> Frames<'a> {
-    pub fn open(plan: &'a InjectionPlan, outputs: &[PathBuf]) -> Result<Self, InjectionError> {
+    pub fn open(plan: &'a InjectionPlan, outputs: &[PathBuf]) -> Result<Self, StreaksError> {
         let Some(synthetic) = &plan.synthetic else {
             let open = |path: &PathBuf| Ok(TargetFrame::open(path, &plan.overrides)?);
-            return Ok(Self {
-                known: plan.images.iter().map(open).collect::<Result<_, InjectionError>>()?,
-                maker: None,
-            });
+            return Ok(Self { known: plan.images.iter().map(open).collect::<Result<_, StreaksError>>()?, maker: None });
         };
         let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
         let maker = SyntheticMaker {
@@ -50,17 +47,18 @@ impl<'a> Frames<'a> {
     }
 
     /// Rejects names ending in .fz for a frame without compressed tiles, because its copy has none either.
-    pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), InjectionError> {
+    pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), StreaksError> {
         let is_tiled =
             |frame: &TargetFrame| frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
         for (index, output) in outputs.iter().enumerate() {
             let frame = self.known.get(if self.maker.is_some() { 0 } else { index });
             let has_fz_name = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz"));
             if has_fz_name && frame.is_some_and(|frame| !is_tiled(frame)) {
-                return Err(InjectionError::invalid(format!(
-                    "{}: the frame is not compressed in tiles, so its copy is not either; allowed: a name that ends in .fits",
-                    output.display()
-                )));
+                return Err(StreaksError::invalid(
+                    output.display().to_string(),
+                    "the copy of a frame that is not compressed in tiles",
+                    "a name that ends in .fits",
+                ));
             }
         }
         Ok(())
@@ -71,10 +69,14 @@ impl<'a> Frames<'a> {
         &self,
         index: usize,
         seed: u64,
-        work: impl FnOnce(&TargetFrame) -> Result<T, InjectionError>,
-    ) -> Result<T, InjectionError> {
+        work: impl FnOnce(&TargetFrame) -> Result<T, StreaksError>,
+    ) -> Result<T, StreaksError> {
         match &self.maker {
-            None => work(self.known.get(index).ok_or_else(|| InjectionError::invalid(format!("no frame {index}")))?),
+            None => work(
+                self.known
+                    .get(index)
+                    .ok_or_else(|| StreaksError::invalid("frame", index, format!("below {}", self.known.len())))?,
+            ),
             Some(maker) => {
                 let frame = maker.make(&maker.synthetic.frame, index + 1, seed)?;
                 let result = work(&frame);
@@ -87,7 +89,7 @@ impl<'a> Frames<'a> {
 }
 
 impl SyntheticMaker<'_> {
-    fn make(&self, synthetic: &SyntheticFrame, number: usize, seed: u64) -> Result<TargetFrame, InjectionError> {
+    fn make(&self, synthetic: &SyntheticFrame, number: usize, seed: u64) -> Result<TargetFrame, StreaksError> {
         let path = self.scratch.path().join(format!("{number}.fits"));
         let SyntheticPlan { opened, exposure_s, centre, .. } = *self.synthetic;
         let shot = SyntheticShot {
@@ -99,7 +101,7 @@ impl SyntheticMaker<'_> {
             filter: self.plan.photometry.band.name(),
             seed,
         };
-        synthetic.write(&shot, &path)?;
+        synthetic.write(&shot, &path).map_err(|error| error.at("synthetic frame"))?;
         Ok(TargetFrame::open(&path, &self.overrides)?)
     }
 }

@@ -6,11 +6,11 @@ use serde_json::json;
 
 use super::super::chip::{Chip, direction_on};
 use super::super::drawn::DrawnStreak;
+use super::super::error::StreaksError;
 use super::super::frame::TargetFrame;
 use super::super::light::{
     RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber, satellites,
 };
-use super::error::InjectionError;
 use super::plan::{InjectionPlan, RandomPlan};
 use crate::frames::{Direction, EopTable, Gcrs};
 use crate::output::{Provenance, format_utc};
@@ -38,12 +38,11 @@ pub fn sources(
     frame: &TargetFrame,
     photometry: &PhotometryOptions,
     seed: u64,
-) -> Result<Vec<Source>, InjectionError> {
+) -> Result<Vec<Source>, StreaksError> {
     let (centre, radius_rad) = frame.circle().ok_or_else(|| {
         let shown = frame.file.path().display();
-        InjectionError::invalid(format!(
-            "{shown}: the corners of the frame have no position on the sky in its world coordinates"
-        ))
+        let what = format!("{shown}: position of the corners of the frame on the sky");
+        StreaksError::invalid(what, "undefined", "world coordinates that cover the frame")
     })?;
     if let Some(random) = &plan.random {
         return Ok(random_sources(random, plan, frame, (centre, radius_rad), seed));

@@ -4,14 +4,12 @@
 //! treats images in memory.
 
 mod array;
-mod error;
 mod frames;
 mod lights;
 mod plan;
 mod run;
 
 pub use array::{ArrayFrame, ArrayInjected};
-pub use error::InjectionError;
 pub use lights::InjectionSky;
 pub use plan::{InjectionPlan, RandomPlan, SyntheticPlan};
 pub use run::{InjectedFrame, Injection, Injections, Mark};

@@ -9,16 +9,16 @@ use rayon::prelude::*;
 
 use super::super::chip::Chip;
 use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
+use super::super::error::StreaksError;
 use super::super::frame::{InjectOptions, Injected, TargetFrame, inject};
 use super::super::light::{Source, SourceName};
 use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
-use super::error::InjectionError;
 use super::frames::Frames;
 use super::lights::{InjectionSky, has_light, history, sources, state};
 use super::plan::InjectionPlan;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::Site;
-use crate::images::{FrameError, PixelPosition};
+use crate::images::{ImagesError, PixelPosition};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 /// Line of a streak on a chip, for pictures.
@@ -81,10 +81,10 @@ impl<'a> Injection<'a> {
     /// # Errors
     /// An output that cannot be written completely (no folder, a pipe, a device, a compressed file), in which case no
     /// frame is read; or a frame that cannot be opened or made.
-    pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, InjectionError> {
+    pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, StreaksError> {
         for output in outputs {
             reject_packed(output)?;
-            AtomicFile::check(output).map_err(|source| FrameError::Io { path: output.clone(), source })?;
+            AtomicFile::check(output).map_err(ImagesError::io(output))?;
         }
         let frames = Frames::open(plan, outputs)?;
         frames.reject_untiled(outputs)?;
@@ -114,9 +114,9 @@ impl<'a> Injection<'a> {
     /// Injects streaks into all frames, on all threads of the current pool: satellites of the sky, or random streaks.
     ///
     /// # Errors
-    /// [`InjectionError`]; each output is written completely or not at all. If one frame of several fails, others may
+    /// Errors of frames, detectors, passes and drawing; each output is written completely or not at all. If one frame of several fails, others may
     /// have been written; the error contains their number.
-    pub fn run(&self, sky: Option<InjectionSky<'_>>) -> Result<Injections, InjectionError> {
+    pub fn run(&self, sky: Option<InjectionSky<'_>>) -> Result<Injections, StreaksError> {
         let (plan, known) = (self.plan, self.frames.known());
         let left_out = known.iter().flat_map(|frame| {
             let shown = frame.file.path().display();
@@ -125,7 +125,7 @@ impl<'a> Injection<'a> {
         let warnings: Vec<String> = left_out.collect();
         let count = self.outputs.len();
         let written = AtomicUsize::new(0);
-        let frames: Result<Vec<InjectedFrame>, InjectionError> = self
+        let frames: Result<Vec<InjectedFrame>, StreaksError> = self
             .outputs
             .par_iter()
             .enumerate()
@@ -133,10 +133,13 @@ impl<'a> Injection<'a> {
                 let seed = seed_of(plan.seed, index, count);
                 let done = self.frames.with_frame(index, seed, |frame| one(plan, sky, frame, output, seed));
                 written.fetch_add(usize::from(done.is_ok()), Ordering::Relaxed);
-                done.map_err(|error| error.of_file(plan.images.get(index).unwrap_or(output)))
+                done
             })
             .collect();
-        let frames = frames.map_err(|error| error.of_batch(written.into_inner(), count))?;
+        let frames = frames.map_err(|error| match written.into_inner() {
+            0 => error,
+            done => StreaksError::Batch { source: Box::new(error), done, count },
+        })?;
 
         let mut provenance = sky.map_or_else(Provenance::new, |sky| sky.provenance.clone());
         let synthetic = plan.synthetic.as_ref().map(|synthetic| &synthetic.path);
@@ -149,13 +152,12 @@ impl<'a> Injection<'a> {
 }
 
 /// Rejects names of compressed files, since frames are never compressed as a whole.
-fn reject_packed(output: &Path) -> Result<(), InjectionError> {
+fn reject_packed(output: &Path) -> Result<(), StreaksError> {
     let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
         let shown = output.display();
-        return Err(InjectionError::invalid(format!(
-            "{shown}: compressed files are not supported as output; allowed: a name without .{end}, for example .fits"
-        )));
+        let allowed = format!("a name without .{end}, for example .fits");
+        return Err(StreaksError::invalid(shown.to_string(), "the name of a compressed file", allowed));
     }
     Ok(())
 }
@@ -178,7 +180,7 @@ fn one(
     frame: &TargetFrame,
     output: &Path,
     seed: u64,
-) -> Result<InjectedFrame, InjectionError> {
+) -> Result<InjectedFrame, StreaksError> {
     let (photometry, unknown_filter) = plan.photometry_of(frame);
     let sources = sources(plan, sky, frame, &photometry, seed)?;
     let tracking = plan.tracking(frame.exposure_s);
@@ -191,20 +193,23 @@ fn one(
         optics: &plan.optics,
         truth_points: plan.truth_points,
     };
+    // A synthetic frame is a temporary file, so errors name the output.
+    let shown = if plan.synthetic.is_some() { output } else { frame.file.path() };
     let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(has_light)).collect();
     let streaks: Vec<DrawnStreak<'_>> = frame
         .chips
         .par_iter()
         .map(|target| {
             let drawn = seen.par_iter().map(|source| draw_on_chip(source, &target.chip, &shot));
-            Ok(drawn.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+            let drawn = drawn.collect::<Result<Vec<_>, _>>().map_err(|error| error.at(shown.display()))?;
+            Ok(drawn.into_iter().flatten().collect())
         })
-        .collect::<Result<Vec<Vec<_>>, InjectionError>>()?
+        .collect::<Result<Vec<Vec<_>>, StreaksError>>()?
         .into_iter()
         .flatten()
         .collect();
     let drawn = drawn_sources(&streaks);
-    let planes = plan.mask_preset.planes(&frame.mask_planes)?;
+    let planes = plan.mask_preset.planes(&frame.mask_planes).map_err(|error| error.at(shown.display()))?;
     let options = InjectOptions {
         noise: plan.noise,
         detector: plan.detector.clone(),

@@ -39,16 +39,22 @@ impl LightCurve {
     /// # Errors
     /// Fewer than two points, numbers that are not finite, or times that do not increase.
     pub fn new(points: Vec<(f64, f64)>) -> Result<Self, StreaksError> {
-        let wrong = |point, problem| Err(StreaksError::LightCurve { point, problem });
         if points.len() < 2 {
-            return wrong(points.len(), "too few points; allowed: 2 or more");
+            return Err(StreaksError::invalid("light curve: number of points", points.len(), "2 or more"));
         }
         for (index, point) in points.iter().enumerate() {
             if !(point.0.is_finite() && point.1.is_finite()) {
-                return wrong(index + 1, "not a finite number; allowed: seconds and magnitudes");
+                let given = format!("{} s, {} mag", point.0, point.1);
+                return Err(StreaksError::invalid(
+                    format!("light curve: point {}", index + 1),
+                    given,
+                    "finite numbers",
+                ));
             }
             if index > 0 && points[index - 1].0 >= point.0 {
-                return wrong(index + 1, "the time is not later than that of the previous point");
+                let what = format!("light curve: time of point {}", index + 1);
+                let allowed = format!("later than the previous point at {} s", points[index - 1].0);
+                return Err(StreaksError::invalid(what, format!("{} s", point.0), allowed));
             }
         }
         Ok(Self { points })
@@ -94,10 +100,10 @@ impl Modulation {
     /// Checks periods, durations and amplitudes.
     ///
     /// # Errors
-    /// [`StreaksError::Modulation`].
+    /// A number out of range.
     pub fn check(&self) -> Result<(), StreaksError> {
-        let held = |what, given: f64, allowed, right: bool| {
-            if right { Ok(()) } else { Err(StreaksError::Modulation { what, given, allowed }) }
+        let held = |what: &str, given: f64, allowed: &str, right: bool| {
+            if right { Ok(()) } else { Err(StreaksError::invalid(what, given, allowed)) }
         };
         if let Some(Tumbling { period_s, amplitude_mag, phase }) = self.tumbling {
             held("tumbling period (s)", period_s, "0.02 to 1e5", (0.02..=1e5).contains(&period_s))?;
@@ -227,9 +233,9 @@ mod tests {
             |time_s: f64| track.points.iter().find(|point| (point.time_s - time_s).abs() < 1e-9).unwrap().magnitude;
         assert!((at(3.5).unwrap() - 6.5).abs() < 1e-9 && (at(5.0).unwrap() - 5.0).abs() < 1e-9);
         for (points, words) in [
-            (vec![(1.0, 0.0)], "too few"),
-            (vec![(1.0, 0.0), (1.0, 1.0)], "point 2: the time is not later"),
-            (vec![(1.0, 0.0), (2.0, f64::NAN)], "point 2: not a finite number"),
+            (vec![(1.0, 0.0)], "number of points is 1; allowed: 2 or more"),
+            (vec![(1.0, 0.0), (1.0, 1.0)], "time of point 2 is 1 s; allowed: later than"),
+            (vec![(1.0, 0.0), (2.0, f64::NAN)], "point 2 is 2 s, NaN mag; allowed: finite"),
         ] {
             let message = LightCurve::new(points).unwrap_err().to_string();
             assert!(message.contains(words), "{message}");

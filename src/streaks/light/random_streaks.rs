@@ -46,11 +46,12 @@ impl RandomStreaks {
     /// Checks all ranges.
     ///
     /// # Errors
-    /// [`StreaksError::RandomStreaks`].
+    /// A range outside the allowed one, or with ends in the wrong order.
     pub fn check(&self) -> Result<(), StreaksError> {
-        let held = |what, [from, to]: [f64; 2], allowed, [least, most]: [f64; 2]| {
+        let held = |what: &str, [from, to]: [f64; 2], allowed: &str, [least, most]: [f64; 2]| {
             let right = from >= least && to <= most && from <= to;
-            if right { Ok(()) } else { Err(StreaksError::RandomStreaks { what, from, to, allowed }) }
+            let given = if from == to { from.to_string() } else { format!("{from} to {to}") };
+            if right { Ok(()) } else { Err(StreaksError::invalid(format!("random streaks: {what}"), given, allowed)) }
         };
         let number = match self.number {
             StreakNumber::Exactly(number) => number as f64,

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::error::BlurError;
+use super::super::error::StreaksError;
 use super::seeing::Seeing;
 
 /// Greatest radius of defocus and of the body, pixels.
@@ -37,14 +37,15 @@ impl Blur {
     /// Checks all numbers.
     ///
     /// # Errors
-    /// [`BlurError`] for a number out of range.
-    pub(super) fn validate(&self) -> Result<(), BlurError> {
+    /// A number out of range.
+    pub(super) fn validate(&self) -> Result<(), StreaksError> {
         self.seeing.validate()?;
-        BlurError::check_range("outer_radius_pix", self.outer_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
-        BlurError::check_range("inner_radius_pix", self.inner_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
-        BlurError::check_range("body_radius_pix", self.body_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        StreaksError::check_range("outer_radius_pix", self.outer_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        StreaksError::check_range("inner_radius_pix", self.inner_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
+        StreaksError::check_range("body_radius_pix", self.body_radius_pix, 0.0, GREATEST_RADIUS_PIX)?;
         if self.inner_radius_pix > 0.99 * self.outer_radius_pix {
-            return Err(BlurError::Hole { inner_pix: self.inner_radius_pix, outer_pix: self.outer_radius_pix });
+            let allowed = format!("at most 0.99 of outer_radius_pix, which is {}", self.outer_radius_pix);
+            return Err(StreaksError::invalid("inner_radius_pix", self.inner_radius_pix, allowed));
         }
         Ok(())
     }

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use crate::math::quadrature::gauss_legendre;
 
+use super::super::error::StreaksError;
 use super::blur::Blur;
 use super::curve::Curve;
-use super::error::{BlurError, GREATEST_REACH_PIX};
 use super::seeing::Seeing;
 
 /// Fraction of the flux beyond which wings are cut. This light is moved inwards, not lost.
@@ -14,18 +14,23 @@ const CUT_SHARE: f64 = 1e-4;
 /// Brightness of a line relative to its middle below which wings are cut: the stricter limit for a Gaussian.
 const CUT_BRIGHTNESS: f64 = 1e-5;
 
+/// Greatest radius of the wings, pixels.
+const GREATEST_REACH_PIX: f64 = 4000.0;
+
 /// Returns the surface brightness of a point of unit flux.
 ///
 /// # Errors
-/// [`BlurError::Reach`] for wings beyond 4000 pixels.
-pub(super) fn blurred(blur: &Blur) -> Result<Curve, BlurError> {
+/// Wings beyond 4000 pixels.
+pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
     let (seeing, fwhm) = (&blur.seeing, blur.seeing.narrowest_fwhm_pix());
     let (outer, inner, body) = (blur.outer_radius_pix, blur.inner_radius_pix, blur.body_radius_pix);
     let seeing_reach =
         seeing.radius_where(|r| seeing.beyond(r) <= CUT_SHARE && seeing.line(r) <= CUT_BRIGHTNESS * seeing.line(0.0));
     let reach_pix = seeing_reach + blur.flat_radius_pix();
     if reach_pix > GREATEST_REACH_PIX {
-        return Err(BlurError::Reach { reach_pix });
+        let what = "radius that contains the light (all but 1e-4 of it)";
+        let allowed = format!("at most {GREATEST_REACH_PIX} pixels");
+        return Err(StreaksError::invalid(what, format!("{reach_pix:.0} pixels"), allowed));
     }
     let rule = Rule { nodes: gauss_legendre(8), step_pix: 1.2 * fwhm };
     let gain = cut_gain(seeing, seeing_reach, &rule);

@@ -5,14 +5,12 @@
 mod blur;
 mod convolve;
 mod curve;
-mod error;
 mod layers;
 mod points;
 mod profile;
 mod seeing;
 
 pub use blur::Blur;
-pub use error::BlurError;
 pub use points::draw_point;
 pub(crate) use points::{PointLight, draw_points};
 pub use profile::RadialProfile;

@@ -2,10 +2,10 @@
 
 use crate::math::quadrature::gauss_legendre;
 
+use super::super::error::StreaksError;
 use super::blur::Blur;
 use super::convolve::blurred;
 use super::curve::Curve;
-use super::error::BlurError;
 use super::layers::Layer;
 
 /// Least ratio of the sides of pixels.
@@ -44,8 +44,8 @@ impl RadialProfile {
     /// Computes the profile of a blur: in about a millisecond for seeing alone, in some milliseconds for a ring.
     ///
     /// # Errors
-    /// [`BlurError`]: a number out of range, an inner radius too near to the outer one, wings beyond 4000 pixels.
-    pub fn of(blur: &Blur) -> Result<Self, BlurError> {
+    /// A number out of range, an inner radius too near to the outer one, wings beyond 4000 pixels.
+    pub fn of(blur: &Blur) -> Result<Self, StreaksError> {
         Self::on_oblong(blur, 1.0)
     }
 
@@ -53,10 +53,10 @@ impl RadialProfile {
     /// blur are in pixels of the mean scale, the side of a square of the same area.
     ///
     /// # Errors
-    /// [`BlurError`], as for [`of`](Self::of).
-    pub fn on_oblong(blur: &Blur, aspect: f64) -> Result<Self, BlurError> {
+    /// The errors of [`of`](Self::of).
+    pub fn on_oblong(blur: &Blur, aspect: f64) -> Result<Self, StreaksError> {
         blur.validate()?;
-        BlurError::check_range("aspect", aspect, LEAST_ASPECT, 1.0 / LEAST_ASPECT)?;
+        StreaksError::check_range("aspect", aspect, LEAST_ASPECT, 1.0 / LEAST_ASPECT)?;
         let fwhm = blur.seeing.narrowest_fwhm_pix();
         let sides_pix = [aspect.sqrt(), 1.0 / aspect.sqrt()];
         let profile = blurred(blur)?;

@@ -4,7 +4,7 @@ use std::f64::consts::{LN_2, PI};
 
 use serde::Deserialize;
 
-use super::error::BlurError;
+use super::super::error::StreaksError;
 
 /// Least full width at half maximum, pixels. The drawing time increases with its inverse square, and the light of a
 /// narrower profile changes only within a tenth of a pixel from the borders of pixels.
@@ -55,15 +55,15 @@ impl Seeing {
     /// Checks widths and fractions.
     ///
     /// # Errors
-    /// [`BlurError::OutOfRange`] for a number outside its range or not finite.
-    pub(super) fn validate(&self) -> Result<(), BlurError> {
-        BlurError::check_range("fwhm_pix", self.narrowest_fwhm_pix(), LEAST_FWHM_PIX, GREATEST_FWHM_PIX)?;
+    /// A number outside its range or not finite.
+    pub(super) fn validate(&self) -> Result<(), StreaksError> {
+        StreaksError::check_range("fwhm_pix", self.narrowest_fwhm_pix(), LEAST_FWHM_PIX, GREATEST_FWHM_PIX)?;
         match *self {
             Self::Gaussian { .. } => Ok(()),
-            Self::Moffat { beta, .. } => BlurError::check_range("beta", beta, LEAST_BETA, GREATEST_BETA),
+            Self::Moffat { beta, .. } => StreaksError::check_range("beta", beta, LEAST_BETA, GREATEST_BETA),
             Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
-                BlurError::check_range("wide_fwhm_pix", wide_fwhm_pix, fwhm_pix, GREATEST_FWHM_PIX)?;
-                BlurError::check_range("wide_share", wide_share, 0.0, 1.0)
+                StreaksError::check_range("wide_fwhm_pix", wide_fwhm_pix, fwhm_pix, GREATEST_FWHM_PIX)?;
+                StreaksError::check_range("wide_share", wide_share, 0.0, 1.0)
             }
         }
     }

@@ -5,4 +5,4 @@ mod path;
 mod spline;
 
 pub use draw::draw;
-pub use path::{PathError, PathNode, StreakPath};
+pub use path::{PathNode, StreakPath};

@@ -1,7 +1,6 @@
 //! Path of a light over a frame: position and brightness during the exposure.
 
-use thiserror::Error;
-
+use super::super::error::StreaksError;
 use crate::images::PixelPosition;
 use crate::math::quadrature::gauss_legendre;
 
@@ -12,45 +11,6 @@ const FARTHEST_PIX: f64 = 1e9;
 
 /// Least time between nodes, seconds.
 const LEAST_STEP_S: f64 = 1e-9;
-
-/// Errors in the nodes of a path.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum PathError {
-    /// There are fewer than two nodes.
-    #[error("the path has {given} nodes; at least 2 are required")]
-    TooFew {
-        /// Number of nodes.
-        given: usize,
-    },
-    /// The times do not increase.
-    #[error("node {node} is at {time_s} s; allowed: at least {LEAST_STEP_S} s after the previous node at {before_s} s")]
-    Order {
-        /// Number of the node, from 0.
-        node: usize,
-        /// Time of the node.
-        time_s: f64,
-        /// Time of the node before.
-        before_s: f64,
-    },
-    /// A number is not finite, or a position is too far from any frame.
-    #[error("node {node}: {name} is {given}; allowed: finite numbers (positions within 1e9 pixels)")]
-    NotFinite {
-        /// Number of the node, from 0.
-        node: usize,
-        /// Name of the field.
-        name: &'static str,
-        /// Value given.
-        given: f64,
-    },
-    /// A rate is negative.
-    #[error("node {node}: the rate is {given} per second; allowed: 0 or more")]
-    Negative {
-        /// Number of the node, from 0.
-        node: usize,
-        /// Value given.
-        given: f64,
-    },
-}
 
 /// Position and brightness at a time.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -97,8 +57,8 @@ impl StreakPath {
     /// Builds the path through nodes in the order of their times.
     ///
     /// # Errors
-    /// [`PathError`]: fewer than two nodes, times that do not increase, numbers that are not finite, rates below 0.
-    pub fn new(nodes: Vec<PathNode>) -> Result<Self, PathError> {
+    /// Fewer than two nodes, times that do not increase, numbers that are not finite, rates below 0.
+    pub fn new(nodes: Vec<PathNode>) -> Result<Self, StreaksError> {
         check(&nodes)?;
         let times: Vec<f64> = nodes.iter().map(|node| node.time_s).collect();
         let column = |of: fn(&PathNode) -> f64| -> (Vec<f64>, Vec<f64>) {
@@ -170,9 +130,9 @@ impl StreakPath {
     }
 }
 
-fn check(nodes: &[PathNode]) -> Result<(), PathError> {
+fn check(nodes: &[PathNode]) -> Result<(), StreaksError> {
     if nodes.len() < 2 {
-        return Err(PathError::TooFew { given: nodes.len() });
+        return Err(StreaksError::invalid("number of nodes of the path", nodes.len(), "2 or more"));
     }
     for (number, node) in nodes.iter().enumerate() {
         let after = node.rate_after.unwrap_or(node.rate);
@@ -180,15 +140,21 @@ fn check(nodes: &[PathNode]) -> Result<(), PathError> {
             [("time_s", node.time_s), ("x", node.at.x), ("y", node.at.y), ("rate", node.rate), ("rate_after", after)];
         for (name, given) in fields {
             if !given.is_finite() || (matches!(name, "x" | "y") && given.abs() > FARTHEST_PIX) {
-                return Err(PathError::NotFinite { node: number, name, given });
+                let allowed = "finite numbers (positions within 1e9 pixels)";
+                return Err(StreaksError::invalid(format!("node {number}: {name}"), given, allowed));
             }
         }
         if let Some(given) = [node.rate, after].into_iter().find(|rate| *rate < 0.0) {
-            return Err(PathError::Negative { node: number, given });
+            return Err(StreaksError::invalid(
+                format!("node {number}: rate"),
+                format!("{given} per second"),
+                "0 or more",
+            ));
         }
         if number > 0 && node.time_s - nodes[number - 1].time_s < LEAST_STEP_S {
             let before_s = nodes[number - 1].time_s;
-            return Err(PathError::Order { node: number, time_s: node.time_s, before_s });
+            let allowed = format!("at least {LEAST_STEP_S} s after the previous node at {before_s} s");
+            return Err(StreaksError::invalid(format!("node {number}: time"), format!("{} s", node.time_s), allowed));
         }
     }
     Ok(())

@@ -161,17 +161,17 @@ impl MaskPreset {
     /// Returns a preset by name, in any case.
     ///
     /// # Errors
-    /// [`StreaksError::MaskPreset`] with the known names.
+    /// An unknown name.
     pub fn by_name(name: &str) -> Result<Self, StreaksError> {
         Self::ALL.into_iter().find(|preset| preset.name().eq_ignore_ascii_case(name.trim())).ok_or_else(|| {
-            StreaksError::MaskPreset { given: name.to_owned(), allowed: Self::ALL.map(Self::name).join(", ") }
+            StreaksError::invalid("mask preset", format!("{name:?}"), Self::ALL.map(Self::name).join(", "))
         })
     }
 
     /// Returns the bits, given the planes named by the frame's own mask (without `MP_`).
     ///
     /// # Errors
-    /// [`StreaksError::MaskBits`] if the frame's own mask uses all bits.
+    /// A mask of the frame that uses all bits.
     pub fn planes(self, own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
         let streak_bit = match self {
             Self::Lsst => return named(own),
@@ -190,7 +190,10 @@ fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
     let mut bit = |plane: &'static str| -> Result<u32, StreaksError> {
         let bit = own.get(plane).copied().filter(|&bit| bit <= HIGHEST_BIT);
         let free = || (0..=HIGHEST_BIT).find(|bit| !taken.contains(bit));
-        let bit = bit.or_else(free).ok_or(StreaksError::MaskBits { plane, highest: HIGHEST_BIT })?;
+        let bit = bit.or_else(free).ok_or_else(|| {
+            let allowed = format!("a bit from 0 to {HIGHEST_BIT} that the frame's own mask does not use");
+            StreaksError::invalid(format!("mask bit of {plane}"), "missing", allowed)
+        })?;
         taken.push(bit);
         Ok(bit)
     };
@@ -293,7 +296,7 @@ mod tests {
         assert_eq!(MaskPreset::Lsst.planes(&own(&[])).unwrap(), MaskPlanes { streak_bit: 0, injected_bit: 1 });
         let names: Vec<String> = (0..31).map(|bit| format!("P{bit}")).collect();
         let full = names.iter().zip(0..).map(|(name, bit)| (name.clone(), bit)).collect();
-        assert!(MaskPreset::Lsst.planes(&full).unwrap_err().to_string().contains("no bit is left for STREAK"));
+        assert!(MaskPreset::Lsst.planes(&full).unwrap_err().to_string().contains("mask bit of STREAK is missing"));
     }
 
     #[test]

@@ -31,7 +31,7 @@ fn verif_a_corner_plot_shows_quantiles_and_names() {
     let (names, samples) = posterior(3, 20_000);
     let picture =
         corner(&Corner { title: "A model", names: &names, samples: &samples, truths: None, bounds: None }).unwrap();
-    // One sigma is 0.00035, and quantiles 0.16 and 0.84 are 0.9945 of it away.
+    // One sigma is 0.00035; the quantiles 0.16 and 0.84 are 0.9945 sigma from the median.
     has(&picture, &["A model", "c1 = 0.0123 +0.0003 −0.0003", "c3 = 0.0123 +0.0003 −0.0003", "c1", "c2", "c3"]);
     let image = pixels(&picture);
     // Orange is used only for true values.
@@ -43,7 +43,7 @@ fn verif_a_corner_plot_shows_quantiles_and_names() {
     assert!(orange(&pixels(&with_truths)) > 1000);
 }
 
-/// Samples that accumulate at a bound of 0: no tick of their axis is below it, unlike without the bound.
+/// If samples accumulate at a bound of 0, no tick of their axis is below it; without the bound there is one.
 #[test]
 fn verif_corner_plots_end_at_bounds() {
     let (names, mut samples) = posterior(2, 4_000);
@@ -81,7 +81,7 @@ fn verif_a_corner_plot_rejects_invalid_input() {
             .map(|_| ())
             .map_err(|error| error.to_string())
     };
-    assert!(drawn(&names[..1], &samples[..1], None).unwrap_err().contains("is 1, allowed: 2 to 9"));
+    assert!(drawn(&names[..1], &samples[..1], None).unwrap_err().contains("is 1; allowed: 2 to 9"));
     assert!(drawn(&names[..1], &samples, None).unwrap_err().contains("names of parameters: 1 values"));
     assert!(
         drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0 (counted from 0) is inf")
@@ -93,7 +93,7 @@ fn verif_a_corner_plot_rejects_invalid_input() {
     samples[1][7] = f64::NAN;
     assert!(drawn(&names, &samples, None).unwrap_err().contains("samples of c2: value 7 (counted from 0) is NaN"));
     samples[1].pop();
-    assert!(drawn(&names, &samples, None).unwrap_err().contains("99 values, expected 100"));
+    assert!(drawn(&names, &samples, None).unwrap_err().contains("99 values; allowed: 100"));
 }
 
 #[test]
@@ -113,7 +113,7 @@ fn verif_the_histogram_shows_mean_deviation_and_mad() {
     };
     assert!(refused(&[], 0.2).unwrap_err().contains("nothing to draw: no residuals"));
     assert!(refused(&[f64::NAN], 0.2).unwrap_err().contains("NaN"));
-    assert!(refused(&[0.1], 0.0).unwrap_err().contains("is 0 mag, allowed: above 0 mag"));
+    assert!(refused(&[0.1], 0.0).unwrap_err().contains("is 0 mag; allowed: above 0 mag"));
     assert_eq!(refused(&[0.1], 0.2), Ok(()));
     assert_eq!(refused(&[0.0; 9], 0.2), Ok(()));
 }
@@ -132,9 +132,9 @@ fn verif_cells_kept_are_counted() {
         counts_and_spread(&input).map(|_| ()).map_err(|error| error.to_string())
     };
     assert!(refused(&[], &[], 80.0).unwrap_err().contains("nothing to draw: no samples of cells"));
-    assert!(refused(&[3.0, 0.0], &[0.1, 0.1], 80.0).unwrap_err().contains("is 0, allowed: 1 or more"));
+    assert!(refused(&[3.0, 0.0], &[0.1, 0.1], 80.0).unwrap_err().contains("is 0; allowed: 1 or more"));
     assert!(refused(&[3.0], &[-0.1], 80.0).unwrap_err().contains("is -0.1"));
-    assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values, expected 1"));
+    assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values; allowed: 1"));
     assert!(refused(&[3.0], &[0.1], f64::NAN).unwrap_err().contains("is NaN"));
     assert_eq!(refused(&[1.0], &[0.0], 1.0), Ok(()));
 }

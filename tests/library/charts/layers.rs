@@ -76,11 +76,11 @@ fn verif_layers_reject_invalid_input() {
         let panels = vec![LayerPanel { title: "p", quantity, cells }];
         layers(&Layers { title: "", caption: "", nside, is_folded: true, panels }).map(|_| ()).unwrap_err().to_string()
     };
-    assert!(refused(0, Quantity::Magnitude, &[(1, 1.0)]).contains("nside is 0, allowed: 1 to 1024"));
-    assert!(refused(4, Quantity::Magnitude, &[(192, 1.0)]).contains("is 192, allowed: below 12 nside²"));
+    assert!(refused(0, Quantity::Magnitude, &[(1, 1.0)]).contains("nside is 0; allowed: 1 to 1024"));
+    assert!(refused(4, Quantity::Magnitude, &[(192, 1.0)]).contains("is 192; allowed: below 12 nside²"));
     assert!(refused(4, Quantity::Magnitude, &[(191, f64::NAN)]).contains("value 0 (counted from 0) is NaN"));
     assert!(refused(4, Quantity::Count, &[(191, 0.0)]).contains("1 sample or more"));
-    assert!(refused(4, Quantity::Spread, &[(191, 0.1), (191, 0.2)]).contains("is twice, allowed: once"));
+    assert!(refused(4, Quantity::Spread, &[(191, 0.1), (191, 0.2)]).contains("is given twice; allowed: once"));
     assert!(refused(4, Quantity::Spread, &[]).contains("nothing to draw: no cells"));
     let none = layers(&Layers { title: "", caption: "", nside: 4, is_folded: true, panels: Vec::new() });
     assert!(matches!(none, Err(PlotError::OutOfRange { .. })));

@@ -8,7 +8,7 @@ use streakcast::plot::{
 
 use super::{close, has, near, pixels, words};
 
-/// Two hours of exposures, one per minute, every fifth struck.
+/// Two hours of exposures, one per minute, every fifth crossed by a satellite.
 fn night(magnitude: impl Fn(usize) -> f64) -> [Vec<f64>; 4] {
     let n = 120;
     let start = (0..n).map(|k| 60_536.0 + k as f64 / 1440.0).collect();
@@ -74,7 +74,7 @@ fn verif_empty_nights_are_labelled_and_invalid_ones_rejected() {
     assert!(refused(&long).contains("allowed: 2 d"));
     let mut uneven = clear.clone();
     uneven[3].pop();
-    assert!(refused(&uneven).contains("brightest magnitudes: 119 values, expected 120"));
+    assert!(refused(&uneven).contains("brightest magnitudes: 119 values; allowed: 120"));
     let mut wrong = clear;
     wrong[0][3] = f64::NAN;
     assert!(refused(&wrong).contains("value 3 (counted from 0) is NaN"));
@@ -186,7 +186,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
         curve(time, magnitude, sigma).map(|_| ()).unwrap_err().to_string()
     };
     assert!(refused(&time, &vec![f64::NAN; n], &sigma).contains("nothing to draw: no magnitudes along the track"));
-    assert!(refused(&time, &magnitude[..50], &sigma).contains("magnitudes: 50 values, expected 101"));
+    assert!(refused(&time, &magnitude[..50], &sigma).contains("magnitudes: 50 values; allowed: 101"));
     assert!(refused(&[], &[], &[]).contains("nothing to draw: no points along the track"));
     assert!(refused(&[1.0, 1.0], &[5.0; 2], &[0.1; 2]).contains("each later than the one before"));
 }
@@ -321,7 +321,7 @@ fn verif_a_sky_chart_rejects_invalid_input() {
     assert!(
         error_of(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before")
     );
-    assert!(error_of(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("expected a finite number"));
+    assert!(error_of(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("allowed: a finite number"));
 }
 
 #[test]

@@ -228,7 +228,7 @@ class ExposureQueries(SiteQueries):
             Satellites were omitted because their position cannot be computed at that time, or the element sets are old.
         """
         if blocking not in BLOCKING:
-            raise ValueError(f"blocking '{blocking}'; allowed: {', '.join(BLOCKING)}")
+            raise ValueError(f"blocking is '{blocking}'; allowed: {', '.join(BLOCKING)}")
         sun = None if max_sun_altitude is None else scalar(max_sun_altitude, "deg", "max_sun_altitude")
         jd1, jd2 = to_tai(end, self._scale(scale), "end")
         begin1, begin2 = to_tai(start, self._scale(scale), "start")

@@ -184,14 +184,14 @@ def inject(
         light_curve=None if light_curve is None else absolute(light_curve),
     )  # fmt: skip
     if seed < 0:
-        raise ValueError(f"seed {seed}; allowed: 0 or more")
+        raise ValueError(f"seed is {seed}; allowed: 0 or more")
     if zero_point is not None and zero_point_1s is not None:
         raise ValueError("zero_point and zero_point_1s exclude each other; allowed: one of them")
     if random_streaks is not None and streak_density is not None:
         raise ValueError("random_streaks and streak_density exclude each other; allowed: one of them")
     is_random = random_streaks is not None or streak_density is not None
     if is_random and magnitude is None:
-        raise ValueError("missing magnitude: random streaks require it")
+        raise ValueError("missing magnitude of random streaks; specify magnitude=...")
     if is_random and model is not None:
         raise ValueError("a model and random streaks exclude each other; allowed: one of them")
     if start is not None:
@@ -200,7 +200,7 @@ def inject(
     if exposure is not None:
         length_s = scalar(exposure, "s", "exposure")
         if not (np.isfinite(length_s) and length_s > 0.0):
-            raise ValueError(f"exposure {length_s} s; allowed: above 0 s")
+            raise ValueError(f"exposure is {length_s} s; allowed: above 0 s")
         options["exposure"] = f"{length_s!r}s"
 
     camera = document({key: value for key, value in (("telescope", telescope), ("band", band)) if value is not None})
@@ -209,19 +209,21 @@ def inject(
         sky_cache, _ = model._open()
         config, setup = model._state["config"], {**model._state["setup"], **camera}
 
+    if not hasattr(_core, "inject"):
+        raise NotImplementedError("inject is not in this build: it needs CFITSIO, which does not build on Windows")
     if is_file:
         if output is None:
-            raise ValueError("missing output: a file requires the path of the file to write")
+            raise ValueError("missing output file; specify output=...")
         if header is not None:
-            raise ValueError("header is accepted for arrays only; a file contains its own")
+            raise ValueError("header is given for a file; allowed: with an array (a file contains its header)")
         if os.path.realpath(output) == os.path.realpath(frame):
-            raise ValueError(f"{os.fspath(output)} is the input and would be overwritten; specify another output")
+            raise ValueError(f"{os.fspath(output)} is the input; allowed: another output file")
         result = _core.inject(
             json.dumps(_without_none({**options, "image": [absolute(frame)]})), json.dumps(setup), config, sky_cache, absolute(output)
         )
     else:
         if output is not None:
-            raise ValueError("output is accepted for files only; the image with streaks is returned as an array")
+            raise ValueError("output is given for an array; allowed: with a file (the image with streaks is returned)")
         image = np.asarray(frame)
         if image.ndim != 2:
             raise ValueError(f"frame has the shape {image.shape}; allowed: a path, or an array of rows and columns")

@@ -12,7 +12,7 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def is_of(module_name: str, class_name: str, value: object) -> bool:
-    """Whether the value is an instance of an astropy class; does not import astropy."""
+    """Returns True if the value is an instance of an astropy class; does not import astropy."""
     module = sys.modules.get(module_name)
     return module is not None and isinstance(value, getattr(module, class_name))
 

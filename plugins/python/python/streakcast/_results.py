@@ -51,12 +51,12 @@ class Assessment(NamedTuple):
 
     @property
     def avoid(self) -> Any:
-        """Whether a limit of the policy is exceeded."""
+        """Returns True if a limit of the policy is exceeded."""
         return self.verdict == "avoid"
 
     @property
     def clear(self) -> Any:
-        """Whether no lit satellite crosses."""
+        """Returns True if no lit satellite crosses."""
         return self.verdict == "clear"
 
 

@@ -103,7 +103,7 @@ class SiteQueries(ModelState):
         if (start is None) != (end is None):
             raise ValueError("start and end require each other; specify both or neither")
         if (night is None) == (start is None):
-            raise ValueError("specify either night, or start and end")
+            raise ValueError("night and start are both given or both missing; specify night, or start and end")
         if start is None:
             times = [{"night": date} for date in _dates(night)]
         else:
@@ -318,7 +318,7 @@ def _norad_ids(value: Any) -> list[int]:
     numbers = [] if value is None else [_count(one, "norad", 1) for one in np.ravel(value).tolist()]
     for one in numbers:
         if one > 999_999_999:
-            raise ValueError(f"norad {one}; allowed: NORAD catalogue numbers, 1 to 999999999")
+            raise ValueError(f"norad is {one}; allowed: NORAD catalogue numbers, 1 to 999999999")
     return numbers
 
 
@@ -328,7 +328,7 @@ def _count(value: Any, what: str, least: int) -> int:
     except TypeError:
         raise TypeError(f"{what} is {value!r}; allowed: integers, {least} or more") from None
     if count < least:
-        raise ValueError(f"{what} {count}; allowed: {least} or more")
+        raise ValueError(f"{what} is {count}; allowed: {least} or more")
     return count
 
 

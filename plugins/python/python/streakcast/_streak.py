@@ -12,8 +12,8 @@ from ._quantities import directions, is_of, scalar
 from ._setup import absolute
 from ._times import is_time, to_tai
 
-#: The ways in which a streak can be specified.
-_WAYS = "ends; place with position_angle; pixels of a frame; or region"
+#: Forms in which a streak can be specified.
+_FORMS = "ends; place with position_angle; pixels of a frame; or region"
 
 
 def streak_request(
@@ -40,7 +40,7 @@ def streak_request(
     ways = dict(ends=ends, place=place, pixels=pixels, region=region)
     named = [name for name, value in ways.items() if value is not None]
     if len(named) != 1:
-        raise ValueError(f"{' and '.join(named) or 'missing streak'}; allowed, one of: {_WAYS}")
+        raise ValueError(f"{' and '.join(named) or 'missing streak'}; allowed, one of: {_FORMS}")
     for name, value, needed in (
         ("position_angle", position_angle, "place"), ("length", length, "place"), ("angle_sigma", angle_sigma, "place"),
         ("times", times, "ends"),
@@ -52,19 +52,19 @@ def streak_request(
         request["end"] = [",".join(one) for one in zip(*_end_coordinates(ends))]
     elif place is not None:
         if position_angle is None:
-            raise ValueError("missing position_angle: place requires it")
+            raise ValueError("missing position_angle of the streak at place; specify position_angle=...")
         ra, dec = directions(place)
         request["ra"], request["dec"] = _plain(ra, "ra"), _plain(dec, "dec")
         request["position_angle"] = _finite(position_angle, "deg", "position_angle")
         request["length"] = _positive(length, "deg", "length")
     elif pixels is not None:
         if frame is None:
-            raise ValueError("missing frame: pixels require it")
+            raise ValueError("missing frame of the pixels; specify frame=...")
         if origin not in (0, 1):
-            raise ValueError(f"origin {origin!r}; allowed: 0, 1")
+            raise ValueError(f"origin is {origin!r}; allowed: 0, 1")
         array = np.asarray(pixels, dtype=np.float64)
         if array.shape != (2, 2) or not np.isfinite(array).all():
-            raise ValueError(f"pixels {pixels!r}; allowed: two pairs of numbers, ((x, y), (x, y))")
+            raise ValueError(f"pixels is {pixels!r}; allowed: two pairs of numbers, ((x, y), (x, y))")
         request["from_pix"], request["to_pix"] = (
             ",".join(_plain(number, "pixels") for number in pixel) for pixel in array + (1 - origin)
         )
@@ -74,13 +74,13 @@ def streak_request(
         request["image"] = _path(frame, "frame")
     if hdu is not None:
         if frame is None:
-            raise ValueError("hdu is accepted with frame only")
+            raise ValueError("hdu is given without frame; allowed: with frame")
         request["hdu"] = int(hdu)
     if times is not None:
         if start is not None or exposure is not None or whole_streak:
             raise ValueError("times exclude start, exposure and whole_streak; allowed: either times, or the others")
         if not is_time(times) and len(times) != 2:
-            raise ValueError(f"times: {len(times)}; allowed: two, one for each end")
+            raise ValueError(f"times has {len(times)} values; allowed: 2, one for each end")
         jd1, jd2 = to_tai(times, scale, "times")
         if np.shape(jd1) != (2,):
             raise ValueError(f"times have the shape {np.shape(jd1)}; allowed: two, one for each end")
@@ -126,14 +126,14 @@ def _positive(value: Any, unit: str, what: str) -> Union[str, None]:
         return None
     number = _finite(value, unit, what)
     if number <= 0.0:
-        raise ValueError(f"{what} {number} {unit}; allowed: above 0 {unit}")
+        raise ValueError(f"{what} is {number} {unit}; allowed: above 0 {unit}")
     return _plain(number, what) + unit
 
 
 def _plain(value: Any, what: str) -> str:
     """Returns a number as a string with all digits and without exponent."""
     if np.shape(value) != () or not np.isfinite(value):
-        raise ValueError(f"{what}: {value}; allowed: one number")
+        raise ValueError(f"{what} is {value}; allowed: one number")
     return np.format_float_positional(value, unique=True, trim="0")
 
 

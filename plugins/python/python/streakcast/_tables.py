@@ -12,9 +12,9 @@ TableLike = Any
 
 
 def is_qtable(output: str) -> bool:
-    """Whether a result is to be a `QTable`."""
+    """Returns true if a result with this setting is a `QTable`."""
     if output not in ("auto", "qtable", "dict"):
-        raise ValueError(f"output '{output}'; allowed: auto, qtable, dict")
+        raise ValueError(f"output is '{output}'; allowed: auto, qtable, dict")
     return output == "qtable" or (output == "auto" and importlib.util.find_spec("astropy") is not None)
 
 

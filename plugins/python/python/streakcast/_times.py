@@ -32,7 +32,7 @@ class TwoPartTai(NamedTuple):
 
 
 def is_time(value: object) -> bool:
-    """Whether the value is an `astropy.time.Time`; does not import astropy."""
+    """Returns True if the value is an `astropy.time.Time`; does not import astropy."""
     module = sys.modules.get("astropy.time")
     return module is not None and isinstance(value, module.Time)
 
@@ -94,7 +94,7 @@ def _from_text(array: npt.NDArray[Any], scale: Union[str, None], what: str) -> t
 
 
 def _has_scale(text: str) -> bool:
-    """Whether the text is not merely lacking a time scale; text that is not a time is rejected later by the library."""
+    """Returns false for a valid time without a scale. Text that is not a time returns true: the library rejects it later."""
     try:
         _core.times_from_text([text], None)
         return True

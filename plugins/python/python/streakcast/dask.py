@@ -71,7 +71,7 @@ def annotate(
     """
     missing = [name for name in COLUMNS if name not in _names(visits)]
     if missing:
-        raise ValueError(f"visits have no column {', '.join(missing)}; required: {', '.join(COLUMNS)}")
+        raise ValueError(f"missing columns of visits {', '.join(missing)}; allowed: all of {', '.join(COLUMNS)}")
     jd1, jd2 = to_tai(_column(visits, "start"), model.mjd_scale if scale is None else scale, "start")
     columns: dict[str, npt.NDArray[Any]] = {"jd1": np.ravel(jd1), "jd2": np.ravel(jd2)}
     for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
@@ -81,7 +81,7 @@ def annotate(
         columns["band"] = np.ravel(np.asarray(_column(visits, "band"), dtype=np.str_))
     lengths = {name: len(column) for name, column in columns.items()}
     if len(set(lengths.values())) > 1:
-        raise ValueError(f"columns of visits differ in length: {lengths}")
+        raise ValueError(f"columns of visits differ in length: {lengths}; allowed: columns of one length")
 
     output = Path(folder).absolute()
     output.mkdir(parents=True, exist_ok=True)

@@ -24,7 +24,7 @@ SITE_TOLERANCE_KM = 1.0
 #: Tolerated difference between the host's clock and this computer's, seconds: a satellite moves half a degree in that
 #: time.
 CLOCK_TOLERANCE_S = 1.0
-#: A larger difference between the host's "now" and this computer's clock indicates a simulated night, seconds.
+#: Difference between the host's time and this computer's clock above which the host simulates a night, seconds.
 SIMULATED_NIGHT_S = 600.0
 #: Time without changes after which a replaced file is read, seconds.
 SETTLED_S = 2.0
@@ -32,10 +32,10 @@ SETTLED_S = 2.0
 MAX_RETRY_S = 1800.0
 #: Maximum wait for new files before another process starts, seconds.
 MAX_WAIT_S = 10.0
-#: Number of hooks in other processes with counters to read, the most recently active ones; hooks still referenced here
-#: are always read.
+#: Number of hooks in other processes with counters that are read; the least recently active ones are dropped unless
+#: they are still referenced here.
 MAX_REMOTE_HOOKS = 32
-#: New files with a smaller fraction of the previous number of satellites are rejected as broken.
+#: New files are rejected as broken if they contain less than this fraction of the previous number of satellites.
 MIN_SATELLITE_SHARE = 0.5
 
 _UNIX_EPOCH_JD = 2_440_587.5
@@ -68,7 +68,7 @@ class Hook:
         if not isinstance(model, StreakModel):
             raise TypeError(f"model is a {type(model).__name__}; allowed: a streakcast.StreakModel")
         if not (math.isfinite(watch_s) and watch_s > 0.0):
-            raise ValueError(f"watch_s = {watch_s}; allowed: seconds above 0")
+            raise ValueError(f"watch_s is {watch_s}; allowed: seconds above 0")
         self._state = HookState(model, name, watch_s, Counter())
 
     # Hosts copy their schedulers and use the copies, so all copies of one process share model, counters and logged

@@ -91,7 +91,7 @@ class StreakModel(ExposureQueries):
         **more: Any,
     ) -> None:
         if on_changed_file not in ("error", "warn"):
-            raise ValueError(f"on_changed_file '{on_changed_file}'; allowed: error, warn")
+            raise ValueError(f"on_changed_file is '{on_changed_file}'; allowed: error, warn")
         given = dict(
             site=site, elements=elements, shells=shells, telescope=telescope, fov=fov, field=field, models=models,
             limit_mag=limit_mag, policy=policy, mjd_scale=mjd_scale, **more,

@@ -1,4 +1,4 @@
-//! `annotate`: a lossless copy of the schedule file with verdicts and streaks.
+//! `annotate`: writes a copy of the schedule file with verdicts and streaks.
 
 use std::path::PathBuf;
 
@@ -23,7 +23,7 @@ pub struct AnnotateArguments {
     /// Output file; it may be the schedule itself
     #[arg(long, short, value_name = "FILE")]
     pub output: Option<PathBuf>,
-    /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
+    /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
     /// Replace an earlier annotation in the file
@@ -43,7 +43,7 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
         .field()
         .check()?;
     let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
-    // Checked before any work.
+    // The output is checked before the computation.
     AtomicFile::check(&output).map_err(|error| cannot_write(&output, &error))?;
     let judged = judge(&config, &schedule, typed.shard)?;
     let annotation = Annotation {

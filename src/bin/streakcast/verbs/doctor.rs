@@ -4,7 +4,6 @@ use crate::arguments::OutputArguments;
 use clap::Args;
 use std::path::Path;
 use std::path::PathBuf;
-use std::time::SystemTime;
 use streakcast::config::{Config, RulesConfig};
 
 use anyhow::anyhow;
@@ -42,19 +41,19 @@ pub struct DoctorArguments {
 
 /// Length of the longest bar of the histogram, characters.
 const BAR: usize = 40;
-/// Age of a cached file that is reported, days.
+/// Age above which a cached file is reported, days.
 const STALE_DAYS: f64 = 3.0;
 
 pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
     let format = typed.output.format.as_deref().or(config.format.as_deref());
-    // A page of text is the default, on a terminal or not.
+    // The default is text also outside of a terminal.
     let is_text = format.is_none_or(|format| format == "table" || format == "text");
     let output = Output::new(if is_text { Some("table") } else { format }, typed.output.output.clone())?;
     begin(&config)?;
     let (now, source) = match &typed.now {
         Some(now) => (parse_moment(now, config.time_scale()?)?, MomentSource::Given),
-        None => (machine_time(), MomentSource::Clock),
+        None => (crate::clock::now(), MomentSource::Clock),
     };
     let mut health = config.health(now, source);
     let folder = cache_folder(typed.cache.as_deref()).ok();
@@ -98,11 +97,6 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     }
 }
 
-fn machine_time() -> Epoch {
-    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    Epoch::from_unix_seconds(since_1970.as_secs_f64())
-}
-
 fn cache_findings(
     folder: Option<&Path>,
     is_given: bool,
@@ -115,7 +109,7 @@ fn cache_findings(
         return vec![Finding::new(Severity::Note, SUBJECT, finding, "specify --cache FOLDER")];
     };
     if cached.is_empty() {
-        let finding = format!("nothing fetched in {}", folder.display());
+        let finding = format!("no fetched files in {}", folder.display());
         let severity = if is_given { Severity::Note } else { Severity::Fine };
         return vec![Finding::new(severity, SUBJECT, finding, "streakcast fetch celestrak --group active")];
     }
@@ -131,7 +125,7 @@ fn cache_findings(
         }
         match (file.is_file(), record.fetched_utc.as_deref().and_then(|time| parse_moment(time, None).ok())) {
             (false, Some(_)) => {
-                let finding = format!("{name} was fetched, and the file is missing");
+                let finding = format!("{name} was fetched, but the file is missing");
                 found.push(Finding::new(Severity::Warning, SUBJECT, finding, "fetch it again"));
             }
             (true, Some(fetched)) => {
@@ -149,7 +143,7 @@ fn cache_findings(
     found
 }
 
-/// Returns the page: findings by severity, the histogram of ages, and the satellites by model.
+/// Returns the text of the check: findings by severity, histogram of ages, satellites by model, and fetched files.
 fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoch) -> String {
     let mut page = format!("Setup check for {}\n\n", format_utc(now, 0));
     for finding in &health.findings {
@@ -213,9 +207,9 @@ fn age_table(state: &ElementState) -> Table {
                 "from_days",
                 "d",
                 1,
-                "Least age, negative for epochs after the time of the check; empty for the first bin.",
+                "Lower border of the age, negative for epochs after the time of the check; empty for the first bin.",
             ),
-            Column::real("to_days", "d", 1, "Ages below this; empty for the last bin."),
+            Column::real("to_days", "d", 1, "Upper border of the age; empty for the last bin."),
             Column::new("count", Kind::Integer, "Number of element sets."),
         ],
         rows: state
@@ -239,7 +233,11 @@ fn kind_table(state: &ElementState) -> Table {
 fn unmatched_table(state: &ElementState) -> Table {
     Table {
         columns: vec![
-            Column::new("prefix", Kind::Text, "Beginning of their names; empty without a name."),
+            Column::new(
+                "prefix",
+                Kind::Text,
+                "Common beginning of the satellites' names; empty for satellites without a name.",
+            ),
             Column::new("count", Kind::Integer, "Number of satellites with the default model."),
         ],
         rows: state.unmatched.iter().map(|one| vec![one.prefix.as_str().into(), one.count.into()]).collect(),

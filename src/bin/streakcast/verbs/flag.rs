@@ -1,4 +1,4 @@
-//! `flag`: a verdict for each exposure of a schedule.
+//! `flag`: writes a verdict for each exposure of a schedule.
 
 use std::path::PathBuf;
 
@@ -23,10 +23,10 @@ pub struct FlagArguments {
     pub schedule: Option<PathBuf>,
     #[command(flatten)]
     pub rules: RulesConfig,
-    /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
+    /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Exit with code 1 if any exposure is streaked (or to avoid), or to avoid
+    /// Exit with code 1 if any exposure has at least this verdict: streaked (or avoid), or avoid
     #[arg(long, value_name = "VERDICT")]
     pub fail_on: Option<FailOn>,
     #[command(flatten)]

@@ -1,11 +1,10 @@
-//! `forecast`: the visible passes of a night over a site.
+//! `forecast`: lists the visible passes of a night over a site.
 
 use std::path::PathBuf;
 
 use crate::arguments::{OutputArguments, reject_camera, utc_offset_h};
 use anyhow::anyhow;
 use clap::Args;
-use hifitime::Epoch;
 use serde_json::json;
 use streakcast::config::{Config, ForecastConfig, PreparedSky, parse_duration_s, state_scales};
 use streakcast::forecast::{
@@ -23,7 +22,7 @@ use crate::output::{Answer, EXTENSIONS, FORMATS, Output};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
-/// Help of `--format`, with the formats of a forecast alone.
+/// Help of `--format`, with the formats that only a forecast has.
 const FORMAT_HELP: &str = "Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional parquet; \
      ics (calendar), tdm (CCSDS tracking data message), score (columns of SCORE)";
 
@@ -35,10 +34,10 @@ pub struct ForecastArguments {
     /// Additional file of light curves, one row per point; format by extension (csv, ecsv, json, jsonl, vot)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub light_curves: Option<PathBuf>,
-    /// Local time of the table, ahead of UTC, for example +01:00; UTC if omitted
+    /// Local time of the table in hours ahead of UTC, for example +01:00; UTC if omitted
     #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Output")]
     pub utc_offset: Option<f64>,
-    /// Alarm of a calendar before each pass, for example 5min
+    /// Alarm in the calendar this long before each pass, for example 5min
     #[arg(long, value_name = "TIME", help_heading = "Output")]
     pub alarm: Option<String>,
     /// Angles of a tracking data message: radec (default) or azel
@@ -125,14 +124,14 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
-    // Documents contain only visible passes.
+    // The formats of `Document` contain only visible passes.
     let is_invisible = found.found.passes.iter().all(|pass| pass.visible.is_none());
     let invisible = || is_invisible.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
     let why_invisible = why_empty.clone().or_else(invisible);
-    // Checked before any file is written.
+    // This error precedes the writing of any file.
     if let (Some(Document::TrackingData), Some(why)) = (document, &why_invisible) {
         return Err(anyhow!(
-            "no visible pass: {why}; a tracking data message needs at least one segment; allowed: another --format"
+            "no visible pass for a tracking data message, which needs at least one: {why}; allowed: another --format"
         ));
     }
     if let Some(curves) = &curves {
@@ -147,9 +146,11 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     match document {
         Some(Document::Calendar) => {
             let empty = why_invisible.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
-            output.write_text(&calendar(rows(), &site, now()?, alarm_s, empty))?;
+            output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty))?;
         }
-        Some(Document::TrackingData) => output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?,
+        Some(Document::TrackingData) => {
+            output.write_text(&tdm(rows(), &site, crate::clock::now(), angles, &prepared.provenance))?
+        }
         Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry))?,
         None => {
             let readable = readable_table(rows(), offset_s.unwrap_or(0.0));
@@ -180,7 +181,7 @@ fn open(typed: &ForecastArguments, config: &Config) -> anyhow::Result<(Output, O
     let extension = extension.map(str::to_ascii_lowercase);
     let given = typed.output.format.as_deref().or(config.format.as_deref());
     match given.or(extension.as_deref()).and_then(Document::by_name) {
-        // The document is written as text; the format only opens the file.
+        // A document is written as text: the format `json` is used only to open the file.
         Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
         None => {
             let output = Output::new(given, path).map_err(|error| {
@@ -198,16 +199,16 @@ fn angles(given: Option<&str>) -> anyhow::Result<AngleType> {
     })
 }
 
-/// Rejects flags of one format with another.
+/// Rejects flags that apply only to another format.
 fn reject_unused(typed: &ForecastArguments, document: Option<Document>) -> anyhow::Result<()> {
     if typed.alarm.is_some() && document != Some(Document::Calendar) {
         return Err(anyhow!(
-            "--alarm is only for calendars; allowed: with --format ics or an output file with the extension .ics"
+            "--alarm is given without a calendar; allowed: with --format ics or an output file with the extension .ics"
         ));
     }
     if typed.angle_type.is_some() && document != Some(Document::TrackingData) {
         return Err(anyhow!(
-            "--angle-type is only for tracking data messages; allowed: with --format tdm or an output file with the extension .tdm"
+            "--angle-type is given without a tracking data message; allowed: with --format tdm or an output file with the extension .tdm"
         ));
     }
     Ok(())
@@ -217,10 +218,6 @@ fn site_of(prepared: &PreparedSky) -> anyhow::Result<Site> {
     let viewpoint = prepared.sky.viewpoint();
     let observer = viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: viewpoint.name() })?;
     Ok(observer.site().clone())
-}
-
-fn now() -> anyhow::Result<Epoch> {
-    Ok(Epoch::now()?)
 }
 
 fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig, request: &ForecastRequest) {

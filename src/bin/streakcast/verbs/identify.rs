@@ -1,13 +1,13 @@
-//! `identify`: ranked candidates for a measured streak.
+//! `identify`: lists the candidates for a measured streak, the most probable first.
 
 use crate::arguments::{OutputArguments, reject_camera};
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
-use streakcast::config::{Config, IdentifyConfig, state_scales};
+use streakcast::config::{Config, IdentifyConfig, STREAK_FORMS, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, Identified, IdentifyOptions, candidate_table, identify_streak, streak_table};
-use streakcast::output::Section;
+use streakcast::output::{Section, counted};
 
 use super::judged::begin;
 use super::passes::left_out_table;
@@ -38,12 +38,12 @@ const ON_SCREEN: &[Shown] = &[
     shown("norad_id", "norad"),
     rounded("probability", "P", 3),
     rounded("chi_square", "chi2", 1),
-    rounded("along_track_offset_s", "late s", 2),
+    rounded("along_track_offset_s", "delay s", 2),
     rounded("along_track_sigma_s", "sigma s", 1),
-    rounded("cross_track_offset_arcsec", "beside arcsec", 0),
+    rounded("cross_track_offset_arcsec", "cross-track arcsec", 0),
     rounded("cross_track_sigma_arcsec", "sigma arcsec", 0),
-    rounded("angle_difference_deg", "turned deg", 2),
-    rounded("length_difference_deg", "too long deg", 3),
+    rounded("angle_difference_deg", "angle diff. deg", 2),
+    rounded("length_difference_deg", "length diff. deg", 3),
     rounded("angular_rate_deg_s", "deg/s", 3),
     rounded("passage_utc", "passage (UTC)", 1),
     rounded("range_km", "range km", 0),
@@ -51,13 +51,13 @@ const ON_SCREEN: &[Shown] = &[
     rounded("element_age_days", "age d", 1),
 ];
 
-/// Least probability of a likely candidate.
+/// Smallest probability of a candidate that is reported as likely.
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     reject_camera(&typed.config, "the identification of a streak")?;
     if typed.top == 0 {
-        return Err(anyhow!("invalid top 0; allowed: 1 or more"));
+        return Err(anyhow!("top is 0; allowed: 1 or more"));
     }
     let config = typed.config.with_file()?;
     check_required(&config, &typed.streak)?;
@@ -116,10 +116,8 @@ fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()
     let has_times = !streak.times.is_empty() || streak.image.is_some();
     let has_start = has_times || streak.start.is_some() || config.exposure.start.is_some();
     let has_duration = has_times || streak.exposure.is_some() || config.exposure.duration.is_some();
-    let streaks =
-        "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
     Required::of(config)
-        .input(has_streak, "streak", streaks)
+        .input(has_streak, "streak", STREAK_FORMS)
         .input(has_start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z, or --times")
         .input(has_duration, "exposure time", "--exposure TIME, for example 30s, or --times")
         .satellites()
@@ -134,8 +132,7 @@ fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky)
     };
     let elements = &sky.elements()[best.element_index];
     let name = if elements.name.is_empty() { best.norad_id.to_string() } else { elements.name.to_string() };
-    let count = found.candidates.len();
-    let counted = if count == 1 { "1 candidate".to_owned() } else { format!("{count} candidates") };
+    let counted = counted(found.candidates.len(), "candidate", "candidates");
     if best.probability >= LIKELY {
         notices.info(&format!("{counted}: {name} with probability {:.3}", best.probability));
     } else {

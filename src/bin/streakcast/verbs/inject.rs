@@ -1,4 +1,4 @@
-//! `inject`: injection of streaks, of satellites or random ones, into frames.
+//! `inject`: injects streaks of satellites, or random ones, into frames.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -30,11 +30,11 @@ pub struct InjectArguments {
     /// Trails for Rubin's source_injection: a CSV or ECSV file
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub trails: Option<PathBuf>,
-    /// Picture of the frame (of the chip with the longest streak): a .png file
+    /// Picture of the frame, or of the chip with the longest streak: a .png file
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub preview: Option<PathBuf>,
-    /// Picture of the frame with the streaks marked
+    /// Picture as --preview, with the streaks marked
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub preview_marked: Option<PathBuf>,
@@ -44,15 +44,15 @@ pub struct InjectArguments {
 
 /// All output files.
 pub struct Outputs {
-    /// One for each frame.
+    /// Output files of the frames.
     pub frames: Vec<PathBuf>,
     truth: Option<Output>,
     trails: Option<Output>,
 }
 
 impl Outputs {
-    /// Names all outputs: the given file for one frame, else files with the names of the frames in the given folder.
-    /// `inputs` are files that are read.
+    /// Names and checks all outputs. `--output` is the file of a single frame, or a folder for files with the names of
+    /// the frames. No output may be one of `inputs`.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
         frames.iter().try_for_each(|path| check_whole(path))?;
@@ -63,7 +63,7 @@ impl Outputs {
         let pictures = picture_names(typed)?;
         if outputs.frames.len() > 1 && !pictures.is_empty() {
             return Err(anyhow!(
-                "--preview and --preview-marked are for one frame; the run has {}",
+                "--preview or --preview-marked is given for {} frames; allowed: with one frame",
                 outputs.frames.len()
             ));
         }
@@ -71,12 +71,14 @@ impl Outputs {
         let all: Vec<&PathBuf> = outputs.frames.iter().chain(tables).chain(pictures).collect();
         let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
         if let Some(both) = all.iter().find(|path| path.canonicalize().is_ok_and(|path| read.contains(&path))) {
-            return Err(anyhow!("output {} is also an input; specify another output", both.display()));
+            return Err(anyhow!("output {} is also an input; allowed: another file", both.display()));
         }
         let distinct: BTreeSet<PathBuf> =
             all.iter().map(|path| path.canonicalize().unwrap_or(path.to_path_buf())).collect();
         if distinct.len() < all.len() {
-            return Err(anyhow!("two outputs have the same name; frames, --truth, --trails and pictures must differ"));
+            return Err(anyhow!(
+                "two outputs have the same name; allowed: a different file for each frame, --truth, --trails and each picture"
+            ));
         }
         Ok(outputs)
     }
@@ -143,13 +145,16 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
         typed.injection.image.len()
     };
     if !(1..=MOST_FRAMES).contains(&count) {
-        return Err(anyhow!("invalid frames {count}; allowed: 1 to {MOST_FRAMES}"));
+        return Err(anyhow!("frames is {count}; allowed: 1 to {MOST_FRAMES}"));
     }
     if count == 1 && !output.is_dir() {
         return Ok(vec![output]);
     }
     if !output.is_dir() {
-        return Err(anyhow!("{count} frames need an output folder; --output {} is not a folder", output.display()));
+        return Err(anyhow!(
+            "--output {} is not a folder; allowed for {count} frames: an existing folder",
+            output.display()
+        ));
     }
     let width = count.to_string().len().max(4);
     let name = |index: usize| match typed.injection.image.get(index) {
@@ -199,8 +204,8 @@ fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags without effect: those of fields, and those of satellites with random streaks. The configuration file
-/// may have such keys for other verbs.
+/// Rejects flags without effect: flags of a field, and with random streaks those of satellites. The same keys in the
+/// configuration file are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let (flags, site) = (&typed.config, &typed.config.site);
     let of_fields = [
@@ -229,17 +234,19 @@ fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let given =
         |options: &[(&'static str, bool)]| options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name);
     if let Some(option) = given(&of_fields) {
-        return Err(anyhow::anyhow!("{option} has no effect: the field of inject is the frame"));
+        return Err(anyhow::anyhow!(
+            "{option} has no effect on inject, where the frame is the field; allowed: the command without it"
+        ));
     }
     match given(&of_satellites).filter(|_| typed.injection.is_random()) {
         Some(option) => {
-            Err(anyhow::anyhow!("{option} is for satellites; magnitude and rate of random streaks are given by flags"))
+            Err(anyhow::anyhow!("{option} has no effect on random streaks; allowed: with streaks of satellites"))
         }
         None => Ok(()),
     }
 }
 
-/// Writes pictures of the chip with the longest streak, or of the first one without a streak.
+/// Writes pictures of the chip with the longest streak, or of the first chip if there is no streak.
 #[cfg(feature = "plot")]
 fn pictures(typed: &InjectArguments, done: &Injections) -> anyhow::Result<()> {
     use streakcast::images::{FrameFile, Overlay, preview_png};

@@ -1,4 +1,4 @@
-//! Verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
+//! Computation of the verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
 
 use std::path::Path;
 
@@ -16,22 +16,22 @@ use streakcast::schedule::{
 
 use crate::notices::Notices;
 
-/// Rows per chunk: small enough for a progress bar; the rows of a night share its preparation.
+/// Number of rows judged between two updates of the progress bar. Rows of a night in one chunk share its preparation.
 const ROWS_AT_A_TIME: usize = 1000;
 
-/// Largest number of threads; more take minutes to start.
+/// Largest number of threads. More threads take minutes to start.
 const MAX_THREADS: usize = 1024;
 
 /// A schedule with its verdicts.
 pub struct Judged {
     pub schedule: Schedule,
     pub report: FlagReport,
-    /// Provenance of the answers.
+    /// Provenance of the verdicts.
     pub provenance: Provenance,
     pub notices: Notices,
     /// One row for each exposure and satellite.
     pub streaks: Table,
-    /// For a share of a batch: true for rows of the file that are in `schedule`.
+    /// For a share of a batch, one value for each row of the file: true if the row is in `schedule`.
     pub keep: Option<Vec<bool>>,
 }
 
@@ -39,7 +39,7 @@ pub struct Judged {
 pub fn begin(config: &Config) -> anyhow::Result<Notices> {
     if let Some(threads) = config.run.threads {
         if !(1..=MAX_THREADS).contains(&threads) {
-            return Err(anyhow!("invalid threads {threads}; allowed: 1 to {MAX_THREADS}"));
+            return Err(anyhow!("threads is {threads}; allowed: 1 to {MAX_THREADS}"));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
@@ -51,7 +51,7 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
     let notices = begin(config)?;
     let plan = config.observation()?;
     let mut schedule = Schedule::read(path, &config.schedule_options()?)?;
-    // The sky is prepared for the whole schedule: all shares use the same one.
+    // The sky is prepared for the whole schedule, so that all shares use the same element sets.
     let judgeable = span(&schedule);
     let all_rows = schedule.exposures.len();
     let keep = match shard {
@@ -65,12 +65,12 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
     };
     let (report, streaks, mut provenance) = match judgeable {
         Some(_) if schedule.exposures.is_empty() => {
-            // A share of a batch with more shares than nights.
+            // With more shares than nights, some shares are empty.
             (FlagReport::default(), streak_table(std::iter::empty(), false, false), Provenance::new())
         }
         Some(span) => judge_rows(config, &schedule, span, &plan, &notices)?,
         None => {
-            // Without a valid time no sky can be prepared: all rows are invalid, with their reasons.
+            // Without a valid time no sky can be prepared. All rows are then invalid, each with its reason.
             notices.warn(&[none_judged(&schedule, path)]);
             (invalid_rows(&schedule), streak_table(std::iter::empty(), false, false), Provenance::new())
         }
@@ -102,7 +102,8 @@ fn invalid_rows(schedule: &Schedule) -> FlagReport {
     FlagReport { flags, ..FlagReport::default() }
 }
 
-/// Judges all rows between two moments; returns the report, the streaks and their provenance.
+/// Judges all rows of a schedule that lasts from `first` to `last`; returns the report, the streaks and their
+/// provenance.
 fn judge_rows(
     config: &Config,
     schedule: &Schedule,
@@ -138,7 +139,7 @@ fn judge_rows(
     Ok((report, streaks, prepared.provenance))
 }
 
-/// Returns the verdicts of all rows under a prepared sky, with a progress bar on long work.
+/// Returns the verdicts of all rows under a prepared sky; shows a progress bar if there are many.
 pub fn flag_rows(
     prepared: &PreparedSky,
     schedule: &Schedule,
@@ -166,7 +167,7 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
         warnings
-            .push(format!("{repeated} exposures have the id of an earlier one: it does not distinguish their streaks"));
+            .push(format!("{repeated} exposures have the exposure_id of an earlier one, so that it does not identify the exposure of a streak"));
     }
     for (name, limit) in [
         ("limit_mag", &policy.limit_mag),
@@ -189,7 +190,7 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
     warnings
 }
 
-/// Returns the first opening and the last closing of the rows that can be judged; `None` if none can.
+/// Returns the first shutter opening and the last closing of the valid rows; `None` if no row is valid.
 pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
     let exposures = || schedule.valid_exposures().map(|(_, exposure)| exposure);
     let first = exposures().map(|exposure| exposure.start).min();

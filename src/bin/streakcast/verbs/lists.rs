@@ -1,4 +1,4 @@
-//! `sites` and `shells`: observatories by name and MPC code, and simulated constellations.
+//! `sites` and `shells`: list the observatories by name and MPC code, and the simulated constellations.
 
 use clap::Args;
 use streakcast::elements::Constellation;
@@ -12,7 +12,7 @@ use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct ListArguments {
-    /// Only entries with this text in their name or code
+    /// List only entries with this text in their name or code
     pub search: Option<String>,
     #[command(flatten)]
     pub output: OutputArguments,

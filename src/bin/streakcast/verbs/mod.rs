@@ -1,4 +1,4 @@
-//! Verbs: one file or folder each, with its flags.
+//! Verbs of the command line, each in a file or folder with its flags.
 
 pub mod annotate;
 pub mod doctor;
@@ -10,7 +10,7 @@ pub mod flag;
 pub mod forecast;
 pub mod gate;
 pub mod identify;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 pub mod inject;
 mod judged;
 pub mod lists;

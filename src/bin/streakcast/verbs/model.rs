@@ -1,4 +1,4 @@
-//! `model list` and `model show`: the brightness models.
+//! `model list` and `model show`: list and print the brightness models.
 
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ pub enum ModelVerb {
 #[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct ModelCheckArguments {
-    /// Model files; the shipped models if omitted. A name like visorsat-mine selects the satellites of visorsat
+    /// Model files; the bundled models if omitted. A model named visorsat-mine is compared with the data of visorsat
     pub files: Vec<PathBuf>,
     /// Folder of published photometry (see docs/explanation/models.md); only published means and curves if omitted
     #[arg(long, value_name = "FOLDER")]
@@ -104,7 +104,7 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
     write(&output, &table_of(&library, &[typed.name.as_str()]))
 }
 
-/// Returns the shipped models and those of a configuration file.
+/// Returns the bundled models and those of a configuration file.
 fn library_of(config: Option<&Path>) -> anyhow::Result<ModelLibrary> {
     Ok(config.map(Config::read).transpose()?.unwrap_or_default().model_library()?)
 }
@@ -132,12 +132,12 @@ fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {
             Column::new("kind", Kind::Text, "Kind of the model."),
             Column::new("band", Kind::Text, "Passband of the model."),
             Column::new("mag_system", Kind::Text, "Zero point of the model."),
-            Column::real("sigma_mag", "mag", 3, "Sigma of a single prediction."),
+            Column::real("sigma_mag", "mag", 3, "One sigma of the predicted magnitude of a single satellite."),
             Column::real("rms_mag", "mag", 3, "RMS of the residuals of the fit; empty if not published."),
             Column::new("provisional", Kind::Boolean, "True for a provisional model."),
             Column::real("size_m", "m", 2, "Size of the satellite."),
             Column::new("aliases", Kind::List { separator: " " }, "Other names."),
-            Column::new("title", Kind::Text, "Description."),
+            Column::new("title", Kind::Text, "Title of the model."),
             Column::new("source", Kind::Text, "Source of the data and publication."),
         ],
         rows: models.iter().filter_map(|model| model.file().map(row)).collect(),

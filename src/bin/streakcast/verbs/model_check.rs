@@ -1,4 +1,4 @@
-//! `model check`: validation of model files and comparison with published references.
+//! `model check`: validates model files and compares the models with published references.
 
 use std::fs;
 
@@ -30,7 +30,7 @@ const CHECK_ON_SCREEN: &[Shown] = &[
     shown("verdict", "verdict"),
 ];
 
-/// Validates model files, or the shipped ones, and compares them with published references.
+/// Validates the given model files, or else the bundled ones, and compares the models with published references.
 pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     let notices = Notices::new(typed.quiet);
     let mut checked = Vec::new();
@@ -46,7 +46,7 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     }
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     let photometry = typed.data.as_deref().map(Photometry::read).transpose()?;
-    // Shipped files are validated by tests.
+    // Tests validate the bundled files.
     if !typed.files.is_empty() {
         checked.iter().for_each(|(origin, model)| notices.info(&format!("{origin}: {} is valid", model.source())));
     }

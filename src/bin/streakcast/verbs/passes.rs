@@ -1,4 +1,4 @@
-//! `passes`: satellites that cross the field during one exposure.
+//! `passes`: lists the satellites that cross the field during one exposure.
 
 use crate::arguments::OutputArguments;
 use clap::Args;
@@ -7,7 +7,7 @@ use streakcast::config::{Config, ExposureConfig, PreparedSky, RulesConfig, state
 use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
-use streakcast::output::{Column, Kind, Section, Table, format_utc};
+use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
 use streakcast::passes::{Exposure, Pass, PassOptions, Passes};
 use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{StreakRow, exposure_table, streak_table};
@@ -25,7 +25,7 @@ pub struct PassesArguments {
     /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Report how many of the crossings are brighter than this, in the band of --band; all are listed
+    /// Report how many of the crossings are brighter than this, in the band of --band; fainter ones are listed too
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Number of points along each track, 0 to 100000; none if omitted
@@ -98,7 +98,7 @@ pub struct Prediction {
     pub exposure: Exposure,
     pub telescope: Option<Telescope>,
     pub options: PassOptions,
-    /// Sky, with its provenance.
+    /// Sky with provenance and warnings.
     pub prepared: PreparedSky,
     pub answer: Passes,
     pub notices: Notices,
@@ -154,7 +154,7 @@ fn state(
     options: &PassOptions,
     telescope: Option<&str>,
 ) {
-    // A start that ends in Z has a scale.
+    // A start like 2024-08-14T00:30:00Z has its own scale, which overrides the given one.
     let has_scale = config.exposure.start.as_ref().is_some_and(|start| parse_moment(start.as_str(), None).is_ok());
     let scale = config.given_time_scale().filter(|_| !has_scale).unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &options.photometry);
@@ -175,7 +175,7 @@ fn state(
     );
 }
 
-/// Returns degrees without the rounding error of radians.
+/// Returns degrees, rounded to remove the error of the conversion from radians.
 fn round_deg(radians: f64) -> f64 {
     (radians.to_degrees() * 1e9).round() / 1e9
 }
@@ -185,7 +185,7 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
     Table {
         columns: vec![
             Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-            Column::new("reason", Kind::Text, "Reason for leaving the satellite out."),
+            Column::new("reason", Kind::Text, "Reason why the satellite is left out."),
         ],
         rows: left_out
             .iter()
@@ -195,7 +195,7 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
 }
 
 fn summary(notices: &Notices, config: &Config, count: usize, magnitudes: impl Iterator<Item = f64>) {
-    let crossings = if count == 1 { "1 pass".to_owned() } else { format!("{count} passes") };
+    let crossings = counted(count, "pass", "passes");
     let limit =
         config.rules.limit_mag.as_ref().and_then(|limit| limit.of(Some(config.light.band.as_deref().unwrap_or("V"))));
     match limit {

@@ -1,4 +1,4 @@
-//! `reproduce`: comparison of published counts with computed ones.
+//! `reproduce`: compares published counts of satellites with computed ones.
 
 use std::path::PathBuf;
 
@@ -41,10 +41,10 @@ pub enum Paper {
 pub struct ReproduceArguments {
     /// Paper to reproduce
     pub paper: Paper,
-    /// LSST visits for hu2022, for example thirteen nights of a baseline (opsim SQLite, or any schedule of flag)
+    /// Schedule of LSST visits for hu2022, for example thirteen nights of a baseline (any format of flag)
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
-    /// Time scale of times without one: utc, tai or tt
+    /// Time scale of times that have none: utc, tai or tt
     #[arg(long, value_name = "SCALE")]
     pub time_scale: Option<String>,
     /// Number of threads, 1 to 1024; all cores if omitted
@@ -67,7 +67,7 @@ const ON_SCREEN: &[Shown] = &[
     shown("agrees", "within 20 %"),
 ];
 
-/// Columns for a paper without printed counts: those of its method.
+/// Columns for a paper without printed counts, where the formula of the paper is evaluated instead.
 const METHOD_ON_SCREEN: &[Shown] = &[
     shown("quantity", "quantity"),
     rounded("by_method", "by their formula", 2),
@@ -76,16 +76,16 @@ const METHOD_ON_SCREEN: &[Shown] = &[
     shown("agrees", "within 20 %"),
 ];
 
-/// Dates of the visits with published counts (Hu et al.): the first ten thousand, 2023-10-01 to 13. The first nights of
-/// a baseline have about as many.
+/// Dates of the first ten thousand visits, for which Hu et al. released counts: 2023-10-01 to 13, MJD.
 const FIRST_VISITS_MJD: [f64; 2] = [60_218.0, 60_231.0];
+/// Accepted number of visits in these nights. Different baselines have slightly different numbers of visits per night.
 const FIRST_VISITS: std::ops::RangeInclusive<usize> = 9_000..=11_000;
 
-/// Rubin's field, degrees across.
+/// Diameter of Rubin's field, degrees.
 const RUBIN_FIELD_DEG: f64 = 3.5;
 /// Highest altitude of the Sun for the counts of Lu (2024), degrees.
 const LU_SUN_DEG: f64 = -12.0;
-/// Time step of a night, seconds.
+/// Interval between the counts in a night, seconds.
 const LU_STEP_S: f64 = 1200.0;
 
 pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
@@ -101,7 +101,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             if is_given {
                 let paper =
                     typed.paper.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
-                bail!("{flag} is not for reproduce {paper}; allowed: --threads, --quiet, --format, --output");
+                bail!("{flag} has no effect on reproduce {paper}; allowed: --threads, --quiet, --format, --output");
             }
         }
     }
@@ -150,7 +150,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
 
 fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::Result<Vec<Reproduced>> {
     let span = exposures.iter().map(|one| one.start).min().zip(exposures.iter().map(|one| one.start).max());
-    let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no valid visit"))?;
+    let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no valid visit; allowed: one or more"))?;
     let is_within = FIRST_VISITS_MJD[0] <= mjd_utc(first) && mjd_utc(last) < FIRST_VISITS_MJD[1];
     let is_first_visits = is_within && FIRST_VISITS.contains(&exposures.len());
     if !is_first_visits {

@@ -1,4 +1,4 @@
-//! `statistics`: counts of sunlit satellites over a site, their magnitudes, and trails per exposure.
+//! `statistics`: counts sunlit satellites over a site, their magnitudes, and trails per exposure.
 
 use crate::arguments::OutputArguments;
 use anyhow::anyhow;
@@ -38,10 +38,10 @@ pub struct StatisticsArguments {
     /// Exposure time with its unit
     #[arg(long, value_name = "TIME", default_value = "30s")]
     pub exposure: String,
-    /// Number of moments averaged in each count
+    /// Number of times over which each count is averaged
     #[arg(long, value_name = "N", default_value_t = 11)]
     pub moments: usize,
-    /// Time range of the averaged moments, with its unit
+    /// Time range of these times, with its unit
     #[arg(long, value_name = "TIME", default_value = "10min")]
     pub spread: String,
     #[command(flatten)]
@@ -50,7 +50,7 @@ pub struct StatisticsArguments {
     pub output: OutputArguments,
 }
 
-/// Default field: that of Rubin Observatory.
+/// Default field of view: that of Rubin Observatory.
 const FIELD: &str = "3.5deg";
 
 const ON_SCREEN: &[Shown] = &[
@@ -76,7 +76,9 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
     if config.field.is_some() {
-        return Err(anyhow!("--field is not for statistics; allowed: a circular field, for example --fov {FIELD}"));
+        return Err(anyhow!(
+            "--field has no effect on statistics; allowed: a circular field, for example --fov {FIELD}"
+        ));
     }
     let fov = config.fov.as_ref().map_or(FIELD, Quantity::as_str);
     let field_rad = parse_angle_deg("fov", fov)?.to_radians();

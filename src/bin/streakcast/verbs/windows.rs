@@ -1,4 +1,4 @@
-//! `windows`: time windows in which targets can be exposed without a crossing above the limits.
+//! `windows`: lists time windows in which targets can be exposed without a crossing above the limits.
 
 use std::path::PathBuf;
 
@@ -35,7 +35,7 @@ pub struct WindowsArguments {
     /// Latest shutter opening
     #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start")]
     pub end: Option<String>,
-    /// Default exposure time for rows without one, with its unit
+    /// Exposure time for rows that have none, with its unit
     #[arg(long, value_name = "TIME")]
     pub exposure: Option<String>,
     /// Lowest altitude of a target while the shutter is open, degrees
@@ -44,7 +44,7 @@ pub struct WindowsArguments {
     /// Highest altitude of the Sun while the shutter is open, degrees
     #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true)]
     pub max_sun_altitude_deg: f64,
-    /// Time from the start of a request or block to its shutter opening, for lco and eso-p2, with its unit
+    /// Time from the start of a request or observing block to its shutter opening, for lco and eso-p2, with its unit
     #[arg(long, value_name = "TIME")]
     pub overhead: Option<String>,
     #[command(flatten)]
@@ -87,7 +87,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let plan = config.observation()?;
     if plan.policy.max_lost_fraction.is_some() {
         return Err(anyhow!(
-            "max_lost_fraction of the policy is not for windows; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+            "the policy has max_lost_fraction, which windows does not support; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
         ));
     }
     let min_altitude_deg = in_degrees("min-altitude", typed.min_altitude)?;
@@ -156,7 +156,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Pairs every row of the list with its windows.
+/// Pairs every row of the list of targets with its windows.
 fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundWindows<'a>> {
     let mut answers = report.by_target.iter();
     listed
@@ -169,6 +169,6 @@ fn in_degrees(what: &str, angle_deg: f64) -> anyhow::Result<f64> {
     if (-90.0..=90.0).contains(&angle_deg) {
         Ok(angle_deg)
     } else {
-        Err(anyhow!("{what} {angle_deg} deg: allowed -90 to 90 deg"))
+        Err(anyhow!("{what} is {angle_deg} deg; allowed: -90 to 90 deg"))
     }
 }

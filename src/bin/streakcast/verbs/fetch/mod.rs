@@ -1,8 +1,8 @@
-//! `fetch`: downloads of element sets into a cache. Each source receives at most one request per allowed interval. A
-//! file is replaced only by data that have been read as element sets.
+//! `fetch`: downloads element sets into a cache. Each data set is requested at most once in the interval that its
+//! source allows. A cached file is replaced only by data that can be read as element sets.
 //!
-//! `sources` holds the addresses, `request` sends requests, `verify` checks data and holds the sidecar with the time of
-//! the last request, `run` combines them.
+//! `sources` defines the addresses, `request` sends requests, `verify` checks the data and writes the sidecar with the
+//! time of the last request, `run` combines them.
 
 mod arguments;
 mod request;

@@ -40,20 +40,20 @@ pub enum Response {
         validators: Validators,
     },
     NotModified,
-    /// Any other response, in words: a status, a truncated body, a closed connection.
+    /// Description of any other response: an error status, a truncated body, a closed connection.
     Refused(String),
-    /// The server was not reached: no address for the name, no connection, no TLS. No request was sent.
+    /// The server was not reached (no address for the name, no connection, no TLS), and no request was sent.
     Unreached(String),
 }
 
-/// Sends one request. Redirects are not followed: a source that has moved is reported to the user.
+/// Sends one request. A redirect is not followed but reported, so that the user learns that the source has moved.
 pub fn send(
     source: &Source,
     options: &RequestOptions,
     validators: &Validators,
     credentials: Option<&Credentials>,
 ) -> Response {
-    // Shorter than the total, which distinguishes a network that drops connections from a source without a response.
+    // Shorter than the total timeout, to distinguish a failed connection from a missing response.
     let connect = options.timeout.mul_f64(0.75).min(MAX_CONNECT);
     let agent: Agent = Agent::config_builder()
         .timeout_global(Some(options.timeout))
@@ -103,8 +103,8 @@ fn get(agent: &Agent, url: &str, options: &RequestOptions, validators: &Validato
     }
 }
 
-/// Returns the response to a failed request: a service that was reached, and closed the connection or did not respond,
-/// has received the request.
+/// Classifies a connection error. A server that was reached has received the request, even if it closed the connection
+/// or did not respond.
 fn connection_error(what: &str, error: &ureq::Error) -> Response {
     let is_unreached = match error {
         ureq::Error::HostNotFound
@@ -115,8 +115,8 @@ fn connection_error(what: &str, error: &ureq::Error) -> Response {
         | ureq::Error::Rustls(_)
         | ureq::Error::TlsRequired
         | ureq::Error::Timeout(Timeout::Resolve | Timeout::Connect) => true,
-        // A name without an address and an invalid certificate have no separate kinds of error: these are the kinds of a
-        // connection that was established.
+        // Unknown host names and invalid certificates are also `Io` errors. The kinds below occur only after the
+        // connection was established.
         ureq::Error::Io(error) => !matches!(
             error.kind(),
             ErrorKind::UnexpectedEof
@@ -136,7 +136,8 @@ fn connection_error(what: &str, error: &ureq::Error) -> Response {
 
 fn data(mut response: http::Response<Body>, max_bytes: u64) -> Response {
     let validators = Validators { etag: header(&response, "etag"), last_modified: header(&response, "last-modified") };
-    // One byte more than the limit shows that there is more; a body shorter than its Content-Length is another error.
+    // A body longer than the limit is detected by reading one more byte. A body shorter than its Content-Length is an
+    // error.
     match response.body_mut().with_config().limit(max_bytes.saturating_add(1)).read_to_vec() {
         Ok(bytes) if bytes.len() as u64 > max_bytes => {
             Response::Refused(format!("200, with more than the limit of {max_bytes} bytes"))
@@ -149,7 +150,7 @@ fn data(mut response: http::Response<Body>, max_bytes: u64) -> Response {
     }
 }
 
-/// Returns status, redirect, and the beginning of the body.
+/// Returns the status, the redirect, and the beginning of the body of an error response.
 fn error_message(mut response: http::Response<Body>) -> String {
     let status = response.status();
     let mut message =
@@ -166,11 +167,11 @@ fn error_message(mut response: http::Response<Body>) -> String {
 }
 
 fn header(response: &http::Response<Body>, name: &str) -> Option<String> {
-    // Values that cannot be repeated in a request are dropped.
+    // Values that are not ASCII cannot be sent back, and are omitted.
     response.headers().get(name)?.to_str().ok().map(str::to_owned)
 }
 
-/// Opens a session of Space-Track and returns its cookie. The response to a wrong password has status 200 too.
+/// Opens a session of Space-Track and returns its cookie. A wrong password also has a response of status 200.
 fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<String, Response> {
     let refused = |message: String| Err(Response::Refused(message));
     let form = [("identity", credentials.identity.as_str()), ("password", credentials.password.as_str())];
@@ -195,7 +196,7 @@ fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<Str
     if cookies.is_empty() { refused("login: no session in the response".to_owned()) } else { Ok(cookies.join("; ")) }
 }
 
-/// User name and password. The type does not implement Debug.
+/// User name and password. Without `Debug`, so that they are never printed.
 pub struct Credentials {
     pub identity: String,
     pub password: String,
@@ -210,10 +211,11 @@ impl Credentials {
             let name = name
                 .as_deref()
                 .ok_or_else(|| anyhow!("missing credentials; specify --credentials FILE, or {flag} NAME"))?;
-            std::env::var(name)
-                .ok()
-                .filter(|value| !value.is_empty())
-                .ok_or_else(|| anyhow!("the environment variable {name} of {flag} is not set"))
+            std::env::var(name).ok().filter(|value| !value.is_empty()).ok_or_else(|| {
+                anyhow!(
+                    "the environment variable {name} of {flag} is not set; allowed: the name of a variable with a value"
+                )
+            })
         };
         Ok(Self {
             identity: variable(&typed.identity_env, "--identity-env")?,

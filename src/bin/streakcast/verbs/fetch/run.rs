@@ -1,12 +1,11 @@
-//! Steps of a download: check and set the time of the request, send it, verify the response, replace the file.
+//! Steps of a download: check and record the time of the request, send it, verify the response, replace the file.
 
 use std::fs::{self, File};
 use std::io::Write;
 use std::path::Path;
-use std::time::{Duration, SystemTime};
+use std::time::Duration;
 
 use anyhow::anyhow;
-use hifitime::Epoch;
 use streakcast::config::parse_duration_s;
 use streakcast::frames::parse_moment;
 use streakcast::output::{format_utc, write_atomically};
@@ -26,9 +25,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let options = options(common)?;
     let now = match &common.now {
         Some(now) => parse_moment(now, None)?,
-        None => Epoch::from_unix_seconds(
-            SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default().as_secs_f64(),
-        ),
+        None => crate::clock::now(),
     };
     let folder = cache_folder(common.cache.as_deref())?;
     fs::create_dir_all(&folder).map_err(|error| match folder.is_dir() || !folder.exists() {
@@ -38,7 +35,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let file = folder.join(&source.file);
     notices.info(&format!("usage policy of {}: {}", source.name, source.policy));
 
-    // Only one process at a time sends a request.
+    // The lock prevents simultaneous requests of several processes.
     let lock_path = folder.join(format!("{}.lock", source.file));
     let lock = File::create(&lock_path).map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
     lock.lock().map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
@@ -56,7 +53,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let validators = if is_cached {
         Validators { etag: record.etag.clone(), last_modified: record.last_modified.clone() }
     } else {
-        // The validators of a file that has changed are not valid.
+        // The file was changed or deleted, so that the stored validators do not apply to it.
         record = FetchRecord { asked_utc: record.asked_utc, ..FetchRecord::default() };
         Validators::default()
     };
@@ -124,7 +121,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
 fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOptions> {
     let timeout_s = parse_duration_s("timeout", &common.timeout)?;
     if !(0.1..=3_600.0).contains(&timeout_s) {
-        return Err(anyhow!("timeout {timeout_s} s: allowed 0.1 to 3600 s"));
+        return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 3600 s"));
     }
     Ok(RequestOptions {
         timeout: Duration::from_secs_f64(timeout_s),
@@ -133,13 +130,13 @@ fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOptions> {
     })
 }
 
-/// Returns true if the file has the hash of the sidecar.
+/// Returns true if the file has the SHA-256 stored in its sidecar.
 fn is_intact(file: &Path, record: &FetchRecord) -> bool {
     let Ok(bytes) = fs::read(file) else { return false };
     verify("", &bytes, None, true).is_ok_and(|source| Some(source.sha256) == record.sha256)
 }
 
-/// Returns the cached file before the next allowed request.
+/// Prints the path of the cached file while no new request is allowed.
 fn use_cached(
     file: &Path,
     record: &FetchRecord,
@@ -168,7 +165,7 @@ fn use_cached(
     print_path(file)
 }
 
-/// Prints only the path on standard output, for `--elements "$(streakcast fetch ...)"`.
+/// Prints the path on standard output and nothing else, for `--elements "$(streakcast fetch ...)"`.
 fn print_path(file: &Path) -> anyhow::Result<Outcome> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", file.display())?;

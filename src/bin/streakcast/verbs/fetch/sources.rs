@@ -8,7 +8,8 @@ use super::arguments::{CommonFetchArguments, FetchSource};
 
 /// CelesTrak updates its data every two hours, and rejects earlier requests for the same data with 403.
 const CELESTRAK_WAIT_S: f64 = 7_200.0;
-/// Space-Track allows one request for element sets per hour. The same is used for SatChecker, which has no rule.
+/// Space-Track allows one request for element sets per hour. The same interval is used for SatChecker, which has no
+/// rule.
 const WAIT_S: f64 = 3_600.0;
 
 /// Data set of a source.
@@ -22,7 +23,7 @@ pub struct Source {
     pub login: Option<Login>,
     /// Address of the usage policy.
     pub policy: &'static str,
-    /// Least interval between requests for the same data set, seconds.
+    /// Shortest interval between requests for the same data set, seconds.
     pub wait_s: f64,
 }
 
@@ -106,13 +107,13 @@ impl FetchSource {
     }
 }
 
-/// Returns the Julian date (UTC) rounded to an hour: requests within an hour share a file.
+/// Returns the Julian date (UTC) rounded to an hour, so that requests for times within an hour share a file.
 fn julian_date(epoch: Epoch) -> String {
     let days = epoch.to_time_scale(TimeScale::UTC).to_jde_utc_days();
     format!("{:.4}", (days * 24.0).round() / 24.0)
 }
 
-/// Returns a name that is valid in an address and in a file name.
+/// Returns the name if it is valid in an address and in a file name.
 fn plain<'a>(what: &str, name: &'a str) -> anyhow::Result<&'a str> {
     let is_plain = !name.is_empty()
         && name.len() <= 64

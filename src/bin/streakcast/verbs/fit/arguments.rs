@@ -35,10 +35,11 @@ pub struct TableArguments {
     /// Layout of the tables: pomenis, mmt, score, slingshot, csv; detected from the header if omitted
     #[arg(long, value_name = "NAME", help_heading = "Photometry")]
     pub format_name: Option<String>,
-    /// Column mapping for a custom table: time=Date,time_scale=utc,magnitude=Mag, or a file of it (TOML, JSON)
+    /// Column mapping for a custom table, for example time=Date,time_scale=utc,magnitude=Mag, or a TOML or JSON file of
+    /// it
     #[arg(long, value_name = "PAIRS", help_heading = "Photometry")]
     pub columns: Option<String>,
-    /// Filters to use; Clear for MMT-9, else the only one of the file, if omitted
+    /// Filters to use; if omitted, Clear for MMT-9, otherwise the only filter of the file
     #[arg(long, value_name = "NAME", num_args = 1.., help_heading = "Photometry")]
     pub filter: Vec<String>,
     /// Keep duplicate rows
@@ -68,7 +69,8 @@ pub struct PhotometryArguments {
     /// Fit a time offset of each track to its ranges, at most this many seconds (with --elements)
     #[arg(long, value_name = "S", requires = "elements", help_heading = "Geometry")]
     pub fit_offset_s: Option<f64>,
-    /// Use recorded distance and phase with the orbital radius of --elements, for satellites with large along-track errors
+    /// Use recorded distance and phase with the orbital radius of --elements, for satellites with large along-track
+    /// errors
     #[arg(long, requires = "elements", conflicts_with = "fit_offset_s", help_heading = "Geometry")]
     pub elements_radius: bool,
     /// Largest age of an element set, days
@@ -77,19 +79,19 @@ pub struct PhotometryArguments {
     /// Height of the orbits, km, for rows of distance and phase without element sets
     #[arg(long, value_name = "KM", help_heading = "Geometry")]
     pub height_km: Option<f64>,
-    /// Use only satellites on station (needs --elements with a history)
+    /// Use only satellites that hold their final orbit (needs --elements with a history)
     #[arg(long, requires = "elements", help_heading = "Selection")]
     pub on_station: bool,
-    /// Least height above the equatorial radius on station, km
+    /// Smallest height of a final orbit above the equatorial radius, km
     #[arg(long, requires = "on_station", value_name = "KM", default_value_t = 530.0, help_heading = "Selection")]
     pub station_height_km: f64,
-    /// Largest rate of the semi-major axis on station, m/day
+    /// Largest rate of change of the semi-major axis of a final orbit, m/day
     #[arg(long, requires = "on_station", value_name = "M", default_value_t = 100.0, help_heading = "Selection")]
     pub station_rate_m_day: f64,
-    /// Least grazing height of full sunlight above the ground, km
+    /// Smallest height above the ground at which the sunlight passes the Earth, km
     #[arg(long, value_name = "KM", default_value_t = 100.0, allow_hyphen_values = true, help_heading = "Selection")]
     pub least_grazing_km: f64,
-    /// Least altitude at the site, degrees; lower rows are of other satellites
+    /// Smallest altitude at the site, degrees; rows with a lower computed altitude are misidentified satellites
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true, help_heading = "Selection")]
     pub least_altitude_deg: f64,
     /// Largest difference between recorded and computed range, km
@@ -98,7 +100,7 @@ pub struct PhotometryArguments {
     /// Largest difference between recorded and computed phase angle, degrees; unlimited if omitted
     #[arg(long, value_name = "DEG", help_heading = "Selection")]
     pub max_phase_difference_deg: Option<f64>,
-    /// Keep rows flagged as in the penumbra by the survey
+    /// Keep rows that the survey flags as in the penumbra
     #[arg(long, help_heading = "Selection")]
     pub keep_penumbra_flag: bool,
     /// Correct magnitudes to the mean distance of the Sun (up to 0.04 mag, not done in the paper)
@@ -121,16 +123,16 @@ pub struct ReductionArguments {
     /// Estimator of the mode of the magnitudes in a pixel
     #[arg(long, conflicts_with = "raw_points", value_name = "MODE", value_enum, default_value_t = ModeName::HalfSample, help_heading = "Reduction")]
     pub mode: ModeName,
-    /// Least number of points in a pixel
+    /// Smallest number of points in a pixel
     #[arg(long, conflicts_with = "raw_points", value_name = "N", default_value_t = 80, help_heading = "Reduction")]
     pub min_count: u32,
-    /// Least number of tracks in a pixel; several limit the effect of a wrong identification
+    /// Smallest number of tracks in a pixel; a value above 1 limits the effect of a wrong identification
     #[arg(long, conflicts_with = "raw_points", value_name = "N", default_value_t = 1, help_heading = "Reduction")]
     pub min_tracks: u32,
     /// Largest interquartile range of a pixel, mag
     #[arg(long, conflicts_with = "raw_points", value_name = "MAG", default_value_t = 0.4, help_heading = "Reduction")]
     pub max_iqr: f64,
-    /// Keep both sides of the plane of the Sun separate (rows of distance and phase have only one side)
+    /// Do not combine directions mirrored at the plane through the Sun (rows of distance and phase have only one side)
     #[arg(long, conflicts_with = "raw_points", help_heading = "Reduction")]
     pub no_fold: bool,
 }
@@ -138,7 +140,7 @@ pub struct ReductionArguments {
 /// Weights of single measurements.
 #[derive(Args)]
 pub struct WeightArguments {
-    /// Scatter of single measurements beyond their own errors, mag (with --raw-points)
+    /// Scatter of single measurements in addition to their errors, mag (with --raw-points)
     #[arg(long, requires = "raw_points", value_name = "MAG", default_value_t = 0.5, help_heading = "Reduction")]
     pub scatter_mag: f64,
     /// Give equal weights to all measurements, whatever their number per track or night (with --raw-points)
@@ -197,7 +199,7 @@ pub struct FitRunArguments {
     pub weights: WeightArguments,
     #[command(flatten)]
     pub form: FormArguments,
-    /// Number of jackknife sets of tracks for the errors of a fit to pixels, above that of free parameters; 0 for none
+    /// Number of jackknife sets of tracks for the errors of a fit to pixels, more than free parameters; 0 for none
     #[arg(long, conflicts_with = "raw_points", value_name = "N", default_value_t = 24, help_heading = "Model")]
     pub jackknife: usize,
     /// Sample the posterior with this number of steps
@@ -212,10 +214,10 @@ pub struct FitRunArguments {
     /// Seed of the random numbers
     #[arg(long, requires = "mcmc", value_name = "N", default_value_t = 1, help_heading = "Posterior")]
     pub seed: u64,
-    /// Chains as .npz, saved regularly; an interrupted run continues from this file
+    /// File of the posterior samples (.npz), saved regularly; an interrupted run continues from it
     #[arg(long, value_name = "FILE", requires = "mcmc", help_heading = "Posterior")]
     pub chains: Option<PathBuf>,
-    /// Name of the fitted model; that of --model with -fit if omitted
+    /// Name of the fitted model; the name of --model followed by -fit if omitted
     #[arg(long, value_name = "NAME", help_heading = "Output")]
     pub name: Option<String>,
     /// Source of the data, for the provenance of the model
@@ -252,11 +254,11 @@ pub struct FitReduceArguments {
     pub photometry: PhotometryArguments,
     #[command(flatten)]
     pub reduction: ReductionArguments,
-    /// Draw magnitude, number and spread of the layer at this latitude of the Sun, degrees (figure 2)
+    /// Draw magnitude, number and spread for the layer at this latitude of the Sun, degrees (figure 2)
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "DEG", allow_hyphen_values = true, requires = "picture", help_heading = "Output")]
     pub layer: Option<f64>,
-    /// Picture, .png or .svg: of one layer with --layer, else of number against spread of all pixels (figure 3)
+    /// Picture, .png or .svg: one layer with --layer, otherwise number against spread of all pixels (figure 3)
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
@@ -283,7 +285,7 @@ pub struct FitIdentifyArguments {
     /// Largest RMS difference of the phase angles, degrees
     #[arg(long, value_name = "DEG", default_value_t = 3.0, help_heading = "Association")]
     pub max_phase_rms_deg: f64,
-    /// Least difference in chi square to the next best satellite
+    /// Smallest difference in chi square to the next best satellite
     #[arg(long, value_name = "N", default_value_t = 9.0, help_heading = "Association")]
     pub least_lead: f64,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-//! Sampling of `fit run --mcmc`: a new or resumed chain, saved regularly.
+//! Posterior sampling of `fit run --mcmc`: a new or resumed chain, saved regularly.
 
 use std::path::Path;
 
@@ -21,7 +21,7 @@ pub struct SamplingRun {
     resumed: Option<Chain>,
 }
 
-/// Prepares a sampling run, with the saved chain if there is one.
+/// Prepares a sampling run, which continues the saved chain if there is one.
 pub fn prepare(
     typed: &FitRunArguments,
     input: &FitInput,
@@ -39,7 +39,7 @@ pub fn prepare(
         typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
     if let Some(chain) = resumed.as_ref().filter(|chain| chain.steps() > steps) {
         return Err(anyhow!(
-            "invalid mcmc {steps}: the chains already have {} steps; allowed: as many or more",
+            "mcmc is {steps}, but the chains already have {} steps; allowed: as many or more",
             chain.steps()
         ));
     }
@@ -84,7 +84,7 @@ fn resumed(path: &Path, about: &ChainAbout, typed: &FitRunArguments) -> anyhow::
     let same = was.fingerprint == about.fingerprint && was.seed == about.seed && was.parameters == about.parameters;
     if !same || chain.walkers() != typed.walkers {
         return Err(anyhow!(
-            "chains {}: of another fit (other points, parameters, walkers or seed); allowed: chains of the same fit, or a new file",
+            "the chains {} are of another fit (other points, parameters, walkers or seed); allowed: chains of the same fit, or a new file",
             path.display()
         ));
     }

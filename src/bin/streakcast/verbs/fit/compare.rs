@@ -1,4 +1,4 @@
-//! `fit compare`: tests of Lu (2024), and forms of the model on held-out points.
+//! `fit compare`: tests of Lu (2024), and a comparison of forms of the model on held-out points.
 
 use anyhow::anyhow;
 use streakcast::fit::{
@@ -46,7 +46,7 @@ const PAIRS_ON_SCREEN: &[Shown] = &[
 pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     if typed.form.folds < 2 {
-        return Err(anyhow!("invalid folds {}; allowed: 2 or more", typed.form.folds));
+        return Err(anyhow!("folds is {}; allowed: 2 or more", typed.form.folds));
     }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
     let input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;

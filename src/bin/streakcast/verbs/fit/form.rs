@@ -16,7 +16,7 @@ pub struct ChosenForm {
     pub settings: FitSettings,
 }
 
-/// Forms of model files that can be fitted.
+/// Form of a model file that can be fitted.
 pub enum FittedForm {
     TwoPanel(TwoPanelForm),
     Panels(PanelsForm),
@@ -30,7 +30,7 @@ impl FittedForm {
         }
     }
 
-    /// Returns the two-panel form of Lu (2024) with the sizes of this one, if it has any.
+    /// Returns the two-panel form of Lu (2024) with the sizes of this form; `None` for a form without them.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         match self {
             Self::TwoPanel(form) => Some(form.clone()),
@@ -50,7 +50,12 @@ impl FittedForm {
 /// Resolves form and settings of a fit.
 pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<ChosenForm> {
     let model = model_of(&ModelLibrary::embedded(), &typed.model)?;
-    let file = model.file().cloned().ok_or_else(|| anyhow!("model {} has no file", typed.model))?;
+    let file = model.file().cloned().ok_or_else(|| {
+        anyhow!(
+            "model {} has no file; allowed: models of kind two_panel or panels (streakcast model list)",
+            typed.model
+        )
+    })?;
     let (band, system) = model.band();
     let sun_magnitude = band.sun_magnitude(system);
     let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed };
@@ -73,9 +78,9 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<ChosenFor
         let (name, value) =
             parsed.ok_or_else(|| anyhow!("invalid hold {entry}; allowed: NAME=NUMBER, for example c1=0"))?;
         let found = parameters.iter().find(|parameter| parameter.name == name);
-        let parameter = found.ok_or_else(|| anyhow!("hold {name}: unknown parameter; allowed: {}", known()))?;
+        let parameter = found.ok_or_else(|| anyhow!("unknown parameter {name} in hold; allowed: {}", known()))?;
         if !(parameter.least..=parameter.greatest).contains(&value) {
-            return Err(anyhow!("invalid hold {name}={value}; allowed: {} to {}", parameter.least, parameter.greatest));
+            return Err(anyhow!("hold {name} is {value}; allowed: {} to {}", parameter.least, parameter.greatest));
         }
         held.push((name.to_owned(), value));
     }
@@ -85,7 +90,7 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<ChosenFor
         free = parameters.iter().filter(fitted).map(|parameter| parameter.name.clone()).collect();
     }
     if let Some(name) = free.iter().find(|name| parameters.iter().all(|parameter| parameter.name != **name)) {
-        return Err(anyhow!("free {name}: unknown parameter; allowed: {}", known()));
+        return Err(anyhow!("unknown parameter {name} in free; allowed: {}", known()));
     }
     free.retain(|name| held.iter().all(|(other, _)| other != name));
     let loss = match typed.loss {

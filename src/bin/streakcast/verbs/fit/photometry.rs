@@ -23,7 +23,7 @@ pub fn config(typed: &TableArguments) -> Config {
 
 pub fn read_options(typed: &TableArguments, config: &Config) -> anyhow::Result<PhotometryOptions> {
     let columns = typed.columns.as_ref().map(|given| {
-        // A file, or the pairs directly.
+        // Pairs contain an equals sign; anything else is a file name.
         let text = if given.contains('=') {
             given.clone()
         } else {
@@ -94,7 +94,7 @@ pub fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<String>>().join(", ")
 }
 
-/// States files and thresholds in the provenance, with defaults.
+/// Adds the files and all thresholds, given or default, to the provenance.
 pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
     provenance.state("photometry", names(&typed.tables.photometry));
     if !typed.elements.is_empty() {
@@ -122,14 +122,14 @@ pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
     provenance.state("sun_distance_taken_out", typed.sun_distance);
 }
 
-/// Reads the satellites of tracks. Rows without a number are unidentified tracks.
+/// Reads the satellite of each track. Rows without a catalogue number are unidentified tracks, which are omitted.
 fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
     let read_error = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(read_error)?;
     let headers = reader.headers().map_err(read_error)?.clone();
     let column = |name: &str| {
         let found = headers.iter().position(|header| header.trim() == name);
-        found.ok_or_else(|| anyhow!("identified {}: missing column {name}; required: track and norad", path.display()))
+        found.ok_or_else(|| anyhow!("identified {}: missing column {name}; allowed: track, norad", path.display()))
     };
     let (track, norad) = (column("track")?, column("norad")?);
     let mut tracks = HashMap::new();

@@ -18,7 +18,7 @@ use crate::verbs::judged::begin;
 pub struct FitInput {
     pub measurements: Measurements,
     pub filters: FilterCounts,
-    /// Pixels, unless single measurements are used.
+    /// Pixels; `None` if single measurements are fitted.
     pub reduction: Option<Reduction>,
     /// Points of the fit.
     pub points: Vec<FitPoint>,
@@ -31,7 +31,7 @@ impl FitInput {
         self.filters.mismatch(band).map(|mismatch| mismatch.to_string())
     }
 
-    /// Returns the measurements of pixels and the options of the reduction, for cross-validation by track.
+    /// Returns the measurements behind the pixels and the options of the reduction, for cross-validation by track.
     pub fn tracks(&self) -> Option<(&Measurements, ReduceOptions)> {
         self.reduction.as_ref().map(|reduction| (&self.measurements, reduction.options))
     }
@@ -45,7 +45,7 @@ pub fn read(
     let config = photometry::config(&typed.tables);
     let notices = begin(&config)?;
     if !(0.01..=180.0).contains(&reduction.layer_deg) {
-        return Err(anyhow!("invalid layer-deg {}; allowed: 0.01 to 180", reduction.layer_deg));
+        return Err(anyhow!("layer-deg is {} deg; allowed: 0.01 to 180 deg", reduction.layer_deg));
     }
     let options = reduce_options(reduction);
     Reducer::new(options)?;
@@ -79,7 +79,7 @@ pub fn read(
 /// Returns the weights of single measurements.
 pub fn weights(typed: &WeightArguments) -> anyhow::Result<RawWeights> {
     if !(typed.scatter_mag > 0.0 && typed.scatter_mag.is_finite()) {
-        return Err(anyhow!("invalid scatter-mag {}; allowed: above 0", typed.scatter_mag));
+        return Err(anyhow!("scatter-mag is {} mag; allowed: above 0 mag", typed.scatter_mag));
     }
     Ok(RawWeights { scatter_mag: typed.scatter_mag, by_group: !typed.equal_weights })
 }
@@ -126,7 +126,7 @@ pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArgumen
     provenance
 }
 
-/// Returns the error of a selection without points, with options that may help.
+/// Returns the error of a fit without points, with options that may help.
 fn no_points(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow::Error {
     let most = measurements.dropped.iter().max_by_key(|(_, count, _)| *count);
     match (measurements.points.len(), pixels, most) {
@@ -136,7 +136,7 @@ fn no_points(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow:
             reason.name().replace('_', " "),
             remedy(reason)
         ),
-        (0, ..) => anyhow!("no measurement remains: the tables have none"),
+        (0, ..) => anyhow!("no measurement remains: the tables contain none; allowed: tables with photometry"),
         (n, ..) => anyhow!(
             "no pixel remains of {n} measurements; change --min-count, --max-iqr or --min-tracks, or use --raw-points"
         ),
@@ -153,7 +153,7 @@ fn remedy(reason: DropReason) -> &'static str {
     }
 }
 
-/// Reports the number of rows used, and the reasons for omitted ones.
+/// Prints the number of rows used, and the number of omitted rows for each reason.
 fn report_counts(notices: &Notices, dropped: &DropCounts, used: usize) {
     notices.info(&format!("{used} measurements, {} rows left out", dropped.total()));
     for (reason, count, example) in dropped.iter() {

@@ -1,4 +1,5 @@
-//! `fit reduce`: photometry as pixels of the body frame or single points. `fit identify`: the satellite of each track.
+//! `fit reduce`: reduces photometry to pixels of the body frame or to single points. `fit identify`: finds the
+//! satellite of each track.
 
 use anyhow::anyhow;
 use streakcast::fit::RawWeights;
@@ -70,7 +71,7 @@ const ON_SCREEN: &[Shown] = &[
     shown("best", "best"),
     rounded("range_rms_km", "range km", 2),
     rounded("phase_rms_deg", "phase deg", 2),
-    rounded("offset_s", "late s", 1),
+    rounded("offset_s", "delay s", 1),
     rounded("element_age_days", "elements d", 1),
     shown("next", "next"),
     rounded("lead", "lead", 1),
@@ -86,7 +87,7 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
         ("least-lead", typed.least_lead),
     ] {
         if !(value >= 0.0 && value.is_finite()) {
-            return Err(anyhow!("invalid {name} {value}; allowed: 0 or more"));
+            return Err(anyhow!("{name} is {value}; allowed: 0 or more"));
         }
     }
     let config = photometry::config(&typed.tables);

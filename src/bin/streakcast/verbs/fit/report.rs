@@ -1,4 +1,4 @@
-//! Reports of fits: data, parameters, faults and pictures.
+//! Report of a fit: data, parameters, faults and pictures.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub struct FitResults<'a> {
     pub fit: &'a Fit,
     pub faults: &'a [Fault],
     pub standings: &'a [FormScore],
-    /// Single measurements: residuals about the model, mag.
+    /// Residuals of single measurements about the model, mag.
     pub single_mag: &'a [f64],
     pub posterior: Option<(&'a Chain, &'a Posterior)>,
 }
@@ -51,13 +51,13 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
 
 /// Note on fits with a robust loss.
 const ROBUST: &str = "The fit is robust: it does not minimise the RMS, and outliers have low weights. The core is the scatter of the other \
-points; Akaike's criterion below is that of the loss (sum of losses + 2k), not of the RMS.";
-/// Ratio of the errors of the fit to those of the posterior above which they differ.
+points. Akaike's criterion below is computed from the loss (sum of losses + 2k), not from the RMS.";
+/// Ratio of the errors of the fit to those of the posterior above which the report warns.
 const LARGE_RATIO: f64 = 1.2;
 /// Ends of the file names of all pictures of a report.
 const PICTURES: [&str; 6] = ["histogram", "residuals", "phase", "maps", "pixels", "corner"];
 
-/// Returns all files of a report: itself, and its separate pictures.
+/// Returns all files of a report: the report, and its separate pictures.
 pub fn files(path: &Path) -> Vec<PathBuf> {
     let pictures = PICTURES.iter().filter(|_| !is_html(path) && cfg!(feature = "plot"));
     std::iter::once(path.to_owned()).chain(pictures.map(|end| path.with_file_name(picture_name(path, end)))).collect()
@@ -68,7 +68,7 @@ fn picture_name(report: &Path, end: &str) -> String {
     format!("{stem}-{end}.png")
 }
 
-/// Writes the report: a `.md` with separate pictures, a `.html` with embedded ones.
+/// Writes the report: Markdown with separate pictures, or HTML with embedded ones.
 pub fn write(path: &Path, results: &FitResults, file: &ModelFile) -> anyhow::Result<()> {
     let drawn = pictures(results, file)?;
     let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
@@ -136,8 +136,8 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
     if !results.standings.is_empty() {
         report.section("Held-out points");
         report.paragraph(match &results.input.reduction {
-            None => "Each form is fitted without one fold of tracks or nights at a time, and compared with it.",
-            Some(_) => "Each form is fitted to the pixels without the tracks of one fold at a time, and compared with the pixels of these.",
+            None => "Each form is fitted without one fold of tracks or nights at a time, and compared with the points of that fold.",
+            Some(_) => "Each form is fitted to the pixels without the tracks of one fold at a time, and compared with the pixels of that fold.",
         });
         report.table(&form_score_table(results.standings));
     }
@@ -153,10 +153,10 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
         let narrow = posterior.overconfident(fit, LARGE_RATIO);
         let ratios: Vec<String> = narrow.iter().map(|(name, times)| format!("{name} {times:.1}")).collect();
         report.paragraph(&match ratios.is_empty() {
-            true => "Points are assumed to be independent. The errors of the fit (fit_sigma) agree: either may be used.".to_owned(),
+            true => "The posterior assumes independent points. Its errors agree with those of the fit (fit_sigma): either may be used.".to_owned(),
             false => format!(
-                "Points are assumed to be independent, and tracks or nights have common errors: the errors of the fit (fit_sigma) \
-                 are larger ({} times). Use these; use only the shape of the posterior.",
+                "The posterior assumes independent points, but points of one track or night have common errors. The errors of the fit \
+                (fit_sigma) are larger ({} times): use them, and only the shape of the posterior.",
                 ratios.join(", ")
             ),
         });
@@ -286,7 +286,7 @@ mod drawn {
         Ok(drawn)
     }
 
-    /// Draws mean residuals in cells of the observer's direction, for the layers of one degree with most points.
+    /// Draws mean residuals in cells of the observer's direction, for the one-degree layers with most cells.
     fn residual_maps(title: &str, points: &[FitPoint], residuals: &[f64]) -> anyhow::Result<Option<Picture>> {
         let mut all = BTreeMap::<i64, BTreeMap<u64, (f64, f64)>>::new();
         for (point, residual) in points.iter().zip(residuals) {
@@ -331,7 +331,8 @@ mod drawn {
 
     /// Draws figure 2 for one layer, or figure 3 for all pixels.
     pub fn pixels_picture(path: &Path, reduction: Option<&Reduction>, layer_deg: Option<f64>) -> anyhow::Result<()> {
-        let reduction = reduction.ok_or_else(|| anyhow!("--picture is for pixels; omit --raw-points"))?;
+        let reduction =
+            reduction.ok_or_else(|| anyhow!("--picture is given with --raw-points; allowed: with reduced pixels"))?;
         let picture = match layer_deg {
             None => of_counts(reduction)?,
             Some(sun_deg) => {
@@ -339,7 +340,9 @@ mod drawn {
                 let layer = (sun_deg / width_deg).floor() as i32;
                 let inside: Vec<&Pixel> = reduction.pixels.iter().filter(|pixel| pixel.layer == layer).collect();
                 if inside.is_empty() {
-                    return Err(anyhow!("no pixel in the layer at the Sun's latitude {sun_deg} deg"));
+                    return Err(anyhow!(
+                        "layer is {sun_deg} deg, where no pixel lies; allowed: a latitude of the Sun with pixels"
+                    ));
                 }
                 let of = |value: fn(&Pixel) -> f64| {
                     inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>()

@@ -1,7 +1,6 @@
-//! `fit run`: a fitted model file with covariance, and a report.
+//! `fit run`: fits a model, and writes it with its covariance and a report.
 
 use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
@@ -26,7 +25,7 @@ pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
         FitVerb::Run(typed) => fit(&typed),
         FitVerb::Compare(typed) => super::compare::compare(*typed),
         FitVerb::Reduce(typed) => super::reduce::reduce(*typed),
-        FitVerb::Identify(typed) => crate::verbs::fit::reduce::identify(*typed),
+        FitVerb::Identify(typed) => super::reduce::identify(*typed),
     }
 }
 
@@ -35,12 +34,14 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let output = checked(typed, &chosen)?;
     let input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
     let problem = Problem::new(chosen.form.as_form(), &input.points, &chosen.settings)?;
-    // Errors of a saved chain are reported before the work.
+    // A saved chain of another fit is reported before the computation.
     let sampling = typed.mcmc.map(|steps| chains::prepare(typed, &input, &problem, steps)).transpose()?;
     let notices = &input.notices;
     notices.warn(&input.band_mismatch(chosen.band));
     let fit = with_jackknife(typed.jackknife, &chosen, &input, problem.solve()?)?;
-    let in_sample = ResidualStatistics::of(&fit.residuals_mag).ok_or_else(|| anyhow!("no point was fitted"))?;
+    let in_sample = ResidualStatistics::of(&fit.residuals_mag).ok_or_else(|| {
+        anyhow!("no point was fitted; allowed: photometry of satellites with sunlit surfaces in the model")
+    })?;
     notices.info(&format!(
         "{} points, {} parameters: RMS {:.3} mag, core {:.3} mag",
         in_sample.n,
@@ -74,12 +75,12 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     Ok(if faults.is_empty() { Outcome::Done } else { Outcome::No })
 }
 
-/// Replaces the covariance of a fit to pixels, which share tracks, by that of a jackknife over sets of tracks.
+/// Replaces the covariance of a fit to pixels by that of a jackknife over sets of tracks, because pixels share tracks.
 fn with_jackknife(sets: usize, chosen: &ChosenForm, input: &FitInput, fit: Fit) -> anyhow::Result<Fit> {
     let Some(reduction) = input.reduction.as_ref().filter(|_| sets > 0) else { return Ok(fit) };
     match jackknife(chosen.form.as_form(), &input.measurements, reduction.options, &fit, &chosen.settings, sets) {
         Ok(covariance) => Ok(fit.with_covariance(covariance, CovarianceKind::Jackknife)),
-        // For example a table without track names.
+        // Too few tracks, for example in a table without track names.
         Err(problem @ FitError::Sets { .. }) => {
             input
                 .notices
@@ -127,7 +128,7 @@ fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> 
     Ok(standings)
 }
 
-/// Residuals of single measurements about the fit.
+/// Returns the residuals of single measurements about the fit, mag.
 fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<f64> {
     let points: Vec<FitPoint> =
         points_of_measurements(&input.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
@@ -142,7 +143,7 @@ fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<f64> {
 
 fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
     let FitResults { typed, chosen, input, problem, fit, .. } = results;
-    // The sigma is for new single measurements: from held-out ones if there are any.
+    // The sigma applies to new single measurements, and is computed from held-out ones if there are any.
     let held = results.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
     let (sigma_mag, origin) = match held {
         Some(held) => (
@@ -188,7 +189,7 @@ fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<
 }
 
 /// Checks all flags and returns the output of the model file.
-pub fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Output> {
+fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Output> {
     let output = Output::new(Some("json"), Some(typed.output.clone()))?;
     check_distinct(typed)?;
     if let Some(chains) = &typed.chains {
@@ -201,17 +202,17 @@ pub fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<O
     let free = chosen.settings.free.len();
     if let Some(steps) = typed.mcmc {
         if typed.burn_in >= steps {
-            return Err(anyhow!("invalid burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
+            return Err(anyhow!("burn-in is {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
         }
         check_walkers(typed.walkers, free)?;
     }
     if typed.form.folds == 1 {
-        return Err(anyhow!("invalid folds 1; allowed: 0, or 2 or more"));
+        return Err(anyhow!("folds is 1; allowed: 0, or 2 or more"));
     }
     let is_reduced = !typed.reduction.raw_points;
     if is_reduced && typed.jackknife > 0 && typed.jackknife <= free {
         return Err(anyhow!(
-            "invalid jackknife {}; allowed: more than the {free} free parameters, or 0 for none",
+            "jackknife is {}; allowed: more than the {free} free parameters, or 0 for none",
             typed.jackknife
         ));
     }
@@ -234,14 +235,17 @@ fn check_distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
     for path in outputs {
         let absolute = absolute_path(&path);
         if taken.contains(&absolute) {
-            return Err(anyhow!("{} is given twice; every output needs its own file", path.display()));
+            return Err(anyhow!(
+                "{} is given twice; allowed: a different file for each input and output",
+                path.display()
+            ));
         }
         taken.push(absolute);
     }
     Ok(())
 }
 
-/// Returns the path with its canonical folder.
+/// Returns the path with the canonical path of its folder.
 fn absolute_path(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
@@ -263,8 +267,7 @@ fn is_date(text: &str) -> bool {
 }
 
 /// Returns this month as `2026-11`.
-pub fn this_month() -> String {
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let (year, month, ..) = Epoch::from_unix_seconds(since_1970.as_secs_f64()).to_gregorian_utc();
+fn this_month() -> String {
+    let (year, month, ..) = crate::clock::now().to_gregorian_utc();
     format!("{year:04}-{month:02}")
 }

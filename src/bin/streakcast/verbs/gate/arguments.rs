@@ -1,4 +1,4 @@
-//! Flags of `gate`, and the request of them, checked before elements are read.
+//! Flags of `gate`, and the request that they define, with checks that precede the reading of elements.
 
 use std::cell::Cell;
 use std::path::PathBuf;
@@ -36,13 +36,14 @@ pub struct GateArguments {
     /// Longest wait with its unit
     #[arg(long, value_name = "TIME", default_value = "90s")]
     pub max_wait: String,
-    /// Margin kept clear before and after the exposure, with its unit; that of the policy, else 2s, if omitted
+    /// Margin kept clear before and after the exposure, with its unit; if omitted that of the policy, or else 2s
     #[arg(long, value_name = "TIME")]
     pub margin: Option<String>,
-    /// Exit with code 1 if there is no clear start in time, 2 on a fault; without it both exit with 0 and a line of log
+    /// Exit with code 1 if no clear start is within --max-wait, 2 on a fault; otherwise both are only logged, with exit
+    /// code 0
     #[arg(long)]
     pub strict: bool,
-    /// Read the job from standard input: ekos (JSON of its pre-capture script)
+    /// Read the job from standard input: ekos (JSON that Ekos sends to its pre-capture script)
     #[arg(long, value_name = "HOST", help_heading = "Host")]
     pub stdin: Option<Host>,
     /// File of target coordinates by name (TOML), for hosts that send only the name
@@ -63,7 +64,7 @@ pub struct GateArguments {
     /// File of the result and of counters over all runs (JSON), for hosts that show neither output nor log
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub status_file: Option<PathBuf>,
-    /// Rehearsal at this time: waits pass at once
+    /// Rehearse at this time, with waits that take no time
     #[arg(long, value_name = "TIME", help_heading = "Time")]
     pub now: Option<String>,
     #[command(flatten)]
@@ -75,7 +76,7 @@ pub enum Host {
     Ekos,
 }
 
-/// Default margin: allowed delay of a host from the end of this command to the shutter opening, seconds.
+/// Default margin, seconds: covers the delay of a host from the end of this command to the shutter opening.
 const DEFAULT_MARGIN_S: f64 = 2.0;
 
 /// A request to the gate.
@@ -127,7 +128,7 @@ impl Request {
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
             return Err(anyhow!(
-                "max_lost_fraction of the policy is not for gate; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
+                "the policy has max_lost_fraction, which gate does not support; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
             ));
         }
         let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
@@ -144,18 +145,18 @@ impl Request {
         let duration = text(&config.exposure.duration);
         let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
         if config.is_in_orbit() {
-            return Err(anyhow!("gate is not for a telescope in orbit; specify a site"));
+            return Err(anyhow!("gate does not support a telescope in orbit; allowed: a site"));
         }
         let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
         let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
         let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
         if max_wait_s > Policy::LONGEST_DELAY_S {
-            return Err(anyhow!("max-wait {max_wait_s} s: allowed 0 to {} s", Policy::LONGEST_DELAY_S));
+            return Err(anyhow!("max-wait is {max_wait_s} s; allowed: 0 to {} s", Policy::LONGEST_DELAY_S));
         }
         let timeout_s = parse_duration_s("timeout", &typed.timeout)?;
         if !(0.1..=600.0).contains(&timeout_s) {
-            return Err(anyhow!("timeout {timeout_s} s: allowed 0.1 to 600 s"));
+            return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 600 s"));
         }
         let clock = match &typed.now {
             Some(now) => Clock::Rehearsal(Cell::new(parse_moment(now, config.time_scale()?)?)),

@@ -1,16 +1,16 @@
-//! Clock of the machine, or of a rehearsal in which waits pass at once.
+//! Clock of the machine, or of a rehearsal in which waits take no time.
 
 use std::cell::Cell;
 use std::thread::sleep;
-use std::time::{Duration, Instant, SystemTime};
+use std::time::{Duration, Instant};
 
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
 
-/// Longest sleep without reading the clock: detects a suspended machine and a clock that was set.
+/// Longest sleep without reading the clock, to detect a suspended machine or a changed clock.
 const MAX_SLEEP: Duration = Duration::from_secs(1);
 
-/// Source of the time, and of waits.
+/// Source of the time, which also waits.
 pub enum Clock {
     /// Clock of the machine.
     Machine,
@@ -21,11 +21,7 @@ pub enum Clock {
 impl Clock {
     pub fn now(&self) -> Epoch {
         match self {
-            Clock::Machine => {
-                let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-                // Unix time has days of 86400 s, without leap seconds.
-                Epoch::from_unix_seconds(since_1970.as_secs_f64())
-            }
+            Clock::Machine => crate::clock::now(),
             Clock::Rehearsal(now) => now.get(),
         }
     }
@@ -35,7 +31,7 @@ impl Clock {
         matches!(self, Clock::Machine)
     }
 
-    /// Waits until a moment, at most as long as it is away now, even if the clock is set meanwhile.
+    /// Waits until a moment. A change of the clock may shorten the wait, but not extend it.
     pub fn sleep_until(&self, moment: Epoch) {
         match self {
             Clock::Machine => {
@@ -48,8 +44,8 @@ impl Clock {
     }
 }
 
-/// Sleeps until `left` is zero, at most as long as `left` is now. `left` is read from a clock that may be set,
-/// `elapsed` from one that cannot.
+/// Sleeps until `left` is zero, at most for its first value. The clock behind `left` may be changed meanwhile; the
+/// monotonic clock behind `elapsed` may not.
 fn wait(left: impl Fn() -> Duration, elapsed: impl Fn() -> Duration, pause: impl Fn(Duration)) {
     let longest = left();
     loop {

@@ -1,4 +1,4 @@
-//! Job of Ekos: one JSON object on the standard input of its pre-capture script, which Ekos may leave open.
+//! Job of Ekos: one JSON object on the standard input of the pre-capture script. Ekos may leave this input open.
 
 use std::io::{self, Read, Stdin, stdin};
 use std::sync::Arc;
@@ -49,7 +49,7 @@ impl Job {
     }
 }
 
-/// Standard input with a flag that is set when it has sent anything except blanks.
+/// Standard input with a flag that is set when anything except blanks was read.
 struct WatchedInput {
     input: Stdin,
     anything: Arc<AtomicBool>,
@@ -65,12 +65,12 @@ impl Read for WatchedInput {
     }
 }
 
-/// Reads the first JSON value on standard input; `None` without input, as from older KStars.
+/// Reads the first JSON value on standard input; `None` without input, for example with older versions of KStars.
 pub fn read_job(timeout: Duration) -> Result<Option<Job>, Fault> {
     let (send, receive) = channel();
     let anything = Arc::new(AtomicBool::new(false));
     let watched = WatchedInput { input: stdin(), anything: anything.clone() };
-    // The reader stays behind in its thread if the host never closes the pipe.
+    // If the host never closes the pipe, the thread stays blocked until the process ends.
     thread::spawn(move || {
         let mut messages = Deserializer::from_reader(watched).into_iter::<Message>();
         let _ = send.send(messages.next());
@@ -89,9 +89,10 @@ pub fn read_job(timeout: Duration) -> Result<Option<Job>, Fault> {
         },
         Ok(Some(Err(error))) => Err(bad(format!("standard input: {error}"))),
         Err(RecvTimeoutError::Timeout) if !anything.load(Ordering::Relaxed) => Ok(None),
-        Err(RecvTimeoutError::Timeout) => {
-            Err(bad(format!("standard input: no complete JSON object within {} s", timeout.as_secs_f64())))
-        }
+        Err(RecvTimeoutError::Timeout) => Err(bad(format!(
+            "standard input: no complete JSON object within {} s (--timeout); allowed: one object",
+            timeout.as_secs_f64()
+        ))),
         Err(RecvTimeoutError::Disconnected) => Err(bad("standard input cannot be read".to_owned())),
     }
 }

@@ -1,4 +1,4 @@
-//! INDI client: reads pointing and site of a mount from a server, XML over TCP. It sets no property.
+//! INDI client that reads pointing and site of a mount from a server (XML over TCP). It changes no property.
 
 use std::io::{self, BufReader, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -93,7 +93,7 @@ impl Read for LimitedStream {
     }
 }
 
-/// Vector of numbers that is being read.
+/// INDI number vector, filled while the elements of its XML are read.
 #[derive(Debug, Default)]
 struct Vector {
     device: String,
@@ -173,7 +173,8 @@ impl Properties {
                 if has_site && self.requested_device.is_some() {
                     return None;
                 }
-                // Servers send all properties at once: a site, or a second mount, arrives soon or not at all.
+                // Servers send all properties at once, so that a site or a second mount arrives soon after the
+                // pointing, or never.
                 let limited = reader.get_mut().get_mut();
                 limited.deadline = limited.deadline.min(Instant::now() + GRACE);
             }
@@ -200,7 +201,7 @@ impl Properties {
                 });
             }
             if let Some(server_time) = vector.timestamp.filter(|_| clock.is_real()) {
-                // The time stamp is truncated to whole seconds: on average half a second is missing.
+                // Time stamps are truncated to whole seconds, on average by half a second.
                 let offset_s = seconds_between(clock.now(), server_time) + 0.5;
                 self.clock_error_s = Some(offset_s).filter(|offset_s| offset_s.abs() > CLOCK_TOLERANCE_S);
             }
@@ -227,7 +228,7 @@ impl Properties {
         }
         let Some(pointing) = self.settled() else {
             return Err(match (self.pointings.first(), &self.requested_device) {
-                (Some(moving), _) => format!("{} is {}, not at rest", moving.device, moving.state),
+                (Some(moving), _) => format!("{} is {}; allowed: a mount at rest", moving.device, moving.state),
                 (None, Some(device)) => format!("no coordinates of {device}; check its connection"),
                 (None, None) if self.devices.is_empty() => "no mount".to_owned(),
                 (None, None) => format!("no mount among {}; check its connection", self.devices.join(", ")),

@@ -4,9 +4,9 @@ mod arguments;
 mod clock;
 mod ekos;
 mod indi;
-mod places;
 mod run;
 mod status_file;
+mod targets;
 
 pub use arguments::GateArguments;
 pub use run::run;

@@ -1,4 +1,5 @@
-//! Run of the gate: job of the host, pointing of the mount, wait for a clear field, status file.
+//! Run of the gate: reads the job of the host and the pointing of the mount, waits for a clear field, and writes the
+//! status file.
 
 use std::path::Path;
 use std::time::{Duration, SystemTime};
@@ -19,27 +20,27 @@ use streakcast::schedule::{
 use super::arguments::GateArguments;
 use super::arguments::Request;
 use super::status_file::{Fault, FaultKind};
-use super::{ekos, indi, places, status_file};
+use super::{ekos, indi, status_file, targets};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 
-/// Largest distance between the given site and that of the mount, km.
+/// Largest accepted distance between the given site and that of the mount, km.
 const SAME_SITE_KM: f64 = 1.0;
-/// Age below which a file of elements may still be incomplete.
+/// Age of a file of elements below which another program may still be writing it.
 const FRESH: Duration = Duration::from_secs(10);
-/// Age above which a file of elements is complete.
+/// Age of a file of elements above which it is taken as complete.
 const SETTLED: Duration = Duration::from_secs(600);
-/// Attempts to read elements.
+/// Largest number of attempts to read elements.
 const TRIES: usize = 4;
 /// Pause between attempts, seconds.
 const RETRY_S: f64 = 0.3;
-/// Error of the clock after a wait above which it was set meanwhile, seconds.
+/// Error of the clock after a wait above which the clock was set during the wait, seconds.
 const CLOCK_STEP_S: f64 = 1.0;
-/// Largest number of passes in the status file.
+/// Largest number of avoided passes in the status file.
 const NAMED: usize = 5;
 
 /// Result of a run.
-enum VerdictKind {
+enum GateVerdict {
     /// Clear field, after a wait or at once.
     Clear { waited_s: f64, until: Epoch },
     /// No clear start within the longest wait.
@@ -59,17 +60,17 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
     let mut counters = before.counters;
     counters.runs += 1;
     let (verdict, outcome) = match &answer {
-        Ok(VerdictKind::Clear { waited_s, .. }) => {
+        Ok(GateVerdict::Clear { waited_s, .. }) => {
             let counter = if *waited_s > 0.0 { &mut counters.waited } else { &mut counters.clear };
             *counter += 1;
             counters.waited_s += waited_s;
             ("clear", Ok(Outcome::Done))
         }
-        Ok(VerdictKind::NotClear) => {
+        Ok(GateVerdict::NotClear) => {
             counters.not_clear += 1;
             ("not_clear", Ok(if request.strict { Outcome::No } else { Outcome::Done }))
         }
-        Ok(VerdictKind::Skipped(_)) => {
+        Ok(GateVerdict::Skipped(_)) => {
             counters.skipped += 1;
             ("skipped", Ok(Outcome::Done))
         }
@@ -112,17 +113,17 @@ fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
     status.insert(name.to_owned(), value.into());
 }
 
-/// Returns the line of log.
-fn line(answer: &Result<VerdictKind, Fault>, max_wait_s: f64) -> String {
+/// Returns the line of the log.
+fn line(answer: &Result<GateVerdict, Fault>, max_wait_s: f64) -> String {
     match answer {
-        Ok(VerdictKind::Clear { waited_s, until }) if *waited_s > 0.0 => {
+        Ok(GateVerdict::Clear { waited_s, until }) if *waited_s > 0.0 => {
             format!("gate: clear after {waited_s:.1} s, starts until {}", format_utc(*until, 0))
         }
-        Ok(VerdictKind::Clear { until, .. }) => format!("gate: clear now, starts until {}", format_utc(*until, 0)),
-        Ok(VerdictKind::NotClear) => {
+        Ok(GateVerdict::Clear { until, .. }) => format!("gate: clear now, starts until {}", format_utc(*until, 0)),
+        Ok(GateVerdict::NotClear) => {
             format!("warning: gate: no clear start within {max_wait_s} s; the exposure starts and will be streaked")
         }
-        Ok(VerdictKind::Skipped(why)) => format!("gate: {why}: no wait"),
+        Ok(GateVerdict::Skipped(why)) => format!("gate: {why}: no wait"),
         Err(fault) => format!("warning: gate: {fault}; satellites were not checked, the exposure starts"),
     }
 }
@@ -132,13 +133,13 @@ fn answer(
     satellites_before: Option<usize>,
     status: &mut Map<String, Value>,
     notices: &Notices,
-) -> Result<VerdictKind, Fault> {
+) -> Result<GateVerdict, Fault> {
     let job = match request.stdin {
         Some(_) => ekos::read_job(request.timeout)?,
         None => None,
     };
     if let Some(job) = job.as_ref().filter(|job| !job.is_light()) {
-        return Ok(VerdictKind::Skipped(format!("a {} frame", job.kind.as_deref().unwrap_or_default().trim())));
+        return Ok(GateVerdict::Skipped(format!("a {} frame", job.kind.as_deref().unwrap_or_default().trim())));
     }
     let band = job.as_ref().and_then(ekos::Job::band);
     let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| request.target.clone());
@@ -172,22 +173,25 @@ fn answer(
     };
     let target = WindowTarget { exposure, band };
     let setup_fault = |error: &dyn std::fmt::Display| Fault::new(FaultKind::Setup, error);
-    // The windows extend beyond the longest wait, for the end of the clear interval.
+    // The windows extend beyond the longest wait, to find the end of the clear interval.
     let horizon = seconds_after(now, request.max_wait_s + duration_s.max(60.0));
     let report = clear_windows(std::slice::from_ref(&target), now, horizon, &window_request)
         .map_err(|error| setup_fault(&error))?;
     prepared.left_out_warning(&report.left_out, now).map_err(|error| Fault::new(FaultKind::Elements, error))?;
     let found = report.by_target.into_iter().next().unwrap_or_default();
     if found.observable.first().is_none_or(|window| seconds_between(now, window.first) > request.max_wait_s) {
-        let message = format!("target {} is below the horizon of {}", target.exposure.id, site.name);
+        let message = format!(
+            "target {} is below the horizon of {}; allowed: a target above the horizon",
+            target.exposure.id, site.name
+        );
         return Err(Fault::new(FaultKind::Target, message));
     }
-    // Reading the elements took some time.
+    // Reading the elements took some time: read the clock again.
     let now = request.clock.now();
     let last = seconds_after(now, request.max_wait_s);
-    name_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
+    add_avoided_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
     let Some(ClearWindow { first, last: until }) = next_window(&found.windows, now, last) else {
-        return Ok(VerdictKind::NotClear);
+        return Ok(GateVerdict::NotClear);
     };
     let waited_s = seconds_between(now, first).max(0.0);
     state(status, "waited_s", (waited_s * 1e3).round() / 1e3);
@@ -205,17 +209,17 @@ fn answer(
             return Err(Fault::new(FaultKind::Clock, message));
         }
     }
-    Ok(VerdictKind::Clear { waited_s, until })
+    Ok(GateVerdict::Clear { waited_s, until })
 }
 
-/// Returns pointing and site: as given, by the name of the target, or from the mount.
+/// Returns pointing and site. The pointing is that of the flags, of the target's name, or of the mount, in this order.
 fn pointing_and_site(
     request: &Request,
     name: Option<&str>,
     status: &mut Map<String, Value>,
 ) -> Result<(Direction<Gcrs>, Site), Fault> {
     let named = match (&request.targets, name) {
-        (Some(path), Some(name)) if request.pointing.is_none() => Some(places::look_up(path, name)),
+        (Some(path), Some(name)) if request.pointing.is_none() => Some(targets::look_up(path, name)),
         _ => None,
     };
     let mount = match &request.indi {
@@ -234,11 +238,14 @@ fn pointing_and_site(
     };
     let pointing = match (request.pointing, named, &mount) {
         (Some(pointing), ..) | (None, Some(Ok(pointing)), _) => pointing,
-        // The pointing of the mount replaces a name that is missing from the file.
+        // The pointing of the mount is used if the file lacks the name.
         (None, _, Some(mount)) => mount.pointing,
         (None, Some(Err(fault)), None) => return Err(fault),
         (None, None, None) => {
-            return Err(Fault::new(FaultKind::Target, "missing target: neither the host nor a flag has coordinates"));
+            return Err(Fault::new(
+                FaultKind::Target,
+                "missing coordinates of the target; specify --ra and --dec, --targets with a target name, or --indi",
+            ));
         }
     };
     let mount_site = mount.and_then(|mount| mount.site);
@@ -246,15 +253,19 @@ fn pointing_and_site(
         (Some(site), Some(mount_site)) => {
             let apart_km = (site.itrs() - mount_site.itrs()).norm_km();
             if apart_km > SAME_SITE_KM {
-                let message =
-                    format!("the site of the mount {} is {apart_km:.1} km from {}", mount_site.name, site.name);
+                let message = format!(
+                    "the site of the mount {} is {apart_km:.1} km from {}; allowed: at most 1 km",
+                    mount_site.name, site.name
+                );
                 return Err(Fault::new(FaultKind::Site, message));
             }
             site.clone()
         }
         (Some(site), None) => site.clone(),
         (None, Some(mount_site)) => mount_site,
-        (None, None) => return Err(Fault::new(FaultKind::Site, "the mount sends no site; specify --site")),
+        (None, None) => {
+            return Err(Fault::new(FaultKind::Site, "missing site, which the mount does not send; specify --site"));
+        }
     };
     Ok((pointing, site))
 }
@@ -291,7 +302,7 @@ fn prepare(
             break prepared;
         }
         tries += 1;
-        // This wait is real also in a rehearsal.
+        // Another program may be writing the file: the wait is real also in a rehearsal.
         std::thread::sleep(Duration::from_secs_f64(RETRY_S));
     };
     let prepared = prepared.map_err(|error| {
@@ -300,7 +311,7 @@ fn prepare(
     notices.warn(&prepared.warnings);
     let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
     state(status, "elements_rejected", rejected);
-    // Fewer satellites than in the last run indicate an incomplete file, unless the file is old enough.
+    // Far fewer satellites than in the last run indicate an incomplete file, unless the file is old enough.
     let cut_short = is_cut_short(&prepared);
     let least = |before: usize| if cut_short { before - before / 10 } else { before.div_ceil(2) };
     let is_settled =
@@ -347,8 +358,14 @@ fn age(path: &Path) -> Option<Duration> {
     SystemTime::now().duration_since(changed).ok()
 }
 
-/// Adds the avoided passes to the status.
-fn name_passes(found: &TargetWindows, prepared: &PreparedSky, from: Epoch, to: Epoch, status: &mut Map<String, Value>) {
+/// Adds the passes that the wait avoids to the status.
+fn add_avoided_passes(
+    found: &TargetWindows,
+    prepared: &PreparedSky,
+    from: Epoch,
+    to: Epoch,
+    status: &mut Map<String, Value>,
+) {
     let ahead: Vec<&Pass> =
         found.dodged.iter().filter(|pass| pass.exit.epoch >= from && pass.enter.epoch <= to).collect();
     let named: Vec<Value> = ahead
@@ -369,12 +386,12 @@ fn name_passes(found: &TargetWindows, prepared: &PreparedSky, from: Epoch, to: E
     state(status, "dodged", named);
 }
 
-/// Writes the status of a wait; the counters are updated at the end.
+/// Writes the status during a wait, with the counters of the last run; they are updated at the end of this run.
 fn write_waiting(request: &Request, status: &Map<String, Value>) {
     let Some(path) = &request.status_file else { return };
     let mut status = status.clone();
     state(&mut status, "verdict", "waiting");
     state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
-    // An error is reported at the end.
+    // An error in writing is reported when the final status is written.
     let _ = status_file::write(path, &status);
 }

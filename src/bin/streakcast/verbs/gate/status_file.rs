@@ -1,4 +1,4 @@
-//! Status file: results of this run, and counters over all runs. Kinds of faults.
+//! Status file with the results of this run and counters over all runs; kinds of faults.
 
 use std::fmt;
 use std::path::Path;
@@ -29,7 +29,7 @@ pub struct Before {
     pub satellites: Option<usize>,
 }
 
-/// Reads the status of the last run; the default without a valid file.
+/// Reads the status of the last run; returns the default if there is no valid file.
 pub fn read(path: Option<&Path>) -> Before {
     let text = path.and_then(|path| std::fs::read_to_string(path).ok());
     text.and_then(|text| serde_json::from_str(&text).ok()).unwrap_or_default()
@@ -41,7 +41,7 @@ pub fn write(path: &Path, statements: &Map<String, Value>) -> std::io::Result<()
     write_atomically(path, |out| out.write_all(text.as_bytes()))
 }
 
-/// Kind of a fault: its counter in the status file.
+/// Kind of a fault, with a counter of its own in the status file.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// Elements are missing, invalid, incomplete or cannot be propagated.
@@ -56,7 +56,7 @@ pub enum FaultKind {
     Indi,
     /// The site of the mount differs from the given one.
     Site,
-    /// Two clocks differ.
+    /// The clocks of this machine and of the INDI server differ, or the clock was set during a wait.
     Clock,
     /// Any other input is invalid.
     Setup,
@@ -87,7 +87,7 @@ pub struct Fault {
 
 impl Fault {
     pub fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
-        // One line of log.
+        // The log has one line for each message.
         Self { kind, message: message.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
     }
 }

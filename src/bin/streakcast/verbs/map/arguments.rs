@@ -45,7 +45,7 @@ pub struct MapOutputArguments {
     /// Output format: table, csv, ecsv, json, jsonl, fits (HEALPix, needs -o); by the extension of -o if omitted
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
-    /// Output file; standard output if omitted, or no table with only --picture
+    /// Output file of the table; if omitted standard output, or no table if --picture is given
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: Option<PathBuf>,
     /// Picture of the map: a file with the extension .png or .svg
@@ -124,7 +124,7 @@ pub enum PictureName {
 #[cfg(feature = "plot")]
 #[derive(Args)]
 pub struct MapPaperArguments {
-    /// Folder for figure-6 to figure-9; created if missing
+    /// Folder for the pictures figure-6 to figure-9; created if missing
     #[arg(long, short, value_name = "FOLDER")]
     pub output: PathBuf,
     /// Picture format
@@ -138,7 +138,7 @@ pub struct MapPaperArguments {
 }
 
 impl LightArguments {
-    /// Returns the configuration of these flags and of a site, laid over the configuration file.
+    /// Returns the configuration of these flags and of a site, completed with the configuration file.
     pub fn config(&self, site: SiteConfig) -> anyhow::Result<Config> {
         let flags = Config { light: self.magnitudes.clone(), run: self.run.clone(), site, ..Config::default() };
         Ok(flags.with_file()?)

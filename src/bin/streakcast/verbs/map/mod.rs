@@ -1,4 +1,5 @@
-//! `map`: magnitudes over the sky of a site and over the directions around a satellite, as tables, FITS and pictures.
+//! `map`: maps of magnitudes over the sky of a site and over the directions around a satellite, as tables, FITS and
+//! pictures.
 
 mod arguments;
 #[cfg(feature = "plot")]

@@ -14,7 +14,7 @@ use crate::failure::Outcome;
 use crate::output::{check, write_bytes};
 use crate::verbs::judged::begin;
 
-/// Returns the bytes of a picture, if a path is given.
+/// Returns the bytes of a picture in the format of its path; `None` without a path.
 pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::Result<Option<Vec<u8>>> {
     path.map(|path| Ok(picture().to_bytes(PictureFormat::of(path)?)?)).transpose()
 }
@@ -26,7 +26,7 @@ pub fn write(path: Option<&Path>, bytes: Option<Vec<u8>>) -> anyhow::Result<()> 
     }
 }
 
-/// Draws all four figures, then writes them.
+/// Draws all four figures before it writes the first, so that an error leaves no file.
 pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
     let config = typed.light.config(SiteConfig::default())?;
     let notices = begin(&config)?;
@@ -35,7 +35,7 @@ pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
         PictureName::Png => (PictureFormat::Png, "png"),
         PictureName::Svg => (PictureFormat::Svg, "svg"),
     };
-    // The maps of the paper are for magnitudes outside the atmosphere.
+    // The maps of the paper have no atmospheric extinction.
     let options = PhotometryOptions { extinction_mag_per_airmass: None, ..config.photometry()? };
     let folder = &typed.output;
     if !folder.is_dir() {

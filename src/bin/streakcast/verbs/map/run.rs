@@ -1,4 +1,4 @@
-//! Maps of `map body` and `map sky`: numbers, pictures or both.
+//! `map body` and `map sky`: write the table of a map, its picture, or both.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use streakcast::output::{Provenance, Section, Table};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 
 use crate::failure::Outcome;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use crate::output::write_bytes;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded};
@@ -21,7 +21,7 @@ use super::arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb}
 #[cfg(feature = "plot")]
 use super::pictures;
 use super::target::Target;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use super::target::fits_bytes;
 use crate::verbs::judged::begin;
 
@@ -73,7 +73,7 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
             let map = view.map(*grid);
             write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN)?;
         }
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]
@@ -93,7 +93,7 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
     };
     if config.is_in_orbit() {
         bail!(
-            "the observer of the configuration is in orbit; specify a site on the ground: --site, --mpc, or --lat and --lon"
+            "the observer of the configuration is in orbit; allowed: a site on the ground (--site, --mpc, or --lat and --lon)"
         );
     }
     let options = config.photometry()?;
@@ -113,7 +113,7 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
             let map = view.map(*grid);
             write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN)?;
         }
-        #[cfg(feature = "fits")]
+        #[cfg(all(feature = "fits", unix))]
         Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]
@@ -121,8 +121,8 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
     Ok(Outcome::Done)
 }
 
-/// Returns a model of the library, or of a file: a name with the extension .json or a folder, or the name of an
-/// existing file that is not in the library.
+/// Returns the model of a name in the library, or of a file. A name is that of a file if it has the extension .json or
+/// a folder, or if it is not in the library and a file of that name exists.
 pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
     let path = Path::new(name);
     let is_path =
@@ -138,7 +138,7 @@ pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<Bright
     })
 }
 
-/// Returns a warning of options of the configuration that a map does not use.
+/// Returns a warning with the options of the configuration that have no effect on a map.
 pub fn unused_options(config: &Config, more: &[(&str, bool)], map: &str) -> Option<String> {
     let sun = ("sun_distance", config.sun_distance == Some(true));
     let unused: Vec<&str> = [sun].iter().chain(more).filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();

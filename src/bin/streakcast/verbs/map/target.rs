@@ -2,26 +2,26 @@
 
 use std::ffi::OsStr;
 use std::path::Path;
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
-#[cfg(feature = "fits")]
+#[cfg(all(feature = "fits", unix))]
 use streakcast::maps::{DEFAULT_NSIDE, MapError};
 use streakcast::maps::{DEFAULT_STEP_DEG, Grid};
 
 use super::arguments::MapOutputArguments;
-#[cfg(any(feature = "fits", feature = "plot"))]
+#[cfg(any(all(feature = "fits", unix), feature = "plot"))]
 use crate::output::check;
 use crate::output::{FORMATS, Format, Output};
 
-/// Destination of the numbers, checked before any work.
+/// Destination of the table of a map, checked before the computation.
 pub enum Target {
-    /// Only a picture is requested.
+    /// No table, because only a picture is requested.
     #[cfg(feature = "plot")]
     Nothing,
     Table(Output, Grid),
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     Fits(PathBuf, Grid),
 }
 
@@ -42,20 +42,22 @@ impl Ending {
         match end.as_str() {
             "fits" | "fit" => Ok(Self::Fits),
             "gz" => bail!(
-                "output {shown}: compressed output is not supported; specify {}",
+                "output {shown} is compressed, which is not supported; allowed: {}",
                 path.with_extension("").display()
             ),
             #[cfg(feature = "plot")]
-            "png" | "svg" => bail!("output {shown}: pictures are written with --picture {shown}"),
+            "png" | "svg" => bail!("output {shown} is a picture; allowed: --picture {shown}"),
             #[cfg(not(feature = "plot"))]
-            "png" | "svg" => bail!("output {shown}: this build has no pictures; it needs the cargo feature plot"),
+            "png" | "svg" => {
+                bail!("output {shown} is a picture, which needs a build with the cargo feature plot; allowed: a table")
+            }
             _ => Ok(if Format::by_name(&end).is_some() { Self::Table } else { Self::Other }),
         }
     }
 }
 
 impl Target {
-    /// Opens a target in the given format, else that of the file extension, else that of the configuration.
+    /// Opens a target in the given format, or else in that of the file extension, or else in that of the configuration.
     pub fn new(typed: &MapOutputArguments, configured: Option<&str>) -> anyhow::Result<Self> {
         let grid = match (typed.nside, typed.step_deg) {
             (Some(nside), _) => Grid::healpix(nside)?,
@@ -73,7 +75,7 @@ impl Target {
         if let (Some(name), Some(path)) = (format, output) {
             let is_other = if name == "fits" { ending == Ending::Table } else { ending == Ending::Fits };
             if is_other {
-                bail!("format {name} for the file {}; allowed: the extension .{name}", path.display());
+                bail!("the file {} does not have the format {name}; allowed: the extension .{name}", path.display());
             }
         }
         #[cfg(feature = "plot")]
@@ -90,35 +92,41 @@ impl Target {
         Ok(Self::Table(Output::new(format, typed.output.clone())?, grid))
     }
 
-    /// Rejects the grid of a table without a table: a picture has its own pixels.
+    /// Rejects flags of the table's grid if only a picture is written, because a picture has its own pixels.
     #[cfg(feature = "plot")]
     fn picture_alone(typed: &MapOutputArguments) -> anyhow::Result<Self> {
         let of_tables = [("--nside", typed.nside.is_some()), ("--step-deg", typed.step_deg.is_some())];
         match of_tables.iter().find(|(_, is_given)| *is_given) {
-            Some((flag, _)) => bail!("{flag} is for tables and FITS, not for pictures; specify also -o or --format"),
+            Some((flag, _)) => {
+                bail!("{flag} has no effect on a picture; allowed: with a table or FITS (-o or --format)")
+            }
             None => Ok(Self::Nothing),
         }
     }
 
-    #[cfg(feature = "fits")]
+    #[cfg(all(feature = "fits", unix))]
     fn fits(typed: &MapOutputArguments, grid: Grid) -> anyhow::Result<Self> {
         let path =
-            typed.output.clone().ok_or_else(|| anyhow!("format fits needs an output file; specify -o map.fits"))?;
+            typed.output.clone().ok_or_else(|| anyhow!("missing output file for format fits; specify -o map.fits"))?;
         if typed.step_deg.is_some() {
-            bail!("format fits is for HEALPix maps; specify --nside {DEFAULT_NSIDE} instead of --step-deg");
+            bail!(
+                "--step-deg is given with format fits, which holds HEALPix maps; allowed: --nside, for example {DEFAULT_NSIDE}"
+            );
         }
         check(&path)?;
         Ok(Self::Fits(path, if typed.nside.is_some() { grid } else { Grid::healpix(DEFAULT_NSIDE)? }))
     }
 
-    #[cfg(not(feature = "fits"))]
+    #[cfg(not(all(feature = "fits", unix)))]
     fn fits(_: &MapOutputArguments, _: Grid) -> anyhow::Result<Self> {
-        Err(anyhow!("this build has no FITS (cargo feature fits); allowed: {FORMATS}"))
+        Err(anyhow!(
+            "format fits needs a build with the Cargo feature fits, which does not exist on Windows; allowed: {FORMATS}"
+        ))
     }
 }
 
-/// Returns the bytes of a FITS file, written in the temporary folder of the system.
-#[cfg(feature = "fits")]
+/// Returns the bytes of a FITS file. CFITSIO writes it to the temporary folder of the system first.
+#[cfg(all(feature = "fits", unix))]
 pub fn fits_bytes(made: impl FnOnce(&Path) -> Result<Vec<u8>, MapError>) -> anyhow::Result<Vec<u8>> {
     made(&std::env::temp_dir()).map_err(|error| match error {
         MapError::Scratch(_) => anyhow!("{error}; the environment variable TMPDIR sets another folder"),

@@ -23,7 +23,7 @@ pub struct PlotArguments {
 pub enum PlotVerb {
     /// Plot a timeline of a night: streaked exposures, coloured by the brightest streak
     Night(Box<PlotNightArguments>),
-    /// Plot a field with its streaks: gnomonic, north up, east left, with entry, exit and magnitude
+    /// Plot the streaks in a field (gnomonic, north up, east left), with entry, exit and magnitude
     Field(Box<PlotFieldArguments>),
     /// Plot the magnitude along a track with its error, and the interval inside the field
     LightCurve(Box<PlotLightCurveArguments>),
@@ -31,7 +31,7 @@ pub enum PlotVerb {
     SkyChart(Box<PlotSkyChartArguments>),
     /// Plot the expected number of streaks per exposure over the sky of a site
     SkyRate(Box<PlotSkyRateArguments>),
-    /// Plot trails per exposure against the Sun's altitude, for a schedule or a grid of a night
+    /// Plot trails per exposure against the Sun's altitude, for a schedule or for a grid over the sky during a night
     SunAltitude(Box<PlotSunAltitudeArguments>),
     /// Plot magnitudes over the sky of a site, for satellites of one height
     Sky(Box<PlotSkyArguments>),
@@ -73,7 +73,7 @@ pub struct TitleArguments {
 /// Local time of the upper axis.
 #[derive(Args)]
 pub struct ClockArguments {
-    /// Local time ahead of UTC, for example -4 or +05:45; local mean solar time of the site if omitted
+    /// Local time in hours ahead of UTC, for example -4 or +05:45; local mean solar time of the site if omitted
     #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
     pub utc_offset: Option<f64>,
 }
@@ -121,7 +121,8 @@ pub struct PlotFieldArguments {
 
 #[derive(Args)]
 pub struct PlotLightCurveArguments {
-    /// Input table: data of an earlier plot light-curve, or output of forecast (--light-curves, or JSON with --samples N)
+    /// Input table: data of an earlier plot light-curve, or output of forecast (--light-curves, or JSON with --samples
+    /// N)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "ra", "dec", "elements", "shells"])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
@@ -153,7 +154,7 @@ pub struct PlotSkyChartArguments {
     /// NORAD catalogue numbers of satellites; the 22 brightest passes if omitted
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
-    /// Local time ahead of UTC, for example -4 or +05:45; UTC if omitted
+    /// Local time in hours ahead of UTC, for example -4 or +05:45; UTC if omitted
     #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
     pub utc_offset: Option<f64>,
     #[command(flatten)]
@@ -182,7 +183,7 @@ pub struct PlotSkyRateArguments {
     /// Time of the plot, for example 2024-08-14T00:30:00Z; start of the search with --sun-altitude-deg
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<Quantity>,
-    /// Altitude of the Sun, degrees: plot the first time after --start with it
+    /// Plot for the first time after --start at which the Sun has this altitude, degrees
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub sun_altitude_deg: Option<f64>,
     /// Exposure time with its unit
@@ -269,7 +270,7 @@ pub struct PlotCornerArguments {
     /// Chains of fit run --mcmc (.npz)
     #[arg(long, value_name = "FILE")]
     pub chains: PathBuf,
-    /// Number of discarded steps at the beginning; a quarter of them if omitted
+    /// Number of discarded steps at the beginning; a quarter of all steps if omitted
     #[arg(long, value_name = "N")]
     pub burn_in: Option<usize>,
     /// Parameters to plot, 2 to 9; the first nine if omitted

@@ -5,17 +5,18 @@ use streakcast::frames::{EopTable, Orientation};
 use streakcast::geometry::{Observer, Site};
 use streakcast::plot::LocalClock;
 
-/// Step between two positions of the Sun, days: at most 1.25°, linear to a few hundredths of a degree.
+/// Interval between two positions of the Sun, days. The Sun moves by at most 1.25° in this time, and linear
+/// interpolation is accurate to a few hundredths of a degree.
 const STEP_DAYS: f64 = 5.0 / 1440.0;
 
-/// Local time with its name.
+/// Local time: its offset from UTC and its name on the axis.
 pub struct Clock {
     ahead_of_utc_h: f64,
     name: String,
 }
 
 impl Clock {
-    /// Returns the clock of a given offset, else that of the longitude of a site.
+    /// Returns the local time of a given offset, or else the mean solar time of a site; `None` without either.
     pub fn new(offset_h: Option<f64>, site: Option<&Site>) -> Option<Self> {
         match (offset_h, site) {
             (Some(hours), _) => {

@@ -1,4 +1,4 @@
-//! Tables by the names of their columns: of a result, or of an output file of a verb.
+//! Tables with access by column name, from a result or from the output file of a verb.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ use streakcast::output::{Provenance, Table, Value as Cell};
 pub struct Columns {
     origin: String,
     names: Vec<String>,
-    /// Line or number of each row, for messages, and its cells.
+    /// Rows: line in the file, or number of the row, for messages, and the cells.
     rows: Vec<(usize, Vec<String>)>,
     provenance: Map<String, Value>,
 }
@@ -31,12 +31,12 @@ impl Columns {
         }
     }
 
-    /// Reads a CSV, ECSV or JSON file; of a JSON document the array `section`.
+    /// Reads a CSV, ECSV or JSON file. In a JSON document, the array `section` is the table.
     pub fn read(path: &Path, section: &str) -> anyhow::Result<Self> {
         Self::read_first(path, &[section])
     }
 
-    /// The same with several arrays: reads the first in the document.
+    /// Reads a file as [`Columns::read`]. In a JSON document, the first of `sections` that it contains is the table.
     pub fn read_first(path: &Path, sections: &[&str]) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
         let text = fs::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
@@ -85,15 +85,17 @@ impl Columns {
     }
 
     fn from_json(origin: &str, text: &str, sections: &[&str]) -> anyhow::Result<Self> {
-        let broken = |error: serde_json::Error| anyhow!("table {origin}: not JSON: {error}");
+        let broken = |error: serde_json::Error| anyhow!("table {origin} is not JSON: {error}");
         let allowed = sections.join("' or '");
         let (mut document, rows) = match serde_json::from_str::<Value>(text) {
             Ok(Value::Array(rows)) => (Map::new(), rows),
             Ok(Value::Object(mut document)) => match sections.iter().find_map(|section| document.remove(*section)) {
                 Some(Value::Array(rows)) => (document, rows),
-                _ => bail!("table {origin} has no array '{allowed}'"),
+                _ => bail!("table {origin} has no such array; allowed: an array '{allowed}'"),
             },
-            Ok(_) => bail!("table {origin}: allowed: an object with an array '{allowed}', or an array of objects"),
+            Ok(_) => bail!(
+                "table {origin} is neither an object nor an array; allowed: an object with an array '{allowed}', or an array of objects"
+            ),
             // JSON lines: one object per line, the first with the provenance.
             Err(error) => {
                 let lines = text.lines().filter(|line| !line.trim().is_empty());
@@ -123,7 +125,7 @@ impl Columns {
         Ok(Self { origin: origin.to_owned(), names, rows, provenance })
     }
 
-    /// Returns the name in messages.
+    /// Returns the name of the table in messages.
     pub fn origin(&self) -> &str {
         &self.origin
     }
@@ -145,7 +147,7 @@ impl Columns {
         self.provenance.get(name)
     }
 
-    /// Returns the note of a caption on simulated satellites.
+    /// Returns the sentence on simulated satellites in a caption; empty if all satellites are real.
     pub fn simulation_note(&self) -> &'static str {
         let shells = self.stated("shells").and_then(Value::as_array);
         match (shells.is_some_and(|shells| !shells.is_empty()), self.stated("elements").is_some()) {
@@ -155,7 +157,7 @@ impl Columns {
         }
     }
 
-    /// Returns the site of the provenance.
+    /// Returns the site stated in the provenance.
     pub fn site(&self) -> Option<Site> {
         let site = self.stated("site")?;
         let number = |name: &str| site.get(name).and_then(Value::as_f64);
@@ -178,7 +180,7 @@ impl Columns {
     /// Returns the cells of a column.
     pub fn texts(&self, name: &str) -> anyhow::Result<Vec<&str>> {
         let index = self.names.iter().position(|known| known == name).ok_or_else(|| {
-            anyhow!("table {} has no column {name}; its columns are {}", self.origin, self.names.join(", "))
+            anyhow!("missing column {name} in the table {}, which has {}", self.origin, self.names.join(", "))
         })?;
         Ok(self.rows.iter().map(|(_, row)| row.get(index).map_or("", String::as_str)).collect())
     }

@@ -1,4 +1,4 @@
-//! `plot corner`: the posterior of a fit, from its chains.
+//! `plot corner`: plots the posterior of a fit from its saved samples.
 
 use anyhow::{anyhow, bail};
 use streakcast::fit::read_chain;
@@ -13,7 +13,7 @@ use super::target::Target;
 const MOST: usize = 9;
 
 pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
-    // The chains are the data.
+    // No data file: the chains contain the data.
     let target = Target::of_table(&typed.picture)?;
     let (chain, about) = read_chain(&typed.chains)?;
     let known = &about.parameters;
@@ -23,13 +23,13 @@ pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
             .iter()
             .map(|name| {
                 let index = known.iter().position(|parameter| parameter == name);
-                index.ok_or_else(|| anyhow!("parameter '{name}' is not in the chains; allowed: {}", known.join(", ")))
+                index.ok_or_else(|| anyhow!("unknown parameter '{name}' in the chains; allowed: {}", known.join(", ")))
             })
             .collect::<anyhow::Result<_>>()?,
     };
     let burn_in = typed.burn_in.unwrap_or(chain.steps() / 4);
     if burn_in >= chain.steps() {
-        bail!("invalid burn-in {burn_in}; allowed: less than the {} steps of the chains", chain.steps());
+        bail!("burn-in is {burn_in}; allowed: less than the {} steps of the chains", chain.steps());
     }
     let names: Vec<String> = selected.iter().map(|&index| known[index].clone()).collect();
     let samples: Vec<Vec<f64>> = selected.iter().map(|&index| chain.column(index, burn_in)).collect();

@@ -1,4 +1,4 @@
-//! Points along passes from the output of `forecast`: a table of light curves, or passes with samples.
+//! Points along passes, read from the output of `forecast`: a table of light curves, or passes with samples.
 
 use anyhow::{anyhow, bail};
 use serde_json::Value;
@@ -8,15 +8,15 @@ use streakcast::plot::SkyTrack;
 
 use super::columns::Columns;
 
-/// End of the names of simulated satellites.
+/// Suffix of the names of simulated satellites.
 pub const SYNTHETIC: &str = " (synthetic)";
 
-/// Returns the note of a caption on simulated satellites.
+/// Returns the sentence on simulated satellites in a caption; empty if all satellites are real.
 pub fn shells_caption(names: &[&str]) -> &'static str {
     if names.iter().any(|name| name.ends_with(SYNTHETIC)) { "Satellites of shells are simulated." } else { "" }
 }
 
-/// JSON arrays with points.
+/// Names of the JSON arrays with points.
 pub const SECTIONS: &[&str] = &["light_curves", "passes"];
 
 /// Pass with its points.
@@ -36,10 +36,10 @@ impl Curve {
     }
 }
 
-/// Returns the passes of a table in its order, only those of the given satellites if there are any.
+/// Returns the passes of a table in its order; only those of the satellites `norad` unless this list is empty.
 ///
 /// # Errors
-/// A table without points; a satellite that is not in it.
+/// The table has no points, or lacks one of the given satellites.
 pub fn curves(columns: &Columns, norad: &[u32]) -> anyhow::Result<Vec<Curve>> {
     let all = if columns.is_empty() {
         Vec::new()
@@ -67,7 +67,7 @@ pub fn curves(columns: &Columns, norad: &[u32]) -> anyhow::Result<Vec<Curve>> {
     Ok(all.into_iter().filter(|curve| selected.is_empty() || selected.contains(&curve.norad_id)).collect())
 }
 
-/// Reads one row per point. A pass is the rows of one satellite and one culmination.
+/// Reads a table with one row per point. Rows with the same satellite and culmination are one pass.
 fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     let ids = columns.texts("norad_id")?;
     let culminations = if columns.has("culmination_utc") { columns.texts("culmination_utc")? } else { ids.clone() };
@@ -98,7 +98,7 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     Ok(rows.chunk_by(same_pass).map(curve).collect())
 }
 
-/// Reads one row per pass, with its points as JSON in a cell.
+/// Reads a table with one row per pass, and the points of the pass as JSON in a cell.
 fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
     let (ids, names) = (columns.texts("norad_id")?, columns.texts("name")?);
     let rows = ids.iter().zip(&names).zip(columns.texts("samples")?).enumerate();

@@ -1,5 +1,5 @@
-//! `plot sky-rate --equatorial`: mean number of streaks per exposure by right ascension and declination, over nights;
-//! and the parts shared with the map over a site.
+//! `plot sky-rate --equatorial`: plots the mean number of streaks per exposure over right ascension and declination,
+//! averaged over nights. Also defines the parts shared with the map over a site.
 
 use std::collections::BTreeSet;
 
@@ -21,7 +21,7 @@ use crate::verbs::judged::given_field;
 const FRAME: &str = "equatorial";
 const SHORTEST_STEP_S: f64 = 30.0;
 const LONGEST_STEP_S: f64 = 3600.0;
-/// Days of a leap year.
+/// Largest number of nights: a leap year.
 const MAX_NIGHTS: usize = 366;
 
 const COLUMNS: [Column; 6] = [
@@ -45,8 +45,8 @@ struct Sum {
     bright: usize,
 }
 
-/// Counts the streaks of exposures of every cell of the local sky through the dark hours, and averages them by right
-/// ascension and declination.
+/// Counts the streaks of exposures in every cell of the local sky during the dark hours, and averages them in cells of
+/// right ascension and declination.
 pub fn compute(
     typed: &PlotSkyRateArguments,
     config: &Config,
@@ -58,10 +58,10 @@ pub fn compute(
     let duration_s = parse_duration_s("exposure", exposure)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
-        bail!("invalid step {}; allowed: 30s to 1h", typed.step);
+        bail!("step is {}; allowed: 30s to 1h", typed.step);
     }
     if !(-90.0..=90.0).contains(&typed.max_sun_altitude_deg) {
-        bail!("invalid max-sun-altitude-deg {}; allowed: -90 to 90 deg", typed.max_sun_altitude_deg);
+        bail!("max-sun-altitude-deg is {} deg; allowed: -90 to 90 deg", typed.max_sun_altitude_deg);
     }
     let mut nights: Vec<&String> = Vec::new();
     typed.night.iter().for_each(|night| {
@@ -70,7 +70,7 @@ pub fn compute(
         }
     });
     if nights.len() > MAX_NIGHTS {
-        bail!("{} nights; allowed: 1 to {MAX_NIGHTS}", nights.len());
+        bail!("--night has {} nights; allowed: 1 to {MAX_NIGHTS}", nights.len());
     }
     let (field, photometry) = (config.field_of_view()?, config.photometry()?);
     let cells: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
@@ -165,7 +165,7 @@ fn table(nside: u32, sums: &[Sum], has_limit: bool) -> Table {
     Table { columns: COLUMNS.to_vec(), rows: sums.iter().enumerate().filter_map(row).collect() }
 }
 
-/// Returns true for a table of this plot.
+/// Returns true for a table that this plot wrote.
 pub fn is_of(columns: &Columns) -> bool {
     columns.stated("options").and_then(|options| options.get("frame")).and_then(Value::as_str) == Some(FRAME)
 }
@@ -196,18 +196,26 @@ pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture
     })?)
 }
 
-pub const STREAKS: Column =
-    Column::real("streaks_per_exposure", "", 5, "Mean number of lit satellites that cross an exposure.");
-pub const BRIGHT: Column =
-    Column::real("bright_per_exposure", "", 5, "Mean number of those brighter than the limit; empty without one.");
+pub const STREAKS: Column = Column::real(
+    "streaks_per_exposure",
+    "",
+    5,
+    "Mean number of lit satellites that cross the field during an exposure.",
+);
+pub const BRIGHT: Column = Column::real(
+    "bright_per_exposure",
+    "",
+    5,
+    "Mean number of these satellites brighter than the limiting magnitude; empty without a limit.",
+);
 
-/// Table of either map.
+/// Rates read from a table of either map.
 pub struct Rates {
     pub nside: u32,
     pub cells: Vec<u64>,
     /// Rates of all streaks, or of bright ones if a limit is given.
     pub rate: Vec<f64>,
-    /// Part of the title: ` brighter than 7 mag`, or empty.
+    /// Part of the title on the limit, for example ` brighter than 7 mag`; empty without a limit.
     pub bright: String,
     pub site: String,
     options: Value,
@@ -241,7 +249,7 @@ impl Rates {
         self.option(name).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
 
-    /// Returns an angle with a minus sign U+2212, degrees; empty if it is missing.
+    /// Formats an angle in degrees, with the minus sign U+2212; empty if it is missing.
     pub fn angle(&self, name: &str, decimals: Option<usize>) -> String {
         let Some(angle) = self.option(name).and_then(Value::as_f64) else { return String::new() };
         let text = decimals.map_or_else(|| angle.to_string(), |decimals| format!("{angle:.decimals$}"));
@@ -251,5 +259,5 @@ impl Rates {
 
 /// Returns the error of a table without a required statement.
 pub fn missing_statement(what: &str, allowed: &str) -> anyhow::Error {
-    anyhow!("the table has no {what}; allowed: data of {allowed}")
+    anyhow!("the table has no {what}; allowed: data written by {allowed}")
 }

@@ -1,4 +1,4 @@
-//! Table of exposures with their streaks, for the plots of nights.
+//! Table of exposures with verdicts, for the plots of nights.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::verbs::judged::judge;
 use super::clock::sun_altitude_deg;
 use super::columns::Columns;
 
-/// Exposures with verdicts, and their provenance.
+/// Table of exposures with verdicts, and its provenance.
 pub struct Exposures {
     pub table: Table,
     pub provenance: Provenance,
@@ -25,14 +25,14 @@ const COLUMNS: [Column; 9] = [
     Column::time("start_utc", "Shutter opening."),
     Column::real("duration_s", "s", 3, "Length of the exposure."),
     Column::new("band", Kind::Text, "Band of the exposure in the schedule."),
-    Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid."),
+    Column::new("verdict", Kind::Text, "Verdict: clear, streaked, avoid, or invalid."),
     Column::new("n_streaks", Kind::Integer, "Lit satellites with nominal tracks across the field."),
     Column::new(
         "n_bright",
         Kind::Integer,
         "Those of them brighter than the limit; empty without a limit for the band.",
     ),
-    Column::real("brightest_mag", "mag", 3, "Brightest magnitude that any of them reaches in the field."),
+    Column::real("brightest_mag", "mag", 3, "Brightest magnitude that any of these satellites reaches in the field."),
     Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun's centre in the middle of the exposure."),
 ];
 
@@ -44,7 +44,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
     let rows = judged.schedule.exposures.iter().zip(&judged.report.flags);
     let row = |(row, flag): (&ScheduledExposure, &Verdict)| {
         let exposure = row.exposure.as_ref().ok();
-        // Limits of a telescope depend on each streak: they are not one number.
+        // Limits of a telescope depend on each streak, so that there is no single number.
         let limit = limit.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
         let bright = limit.map(|limit| {
             let crossings = flag.passes.iter().filter(|pass| pass.lit && pass.is_crossing());
@@ -70,7 +70,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
     })
 }
 
-/// Returns the table of an output of `flag`, with the times of the schedule.
+/// Returns the table for an output of `flag`, with the times of the schedule.
 pub fn of_flags(
     flags: &Columns,
     path: &Path,
@@ -84,7 +84,7 @@ pub fn of_flags(
         schedule.exposures.len() == ids.len() && schedule.exposures.iter().zip(&ids).all(|(row, id)| row.id == *id);
     if !same {
         bail!(
-            "schedule {}: its {} exposures differ from the {} of the flags; allowed: the schedule of the flags",
+            "the {1} exposures of the schedule {0} differ from the {2} of the flags; allowed: the schedule of the flags",
             path.display(),
             schedule.exposures.len(),
             ids.len()
@@ -110,7 +110,8 @@ pub fn of_flags(
     Ok(Table { columns: COLUMNS.to_vec(), rows: rows.collect() })
 }
 
-/// Nights of a table: dates of the evenings, from noon to noon of the site's meridian (of UTC without a site).
+/// Nights of a table, named by the date of their evening. A night lasts from noon to noon, local mean time of the site
+/// or UTC without a site.
 pub struct Nights {
     /// Night of each row; `None` without a time.
     pub of_rows: Vec<Option<String>>,
@@ -135,7 +136,7 @@ impl Nights {
         all
     }
 
-    /// Returns the given night, else the first.
+    /// Returns the given night, or else the first one.
     pub fn choose(&self, night: Option<&str>) -> anyhow::Result<String> {
         let all = self.all();
         let allowed = || match all.as_slice() {
@@ -149,7 +150,7 @@ impl Nights {
             None => all
                 .first()
                 .map(|night| (*night).to_owned())
-                .ok_or_else(|| anyhow!("no exposure to draw: no row has a time")),
+                .ok_or_else(|| anyhow!("no row has a time; allowed: at least one valid exposure")),
         }
     }
 }

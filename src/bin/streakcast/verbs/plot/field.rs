@@ -1,4 +1,4 @@
-//! `plot field`: a field with the streaks that cross it.
+//! `plot field`: plots a field with the streaks that cross it.
 
 use anyhow::anyhow;
 use serde_json::Value;
@@ -18,7 +18,7 @@ use super::columns::Columns;
 use super::curves::{SYNTHETIC, shells_caption};
 use super::target::{Target, required};
 
-/// Number of points of a circle.
+/// Number of points of a circle's outline.
 const CIRCLE_POINTS: usize = 180;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
@@ -30,7 +30,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "passes")?;
         let exposure = Pointing::stated(&columns).ok_or_else(|| {
-            anyhow!("table {} has no statement of its exposure; allowed: output of passes", path.display())
+            anyhow!("table {} does not state its exposure; allowed: output of passes", path.display())
         })?;
         let field = stated_field(&config, &columns)?;
         target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?)?;
@@ -41,14 +41,14 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let prediction = predict(&config)?;
     let table = prediction.table(false);
     let columns = Columns::of(&table, &prediction.prepared.provenance);
-    // From the statements of the table, for the same picture as from a file.
-    let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result has no statement of its exposure"))?;
+    // Read from the provenance of the table, so that a file gives the same picture.
+    let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result does not state its exposure"))?;
     let picture = picture(&columns, &exposure, Some(&config.field_of_view()?), title)?;
     target.write(&picture, "passes", &table, &prediction.prepared.provenance)?;
     Ok(outcome(&columns))
 }
 
-/// Returns the outcome of `passes`: exit code 1 without crossings; the picture is written nevertheless.
+/// Returns the outcome of `passes`: exit code 1 without crossings, although the picture is written.
 fn outcome(columns: &Columns) -> Outcome {
     if columns.is_empty() { Outcome::No } else { Outcome::Done }
 }
@@ -75,7 +75,8 @@ impl Pointing {
     }
 }
 
-/// Returns the given field, else that of the table; `None` for the field of a telescope, which the table lacks.
+/// Returns the given field, or else that of the table. `None` if it is the field of a telescope, which the table does
+/// not contain.
 fn stated_field(config: &Config, columns: &Columns) -> anyhow::Result<Option<Field>> {
     if config.fov.is_some() || config.field.is_some() || config.telescope.is_some() {
         return Ok(Some(config.field_of_view()?));

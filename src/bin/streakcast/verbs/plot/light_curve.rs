@@ -1,4 +1,4 @@
-//! `plot light-curve`: magnitude along the track of one satellite, in the field and around it.
+//! `plot light-curve`: plots the magnitude along the track of one satellite, in the field and before and after it.
 
 use anyhow::{anyhow, bail};
 use serde_json::json;
@@ -29,15 +29,15 @@ const DAY_S: f64 = 86_400.0;
 
 const COLUMNS: [Column; 10] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-    Column::time("utc", "Time of reception."),
+    Column::time("utc", "Time at which the light reaches the observer."),
     Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
     Column::real("dec_deg", "deg", 7, "Declination."),
     Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
     Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
     Column::real("range_km", "km", 3, "Distance from the observer."),
-    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty if not visible."),
-    Column::real("magnitude_sigma", "mag", 3, "Sigma of the magnitude."),
-    Column::new("in_field", Kind::Boolean, "Inside the field while the shutter is open."),
+    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty if the satellite is not visible."),
+    Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."),
+    Column::new("in_field", Kind::Boolean, "True if the satellite is inside the field while the shutter is open."),
 ];
 
 pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
@@ -51,7 +51,10 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         let clock = Clock::new(typed.clock.utc_offset, site.or_else(|| columns.site()).as_ref());
         let picture = if columns.has("in_field") {
             if let Some(id) = typed.norad {
-                bail!("norad {id}: table {} has only one pass; omit --norad", path.display());
+                bail!(
+                    "--norad {id} is given for table {}, which has only one pass; allowed: the command without --norad",
+                    path.display()
+                );
             }
             picture(&columns, typed.limit_mag, clock.as_ref(), title)?
         } else {
@@ -65,7 +68,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     let target = Target::new(&typed.picture)?;
     let around_s = parse_duration_s("around", &typed.around)?;
     if around_s > MAX_AROUND_S {
-        bail!("invalid around {}; allowed: at most 10min", typed.around);
+        bail!("around is {}; allowed: at most 10min", typed.around);
     }
     let mut prediction = predict(&config)?;
     let pass = chosen(&prediction, typed.norad)?;
@@ -106,9 +109,9 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the pass of the given satellite, else the brightest.
+/// Returns the pass of the given satellite, or else the brightest one.
 fn chosen(prediction: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
-    // Near misses have no time in the field.
+    // Near misses do not enter the field.
     let found: Vec<&Pass> = prediction.found().iter().filter(|pass| pass.is_crossing()).collect();
     if let Some(id) = norad {
         let pass = found.iter().find(|pass| pass.norad_id == NoradId(id));
@@ -122,7 +125,7 @@ fn chosen(prediction: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
     let magnitude = |pass: &Pass| pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0);
     let bright = found.into_iter().filter_map(|pass| Some((magnitude(pass)?, pass)));
     let brightest = bright.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, pass)| pass.clone());
-    brightest.ok_or_else(|| anyhow!("no light curve: no visible satellite crosses this exposure"))
+    brightest.ok_or_else(|| anyhow!("no visible satellite crosses this exposure; allowed: an exposure with a crossing"))
 }
 
 /// Returns points from `around_s` before the first entry to `around_s` after the last exit, above the horizon.
@@ -132,8 +135,8 @@ fn track(prediction: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<
     });
     let start = seconds_after(prediction.exposure.start, first_s - around_s);
     let duration_s = last_s - first_s + 2.0 * around_s;
-    // A circle around the position in the field that contains the track, with a margin of half for a faster apparent
-    // motion at higher altitude.
+    // A circle around the position in the field that contains the track. The apparent motion may be faster at higher
+    // altitude, so that the radius is half as large again.
     let radius_rad = (1.5 * pass.angular_rate_rad_s * duration_s + 0.1).min(std::f64::consts::FRAC_PI_2);
     let exposure = Exposure { start, duration_s, pointing: pass.mid.direction, ..prediction.exposure.clone() };
     let options = PassOptions { include_dark: true, min_probability: None, samples: POINTS, ..prediction.options };
@@ -145,7 +148,7 @@ fn track(prediction: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<
         found.samples[0].epoch <= pass.mid.epoch && pass.mid.epoch <= found.samples[found.samples.len() - 1].epoch
     };
     found.into_iter().find(holds).map(|found| found.samples).ok_or_else(|| {
-        anyhow!("norad {}: the track in the field is too short; allowed: a longer --around", pass.norad_id.0)
+        anyhow!("the track of norad {} in the field is too short to draw; allowed: a longer --around", pass.norad_id.0)
     })
 }
 

@@ -1,5 +1,7 @@
-//! `plot`: pictures with their data files. Each plot has its own module. `columns` reads output tables of verbs,
-//! `curves` those of forecasts; `target` names the files, `clock` defines local time, `exposures` the table of nights.
+//! `plot`: draws pictures and writes their data files. Each plot has its own module.
+//!
+//! `columns` reads the output tables of verbs, and `curves` those of forecasts. `target` names the output files,
+//! `clock` defines local time, and `exposures` the table of exposures for plots of nights.
 
 mod arguments;
 mod clock;

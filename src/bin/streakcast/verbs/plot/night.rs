@@ -1,4 +1,4 @@
-//! `plot night`: timeline of a night with its streaked exposures.
+//! `plot night`: plots a timeline of a night with its streaked exposures.
 
 use streakcast::config::Config;
 use streakcast::geometry::Observer;
@@ -91,7 +91,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Inputs of a timeline.
+/// Data of a timeline.
 struct Timeline<'a> {
     columns: &'a Columns,
     keep: &'a [bool],

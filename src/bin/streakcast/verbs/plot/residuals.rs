@@ -1,4 +1,4 @@
-//! `plot residuals`, `histogram` and `phase-curve`: comparison of measured with computed magnitudes.
+//! `plot residuals`, `plot histogram` and `plot phase-curve`: compare measured with computed magnitudes.
 
 use anyhow::anyhow;
 use streakcast::config::{Config, RunConfig};
@@ -28,7 +28,7 @@ pub enum Chart {
 const COLUMNS: [Column; 7] = [
     Column::real("observed_mag", "mag", 4, "Measured magnitude at 1000 km."),
     Column::real("computed_mag", "mag", 4, "Magnitude of the model in the same geometry."),
-    Column::real("residual_mag", "mag", 4, "Observed minus computed."),
+    Column::real("residual_mag", "mag", 4, "Observed minus computed magnitude."),
     Column::real("sun_latitude_deg", "deg", 5, "Latitude of the Sun above the plane of the chassis."),
     Column::real(
         "observer_longitude_deg",
@@ -37,7 +37,7 @@ const COLUMNS: [Column; 7] = [
         "Longitude of the observer in the satellite's frame, from the azimuth of the Sun.",
     ),
     Column::real("observer_latitude_deg", "deg", 5, "Latitude of the observer above the plane of the chassis."),
-    Column::real("phase_angle_deg", "deg", 5, "Phase angle: angle Sun, satellite, observer."),
+    Column::real("phase_angle_deg", "deg", 5, "Phase angle, between Sun and observer at the satellite."),
 ];
 
 /// Measured and computed magnitudes with their geometry, angles in radians.
@@ -97,7 +97,7 @@ fn residuals(typed: &PlotResidualsArguments, config: &Config) -> anyhow::Result<
     let height = columns.numbers("height_km")?;
     let mut found = Residuals::default();
     for k in (0..observed.len()).filter(|&k| kept[k] > 0.0 && observed[k].is_finite()) {
-        // Standard magnitudes are for 1000 km.
+        // Measured magnitudes are standard magnitudes, at 1000 km.
         let geometry = ViewingGeometry::from_angles(sun[k], longitude[k], latitude[k], 1000.0, height[k]);
         let geometry =
             geometry.ok_or_else(|| anyhow!("table {}: row {} has an invalid geometry", typed.from.display(), k + 1))?;
@@ -129,7 +129,7 @@ impl Residuals {
                 phase_angle_rad: &self.phase,
             })?,
             Chart::Histogram => {
-                // The normal curve has the scatter of the residuals.
+                // The sigma of the normal curve is the scatter of the residuals.
                 let squares: f64 = self.residual.iter().map(|residual| residual * residual).sum();
                 let sigma_mag = (squares / self.residual.len().max(1) as f64).sqrt().max(1e-3);
                 residual_histogram(&ResidualHistogram { title, residuals_mag: &self.residual, sigma_mag })?

@@ -1,4 +1,4 @@
-//! Dispatch to the plots, `plot --list`, and the plots of `map`.
+//! Dispatch to the plots, `plot --list`, and the plots that `map` also draws.
 
 use streakcast::output::{Column, Kind, Provenance, Section, Table};
 
@@ -97,7 +97,7 @@ pub fn body(typed: PlotBodyArguments) -> anyhow::Result<Outcome> {
     crate::verbs::map::body(MapBodyArguments { view: typed.view, output: map_outputs(&typed.picture)? })
 }
 
-/// Returns the outputs of `map` for picture and table.
+/// Returns the output flags of `map` for a picture and its data file.
 fn map_outputs(typed: &PictureArguments) -> anyhow::Result<MapOutputArguments> {
     let picture = only(typed)?;
     Target::new(typed)?;

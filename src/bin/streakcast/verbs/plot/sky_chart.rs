@@ -1,4 +1,4 @@
-//! `plot sky-chart`: passes of a forecast over the sky of their site.
+//! `plot sky-chart`: plots passes of a forecast over the sky of their site.
 
 use serde_json::Value;
 use streakcast::config::Config;

@@ -1,4 +1,4 @@
-//! `plot sky-rate`: expected number of streaks per exposure over the sky of a site at one time.
+//! `plot sky-rate`: plots the expected number of streaks per exposure over the sky of a site at one time.
 
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
@@ -20,7 +20,7 @@ use super::equatorial_rate;
 use super::equatorial_rate::{BRIGHT, Rates, STREAKS, missing_statement};
 use super::target::{Target, required};
 
-/// Verb that writes tables of this map.
+/// Verb that writes the tables of this map, for errors.
 const WRITER: &str = "plot sky-rate";
 const MAX_NSIDE: u32 = 64;
 const MAX_REPEATS: usize = 1000;
@@ -59,10 +59,10 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     if typed.equatorial { inputs } else { inputs.times() }.check()?;
     let target = Target::new(&typed.picture)?;
     if !(1..=MAX_NSIDE).contains(&typed.nside) || !typed.nside.is_power_of_two() {
-        bail!("invalid nside {}; allowed: 1, 2, 4, 8, 16, 32, 64", typed.nside);
+        bail!("nside is {}; allowed: 1, 2, 4, 8, 16, 32, 64", typed.nside);
     }
     if !(1..=MAX_REPEATS).contains(&typed.repeats) {
-        bail!("invalid repeats {}; allowed: 1 to {MAX_REPEATS}", typed.repeats);
+        bail!("repeats is {}; allowed: 1 to {MAX_REPEATS}", typed.repeats);
     }
     let directions = cells_above(typed.nside, typed.min_altitude)?;
     if typed.equatorial {
@@ -73,7 +73,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     }
     let over_s = parse_duration_s("over", &typed.over)?;
     if over_s > LONGEST_S {
-        bail!("invalid over {}; allowed: at most 6h", typed.over);
+        bail!("over is {}; allowed: at most 6h", typed.over);
     }
     let (start, duration_s) = start_and_length(&config)?;
     let field = config.field_of_view()?;
@@ -134,7 +134,7 @@ pub fn start_and_length(config: &Config) -> anyhow::Result<(Epoch, f64)> {
 /// Returns the cells with centres at or above an altitude, degrees.
 pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direction<Horizontal>)>> {
     if !(0.0..=80.0).contains(&least_deg) {
-        bail!("invalid min-altitude {least_deg}; allowed: 0 to 80 deg");
+        bail!("min-altitude is {least_deg} deg; allowed: 0 to 80 deg");
     }
     let centres = (0..cell_count(nside)).filter_map(|cell| Some((cell, ring_centre_rad(nside, cell)?)));
     let above = centres.filter(|(_, (_, altitude))| *altitude >= least_deg.to_radians());
@@ -142,7 +142,7 @@ pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direc
         above.map(|(cell, (azimuth, altitude))| (cell, Direction::from_lon_lat_rad(azimuth, altitude))).collect();
     if cells.is_empty() {
         bail!(
-            "no cell of nside {nside} has its centre above {least_deg} deg; specify a lower --min-altitude or a larger --nside"
+            "no cell of nside {nside} has its centre above {least_deg} deg; allowed: a lower --min-altitude or a larger --nside"
         );
     }
     Ok(cells)
@@ -150,10 +150,10 @@ pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direc
 
 fn sun_at(prepared: &PreparedSky, altitude_deg: f64, start: Epoch) -> anyhow::Result<Epoch> {
     if !(-90.0..=90.0).contains(&altitude_deg) {
-        bail!("invalid sun-altitude-deg {altitude_deg}; allowed: -90 to 90 deg");
+        bail!("sun-altitude-deg is {altitude_deg} deg; allowed: -90 to 90 deg");
     }
     prepared.sky.sun_reaches(altitude_deg.to_radians(), start)?.ok_or_else(|| {
-        anyhow!("the Sun does not reach altitude {altitude_deg} deg within a day of {}", format_utc(start, 0))
+        anyhow!("the Sun does not reach altitude {altitude_deg} deg within a day after {}; allowed: an altitude that it reaches", format_utc(start, 0))
     })
 }
 

@@ -1,4 +1,4 @@
-//! `plot sun-altitude`: trails per exposure against the Sun's altitude, for a schedule or a grid over the sky.
+//! `plot sun-altitude`: plots trails per exposure against the Sun's altitude, for a schedule or a grid over the sky.
 
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
@@ -19,7 +19,7 @@ use super::exposures::compute;
 use super::sky_rate::{cells_above, start_and_length};
 use super::target::{Target, required};
 
-/// Cells of the grid: 14.7° wide, 48 of them above 30°.
+/// HEALPix resolution of the grid. Cells are 14.7° wide, and 48 are above 30°.
 const NSIDE: u32 = 4;
 const DAY_S: f64 = 86_400.0;
 const SHORTEST_STEP_S: f64 = 30.0;
@@ -28,8 +28,12 @@ const COLUMNS: [Column; 6] = [
     Column::time("start_utc", "Shutter opening."),
     Column::real("azimuth_deg", "deg", 6, "Azimuth of the field's centre from north through east."),
     Column::real("altitude_deg", "deg", 6, "Altitude of the field's centre without refraction."),
-    Column::new("n_streaks", Kind::Integer, "Lit satellites that cross the field."),
-    Column::new("n_bright", Kind::Integer, "Those of them brighter than the limit; empty without one."),
+    Column::new("n_streaks", Kind::Integer, "Number of lit satellites that cross the field."),
+    Column::new(
+        "n_bright",
+        Kind::Integer,
+        "Number of these satellites brighter than the limiting magnitude; empty without a limit.",
+    ),
     Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun's centre in the middle of the exposure."),
 ];
 
@@ -65,7 +69,7 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Computes a grid of exposures over the sky, at equal steps through a day, while the Sun is low.
+/// Computes exposures on a grid over the sky, at equal steps through a day, at times when the Sun is low enough.
 fn grid(
     typed: &PlotSunAltitudeArguments,
     config: &Config,
@@ -75,7 +79,7 @@ fn grid(
     let (start, duration_s) = start_and_length(config)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=DAY_S).contains(&step_s) {
-        bail!("invalid step {}; allowed: 30s to 24h", typed.step);
+        bail!("step is {}; allowed: 30s to 24h", typed.step);
     }
     let field = config.field_of_view()?;
     let prepared = config.prepare(start, seconds_after(start, DAY_S))?;
@@ -90,7 +94,7 @@ fn grid(
     }
     if moments.is_empty() {
         bail!(
-            "the Sun does not reach altitude {} deg within a day of the start; allowed: a higher --max-sun-altitude-deg",
+            "the Sun does not go below {} deg within a day after the start; allowed: a higher --max-sun-altitude-deg",
             typed.max_sun_altitude_deg
         );
     }
@@ -152,7 +156,7 @@ fn picture(
 ) -> anyhow::Result<Picture> {
     let (sun, streaks, bright) =
         (columns.numbers("sun_altitude_deg")?, columns.numbers("n_streaks")?, columns.numbers("n_bright")?);
-    // Invalid rows have neither.
+    // Invalid rows have neither streaks nor an altitude of the Sun.
     let kept: Vec<usize> = (0..columns.len()).filter(|&k| sun[k].is_finite() && streaks[k].is_finite()).collect();
     let of = |column: &[f64]| kept.iter().map(|&k| column[k]).collect::<Vec<f64>>();
     let (sun, streaks, bright) = (of(&sun), of(&streaks), of(&bright));

@@ -1,4 +1,4 @@
-//! Outputs of plots: pictures and data files.
+//! Output files of plots: pictures and their data.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -13,14 +13,14 @@ use crate::output::{Answer, Output, check, write_bytes};
 use crate::required::Required;
 use crate::screen::Style;
 
-/// Outputs, checked before any work.
+/// Output files, checked before the computation.
 pub struct Target {
     pictures: Vec<(PathBuf, PictureFormat)>,
     data: Option<Output>,
 }
 
 impl Target {
-    /// Opens the outputs of a computation; the data file has the name of the picture by default.
+    /// Opens the outputs of a computation: pictures and data file.
     pub fn new(typed: &PictureArguments) -> anyhow::Result<Self> {
         Self::with_data(typed, true)
     }
@@ -28,7 +28,10 @@ impl Target {
     /// Opens the outputs of a plot of an input table, without a data file.
     pub fn of_table(typed: &PictureArguments) -> anyhow::Result<Self> {
         match &typed.data {
-            Some(path) => Err(anyhow!("--data {} has no effect: the data are in the input file", path.display())),
+            Some(path) => Err(anyhow!(
+                "--data {} is given with --from; allowed: the command without --data (the input file has the data)",
+                path.display()
+            )),
             None => Self::with_data(typed, false),
         }
     }
@@ -42,7 +45,7 @@ impl Target {
             let format = PictureFormat::of(path)?;
             check(path)?;
             if pictures.iter().any(|(other, _)| other == path) {
-                bail!("picture {} is given twice", path.display());
+                bail!("picture {} is given twice; allowed: different files", path.display());
             }
             pictures.push((path.clone(), format));
         }
@@ -60,7 +63,7 @@ impl Target {
         Ok(Self { pictures, data: data.map(|path| Output::new(None, Some(path))).transpose()? })
     }
 
-    /// Draws all pictures, then writes all files.
+    /// Draws all pictures before it writes the first file, so that an error leaves no file.
     pub fn write(&self, picture: &Picture, name: &str, table: &Table, provenance: &Provenance) -> anyhow::Result<()> {
         let drawn = self.pictures.iter().map(|(path, format)| Ok((path, picture.to_bytes(*format)?)));
         let drawn = drawn.collect::<anyhow::Result<Vec<_>>>()?;
@@ -84,22 +87,23 @@ impl Target {
     }
 }
 
-/// Returns the path of the data file, `night-data.ecsv` for `night.png`. (A schedule may have the name `night.ecsv`.)
+/// Returns the default path of the data file, for example `night-data.ecsv` for `night.png`. The name `night.ecsv` may
+/// be that of the schedule.
 pub fn data_path(picture: &Path) -> PathBuf {
     let stem = picture.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     picture.with_file_name(format!("{stem}-data.ecsv"))
 }
 
-/// Returns a check of required inputs with that of the picture.
+/// Returns a check of required inputs that requires a picture.
 pub fn required<'a>(config: &'a Config, typed: &PictureArguments) -> Required<'a> {
     Required::of(config).input(!typed.output.is_empty(), "picture", "-o FILE")
 }
 
-/// Returns the picture of plots with only one.
+/// Returns the picture of a plot that writes only one.
 pub fn only(typed: &PictureArguments) -> anyhow::Result<PathBuf> {
     match typed.output.as_slice() {
         [path] => Ok(path.clone()),
         [] => Err(anyhow!("missing picture; specify -o FILE")),
-        _ => Err(anyhow!("this plot writes one picture; specify -o once")),
+        _ => Err(anyhow!("-o is given more than once; allowed: once, because this plot writes one picture")),
     }
 }

@@ -14,7 +14,7 @@ pub struct ServeArguments {
     /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
-    /// Address and port to listen at; port 0 for a free one. Addresses other than loopback need a token
+    /// Address and port to listen at; port 0 selects a free port; addresses other than loopback require a token
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8642", value_parser = address, help_heading = "Service")]
     pub bind: SocketAddr,
     /// File with the access token of the API on its first line
@@ -23,10 +23,10 @@ pub struct ServeArguments {
     /// Environment variable with the access token
     #[arg(long, value_name = "NAME", help_heading = "Service")]
     pub token_env: Option<String>,
-    /// Rate limit, requests per second and address, 1 to 100000
+    /// Rate limit, requests per second from one address, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Service")]
     pub rate: u32,
-    /// Local time of the page, ahead of UTC, for example +01:00; by the longitude of the site if omitted
+    /// Local time of the page in hours ahead of UTC, for example +01:00; by the longitude of the site if omitted
     #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Service")]
     pub utc_offset: Option<f64>,
     #[command(flatten)]
@@ -36,6 +36,6 @@ pub struct ServeArguments {
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {
-    let allowed = "allowed: an IP address and a port of 0 to 65535, for example 127.0.0.1:8642 or [::1]:8642";
+    let allowed = "not an address with a port; allowed: an IP address and a port of 0 to 65535, for example 127.0.0.1:8642 or [::1]:8642";
     text.parse().map_err(|_| allowed.to_owned())
 }

@@ -1,4 +1,4 @@
-//! Checks that every request passes before it is routed: its form, its rate, and its access token.
+//! Checks of every request before it is routed: form, rate, and access token.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, SocketAddr};
@@ -13,15 +13,15 @@ use subtle::ConstantTimeEq;
 use super::arguments::ServeArguments;
 use super::problem::Problem;
 
-/// Longest path with its query, bytes.
+/// Longest accepted path with query, bytes.
 pub const MAX_TARGET_BYTES: usize = 2000;
-/// Host names of a loopback address. Any other is a name of another site that was pointed to this address.
+/// Host names of a loopback address. A request with another Host comes from a page of another site (DNS rebinding).
 const LOOPBACK_NAMES: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
 
 /// Limits on the requests of a server.
 pub struct RequestFilter {
     pub limiter: RateLimiter,
-    /// Whether the server listens on a loopback address, and the Host header has to name one.
+    /// True if the server listens on a loopback address; the Host header must then name one.
     pub is_loopback: bool,
 }
 
@@ -43,7 +43,7 @@ impl RequestFilter {
         if headers.get("sec-fetch-site").is_some_and(|site| site == "cross-site" || site == "same-site") {
             return Err(Problem::new(403, "the request comes from a page of another site"));
         }
-        // Other methods get 405 from the router.
+        // The router rejects other methods with 405.
         if [Method::GET, Method::HEAD].contains(request.method()) && has_body(headers) {
             return Err(Problem::new(413, "the request has a body; allowed: none"));
         }
@@ -51,7 +51,7 @@ impl RequestFilter {
     }
 }
 
-/// Whether there is one Host header and it has a loopback name, with any port.
+/// Returns true if there is exactly one Host header, with a loopback name and any port.
 fn names_loopback(headers: &HeaderMap) -> bool {
     let mut hosts = headers.get_all(HOST).iter();
     let (Some(host), None) = (hosts.next(), hosts.next()) else { return false };
@@ -63,14 +63,14 @@ fn names_loopback(headers: &HeaderMap) -> bool {
     LOOPBACK_NAMES.iter().any(|known| name.eq_ignore_ascii_case(known))
 }
 
-/// Whether a body follows the head.
+/// Returns true if a body follows the head.
 pub fn has_body(headers: &HeaderMap) -> bool {
     headers.get(CONTENT_LENGTH).is_some_and(|length| length != "0") || headers.contains_key(TRANSFER_ENCODING)
 }
 
-/// Largest number of tracked addresses; those without recent requests are dropped first.
+/// Largest number of tracked addresses. Addresses without recent requests are removed first.
 const MAX_ADDRESSES: usize = 4096;
-/// Requests that arrive within this time may come all at once.
+/// Burst allowance: the requests allowed in this time may also arrive all at once.
 const BURST: Duration = Duration::from_secs(1);
 
 /// Generic cell rate algorithm: each request of an address moves its due time ahead by one interval, at most to `BURST`
@@ -86,7 +86,7 @@ impl RateLimiter {
         Self { interval: BURST / requests_per_second, due: Mutex::default() }
     }
 
-    /// Counts a request and returns whether it is allowed. If not, one a second later is.
+    /// Counts a request; returns true if it is allowed. After a rejection, a request one second later is allowed.
     pub fn allows(&self, address: IpAddr, now: Instant) -> bool {
         let mut due = self.due.lock().unwrap_or_else(PoisonError::into_inner);
         let network = network_of(address);
@@ -106,7 +106,7 @@ impl RateLimiter {
     }
 }
 
-/// The /64 network of an IPv6 address, which belongs to one customer as a rule; an IPv4 address itself.
+/// Returns the /64 network of an IPv6 address, which usually belongs to one client; returns an IPv4 address unchanged.
 fn network_of(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => {
@@ -117,15 +117,15 @@ fn network_of(address: IpAddr) -> IpAddr {
     }
 }
 
-/// Shorter tokens can be guessed.
+/// Shortest token, characters. Shorter ones can be guessed.
 const SHORTEST: usize = 16;
 const LONGEST: usize = 512;
 
-/// Secret of the requests; never printed.
+/// Access token of the API, which is never printed.
 pub struct Token(Vec<u8>);
 
 impl Token {
-    /// Reads the token that the flags name; on loopback it is optional.
+    /// Reads the token from the file or environment variable of the flags. It is optional for a loopback address.
     pub fn of(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
         let text = match (&typed.token_file, &typed.token_env) {
             (Some(path), _) => {
@@ -133,9 +133,12 @@ impl Token {
                     .map_err(|error| anyhow!("cannot read the token of {}: {error}", path.display()))?;
                 text.lines().next().unwrap_or_default().trim().to_owned()
             }
-            (None, Some(name)) => {
-                std::env::var(name).map_err(|_| anyhow!("environment variable {name} is not set"))?.trim().to_owned()
-            }
+            (None, Some(name)) => std::env::var(name)
+                .map_err(|_| {
+                    anyhow!("the environment variable {name} is not set; allowed: the name of a variable with a token")
+                })?
+                .trim()
+                .to_owned(),
             (None, None) => return check_loopback(typed.bind).map(|()| None),
         };
         if !(SHORTEST..=LONGEST).contains(&text.len()) || !text.bytes().all(|byte| byte.is_ascii_graphic()) {
@@ -147,7 +150,7 @@ impl Token {
         Ok(Some(Self(text.into_bytes())))
     }
 
-    /// Whether an Authorization header carries the token; compared in constant time.
+    /// Returns true if an Authorization header carries the token. The comparison takes constant time.
     pub fn is_carried_by(&self, authorization: Option<&[u8]>) -> bool {
         let Some((scheme, given)) = authorization.and_then(|header| header.split_at_checked(7)) else { return false };
         scheme.eq_ignore_ascii_case(b"bearer ") && bool::from(self.0.as_slice().ct_eq(given.trim_ascii()))

@@ -1,9 +1,9 @@
-//! `serve`: a page and an HTTP API for one schedule and one set of satellites, read once at the start.
+//! `serve`: serves a web page and an HTTP API for one schedule and one set of satellites, which are read once at the
+//! start.
 //!
-//! `run` reads the inputs into `state` and listens; `server` accepts connections; `router` maps paths to handlers,
-//! behind `filter`; `query` reads parameters; `answers/` computes the
-//! responses on the threads of `workers`; `problem` holds error responses; `openapi` describes the API; `page` holds
-//! the files of the page.
+//! `run` reads the inputs into `state` and listens; `server` accepts connections; `filter` checks requests, and
+//! `router` maps their paths to handlers; `query` reads parameters; `answers/` computes responses on the threads of
+//! `workers`; `problem` defines error responses; `openapi` describes the API; `page` embeds the files of the page.
 
 mod answers;
 mod arguments;

@@ -1,4 +1,4 @@
-//! `/openapi.json`: OpenAPI document, generated from the tables by which requests are read and answers are written.
+//! `/openapi.json`: OpenAPI document, generated from the same tables that parse requests and write responses.
 
 use serde_json::{Map, Value, json};
 
@@ -8,18 +8,18 @@ use super::state::ServerState;
 
 pub const JSON: &str = "application/json";
 
-/// One path of the API.
+/// Path of the API with its parameters, handler and schema.
 pub struct Route {
     pub path: &'static str,
     /// The same path without the slash at its end.
     pub alias: Option<&'static str>,
     pub summary: &'static str,
     pub parameters: &'static [Parameter],
-    /// Whether a token is required, if the server has one.
+    /// True if the path requires the access token of the server.
     pub needs_token: bool,
     /// Computes the JSON body of the response.
     pub answer: fn(&ServerState, &Query) -> Result<String, Problem>,
-    /// JSON Schema of that body.
+    /// Returns the JSON Schema of the body.
     pub schema: fn() -> Value,
 }
 

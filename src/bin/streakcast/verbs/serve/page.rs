@@ -1,8 +1,8 @@
-//! The files of the page, embedded in the binary.
+//! Files of the web page, embedded in the binary.
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-/// Path, content type and content.
+/// Path, content type and content of each file.
 pub static FILES: &[(&str, &str, &[u8])] = &[
     ("/", "text/html; charset=utf-8", include_bytes!("page/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_bytes!("page/page.css")),
@@ -26,7 +26,7 @@ pub static FILES: &[(&str, &str, &[u8])] = &[
 mod tests {
     use super::*;
 
-    /// Limit on the size of the page.
+    /// Limit on the total size of the page, bytes.
     const MAX_BYTES: usize = 300_000;
 
     #[test]

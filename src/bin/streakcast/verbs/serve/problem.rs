@@ -7,7 +7,7 @@ use serde_json::json;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
-/// Longest part of a parameter's value that a message repeats, characters.
+/// Largest number of characters of a parameter's value in a message.
 const MAX_SHOWN: usize = 60;
 
 /// Reason for an error response.
@@ -15,7 +15,7 @@ const MAX_SHOWN: usize = 60;
 pub struct Problem {
     pub status: u16,
     detail: String,
-    /// The parameter that is wrong.
+    /// Name of the invalid parameter.
     parameter: Option<String>,
     /// Header that belongs to the status.
     header: Option<(HeaderName, &'static str)>,
@@ -30,24 +30,24 @@ impl Problem {
         Self { parameter: Some(name.to_owned()), ..Self::new(400, detail) }
     }
 
-    /// Invalid value of a parameter.
+    /// Returns the error of an invalid value of a parameter.
     pub fn parameter(name: &str, given: &str, allowed: &str) -> Self {
         let shown: String = given.chars().take(MAX_SHOWN).collect();
         let cut = if shown.len() < given.len() { "..." } else { "" };
         Self::of_parameter(name, format!("invalid {name} '{shown}{cut}'; allowed: {allowed}"))
     }
 
-    /// Missing parameter.
+    /// Returns the error of a missing parameter.
     pub fn missing(name: &str, allowed: &str) -> Self {
         Self::of_parameter(name, format!("missing {name}; allowed: {allowed}"))
     }
 
-    /// Two parameters that exclude each other.
+    /// Returns the error of two parameters that exclude each other.
     pub fn both(name: &str, other: &str) -> Self {
         Self::of_parameter(name, format!("{name} and {other} are both given; allowed: one of them"))
     }
 
-    /// Parameter that is given more than once.
+    /// Returns the error of a parameter that is given more than once.
     pub fn repeated(name: &str) -> Self {
         Self::of_parameter(name, format!("{name} is given more than once; allowed: once"))
     }
@@ -81,7 +81,7 @@ impl Problem {
     }
 }
 
-/// The error statuses, with their titles and their meanings here.
+/// Error statuses, each with its title and its meaning in this API.
 pub const STATUSES: &[(u16, &str, &str)] = &[
     (
         400,
@@ -105,7 +105,7 @@ pub const STATUSES: &[(u16, &str, &str)] = &[
     ),
 ];
 
-/// Reason phrase of a status.
+/// Returns the reason phrase of a status.
 pub fn title(status: u16) -> &'static str {
     STATUSES.iter().find(|(known, ..)| *known == status).map_or("Error", |(_, title, _)| title)
 }

@@ -1,4 +1,4 @@
-//! Query parameters: their types and ranges, by which queries are read and the OpenAPI document is written.
+//! Query parameters: types and ranges, used to parse queries and to generate the OpenAPI document.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use streakcast::frames::{is_covered, parse_instant};
 
 use super::problem::Problem;
 
-/// One parameter.
+/// Parameter of a query.
 #[derive(Copy, Clone, Debug)]
 pub struct Parameter {
     pub name: &'static str,
@@ -21,17 +21,17 @@ pub struct Parameter {
 /// Type and range of a parameter.
 #[derive(Copy, Clone, Debug)]
 pub enum Kind {
-    /// A number in a range, ends included.
+    /// A number in a closed range.
     Number { least: f64, greatest: f64, unit: &'static str },
-    /// A whole number in a range.
+    /// A whole number in a closed range.
     Count { least: u64, greatest: u64 },
-    /// UTC as 2024-08-14T00:30:00.000Z, 1957 to 2099.
+    /// A time in UTC like 2024-08-14T00:30:00.000Z, 1957 to 2099.
     Moment,
     /// A Julian date, UTC.
     JulianDate,
-    /// A date as 2024-08-14.
+    /// A date like 2024-08-14.
     Date,
-    /// Text of at most so many characters.
+    /// Text with a largest number of characters.
     Text { longest: usize },
     /// One of some words.
     Word(&'static [&'static str]),
@@ -66,7 +66,7 @@ impl Kind {
             Kind::JulianDate => {
                 format!("a Julian date (UTC) from {} to {}", JULIAN_DATES.0, JULIAN_DATES.1)
             }
-            Kind::Date => "a date as 2024-08-14".to_owned(),
+            Kind::Date => "a date like 2024-08-14".to_owned(),
             Kind::Text { longest } => format!("1 to {longest} characters"),
             Kind::Word(words) => words.join(", "),
         }
@@ -91,7 +91,7 @@ impl Kind {
         }
     }
 
-    /// As JSON Schema.
+    /// Returns the JSON Schema of the type.
     pub fn schema(self) -> Value {
         match self {
             Kind::Number { least, greatest, .. } => json!({"type": "number", "minimum": least, "maximum": greatest}),
@@ -110,12 +110,12 @@ fn moment(text: &str) -> Option<Epoch> {
     is_covered(epoch).then_some(epoch)
 }
 
-/// Noon of a date.
+/// Returns noon (UTC) of a date.
 fn date(text: &str) -> Option<Epoch> {
     if text.len() == 10 { moment(&format!("{text}T12:00:00Z")) } else { None }
 }
 
-/// The parameters of a request, each valid for its kind.
+/// Parameters of a request, each valid for its kind.
 #[derive(Clone, Debug, Default)]
 pub struct Query {
     values: BTreeMap<&'static str, String>,
@@ -164,7 +164,7 @@ impl Query {
         moment(self.text(name)?)
     }
 
-    /// Noon of the date.
+    /// Returns noon (UTC) of a date parameter.
     pub fn date(&self, name: &str) -> Option<Epoch> {
         date(self.text(name)?)
     }

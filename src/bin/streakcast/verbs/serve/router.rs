@@ -22,7 +22,7 @@ use super::state::ServerState;
 use super::workers::WorkerPool;
 use super::{openapi, page};
 
-/// The page may load and call only this server, and no other page may frame it.
+/// Policy under which the page can load and call only this server, and no other page can embed it in a frame.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
@@ -36,7 +36,7 @@ pub const HEADERS: [(&str, &str); 6] = [
     ("cache-control", "no-store"),
 ];
 
-/// The API.
+/// All paths of the API.
 pub static ROUTES: &[Route] = &[
     Route {
         path: "/api/v1/night",
@@ -103,7 +103,7 @@ pub static ROUTES: &[Route] = &[
     },
 ];
 
-/// What the handlers share.
+/// State shared by the handlers.
 pub struct App {
     pub state: Arc<ServerState>,
     pub filter: RequestFilter,
@@ -111,11 +111,11 @@ pub struct App {
     pub workers: WorkerPool,
 }
 
-/// Address of the client, an extension of each request.
+/// Address of the client, stored as an extension of each request.
 #[derive(Clone, Copy)]
 pub struct ClientAddress(pub IpAddr);
 
-/// Builds the service of all paths.
+/// Returns the router with all paths and the middleware.
 pub fn router(app: App) -> Router {
     let app = Arc::new(app);
     let mut router = Router::new();
@@ -182,7 +182,7 @@ async fn filter(
     }
 }
 
-/// Adds the headers of every response, and the computing time.
+/// Adds to a response the headers that all responses have, and the computing time.
 async fn complete(request: Request, next: Next) -> Response {
     let began = Instant::now();
     let closes = has_body(request.headers());
@@ -192,7 +192,7 @@ async fn complete(request: Request, next: Next) -> Response {
     let took_ms = began.elapsed().as_secs_f64() * 1e3;
     headers.extend(HeaderValue::try_from(format!("answer;dur={took_ms:.2}")).map(|took| (SERVER_TIMING, took)));
     if closes {
-        // Bodies are not read, and nothing in one may be taken for the next request.
+        // The body is not read: the connection is closed, so that the body is not taken for the next request.
         headers.insert(CONNECTION, HeaderValue::from_static("close"));
     }
     response

@@ -1,4 +1,4 @@
-//! Reads the inputs, judges the schedule and starts the server.
+//! Start of the server: reads the inputs, judges the schedule, and listens.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use super::workers::WorkerPool;
 use crate::failure::Outcome;
 use crate::required::Required;
 
-/// Most exposures that the page can show.
+/// Largest number of exposures that the page can show.
 const MAX_EXPOSURES: usize = 100_000;
 
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
@@ -30,7 +30,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let notices = judged::begin(&config)?;
     let plan = config.observation()?;
-    // Before the computation, so that an address in use is reported at once.
+    // The port is opened before the computation, so that an address in use is reported at once.
     let listener =
         std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
     let address = listener.local_addr()?;
@@ -39,7 +39,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let schedule = Schedule::read(&path, &config.schedule_options()?)?;
     let rows = schedule.exposures.len();
     if rows > MAX_EXPOSURES {
-        return Err(anyhow!("schedule {}: {rows} exposures; allowed: {MAX_EXPOSURES} at most", path.display()));
+        return Err(anyhow!("the schedule {} has {rows} exposures; allowed: at most {MAX_EXPOSURES}", path.display()));
     }
     let (first, last) = judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &path)))?;
     let prepared = config.prepare(first, last)?;
@@ -98,7 +98,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         workers: WorkerPool::new(workers),
     };
     let mut out = std::io::stdout().lock();
-    // Programs that start the server read this line; a closed pipe is no error.
+    // Programs that start the server read this line. A closed pipe is ignored.
     let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
     drop(out);
     server::serve(listener, router(app), workers)?;
@@ -106,7 +106,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// The statements without the lists.
+/// Returns the provenance without its attached lists.
 fn without_lists(provenance: &Provenance) -> Provenance {
     let mut short = Provenance::default();
     for (name, value) in provenance.entries() {

@@ -1,8 +1,8 @@
-//! Connections, with limits on their number, on their age and on request heads, error responses to malformed heads, and
-//! a stop that completes open requests.
+//! Connections of the server: limits on their number, on their age and on request heads; error responses to malformed
+//! heads; and a stop that completes open requests.
 //!
-//! hyper sends a bare status for a malformed head, and nothing for one that is late or incomplete. `Wire` suppresses
-//! the bare responses; a problem document with the headers of every response replaces them.
+//! hyper responds to a malformed head with a status and no body, and closes the connection without a response if a head
+//! is late or incomplete. `Wire` suppresses the responses without a body, and `close` sends a problem document instead.
 
 use std::future::Future;
 use std::io;
@@ -31,13 +31,13 @@ use super::filter::MAX_TARGET_BYTES;
 use super::problem::{PROBLEM_JSON, Problem, title};
 use super::router::{ClientAddress, HEADERS};
 
-/// Most open connections; further ones wait in the queue of the operating system.
+/// Largest number of open connections. Further connections wait in the queue of the operating system.
 const MAX_CONNECTIONS: u32 = 512;
-/// Age at which a connection closes, after the answer under way.
+/// Age at which a connection is closed, after the current response.
 const MAX_AGE: Duration = Duration::from_secs(600);
-/// Time in which open requests have to end after a stop.
+/// Time after a stop within which open requests can complete.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(10);
-/// Pause after an error of accept, such as too many open files.
+/// Pause after a failed accept, for example because of too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
 /// Serves until SIGINT or SIGTERM arrives; `workers` is the number of blocking threads.
@@ -46,7 +46,7 @@ pub fn serve(listener: TcpListener, router: Router, workers: usize) -> anyhow::R
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(workers + 1).build()?;
     runtime.block_on(accept(listener, router))?;
-    // Does not wait for answers that are still being computed.
+    // Computations that still run are not waited for.
     runtime.shutdown_background();
     Ok(())
 }
@@ -54,7 +54,7 @@ pub fn serve(listener: TcpListener, router: Router, workers: usize) -> anyhow::R
 async fn accept(listener: TcpListener, router: Router) -> anyhow::Result<()> {
     let listener = tokio::net::TcpListener::from_std(listener)?;
     let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS as usize));
-    // Dropping the sender stops the connections.
+    // When the sender is dropped, the connections stop.
     let (running, stop) = watch::channel(());
     let mut signal = Box::pin(stop_signal()?);
     loop {
@@ -79,7 +79,7 @@ async fn accept(listener: TcpListener, router: Router) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Serves one connection to its end. Errors of a connection concern its client alone.
+/// Serves one connection until it is closed. Its errors do not affect other connections.
 async fn serve_connection(
     stream: TcpStream,
     from: SocketAddr,
@@ -118,7 +118,7 @@ async fn stopped(mut stop: watch::Receiver<()>) {
     while stop.changed().await.is_ok() {}
 }
 
-/// Returns the arrival of SIGINT or SIGTERM (Ctrl-C on other systems).
+/// Returns a future that completes on SIGINT or SIGTERM (on other systems on Ctrl-C).
 fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
     #[cfg(unix)]
     {
@@ -137,15 +137,15 @@ fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
     })
 }
 
-/// Limit on the time in which a head arrives, also that of the next request on an open connection.
+/// Time limit for the arrival of a request head, also of the next request on an open connection.
 pub const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
-/// Limits on the size of a head.
+/// Limit on the size of a request head, bytes.
 pub const MAX_HEAD_BYTES: usize = 16 << 10;
 pub const MAX_HEADERS: usize = 64;
-/// Limit on the time that closing takes.
+/// Time limit for closing a connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// The stream below hyper: without its bare error responses, and open until `close`.
+/// Stream of a connection that suppresses hyper's error responses and stays open until `close`.
 pub struct Wire(pub TcpStream);
 
 impl AsyncRead for Wire {
@@ -175,14 +175,15 @@ impl AsyncWrite for Wire {
     }
 }
 
-/// Whether these bytes are an error response of hyper: a head without a content type. All our responses have one.
+/// Returns true if these bytes are an error response of hyper: a head without content type, which all responses of the
+/// server have.
 fn is_bare_error(bytes: &[u8]) -> bool {
     let is_error = bytes.starts_with(b"HTTP/1.1 4") || bytes.starts_with(b"HTTP/1.0 4");
     let name = b"\r\ncontent-type:";
     is_error && bytes.ends_with(b"\r\n\r\n") && !bytes.windows(name.len()).any(|window| window == name)
 }
 
-/// Returns the problem that ended a connection, if the client is informed; `unread` is the received part of a head.
+/// Returns the error response for a failed connection, if one is sent; `unread` is the received part of a head.
 pub fn problem_of(error: &hyper::Error, unread: &[u8]) -> Option<Problem> {
     let allowed = "allowed: HTTP/1.1 and 1.0, without TLS";
     if error.is_parse_too_large() && !unread.contains(&b'\n') {
@@ -193,7 +194,7 @@ pub fn problem_of(error: &hyper::Error, unread: &[u8]) -> Option<Problem> {
     } else if error.is_parse() {
         Some(Problem::new(400, format!("malformed head of the request: {error}; {allowed}")))
     } else if unread.is_empty() {
-        // An idle connection, or one that the client has closed.
+        // The connection was idle, or the client has closed it.
         None
     } else if error.is_timeout() {
         let seconds = HEAD_TIMEOUT.as_secs();
@@ -203,19 +204,19 @@ pub fn problem_of(error: &hyper::Error, unread: &[u8]) -> Option<Problem> {
     }
 }
 
-/// Sends the last response, if there is one, and closes the connection after the client has closed its side.
+/// Sends a last response, if there is one, and closes the connection once the client has closed its side.
 pub async fn close(mut stream: TcpStream, problem: Option<Problem>) {
     let response = problem.map(|problem| last_response(&problem)).unwrap_or_default();
     let closed = async {
         stream.write_all(&response).await?;
         stream.shutdown().await?;
-        // With unread input a close would reset the connection, and the client would lose the response.
+        // Closing with unread input would reset the connection before the client reads the response.
         tokio::io::copy(&mut stream, &mut tokio::io::sink()).await
     };
     let _ = timeout(CLOSE_TIMEOUT, closed).await;
 }
 
-/// Head and body of a response without a request.
+/// Returns head and body of a response that hyper did not write.
 fn last_response(problem: &Problem) -> Vec<u8> {
     let body = problem.document(None);
     let mut head = format!("HTTP/1.1 {} {}\r\n", problem.status, title(problem.status));
@@ -240,7 +241,7 @@ mod tests {
         assert!(is_bare_error(bare) && is_bare_error(b"HTTP/1.0 400 Bad Request\r\n\r\n"));
         let ours = b"HTTP/1.1 404 Not Found\r\ncontent-type: application/problem+json\r\ncontent-length: 90\r\n\r\n";
         assert!(!is_bare_error(ours));
-        // Any part of one that a write leaves over.
+        // The rest of such a response after a partial write.
         for from in 1..bare.len() {
             assert!(!is_bare_error(&bare[from..]) && !is_bare_error(&bare[..from]), "{from}");
         }

@@ -1,4 +1,4 @@
-//! Inputs and verdicts on which every answer is based: read once and never changed.
+//! Inputs and verdicts of the server, computed once at the start and never changed.
 
 use std::collections::BTreeMap;
 
@@ -13,32 +13,32 @@ use streakcast::schedule::{FlagRequest, Policy, Schedule, Verdict, evening_mjd};
 
 use super::problem::Problem;
 
-/// The schedule, its verdicts, and the satellites.
+/// Schedule with its verdicts, and satellites.
 pub struct ServerState {
     pub config: Config,
     pub prepared: PreparedSky,
-    /// The site of all answers except those of SatChecker's paths.
+    /// Site of all responses except those of SatChecker's paths.
     pub site: Site,
     pub plan: ObservationPlan,
     pub schedule: Schedule,
-    /// Verdicts of the rows.
+    /// Verdicts, one for each row of the schedule.
     pub flags: Vec<Verdict>,
-    /// Caveats of the verdicts.
+    /// Warnings about the verdicts, and the number of satellites left out.
     pub caveats: Caveats,
     /// Provenance without its lists (rejected records), which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
     /// Rows by the evening's date (MJD) of their night.
     pub nights: BTreeMap<i64, Vec<usize>>,
-    /// Local time less UTC, hours.
+    /// Local time minus UTC, hours.
     pub utc_offset_h: f64,
 }
 
-/// Limits of an answer.
+/// Warnings about a response, and the number of satellites left out of it.
 pub struct Caveats {
-    /// The warnings of the command line.
+    /// Warnings, as on the command line.
     pub warnings: Vec<String>,
-    /// Number of satellites that the answer does not include.
+    /// Number of satellites left out.
     pub left_out_count: usize,
 }
 
@@ -47,10 +47,10 @@ impl ServerState {
         &self.prepared.sky
     }
 
-    /// Returns the caveats of an answer from `first` to `last` without these satellites.
+    /// Returns the caveats of a response for times from `first` to `last` with the satellites `left_out`.
     ///
     /// # Errors
-    /// All satellites are left out: an empty answer would be wrong.
+    /// All satellites are left out, so that an empty response would be wrong.
     pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
         let of_left_out = self.prepared.left_out_warning(left_out, first);
         let mut warnings = self.prepared.warnings_at(first, last);
@@ -82,7 +82,7 @@ pub fn date_of(evening_mjd: i64) -> String {
     text
 }
 
-/// Returns the rows by the evening (MJD) of their night. Invalid rows are in the first night.
+/// Returns the rows of each night by the MJD of its evening. Invalid rows are in the first night.
 pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
     let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for (row, exposure) in schedule.valid_exposures() {
@@ -96,7 +96,7 @@ pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> 
     nights
 }
 
-/// Returns the time zone in which the Sun culminates closest to 12 h, hours ahead of UTC.
+/// Returns the whole-hour time zone in which the Sun culminates closest to noon, hours ahead of UTC.
 pub fn zone_h(site: &Site) -> f64 {
     (site.longitude_rad.to_degrees() / 15.0).round()
 }

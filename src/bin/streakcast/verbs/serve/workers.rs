@@ -1,4 +1,4 @@
-//! Worker threads for the answers: a bounded number, a bounded queue, a time limit, and a cache of earlier answers.
+//! Worker threads that compute responses, with a bounded queue, a time limit, and a cache of earlier responses.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -12,19 +12,19 @@ use tokio::time::timeout;
 
 use super::problem::Problem;
 
-/// Requests that may wait while the workers are busy.
+/// Largest number of requests that wait while the workers are busy.
 const MAX_WAITING: usize = 256;
-/// Limit on waiting and computing together.
+/// Time limit of waiting and computing together.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
 /// Size of the cache, bytes.
 const CACHE_BYTES: u64 = 16 << 20;
-/// Size of the cache's table at the start, entries.
+/// Expected number of cached responses.
 const CACHE_ENTRIES: usize = 1000;
 
-/// Computes answers, and caches the last ones by path and query: the same request has the same answer as long as the
-/// server runs.
+/// Pool that computes responses and caches the last ones by path and query. The inputs of the server never change, so
+/// that a cached response stays valid.
 pub struct WorkerPool {
-    /// Requests that wait or are computed.
+    /// Permits for requests that wait or are computed.
     queue: Semaphore,
     workers: Arc<Semaphore>,
     cache: Mutex<Cache<String, Bytes, ByteSize>>,
@@ -48,10 +48,10 @@ impl WorkerPool {
         }
     }
 
-    /// Returns the answer to `target` (path and query): from the cache, or computed by `work` on a worker thread.
+    /// Returns the response to `target` (path and query) from the cache, or computes it with `work` on a worker thread.
     ///
     /// # Errors
-    /// What `work` returns; 503 if the queue is full or the time limit has passed; 500 if `work` panics.
+    /// The error of `work`; 503 if the queue is full or the time limit has passed; 500 if `work` panics.
     pub async fn answer<W>(&self, target: &str, work: W) -> Result<Bytes, Problem>
     where
         W: FnOnce() -> Result<String, Problem> + Send + 'static,
@@ -63,7 +63,7 @@ impl WorkerPool {
         let computed = timeout(ANSWER_TIMEOUT, async {
             let worker = Arc::clone(&self.workers).acquire_owned().await;
             spawn_blocking(move || {
-                // Held until the work is done, even if the request has timed out meanwhile.
+                // The permit is held until the computation ends, even after a timeout of the request.
                 let _worker = worker;
                 work()
             })
@@ -71,7 +71,9 @@ impl WorkerPool {
         });
         let body: Bytes = match computed.await {
             Ok(Ok(answer)) => answer?.into(),
-            Ok(Err(_)) => return Err(Problem::new(500, "the answer could not be computed: an error of the program")),
+            Ok(Err(_)) => {
+                return Err(Problem::new(500, "the response cannot be computed because of an error in the program"));
+            }
             Err(_) => return Err(busy()),
         };
         self.cache().insert(target.to_owned(), body.clone());

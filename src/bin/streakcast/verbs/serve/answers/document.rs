@@ -1,4 +1,4 @@
-//! JSON body of an answer, assembled from tables and values, its JSON Schema, and columns of the API alone.
+//! JSON bodies of responses, their JSON Schemas, and the columns that only the API has.
 
 use serde_json::{Value, json};
 use streakcast::output::{Column, Kind, Provenance, Table, json_members, json_rows};
@@ -6,14 +6,14 @@ use streakcast::passes::AltAz;
 
 use super::super::state::Caveats;
 
-/// A JSON object to which members are added.
+/// JSON object to which members are added.
 #[derive(Default)]
 pub struct Document {
     text: String,
 }
 
 impl Document {
-    /// An object with the provenance of the answer.
+    /// Creates an object with the provenance of the response.
     pub fn with_provenance(provenance: &Provenance) -> Self {
         let mut document = Self::default();
         document.raw("provenance", &serde_json::to_string(provenance).unwrap_or_else(|_| "{}".to_owned()));
@@ -34,12 +34,12 @@ impl Document {
         self.value("left_out_count", caveats.left_out_count);
     }
 
-    /// An array of objects.
+    /// Adds a table as an array of objects.
     pub fn table(&mut self, name: &str, table: &Table) {
         self.raw(name, &json_rows(&table.columns, &table.rows));
     }
 
-    /// The first row as an object.
+    /// Adds the first row of a table as an object.
     pub fn record(&mut self, name: &str, table: &Table) {
         let members = table.rows.first().map(|row| json_members(&table.columns, row)).unwrap_or_default();
         self.raw(name, &format!("{{{members}}}"));
@@ -50,7 +50,7 @@ impl Document {
     }
 }
 
-/// The schema of a table's row.
+/// Returns the schema of a table's row.
 pub fn row_schema(columns: &[Column]) -> Value {
     let names: Vec<&str> = columns.iter().map(|column| column.name).collect();
     let members: serde_json::Map<String, Value> =
@@ -58,12 +58,12 @@ pub fn row_schema(columns: &[Column]) -> Value {
     json!({"type": "object", "properties": members, "required": names, "additionalProperties": false})
 }
 
-/// The schema of a table.
+/// Returns the schema of a table.
 pub fn rows_schema(columns: &[Column]) -> Value {
     json!({"type": "array", "items": row_schema(columns)})
 }
 
-/// The schema of an object with exactly these members.
+/// Returns the schema of an object with exactly these members.
 pub fn object_schema(members: &[(&str, Value)]) -> Value {
     let names: Vec<&str> = members.iter().map(|(name, _)| *name).collect();
     let members: serde_json::Map<String, Value> =
@@ -71,12 +71,12 @@ pub fn object_schema(members: &[(&str, Value)]) -> Value {
     json!({"type": "object", "properties": members, "required": names, "additionalProperties": false})
 }
 
-/// The schema of the provenance.
+/// Returns the schema of the provenance.
 pub fn provenance_schema() -> Value {
     json!({"type": "object", "description": "Origin of the answer: version, elements with hash and epochs, models, time scale, options."})
 }
 
-/// The schema of the warnings.
+/// Returns the schema of the warnings.
 pub fn warnings_schema() -> Value {
     json!({
         "type": "array",
@@ -85,7 +85,7 @@ pub fn warnings_schema() -> Value {
     })
 }
 
-/// The schema of the number of satellites left out.
+/// Returns the schema of the number of satellites left out.
 pub fn left_out_count_schema() -> Value {
     json!({"type": "integer", "minimum": 0, "description": "Number of satellites that are missing from the answer because SGP4 cannot compute their position at that time."})
 }
@@ -106,36 +106,36 @@ fn cell_schema(column: &Column) -> Value {
     schema
 }
 
-/// Altitudes and azimuths of pointing and Sun.
+/// Columns of the altitudes and azimuths of pointing and Sun.
 pub const POINTING: [Column; 5] = [
-    Column::time("utc", "Time."),
+    Column::time("utc", "Time of the position."),
     Column::real("altitude_deg", "deg", 4, "Altitude of the field's centre, without refraction."),
-    Column::real("azimuth_deg", "deg", 4, "Its azimuth from north through east."),
+    Column::real("azimuth_deg", "deg", 4, "Azimuth of the field's centre, from north through east."),
     Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun, without refraction."),
-    Column::real("sun_azimuth_deg", "deg", 4, "Its azimuth."),
+    Column::real("sun_azimuth_deg", "deg", 4, "Azimuth of the Sun, from north through east."),
 ];
 
-/// Crossings of the field before, during and after the exposure.
+/// Columns of the crossings of the field before, during and after the exposure.
 pub const AROUND: [Column; 6] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("name", Kind::Text, "Name in the element set."),
-    Column::real("enter_s", "s", 3, "Entry into the field, after the exposure's opening; negative before it."),
-    Column::real("exit_s", "s", 3, "Exit from the field."),
+    Column::real("enter_s", "s", 3, "Time of entry into the field after shutter opening; negative before it."),
+    Column::real("exit_s", "s", 3, "Time of exit from the field after shutter opening."),
     Column::real("magnitude_peak", "mag", 3, "Brightest magnitude inside the field."),
-    Column::real("probability", "", 4, "Probability that it crosses the field in that interval."),
+    Column::real("probability", "", 4, "Probability that the satellite crosses the field in that interval."),
 ];
 
-/// Altitudes of the Sun in a night.
+/// Columns of the positions of the Sun in a night.
 pub const SUN: [Column; 3] = [
-    Column { kind: Kind::Time { decimals: 0 }, ..Column::time("utc", "Time.") },
+    Column { kind: Kind::Time { decimals: 0 }, ..Column::time("utc", "Time of the position.") },
     Column::real("sun_altitude_deg", "deg", 3, "Altitude of the Sun, without refraction."),
-    Column::real("sun_azimuth_deg", "deg", 3, "Its azimuth from north through east."),
+    Column::real("sun_azimuth_deg", "deg", 3, "Azimuth of the Sun, from north through east."),
 ];
 
-/// Exposures of the schedule; the times and pointings of those that are invalid are null.
+/// Columns of the exposures of the schedule. Times and pointings of invalid exposures are null.
 pub const SCHEDULED: [Column; 8] = [
     Column::new("id", Kind::Text, "Identifier of the exposure in the schedule."),
-    Column::new("row", Kind::Integer, "Row in the file, from 0."),
+    Column::new("row", Kind::Integer, "Row in the file, counted from 0."),
     Column::time("start_utc", "Shutter opening."),
     Column::real("duration_s", "s", 3, "Length of the exposure."),
     Column::real("ra_deg", "deg", 7, "Right ascension of the field's centre, ICRS."),
@@ -144,27 +144,27 @@ pub const SCHEDULED: [Column; 8] = [
     Column::new("band", Kind::Text, "Band as the schedule writes it."),
 ];
 
-/// The nights of the schedule.
+/// Columns of the nights of the schedule.
 pub const NIGHTS: [Column; 2] = [
-    Column::new("night", Kind::Text, "The evening's local date."),
-    Column::new("exposures", Kind::Integer, "Exposures in it."),
+    Column::new("night", Kind::Text, "Local date of the evening."),
+    Column::new("exposures", Kind::Integer, "Number of exposures in the night."),
 ];
 
-/// The telescope's site.
+/// Columns of the site.
 pub const SITE: [Column; 5] = [
     Column::new("name", Kind::Text, "Name of the site."),
-    Column::new("mpc_code", Kind::Text, "Its observatory code."),
+    Column::new("mpc_code", Kind::Text, "Observatory code of the Minor Planet Center."),
     Column::real("latitude_deg", "deg", 6, "Geodetic latitude, WGS84."),
     Column::real("longitude_deg", "deg", 6, "Longitude, east positive."),
     Column::real("height_m", "m", 1, "Height above the ellipsoid."),
 ];
 
-/// Altitude and azimuth, degrees.
-pub fn degrees(place: &AltAz) -> (f64, f64) {
-    (place.altitude_rad.to_degrees(), place.azimuth_rad.to_degrees())
+/// Returns altitude and azimuth, degrees.
+pub fn degrees(position: &AltAz) -> (f64, f64) {
+    (position.altitude_rad.to_degrees(), position.azimuth_rad.to_degrees())
 }
 
-/// Rounds to a number of decimals.
+/// Rounds a number to a number of decimals.
 pub fn rounded(value: f64, decimals: i32) -> f64 {
     let factor = 10_f64.powi(decimals);
     (value * factor).round() / factor

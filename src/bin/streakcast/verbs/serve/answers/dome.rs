@@ -1,4 +1,4 @@
-//! `/api/v1/dome`: the sky over the site during an exposure.
+//! `/api/v1/dome`: returns the sky over the site during an exposure.
 
 use serde_json::{Value, json};
 use streakcast::frames::seconds_after;
@@ -32,9 +32,9 @@ const DEFAULT_HEIGHT_KM: f64 = 550.0;
 const DEFAULT_MODEL: &str = "starlink-v1.5";
 /// Step of the magnitude map, degrees.
 const STEP_DEG: f64 = 5.0;
-/// Points of the shadow's edge.
+/// Number of points along the edge of the Earth's shadow.
 const EDGE_POINTS: usize = 180;
-/// Points of a track.
+/// Number of points along a track.
 const TRACK_POINTS: usize = 5;
 
 pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {

@@ -1,4 +1,5 @@
-//! `/api/v1/exposure`: the results of `flag` and `passes` for any exposure, and the crossings before and after it.
+//! `/api/v1/exposure`: returns the results of `flag` and `passes` for any exposure, and the crossings before and after
+//! it.
 
 use serde_json::Value;
 use streakcast::frames::{Direction, seconds_after, seconds_between};
@@ -42,7 +43,7 @@ pub const PARAMETERS: &[Parameter] = &[
     ),
 ];
 
-/// Identifier of the exposure in the answer, that of `passes`.
+/// Identifier of the exposure in the response, as in `passes`.
 const ID: &str = "1";
 
 pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
@@ -80,7 +81,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
         duration_s: exposure.duration_s + 2.0 * around_s,
         ..exposure.clone()
     });
-    // In parallel: the page requests this at each move of a drag.
+    // Computed in parallel, because the page sends this request at each move of a drag.
     let ((passes, before_and_after), report) = rayon::join(
         || rayon::join(|| passes_of(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| passes_of(&long, 0))),
         || flag_exposures(&[&row], &state.request(&policy)),
@@ -122,7 +123,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     Ok(document.into_json())
 }
 
-/// Errors of a query that only its computation detects.
+/// Returns the error response to a query that only the computation finds invalid.
 pub fn of_sky(error: &SkyError) -> Problem {
     Problem::new(400, error.to_string())
 }
@@ -140,7 +141,7 @@ fn around_row(state: &ServerState, pass: &Pass, exposure: &Exposure) -> Vec<Cell
     ]
 }
 
-/// Altitudes and azimuths of field and Sun at the start and at the end of the exposure.
+/// Returns altitudes and azimuths of field and Sun at the start and at the end of the exposure.
 fn pointing(state: &ServerState, exposure: &Exposure) -> Result<Table, Problem> {
     let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
     let row = |epoch| -> Result<Vec<Cell>, SkyError> {
@@ -155,7 +156,7 @@ fn pointing(state: &ServerState, exposure: &Exposure) -> Result<Table, Problem> 
 pub fn schema() -> Value {
     let sampled = streak_table(std::iter::empty(), true, true);
     let mut passes = rows_schema(&sampled.columns);
-    // Only with the parameter of this name.
+    // Not required: it is present only if the parameter of this name is given.
     if let Some(required) = passes["items"]["required"].as_array_mut() {
         required.retain(|name| name != "samples");
     }

@@ -1,4 +1,4 @@
-//! `/health`: status of the server and the sizes of its inputs.
+//! `/health`: returns the status of the server and the sizes of its inputs.
 
 use serde_json::{Value, json};
 

@@ -1,4 +1,4 @@
-//! Answers of the paths: each reads its query, calls the library and writes JSON.
+//! Handlers of the paths. Each handler reads its query, calls the library and returns JSON.
 
 mod document;
 pub mod dome;

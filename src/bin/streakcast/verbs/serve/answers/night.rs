@@ -1,4 +1,4 @@
-//! `/api/v1/night`: one night of the schedule with its verdicts, the Sun, the field and the site.
+//! `/api/v1/night`: returns one night of the schedule with its verdicts, the Sun, the field and the site.
 
 use serde_json::{Value, json};
 use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
@@ -19,18 +19,16 @@ use super::exposure::of_sky;
 pub const PARAMETERS: &[Parameter] =
     &[optional("night", Kind::Date, "The evening's local date; default: the first night of the schedule.")];
 
-/// Step of the Sun's positions, seconds.
+/// Interval between positions of the Sun, seconds.
 const SUN_EVERY_S: f64 = 300.0;
-/// Points of a circle's outline.
+/// Number of points of a circle's outline.
 const OUTLINE_POINTS: usize = 120;
 
 pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let known = || state.nights.keys().map(|night| date_of(*night)).take(40).collect::<Vec<_>>().join(", ");
     let night = match query.date("night") {
         Some(noon) => mjd_utc(noon).floor() as i64,
-        None => {
-            *state.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule can be judged"))?
-        }
+        None => *state.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule is valid"))?,
     };
     let rows = state.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
     let site = &state.site;

@@ -1,5 +1,5 @@
-//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/` with parameters and responses of IAU CPS SatChecker
-//! (version 1.7, docs/source/fov.rst), with magnitudes and without tasks.
+//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/`: paths with the parameters and responses of IAU CPS
+//! SatChecker (version 1.7, docs/source/fov.rst). Magnitudes are added; asynchronous tasks are not supported.
 
 use std::collections::BTreeMap;
 
@@ -78,11 +78,11 @@ pub const ABOVE: &[Parameter] = &[
     CONSTELLATION,
 ];
 
-/// Source in every answer.
+/// Name of the source in every response.
 const SOURCE: &str = "streakcast";
-/// Most positions of one answer.
+/// Largest number of positions in one response.
 const MAX_POSITIONS: f64 = 20_000.0;
-/// Most points along a pass; SatChecker has one a second.
+/// Largest number of points along a pass; SatChecker has one per second.
 const MAX_SAMPLES: usize = 601;
 
 pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
@@ -98,13 +98,14 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
         let selected = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
         Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((selected.collect(), answer.left_out))
     };
-    // First without points: their number is limited.
+    // The passes are computed without points first, to check the number of points.
     let (found, left_out) = passes_of(0)?;
     let caveats = state.caveats_at(exposure.start, seconds_after(exposure.start, exposure.duration_s), &left_out)?;
     let expected: f64 = found.iter().map(|pass| length_s(pass).ceil().min(MAX_SAMPLES as f64) + 1.0).sum();
     if expected > MAX_POSITIONS {
-        let detail =
-            format!("{expected} positions; allowed: {MAX_POSITIONS}: a shorter duration or a smaller fov_radius");
+        let detail = format!(
+            "the response would have {expected} positions; allowed: at most {MAX_POSITIONS}, with a shorter duration or a smaller fov_radius"
+        );
         return Err(Problem::new(400, detail));
     }
     let longest_s = found.iter().map(length_s).fold(0.0, f64::max);
@@ -119,7 +120,7 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
     Ok(with_source(document, &caveats))
 }
 
-/// The time interval and the direction of the query.
+/// Returns the time interval and the direction of the query.
 fn exposure(query: &Query) -> Result<Exposure, Problem> {
     let number = |name: &str| query.number(name).unwrap_or_default();
     let duration_s = number("duration");
@@ -152,10 +153,10 @@ fn length_s(pass: &Pass) -> f64 {
     seconds_between(pass.enter.epoch, pass.exit.epoch)
 }
 
-/// The positions of a pass with their times, a second apart at most.
+/// Returns the positions of a pass with their times, at most a second apart.
 fn positions(sky: &Sky, exposure: &Exposure, pass: &Pass) -> Vec<(Epoch, Value)> {
     let last = pass.samples.len().saturating_sub(1);
-    // Keeps every `step`-th of the evenly spaced points.
+    // Every `step`-th of the evenly spaced points.
     let step =
         if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
     let kept = pass.samples.iter().enumerate().filter(|(point, _)| point % step == 0 || *point == last);
@@ -168,7 +169,7 @@ fn positions(sky: &Sky, exposure: &Exposure, pass: &Pass) -> Vec<(Epoch, Value)>
     .collect()
 }
 
-/// Positions and streaks of each satellite, by name.
+/// Returns the positions and streaks of each satellite, by name.
 fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: bool) -> Value {
     let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
     let mut count = 0;
@@ -197,7 +198,7 @@ fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: 
     json!({"data": {"satellites": satellites, "total_satellites": total, "total_position_results": count}})
 }
 
-/// Positions of all satellites in order of time.
+/// Returns the positions of all satellites in order of time.
 fn by_time(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: bool) -> Value {
     let mut all = Vec::new();
     for pass in passes {
@@ -250,7 +251,7 @@ fn listed(data: Vec<Value>) -> Value {
     json!({"data": data, "count": count, "total_position_results": count})
 }
 
-/// Adds the last members of SatChecker's answers, and the warnings.
+/// Adds the last members of SatChecker's responses, and the warnings.
 fn with_source(mut document: Value, caveats: &Caveats) -> String {
     document["source"] = json!(SOURCE);
     document["version"] = json!(env!("CARGO_PKG_VERSION"));
@@ -259,7 +260,7 @@ fn with_source(mut document: Value, caveats: &Caveats) -> String {
     document.to_string()
 }
 
-/// The server's satellites seen from the site of the query.
+/// Returns the server's satellites seen from the site of the query.
 fn sky(state: &ServerState, query: &Query) -> Result<Sky, Problem> {
     let numbers = ["latitude", "longitude", "elevation"].map(|name| query.number(name));
     let site = match (query.text("site"), numbers) {
@@ -290,12 +291,12 @@ fn is_of_constellation(sky: &Sky, element_index: usize, query: &Query) -> bool {
 fn orbital_data(sky: &Sky, element_index: usize) -> Value {
     match streakcast::elements::format_tle(&sky.elements()[element_index]) {
         Ok([line1, line2]) => json!({"tle_line1": line1, "tle_line2": line2}),
-        // Values that the format of two lines cannot hold.
+        // A TLE cannot hold these values.
         Err(error) => json!({"error": error.to_string()}),
     }
 }
 
-/// The streak as a whole, which SatChecker's points once a second do not give.
+/// Returns the streak as a whole. SatChecker has only points once per second.
 fn streak(pass: &Pass) -> Value {
     let utc = |epoch| streakcast::output::format_utc(epoch, 3);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());

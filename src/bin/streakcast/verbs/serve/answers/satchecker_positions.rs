@@ -1,4 +1,4 @@
-//! One position in the format of SatChecker, with magnitudes.
+//! One position in the format of SatChecker, with a magnitude added.
 
 use serde_json::{Value, json};
 use streakcast::frames::utc_jd;
@@ -8,7 +8,7 @@ use streakcast::passes::{Sky, TrackPoint};
 use super::document::object_schema;
 use super::document::rounded;
 
-/// SatChecker's rounding of angles and dates.
+/// Decimals to which SatChecker rounds angles and dates.
 const DECIMALS: i32 = 8;
 
 pub fn position(sky: &Sky, element_index: usize, point: &TrackPoint, age_days: f64) -> Value {
@@ -36,12 +36,12 @@ pub fn position(sky: &Sky, element_index: usize, point: &TrackPoint, age_days: f
     })
 }
 
-/// 2024-11-08 21:28:28 UTC.
+/// Formats a time as `2024-11-08 21:28:28 UTC`.
 fn date_time(epoch: hifitime::Epoch) -> String {
     format_utc(epoch, 0).replace('T', " ").replace('Z', " UTC")
 }
 
-/// The schema of a position with further members.
+/// Returns the schema of a position with further members.
 pub fn position_schema(more: &[&'static str]) -> Value {
     let (number, or_null, text) =
         (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));

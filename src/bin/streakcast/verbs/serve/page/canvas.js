@@ -1,6 +1,6 @@
-// Sharp canvases: sized in pixels of the screen, drawn in pixels of the page.
+// Canvases with the resolution of the screen, drawn in CSS pixels.
 
-/** Returns a cleared drawing context with width and height in pixels of the page. */
+/** Returns a cleared drawing context with width and height in CSS pixels. */
 export function prepare(canvas) {
   const box = canvas.getBoundingClientRect();
   const width = Math.max(1, Math.round(box.width));
@@ -21,7 +21,7 @@ export function prepare(canvas) {
 
 /** Cached background of a chart: a drag redraws only the moving parts. */
 export class Backdrop {
-  /** Draws the cached picture of `paint(context)`, which is painted again after a change of `of` (its content) or the canvas. */
+  /** Draws the cached picture of `paint(context)`; paints it again if `of` (its content) or the canvas has changed. */
   show(context, of, paint) {
     const { canvas } = context;
     const shown = [canvas.width, canvas.height, context.getTransform().a, ...of];

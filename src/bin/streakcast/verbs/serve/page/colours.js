@@ -4,7 +4,7 @@
 const VIRIDIS = ["#440154", "#482475", "#414487", "#355f8d", "#2a788e", "#21918c", "#22a884", "#44bf70", "#7ad151", "#bddf26", "#fde725"];
 const RED = ["#2a0000", "#480400", "#640a02", "#801206", "#9c1c0c", "#b82a16", "#d03c24", "#e45034", "#f26a4c", "#fb8a6c", "#ffb09a"];
 
-/** Ends of the scale, mag. */
+/** Brightest and faintest magnitude of the colour scale. */
 export const BRIGHT = 3;
 export const FAINT = 10;
 
@@ -13,7 +13,7 @@ const RAMPS = { dark: VIRIDIS.map(channels), red: RED.map(channels) };
 
 export const isRed = () => document.documentElement.dataset.light === "red";
 
-/** Red, green and blue of a magnitude, 0 to 255. */
+/** Returns red, green and blue of a magnitude, 0 to 255. */
 export function ofMagnitude(magnitude) {
   const ramp = isRed() ? RAMPS.red : RAMPS.dark;
   const share = Math.min(1, Math.max(0, (FAINT - magnitude) / (FAINT - BRIGHT)));
@@ -23,7 +23,7 @@ export function ofMagnitude(magnitude) {
   return ramp[below].map((low, channel) => low + (ramp[below + 1][channel] - low) * (place - below));
 }
 
-/** Returns the colour for canvas and style; a neutral colour without a magnitude. */
+/** Returns the CSS colour of a magnitude; a neutral colour without a magnitude. */
 export function css(magnitude, alpha = 1) {
   if (magnitude == null) return theme().muted;
   const [red, green, blue] = ofMagnitude(magnitude).map(Math.round);
@@ -32,7 +32,7 @@ export function css(magnitude, alpha = 1) {
 
 let known = null;
 
-/** The colours of the style sheet. */
+/** Returns the colours of the style sheet by name. */
 export function theme() {
   if (known) return known;
   const style = getComputedStyle(document.documentElement);
@@ -41,7 +41,7 @@ export function theme() {
   return known;
 }
 
-/** Red light on or off. */
+/** Switches red light on or off. */
 export function light(red) {
   if (red) document.documentElement.dataset.light = "red";
   else delete document.documentElement.dataset.light;

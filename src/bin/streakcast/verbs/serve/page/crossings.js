@@ -5,7 +5,7 @@ import { clock, fixed, moment } from "./words.js";
 
 const sigma = (pass) => (pass.magnitude_peak == null ? "–" : `${fixed(pass.magnitude_peak, 2)} ± ${fixed(pass.magnitude_sigma, 2)}`);
 
-/** Head, cell on the page. */
+/** Columns on the page: heading, and function that returns the text of a cell. */
 const COLUMNS = [
   ["name", null],
   ["norad_id", (pass) => pass.norad_id],
@@ -26,7 +26,7 @@ const COLUMNS = [
   ["P", (pass) => fixed(pass.probability, 2)],
 ];
 
-/** Column of the file, value. Positions are those of the middle of the pass. */
+/** Columns of the CSV file: name, and function that returns the value. Positions are those of the middle of the pass. */
 const FILE = [
   ["name", (pass) => pass.name],
   ["norad_id", (pass) => pass.norad_id],
@@ -67,7 +67,7 @@ export function rows(body, passes, selected, choose) {
   if (!passes?.length) {
     const cell = document.createElement("td");
     cell.colSpan = COLUMNS.length;
-    cell.textContent = passes ? "No lit satellite crosses this exposure." : "Nothing is known of this exposure.";
+    cell.textContent = passes ? "No lit satellite crosses this exposure." : "No result for this exposure.";
     const row = document.createElement("tr");
     row.append(cell);
     body.replaceChildren(row);

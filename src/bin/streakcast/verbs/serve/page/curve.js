@@ -1,4 +1,4 @@
-// Magnitude along one track with its band of one sigma; bright is up.
+// Chart of the magnitude along one track, with a band of one sigma; brighter is higher.
 
 import { css, theme } from "./colours.js";
 import { label, path, prepare, step } from "./canvas.js";
@@ -21,7 +21,7 @@ export class Curve {
     context.fillRect(left, top, right - left, bottom - top);
     if (!lit.length) {
       context.textAlign = "center";
-      label(context, pass ? "no light along this track" : "no track selected", (left + right) / 2, (top + bottom) / 2, colours.muted, colours.dark);
+      label(context, pass ? "no magnitude along this track" : "no track selected", (left + right) / 2, (top + bottom) / 2, colours.muted, colours.dark);
       return;
     }
     const [from, to] = [samples[0].ms, Math.max(samples[samples.length - 1].ms, samples[0].ms + 200)];

@@ -5,9 +5,9 @@ import { between, contour } from "./contours.js";
 import { Backdrop, label, path, prepare } from "./canvas.js";
 
 const DEG = Math.PI / 180;
-/** Size of the magnitude map, pixels; it is smooth and drawn enlarged. */
+/** Size of the magnitude map, pixels. It is drawn enlarged, because it is smooth. */
 const FINE = 220;
-/** Grid cells of extrapolation into the shadow, which is drawn over them: the map ends at the edge, without steps. */
+/** Number of grid cells by which the map is extrapolated into the shadow. The shadow is drawn over them, so that the map has a smooth edge. */
 const BEYOND = 3;
 
 /** Returns the grid with gaps filled from neighbouring cells. */
@@ -32,7 +32,7 @@ export class Dome {
     this.backdrop = new Backdrop();
   }
 
-  /** Shows a response of the server; null without one. */
+  /** Shows a response of the server; null clears the chart. */
   show(dome) {
     this.dome = dome;
     if (!dome) return;
@@ -46,7 +46,7 @@ export class Dome {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
     const radius = Math.min(width, height) / 2 - 26;
-    // A very narrow window, or a hidden page.
+    // The window is very narrow, or the page is hidden.
     if (radius <= 0) return;
     const [x0, y0] = [width / 2, height / 2];
     const at = (azimuth, altitude) => {

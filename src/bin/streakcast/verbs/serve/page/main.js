@@ -14,12 +14,12 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
-/** Pause of the pointer after which a drag updates the whole page, not only answer, strip and field, ms. */
+/** Pause of the pointer, ms, after which the whole page is updated. During a drag only answer, strip and field are. */
 const REST_MS = 150;
 
 /** State in the address. */
 const state = { shift: 0, ...link.read() };
-/** Last responses of the server; null for an exposure without one. */
+/** Last responses of the server for the exposure; null if there is none. */
 let night = null;
 let rows = [];
 let answer;
@@ -41,7 +41,7 @@ const curveChart = new Curve($("curve"));
 
 const requestExposure = latest("/api/v1/exposure", answered, (error, parameters) => {
   failed(error, "exposure");
-  // The last answer is not valid for this start.
+  // The last response is not valid for this start.
   if (parameters.place === state.place) nothing("unknown", "no answer");
 });
 const requestSky = latest("/api/v1/dome", ({ document }, parameters) => {
@@ -86,7 +86,7 @@ function toast(text) {
 async function load(which) {
   try {
     let { document } = await send("/api/v1/night");
-    // A link to a night that this schedule does not have shows the first.
+    // A link to a night that is not in this schedule shows the first night.
     const isKnown = !which || document.nights.some((one) => one.night === which);
     if (!isKnown) delete state.row;
     else if (which && which !== document.night) ({ document } = await send("/api/v1/night", { night: which }));
@@ -189,7 +189,7 @@ function rested() {
   // The night or the exposure may have changed meanwhile.
   if (rows[state.place]?.start == null) return;
   requestDome();
-  // With the parameters omitted during the drag.
+  // This request has the parameters that were omitted during the drag.
   request();
 }
 
@@ -426,7 +426,7 @@ window.addEventListener("hashchange", () => {
 // Charts are drawn again after a change of their size.
 const sizes = new ResizeObserver(() => requestAnimationFrame(drawAll));
 for (const canvas of document.querySelectorAll("canvas")) sizes.observe(canvas);
-// And after a change of the pixel ratio.
+// Charts are also drawn again after a change of the pixel ratio.
 function sharpen() {
   matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", () => (drawAll(), sharpen()), { once: true });
 }

@@ -163,7 +163,7 @@ export function legend(scale, bands) {
   bright.textContent = String(BRIGHT);
   const heights = document.createElement("span");
   heights.className = "wrap";
-  heights.textContent = "tall: to avoid, half: streaked, low: clear; tick: brighter than the limit";
+  heights.textContent = "high bars: avoid, half-high: streaked, low: clear; tick: brighter than the limit";
   scale.replaceChildren(faint, bar, bright, heights);
   const { context, width, height } = prepare(bar);
   for (let x = 0; x < width; x += 1) {

@@ -1,4 +1,5 @@
-// Strip of the minutes around an exposure: crossings of its field, and a bar to drag and resize.
+// Strip of the minutes around an exposure, with the crossings of its field and a bar for the exposure that can be
+// dragged and resized.
 
 import { css, theme } from "./colours.js";
 import { label, labelSpace, prepare, step } from "./canvas.js";
@@ -24,7 +25,7 @@ export class Strip {
     this.grab(this.handle, (seconds, begun) => ({ duration: begun.duration + seconds }));
     this.keys(this.bar, (seconds) => ({ shift: this.shift + seconds }));
     this.keys(this.handle, (seconds) => ({ duration: this.duration + seconds }));
-    // A click next to the bar moves its start there.
+    // A click next to the bar moves the start of the bar to that position.
     this.canvas.addEventListener("click", (event) => {
       const x = event.clientX - this.canvas.getBoundingClientRect().left;
       this.move({ shift: this.from + x / this.scale() }, true);
@@ -47,7 +48,7 @@ export class Strip {
     this.known = null;
   }
 
-  /** Returns the length of the strip, seconds; the API is queried for the same time on both sides. */
+  /** Returns the length of the strip on either side of the exposure, seconds. */
   span() {
     return Math.min(1800, Math.max(240, Math.ceil(this.duration / 30) * 30 * 10));
   }
@@ -61,7 +62,7 @@ export class Strip {
     return this.known !== null && this.known.from <= this.from && this.from + this.span() <= this.known.to;
   }
 
-  /** Shows the crossings of the interval `known`, seconds after the scheduled opening; keeps the current ones without it. */
+  /** Shows the crossings of the interval `known`, seconds after the scheduled opening; without `known` the shown ones are kept. */
   answer(crossings, known, nextShift, limit) {
     if (known) {
       this.crossings = crossings;

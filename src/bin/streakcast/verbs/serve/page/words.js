@@ -5,7 +5,7 @@ export const moment = (text) => Date.parse(text);
 
 const two = (number) => String(number).padStart(2, "0");
 
-/** Returns 23:29:05 in UTC, or in a time zone some hours ahead, with decimals of the second. */
+/** Returns a time like 23:29:05 in UTC, or in a time zone `hours` ahead of it, with decimals of the second. */
 export function clock(ms, hours = 0, decimals = 0) {
   const step = 10 ** (3 - decimals);
   const date = new Date(Math.round((ms + hours * 3600e3) / step) * step);
@@ -13,13 +13,13 @@ export function clock(ms, hours = 0, decimals = 0) {
   return `${two(date.getUTCHours())}:${two(date.getUTCMinutes())}:${two(date.getUTCSeconds())}${fraction}`;
 }
 
-/** 23:30 */
+/** Returns a time of day like 23:30. */
 export const hour = (ms, hours = 0) => clock(ms, hours).slice(0, 5);
 
 /** Returns UTC in the format of the API. */
 export const iso = (ms) => new Date(ms).toISOString();
 
-/** UTC−5, UTC+5:30 */
+/** Returns the name of a time zone like UTC−5 or UTC+5:30. */
 export function zone(hours) {
   const sign = hours < 0 ? "−" : "+";
   const minutes = Math.round(Math.abs(hours) * 60);
@@ -32,13 +32,13 @@ export const fixed = (number, decimals) => (number == null ? "–" : number.toFi
 /** Formats a delay in tenths of a second, rounded up. */
 export const delay = (seconds) => `+${(Math.ceil(seconds * 10 - 1e-6) / 10).toFixed(1)} s`;
 
-/** 12h34m56s */
+/** Returns a right ascension like 12h34m56s. */
 export function hours(degrees) {
   const seconds = Math.round(degrees * 240) % 86400;
   return `${two(Math.floor(seconds / 3600))}h${two(Math.floor(seconds / 60) % 60)}m${two(seconds % 60)}s`;
 }
 
-/** −30°12′ */
+/** Returns a declination like −30°12′. */
 export function sexagesimal(degrees) {
   const minutes = Math.round(Math.abs(degrees) * 60);
   return `${degrees < 0 ? "−" : "+"}${two(Math.floor(minutes / 60))}°${two(minutes % 60)}′`;
