@@ -16,6 +16,11 @@ exit status is checked. HTML comments in the lines before the fence change this:
     <!-- background -->         the command keeps running (a server) until the end of the page; its expected output must appear
     <!-- not run: REASON -->    shown only
 
+Python blocks are run by plugins/python/tests/test_readme.py. Figures in the prose that a test, a table or a source file holds are checked by
+comments of the form
+
+    <!-- figure: TEXT in FILE -->   the text must occur in this file of the repository
+
 A page shows a picture NAME that its own commands write as ../pictures/PAGE/NAME, where PAGE is the name of the page without `.md`.
 `--update` writes the actual output into the pages.
 """
@@ -48,6 +53,7 @@ WILDCARD = "..."
 FENCE = re.compile(r"^(?P<indent> *)(?P<ticks>`{3,})(?P<language>[^`]*)$")
 MARK = re.compile(r"^\s*<!-- (exit (?P<exit>\d+)|(?P<data>data)|(?P<background>background)|not run: (?P<reason>.+)) -->\s*$")
 PICTURE = re.compile(r"\]\((?:\.\./)*pictures/(?P<page>[\w-]+)/(?P<name>[\w./-]+)\)")
+FIGURE = re.compile(r"<!-- figure: (?P<text>.+?) in (?P<file>\S+) -->")
 HERE_DOCUMENT = re.compile(r"<<-?\s*(['\"]?)(\w+)\1")
 
 
@@ -209,7 +215,7 @@ class Terminal:
 class Run:
     def __init__(self, binary, data, update, pictures):
         self.binary, self.data, self.update, self.pictures = binary, data, update, pictures
-        self.ran, self.shown, self.skipped, self.failures = 0, 0, 0, []
+        self.ran, self.shown, self.skipped, self.figures, self.failures = 0, 0, 0, 0, []
 
     def page(self, path):
         name = path.relative_to(ROOT) if path.is_relative_to(ROOT) else path
@@ -219,6 +225,11 @@ class Run:
         except PageError as error:
             self.failures.append(f"{name}:{error}")
             return
+        for number, line in enumerate(lines, 1):
+            for figure in FIGURE.finditer(line):
+                self.figures += 1
+                if figure["text"] not in (ROOT / figure["file"]).read_text():
+                    self.failures.append(f"{name}:{number}: {figure['file']} does not contain '{figure['text']}'")
         shown = [(number, found) for number, line in enumerate(lines, 1) for found in PICTURE.finditer(line)]
         if not (shown if self.pictures else blocks):
             return
@@ -307,7 +318,7 @@ def main():
         run.page(page.resolve())
     for failure in run.failures:
         print(f"FAILED {failure}\n")
-    print(f"{run.ran} commands run, {run.shown} blocks shown only, {run.skipped} skipped, {len(run.failures)} failed")
+    print(f"{run.ran} commands run, {run.shown} blocks shown only, {run.skipped} skipped, {run.figures} figures compared, {len(run.failures)} failed")
     return 1 if run.failures else 0
 
 

@@ -1,28 +1,38 @@
-"""Examples of the READMEs and the documentation: the Python code runs and prints what the page shows."""
+"""Python examples of the READMEs and of docs/: the code runs and prints what the page shows.
+
+Every block ```python of a page runs in the order of the page, with the names of the blocks before it, in a new folder that holds a copy of
+examples/. A block ```text directly after it is the expected output. HTML comments before the fence have the meaning of tests/docs.py:
+`<!-- data -->` needs the real data, found under data/, and `<!-- not run: REASON -->` is only compiled.
+"""
 
 import contextlib
 import io
 import re
+import shutil
 
 import pytest
 from conftest import ROOT
 
-#: An example with the comment before it and the output shown after it.
-EXAMPLE = re.compile(r"(<!-- not run: .+ -->\n)?```python\n(.*?)```\n(?:\n```text\n(.*?)```)?", re.DOTALL)
+EXAMPLE = re.compile(r"((?:^<!-- [^\n]* -->\n\s*)*)^```python\n(.*?)^```\n(?:\n```text\n(.*?)^```)?", re.DOTALL | re.MULTILINE)
 READMES = [ROOT / "README.md", ROOT / "plugins" / "python" / "README.md"]
-PAGES = [page for page in (*READMES, *sorted((ROOT / "docs").rglob("*.md"))) if "```python" in page.read_text()]
+PAGES = [page for page in sorted((ROOT / "docs").rglob("*.md")) if "```python" in page.read_text()]
 
 
-@pytest.mark.parametrize("page", PAGES, ids=[str(page.relative_to(ROOT)) for page in PAGES])
-def test_examples_print_what_the_page_shows(page, tmp_path, monkeypatch):
+@pytest.mark.parametrize("page", READMES + PAGES, ids=lambda page: str(page.relative_to(ROOT)))
+def test_examples_print_what_the_page_shows(page, tmp_path, monkeypatch, request):
+    text = page.read_text()
+    examples = EXAMPLE.findall(text)
+    assert len(examples) == text.count("```python"), "a block is not at the beginning of a line"
+    shutil.copytree(ROOT / "examples", tmp_path / "examples")
     monkeypatch.chdir(tmp_path)
-    examples = EXAMPLE.findall(page.read_text())
-    assert examples
     names = {}
-    for not_run, code, shown in examples:
-        if not_run:
+    for comments, code, shown in examples:
+        program = compile(code, page.name, "exec")
+        if "<!-- not run: " in comments:
             continue
+        if "<!-- data -->" in comments and not (tmp_path / "data").exists():
+            (tmp_path / "data").symlink_to(request.getfixturevalue("data"))
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
-            exec(code, names)  # noqa: S102
+            exec(program, names)  # noqa: S102
         assert printed.getvalue() == shown
