@@ -78,7 +78,7 @@ impl Builder {
         let mut terms_km2 = [0.0; 6];
         terms_km2.copy_from_slice(&terms[..6]);
         let least = least_eigenvalue(&terms);
-        if !(least >= LEAST_EIGENVALUE) {
+        if least.is_nan() || least < LEAST_EIGENVALUE {
             return Err(Problem::new(
                 line,
                 "least eigenvalue of the correlation matrix",
