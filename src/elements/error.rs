@@ -40,7 +40,7 @@ pub enum ElementsError {
         file: String,
     },
     /// An empty file, or one with blanks only.
-    #[error("{file} is empty; expected element sets as {ALLOWED}")]
+    #[error("{file} is empty; allowed: {ALLOWED}")]
     Empty {
         /// Given name.
         file: String,

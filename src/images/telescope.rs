@@ -260,7 +260,7 @@ trail_saturation_mag = 4.0
             ("seeing_arcsec = 1.5", "", &["missing field `seeing_arcsec`"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "circle_deg = 0", &["field.circle_deg is 0"]),
             ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "polygon_deg = [[0, 0]]", &["corners", "3 to"]),
-            ("[limits.V]", "[limits.W]", &["band \"W\"", "B V R I u g r i z y G"]),
+            ("[limits.V]", "[limits.W]", &["band of a limit is \"W\"", "B, V, R, I, u, g, r, i, z, y, G"]),
             ("trail_saturation_mag = 4.0", "trail_saturation_mag = 99.0", &["limits.V.trail_saturation_mag is 99"]),
         ] {
             let text = OWN.replace(from, to);

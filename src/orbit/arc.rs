@@ -2,7 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::propagator::{OrbitError, Propagator, State};
+use super::propagator::{OrbitError, Propagator};
+use super::state::State;
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 use crate::math::interpolation::{cubic_slopes, cubic_weights};
 

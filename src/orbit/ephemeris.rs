@@ -19,7 +19,7 @@ use hifitime::{Epoch, TimeScale, Unit};
 use nalgebra::{Matrix3, Vector3};
 
 use super::lateness::Lateness;
-use super::propagator::State;
+use super::state::State;
 use super::uncertainty::OrbitUncertainty;
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::elements::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisState, PositionCovariance};

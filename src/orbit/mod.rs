@@ -6,12 +6,14 @@ mod lateness;
 mod propagator;
 mod resonance;
 mod search;
+mod state;
 mod station_keeping;
 mod uncertainty;
 
 pub use arc::OrbitArc;
 pub use lateness::Lateness;
-pub use propagator::{DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex, State};
+pub use propagator::{DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex};
 pub use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
+pub use state::State;
 pub use station_keeping::{DragModel, StationKeeping};
 pub use uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};

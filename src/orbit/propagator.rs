@@ -13,6 +13,7 @@ use thiserror::Error;
 use super::ephemeris::{Attached, EphemerisTable};
 use super::lateness::Lateness;
 use super::resonance::Resonance;
+use super::state::State;
 use super::station_keeping::DragModel;
 use super::uncertainty::OrbitUncertainty;
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
@@ -74,15 +75,6 @@ pub enum OrbitError {
         /// Days from the element epoch to the requested time.
         days_since_epoch: f64,
     },
-}
-
-/// Position and velocity in one frame.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct State<F: crate::frames::Frame> {
-    /// Geocentric position, km.
-    pub position: Position<F>,
-    /// Velocity with respect to the frame's axes taken as fixed, km/s.
-    pub velocity: Velocity<F>,
 }
 
 /// SGP4 (or SDP4) constants of one satellite, in the AFSPC mode with WGS72: the model with which element sets are

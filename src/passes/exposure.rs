@@ -3,9 +3,13 @@
 use hifitime::Epoch;
 
 use super::error::{SkyError, check_epoch};
-use crate::constants::LONGEST_EXPOSURE_S;
+use crate::constants::DAY_S;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
+
+/// Longest exposure of a query, seconds. Clear start times are searched in one exposure over the whole time of a request,
+/// which may have 31 days.
+const LONGEST_S: f64 = 32.0 * DAY_S;
 
 /// Exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction
 /// relative to the stars.
@@ -15,7 +19,7 @@ pub struct Exposure {
     pub id: String,
     /// Shutter opening.
     pub start: Epoch,
-    /// Length, seconds, from 0 to [`LONGEST_EXPOSURE_S`].
+    /// Length, seconds, from 0 to 32 days.
     pub duration_s: f64,
     /// Centre of the field, ICRS astrometric.
     pub pointing: Direction<Gcrs>,
@@ -42,16 +46,12 @@ impl Exposure {
         })
     }
 
-    /// Rejects numbers that are not finite, lengths below 0 or above a day, and times outside the years of the Sun's ephemeris.
+    /// Rejects numbers that are not finite, lengths below 0 or above 32 days, and times outside the years of the Sun's ephemeris.
     pub(super) fn check(&self) -> Result<(), SkyError> {
         let id = &self.id;
-        if !(0.0..=LONGEST_EXPOSURE_S).contains(&self.duration_s) {
+        if !(0.0..=LONGEST_S).contains(&self.duration_s) {
             let given = format!("{} s", self.duration_s);
-            return Err(SkyError::invalid(
-                format!("exposure {id}: duration"),
-                given,
-                format!("0 to {LONGEST_EXPOSURE_S} s"),
-            ));
+            return Err(SkyError::invalid(format!("exposure {id}: duration"), given, format!("0 to {LONGEST_S} s")));
         }
         if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) {
             return Err(SkyError::invalid(format!("exposure {id}: pointing"), "not a direction", "finite numbers"));

@@ -246,7 +246,7 @@ fn verif_rates_over_the_sky_are_means_of_passes() {
             FIELD,
             &["-o", &path(&folder, "x.png")],
         ],
-        &["nside 3", "allowed: 1, 2, 4"],
+        &["nside is 3", "allowed: 1, 2, 4"],
     );
 }
 
@@ -271,7 +271,7 @@ fn verif_trails_against_the_sun_of_a_schedule_and_of_a_grid() {
     drawn(&folder, "again", &[again], 0);
     fails(
         &[&["sun-altitude", "--max-sun-altitude-deg", "-89"], grid, SKY, FIELD, &["-o", &path(&folder, "x.png")]],
-        &["does not reach altitude -89 deg", "--max-sun-altitude-deg"],
+        &["does not go below -89 deg", "--max-sun-altitude-deg"],
     );
     fails(&[again, &["--bin", "0", "-o", &path(&folder, "x.png")]], &["width of bins", "allowed: 0.1 to 30"]);
 }

@@ -166,12 +166,13 @@ fn verif_broken_messages_do_not_affect_others() {
 
 #[test]
 fn verif_a_whole_file_fails_with_one_clear_error() {
-    let allowed = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
+    let allowed =
+        "TLE, 2LE, 3LE, OMM (JSON, CSV, XML, KVN), or ephemerides as OEM (KVN, XML) or Modified ITC, plain or gzipped";
     let packed = gzip(&sample("sample.3le"));
     let cases: [(&[u8], String); 9] = [
-        (b"", format!("test is empty; expected element sets as {allowed}")),
-        (b" \r\n\n", format!("test is empty; expected element sets as {allowed}")),
-        (&gzip(b""), format!("test is empty; expected element sets as {allowed}")),
+        (b"", format!("test is empty; allowed: {allowed}")),
+        (b" \r\n\n", format!("test is empty; allowed: {allowed}")),
+        (&gzip(b""), format!("test is empty; allowed: {allowed}")),
         (
             b"No GP data found",
             format!("test contains no element sets (it begins \"No GP data found\"); allowed: {allowed}"),

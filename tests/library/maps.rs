@@ -282,8 +282,8 @@ fn verif_invalid_requests() {
     assert!(sky(550.0, 0.0, -0.2).is_ok());
     for (height_km, azimuth, altitude, part) in [
         (0.0, 0.0, -0.2, "height is 0 km; allowed: above 0"),
-        (-5.0, 0.0, -0.2, "height -5 km"),
-        (f64::NAN, 0.0, -0.2, "height NaN km"),
+        (-5.0, 0.0, -0.2, "height is -5 km"),
+        (f64::NAN, 0.0, -0.2, "height is NaN km"),
         (550.0, 0.0, 1.6, "Sun's altitude is 91.6"),
         (550.0, 7.0, -0.2, "Sun's azimuth is 401"),
         (550.0, f64::NAN, -0.2, "Sun's azimuth is NaN"),

@@ -227,11 +227,11 @@ fn tracks_move_as_fast_as_their_points() {
 fn snapshots_reject_invalid_times_and_altitudes() {
     let sky = sky();
     for (times_s, altitude_rad, words) in [
-        (vec![], 0.3, "0 times; allowed: 1 to 10000"),
-        (vec![0.0, 2.0, 2.0], 0.3, "not in increasing order"),
-        (vec![-1.0], 0.3, "-1 s after the start; allowed: 0 to 3600 s"),
-        (vec![4000.0], 0.3, "4000 s after the start; allowed: 0 to 3600 s"),
-        (vec![f64::NAN], 0.3, "NaN s after the start"),
+        (vec![], 0.3, "number of times is 0; allowed: 1 to 10000"),
+        (vec![0.0, 2.0, 2.0], 0.3, "order of the times is not increasing"),
+        (vec![-1.0], 0.3, "time is -1 s; allowed: 0 to 3600 s"),
+        (vec![4000.0], 0.3, "time is 4000 s; allowed: 0 to 3600 s"),
+        (vec![f64::NAN], 0.3, "time is NaN s"),
         (vec![0.0], -0.1, "allowed: 0 to 90 deg"),
         (vec![0.0], 1.6, "allowed: 0 to 90 deg"),
     ] {

@@ -163,7 +163,7 @@ mod verbs {
             (&["--night", "2024-06-21", "--moments", "0"], "1 to 10000"),
             (&["--night", "2024-06-21", "--min-altitude", "95"], "0 to 89 deg"),
             (&["--night", "2024-06-21", "--latitudes", "95"], "-90 to 90 deg"),
-            (&["--night", "2024-06-21", "--fov", "3"], "no unit"),
+            (&["--night", "2024-06-21", "--fov", "3"], "without a unit"),
         ];
         let reproduce: [(&[&str], &str); 5] = [
             (&["hu2022"], "--schedule"),

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 use nalgebra::Vector3;
 
-use super::super::propagator::State;
+use super::super::state::State;
 use crate::constants::WGS72_MU_KM3_S2;
 use crate::frames::Teme;
 

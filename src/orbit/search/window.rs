@@ -21,7 +21,8 @@ use hifitime::Epoch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::super::propagator::{DECAYED_RADIUS_KM, OrbitError, State};
+use super::super::propagator::{DECAYED_RADIUS_KM, OrbitError};
+use super::super::state::State;
 use super::kepler::Phase;
 use super::kepler::SlowElements;
 use super::side::SWING_PER_ECCENTRICITY;

@@ -11,8 +11,8 @@ use hifitime::Epoch;
 use streakcast::output::{counted, format_utc, write_atomically};
 
 use super::arguments::StarlinkEphemeridesArguments;
+use super::common::{folder_of, now_of, options};
 use super::request::{RequestOptions, Response, Validators, send};
-use super::run::{folder_of, now_of, options};
 use super::sources::Source;
 use super::verify::{first_words, verify};
 use crate::cache::FetchRecord;

@@ -5,6 +5,7 @@
 //! time of the last request, `run` combines them, and `ephemerides` downloads files of chosen satellites.
 
 mod arguments;
+mod common;
 mod ephemerides;
 mod request;
 mod run;

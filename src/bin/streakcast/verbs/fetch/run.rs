@@ -2,21 +2,18 @@
 
 use std::fs::{self, File};
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::Path;
 
 use anyhow::anyhow;
-use hifitime::Epoch;
-use streakcast::config::parse_duration_s;
-use streakcast::frames::parse_moment;
 use streakcast::output::{format_utc, write_atomically};
 
-use super::arguments::{CommonFetchArguments, FetchArguments, FetchSource};
+use super::arguments::{FetchArguments, FetchSource};
+use super::common::{folder_of, now_of, options};
 use super::ephemerides;
-use super::request::{Credentials, RequestOptions, Response, Validators, send};
+use super::request::{Credentials, Response, Validators, send};
 use super::sources::Source;
 use super::verify::verify;
-use crate::cache::{FetchRecord, cache_folder};
+use crate::cache::FetchRecord;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 
@@ -113,36 +110,6 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let kept = if is_cached { format!("; {} is unchanged", file.display()) } else { String::new() };
     let not_before = record.not_before_utc.unwrap_or_default();
     Err(anyhow!("{}: {refused}{kept}; next request allowed from {not_before}", source.name))
-}
-
-/// Returns the time of the request.
-pub(super) fn now_of(common: &CommonFetchArguments) -> anyhow::Result<Epoch> {
-    Ok(match &common.now {
-        Some(now) => parse_moment(now, None)?,
-        None => crate::clock::now(),
-    })
-}
-
-/// Returns the cache folder, which is created if it is missing.
-pub(super) fn folder_of(common: &CommonFetchArguments) -> anyhow::Result<PathBuf> {
-    let folder = cache_folder(common.cache.as_deref())?;
-    fs::create_dir_all(&folder).map_err(|error| match folder.is_dir() || !folder.exists() {
-        true => anyhow!("cache {}: {error}; allowed: a writable folder", folder.display()),
-        false => anyhow!("cache {} is a file; allowed: a folder, or the name of a new one", folder.display()),
-    })?;
-    Ok(folder)
-}
-
-pub(super) fn options(common: &CommonFetchArguments) -> anyhow::Result<RequestOptions> {
-    let timeout_s = parse_duration_s("timeout", &common.timeout)?;
-    if !(0.1..=3_600.0).contains(&timeout_s) {
-        return Err(anyhow!("timeout is {timeout_s} s; allowed: 0.1 to 3600 s"));
-    }
-    Ok(RequestOptions {
-        timeout: Duration::from_secs_f64(timeout_s),
-        max_bytes: common.max_bytes,
-        plain: common.base_url.is_some(),
-    })
 }
 
 /// Returns true if the file has the SHA-256 stored in its sidecar.
