@@ -542,19 +542,14 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
         (&plain, &output, seeing.to_vec(), &["--elements", "--shells", "--random-streaks"]),
         (&plain, &output, [&["--shells", "oneweb"], seeing].concat(), &["site", "--mpc"]),
         (&plain, &output, [&["--magnitude", "5"], seeing].concat(), &["--random-streaks"]),
-        (
-            &plain,
-            &output,
-            [random, seeing, &["--fov", "1deg"]].concat(),
-            &["--fov", "the field of inject is the frame"],
-        ),
+        (&plain, &output, [random, seeing, &["--fov", "1deg"]].concat(), &["--fov", "the frame is the field"]),
         (&plain, &output, [random, seeing, &["--frames", "2"]].concat(), &["--frames", "--synthetic"]),
         (&plain, &output, [random, seeing, &["--truth-points", "100000000"]].concat(), &["truth-points", "2 to 10000"]),
         (
             &plain,
             &output,
             [random, seeing, &["--truth", &plain_csv, "--light-curve", &plain_csv]].concat(),
-            &["input", "specify another output"],
+            &["also an input", "allowed: another file"],
         ),
     ] {
         let command: Vec<String> = image(file);
