@@ -82,7 +82,7 @@ def test_masked_times(model):
         ({"shells": "starlink-gen9"}, "starlink-gen9"),
         ({"elements": "/nowhere/gp.json"}, "/nowhere/gp.json"),
         ({"elements": 7}, "allowed: a path"),
-        ({"fov": 3.5}, "fov '?3.5'?"),
+        ({"fov": 3.5}, "fov is '?3.5'?"),
         ({"fov": "3.5"}, "unit"),
         ({"fov": "0deg"}, "above 0 deg"),
         ({"telescope": "hubble"}, "hubble"),

@@ -168,7 +168,7 @@ def test_invalid_arguments_are_reported(sky):
         (dict(start=START), "start and end require each other"),
         (dict(start=START, end="2026-08-13T00:00:00Z"), "the end not before the start"),
         (dict(night=NIGHT, min_altitude=95), "min_altitude is 95 deg; allowed: 0 deg to below 90 deg"),
-        (dict(night=NIGHT, max_sun_altitude=-100), "max_sun_altitude -100 deg"),
+        (dict(night=NIGHT, max_sun_altitude=-100), "max_sun_altitude is -100 deg"),
         (dict(night=NIGHT, max_mag=float("nan")), "max_mag is nan"),
         (dict(night=NIGHT, samples=20_000), "samples is 20000; allowed: 0 to 10000"),
         (dict(night=NIGHT, samples=-1), "samples is -1; allowed: 0 or more"),

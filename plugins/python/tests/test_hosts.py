@@ -207,7 +207,7 @@ def test_invalid_arguments_are_reported_at_construction(arguments):
 
 
 def test_watch_must_be_positive(model):
-    with pytest.raises(ValueError, match="watch_s = 0"):
+    with pytest.raises(ValueError, match="watch_s is 0"):
         Hook(model, "test", watch_s=0)
 
 

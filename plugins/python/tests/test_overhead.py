@@ -68,10 +68,10 @@ def test_units_and_filters(wide):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ({"seconds": [0.0, 5.0, 5.0]}, "not in increasing order"),
-        ({"seconds": []}, "0 times"),
-        ({"seconds": 4000.0}, "4000 s after the start"),
-        ({"seconds": np.nan}, "NaN s after the start"),
+        ({"seconds": [0.0, 5.0, 5.0]}, "order of the times is not increasing"),
+        ({"seconds": []}, "number of times is 0"),
+        ({"seconds": 4000.0}, "time is 4000 s"),
+        ({"seconds": np.nan}, "time is NaN s"),
         ({"min_altitude": 91.0}, r"min_altitude\[0\] is 91 deg; allowed: 0 to 90 deg"),
     ],
 )
