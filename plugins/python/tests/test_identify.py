@@ -134,7 +134,7 @@ def test_invalid_streaks_are_reported(sky, tmp_path):
         (dict(ends=ends, place_sigma=0.0, **shutter), "place_sigma is 0.0 arcsec; allowed: above 0 arcsec"),
         (dict(ends=ends, length=1.0, **shutter), "length is accepted with place only, not with ends"),
         (dict(place=ends[0], **shutter), "missing position_angle of the streak at place"),
-        (dict(place=ends[0], position_angle=400, **shutter), "position angle 400"),
+        (dict(place=ends[0], position_angle=400, **shutter), "position angle is 400"),
         (dict(place=ends[0], position_angle=4, whole_streak=True, **shutter), "a streak of known length"),
         (dict(place=ends[0], position_angle=np.nan, **shutter), "position_angle is nan"),
         (dict(pixels=((1, 2), (3, 4)), **shutter), "missing frame of the pixels"),

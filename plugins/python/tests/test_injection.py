@@ -143,8 +143,8 @@ def test_invalid_arguments_are_reported(injector, tmp_path):
         (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", psf="airy"), "gaussian, moffat"),
         (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", mask_bits="mine"), "lsst"),
         (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", gain=-1.0), "gain is -1"),
-        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", exposure=0.0), "exposure 0.0 s"),
-        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", output=tmp_path / "x.fits"), "for files"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", exposure=0.0), "exposure is 0.0 s"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", output=tmp_path / "x.fits"), "output is given for an array"),
     ]
     for options, message in cases:
         with pytest.raises(ValueError, match=message):
