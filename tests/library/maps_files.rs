@@ -1,13 +1,14 @@
 //! Map files: HEALPix in FITS contains the table, and charts show the expected content.
 
 use crate::common::maps::{options, v15};
+#[cfg(all(feature = "fits", unix))]
+use streakcast::maps::Grid;
 use streakcast::maps::{BodyView, Earth, PAPER_FIGURES, SkyView};
 
 #[cfg(all(feature = "fits", unix))]
 #[test]
 fn verif_fits_contains_the_table() {
     use fitsio::FitsFile;
-    use streakcast::maps::Grid;
     let model = v15();
     let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options()).unwrap();
     let map = view.map(Grid::healpix(8).unwrap());
