@@ -24,6 +24,18 @@ pub struct EphemerisRequest {
     pub photometry: PhotometryOptions,
 }
 
+impl EphemerisRequest {
+    /// Returns the earliest and the latest time.
+    ///
+    /// # Errors
+    /// [`ForecastError::OutOfRange`] without times.
+    pub fn span(&self) -> Result<(Epoch, Epoch), ForecastError> {
+        let times = || self.times.iter().copied();
+        let none = || ForecastError::OutOfRange { what: "number of times", given: 0.0, unit: "", allowed: "1 or more" };
+        times().min().zip(times().max()).ok_or_else(none)
+    }
+}
+
 /// Places of the selected satellites.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ephemeris {

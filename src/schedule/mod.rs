@@ -5,6 +5,7 @@
 //! results to the file. [`clear_windows`] finds the times at which an exposure of a target is clear. Rows that cannot
 //! be judged are kept, with the reason.
 
+mod age_effect;
 mod annotate;
 mod error;
 mod formats;
@@ -21,6 +22,7 @@ mod verdict;
 mod window_table;
 mod windows;
 
+pub use age_effect::AgeEffect;
 pub use annotate::{Annotation, annotate};
 pub use error::ScheduleError;
 pub use formats::ScheduleFormat;
@@ -28,7 +30,7 @@ pub use horizon::lowest_altitudes_rad;
 pub use nights::{Shard, ShardError, evening_mjd, night_of};
 pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{MagnitudeLimit, OfTelescope, Policy};
-pub use report::{AgeEffect, FlagReport, FlagRequest, flag_exposures, judge_exposures};
+pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use tables::{StreakRow, exposure_table, flag_table, streak_table};
 pub use targets::{ListedTarget, read_targets};

@@ -415,7 +415,7 @@ fn verif_tables_of_forecast_are_drawn() {
         drawn(&folder, "again", &[&["sky-chart", "--from", file]], 0);
         assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{file}");
     }
-    drawn(&folder, "local", &[&["sky-chart", "--from", &curves, "--utc-offset", "-4", "-q"]], 0);
+    drawn(&folder, "local", &[&["sky-chart", "--from", &curves, "--utc-offset", "-4"]], 0);
     let local = svg_texts(&path(&folder, "local.svg"));
     assert!(local.iter().any(|text| text == "from") && !local.iter().any(|text| text == "from UTC"), "{local:?}");
     assert!(local.join(" ").contains("Times: local time (UTC−4)."), "{local:?}");

@@ -99,11 +99,7 @@ pub fn ephemeris<'py>(
     let setup: Config = setup_of(setup, config)?;
     let (table, warnings) = failure::without_lock(py, || {
         let request = given.resolve(&setup).map_err(exception)?;
-        // The configuration rejects an empty list of times.
-        let (first, last) = request
-            .times
-            .iter()
-            .fold((request.times[0], request.times[0]), |(first, last), time| (first.min(*time), last.max(*time)));
+        let (first, last) = request.span().map_err(|error| exception(error.into()))?;
         let prepared = sky_cache.get().over(first, last).map_err(failure::setup)?;
         let elements = prepared.sky.elements();
         let found = compute_ephemeris(&prepared.sky, &request).map_err(|error| exception(error.into()))?;

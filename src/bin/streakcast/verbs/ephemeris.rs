@@ -58,11 +58,7 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let request = typed.ephemeris.resolve(&config)?;
     let output = typed.output.open(&config)?;
     let notices = begin(&config)?;
-    // The configuration rejects an empty list of times.
-    let (first, last) = request
-        .times
-        .iter()
-        .fold((request.times[0], request.times[0]), |(first, last), time| (first.min(*time), last.max(*time)));
+    let (first, last) = request.span()?;
     let mut prepared = config.prepare(first, last)?;
     notices.warn(&prepared.warnings);
     notices.warn(&request.selection.unknown_warning(prepared.sky.elements()));

@@ -157,9 +157,6 @@ pub struct PlotSkyChartArguments {
     /// Local time in hours ahead of UTC, for example -4 or +05:45; UTC if omitted
     #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
     pub utc_offset: Option<f64>,
-    /// Accepted as by all verbs of plots; this one prints no warnings or summaries
-    #[arg(long, short, help_heading = "Run")]
-    pub quiet: bool,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]

@@ -1,7 +1,7 @@
 //! `plot sky-chart`: plots passes of a forecast over the sky of their site.
 
 use serde_json::Value;
-use streakcast::config::{Config, RunConfig};
+use streakcast::config::Config;
 use streakcast::output::format_utc;
 use streakcast::plot::{Picture, SkyChart, SkyTrack, sky_chart};
 
@@ -15,7 +15,7 @@ use super::curves::{Curve, SECTIONS, curves, shells_caption};
 use super::target::Target;
 
 pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
-    begin(&Config { run: RunConfig { quiet: Some(typed.quiet), ..RunConfig::default() }, ..Config::default() })?;
+    begin(&Config::default())?;
     let target = Target::of_table(&typed.picture)?;
     let columns = Columns::read_first(&typed.from, SECTIONS)?;
     let found = curves(&columns, &typed.norad)?;
