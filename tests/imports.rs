@@ -24,7 +24,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("streaks", &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry"]),
     ("identify", &["elements", "frames", "geometry", "orbit", "output", "passes", "photometry"]),
     ("forecast", &["elements", "frames", "geometry", "orbit", "output", "passes", "photometry"]),
-    ("schedule", &["elements", "frames", "geometry", "images", "orbit", "output", "passes", "photometry"]),
+    ("schedule", &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry"]),
     (
         "config",
         &[
