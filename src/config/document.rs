@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use super::error::ConfigError;
 use super::values::{
-    FieldChoice, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice, TelescopeChoice, is_file_name,
-    one_or_many,
+    FieldChoice, ModelAssignment, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice, TelescopeChoice,
+    is_file_name, one_or_many,
 };
 use crate::input;
 use crate::schedule::MagnitudeLimit;
@@ -42,6 +42,11 @@ pub struct Config {
     /// Table of standard magnitudes in the format of McCants' qs.mag
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub qs_mag: Option<PathBuf>,
+    /// Brightness model for all satellites, or for one kind of satellite as KIND=MODEL (--model oneweb=oneweb-panels); MODEL
+    /// is a name listed by streakcast model list, or a JSON file
+    #[serde(deserialize_with = "one_or_many")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "[KIND=]MODEL", help_heading = "Satellites"))]
+    pub model: Vec<ModelAssignment>,
     /// Drag of satellites that hold their orbits by thrust: station-keeping (no drag; default) or published (as in the
     /// element set)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
@@ -65,7 +70,7 @@ pub struct Config {
     /// Height of the Earth's limb for a telescope in orbit, km: lower lines of sight are rejected; 0 if omitted
     #[cfg_attr(feature = "cli", arg(long, value_name = "KM", allow_hyphen_values = true, help_heading = "Site"))]
     pub limb_height_km: Option<f64>,
-    /// Diameter of a circular field of view with its unit, for example 3.5deg or 40arcmin
+    /// Field of view: diameter of a circle with its unit (3.5deg, 40arcmin), or width and height (1.5x1.0deg)
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Camera"))]
     pub fov: Option<Quantity>,
     /// Field of view of any shape: JSON file of circles, rectangles and polygons
@@ -198,13 +203,16 @@ pub struct RunConfig {
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct ExposureConfig {
-    /// Shutter opening, for example 2024-08-14T00:30:00.000Z
+    /// Shutter opening, for example 2024-08-14T00:30:00.000Z; or now
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
     pub start: Option<Quantity>,
     /// Exposure time with its unit, for example 30s or 2min
     #[serde(rename = "exposure")]
     #[cfg_attr(feature = "cli", arg(id = "exposure", long, value_name = "TIME", allow_hyphen_values = true))]
     pub duration: Option<Quantity>,
+    /// Field's centre by name instead of --ra and --dec: a Messier or Caldwell object, also by NGC or IC number
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
+    pub target: Option<String>,
     /// Right ascension of the field's centre (ICRS): 188.5 (degrees) or 12h34m
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", allow_hyphen_values = true))]
     pub ra: Option<Quantity>,
@@ -231,11 +239,11 @@ pub struct RulesConfig {
 
 /// Keys of a configuration file.
 #[rustfmt::skip]
-const KEYS: [&str; 40] = [
-    "elements", "shells", "accept_bad_checksums", "qs_mag", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
+const KEYS: [&str; 42] = [
+    "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
     "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
     "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
-    "verbose", "start", "exposure", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
+    "verbose", "start", "exposure", "target", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
 ];
 
 impl Config {
@@ -310,14 +318,21 @@ impl Config {
             self.site = base.site;
             (self.observer_elements, self.observer_norad) = (base.observer_elements, base.observer_norad);
         }
+        let pointing = &self.exposure;
+        if pointing.target.is_none() && pointing.ra.is_none() && pointing.dec.is_none() {
+            let base = base.exposure.clone();
+            (self.exposure.target, self.exposure.ra, self.exposure.dec) = (base.target, base.ra, base.dec);
+        }
+        if self.model.is_empty() {
+            self.model = base.model;
+        }
         if self.fov.is_none() && self.field.is_none() {
             (self.fov, self.field) = (base.fov, base.field);
         }
         complete!(self, base:
             accept_bad_checksums, qs_mag, drag, shadow, models, limb_height_km, rotation, telescope, light.band,
             light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
-            default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, exposure.ra,
-            exposure.dec, rules.policy, rules.limit_mag, rules.max_delay, include_dark, samples, format,
+            default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, rules.policy, rules.limit_mag, rules.max_delay, include_dark, samples, format,
         );
         self
     }
@@ -358,6 +373,7 @@ impl Config {
         if let Some(NameOrTable::Name(path)) = &mut self.rules.policy {
             visit(path);
         }
+        self.model.iter_mut().filter_map(ModelAssignment::file_mut).for_each(&mut visit);
         if let Some(models) = &mut self.models {
             models.files.iter_mut().chain(&mut models.qs_mag).for_each(&mut visit);
         }

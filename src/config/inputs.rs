@@ -1,19 +1,20 @@
 //! Input files of a configuration: element sets, synthetic constellations, Earth orientation and brightness models.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use hifitime::Epoch;
 
 use super::document::Config;
 use super::error::ConfigError;
-use super::values::is_file_name;
+use super::values::{ModelSource, is_file_name};
 use crate::elements::{Constellation, Generation, Keep, ReadOptions, Satellites, SourceFile};
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
 use crate::input;
 use crate::orbit::DragModel;
 use crate::passes::ModelChoice;
-use crate::photometry::{ModelLibrary, StandardMagnitudes};
+use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
 
 /// All inputs of a configuration, read once. They are enough to prepare skies for any time, except that the elements of
 /// a telescope in orbit are read for each sky.
@@ -146,7 +147,7 @@ impl Config {
     /// Returns the choice of a model for each satellite.
     ///
     /// # Errors
-    /// As [`Config::model_library`]; an unknown generation or model; an invalid table of standard magnitudes.
+    /// As [`Config::model_library`]; an unknown kind of satellite or model; an invalid table of standard magnitudes.
     pub fn model_choice(&self) -> Result<ModelChoice, ConfigError> {
         let library = self.model_library()?;
         let mut choice = ModelChoice::new(&library)?;
@@ -155,7 +156,21 @@ impl Config {
                 given: generation.clone(),
                 known: Generation::ALL.map(Generation::name).join(", "),
             })?;
-            choice = choice.with_model(generation, model, &library)?;
+            choice = choice.with_model(generation, library.find(model)?);
+        }
+        // A model for all satellites first, so that one for a kind takes precedence over it.
+        let (for_all, by_kind): (Vec<_>, Vec<_>) = self.model.iter().partition(|assigned| assigned.kind.is_none());
+        for assigned in for_all.into_iter().chain(by_kind) {
+            let model = match &assigned.model {
+                ModelSource::Name(name) => library.find(name)?,
+                ModelSource::File(path) => {
+                    let text = read_text("model", path)?;
+                    Arc::new(BrightnessModel::from_json(&text, &path.display().to_string())?)
+                }
+            };
+            for generation in assigned.kind.map_or(Generation::ALL.to_vec(), |kind| vec![kind]) {
+                choice = choice.with_model(generation, model.clone());
+            }
         }
         let qs_mag = self.qs_mag.as_deref().or(self.models.as_ref().and_then(|models| models.qs_mag.as_deref()));
         if let Some(path) = qs_mag {

@@ -41,7 +41,7 @@ pub use inputs::LoadedInputs;
 pub use observation::{MOST_SAMPLES, ObservationPlan};
 pub use prepared::{PreparedSky, state_scales};
 pub use values::{
-    FieldChoice, ModelsTable, NameOrTable, Numbers, PolicyChoice, Quantity, SiteChoice, SiteTable, TelescopeChoice,
-    parse_angle_deg, parse_duration_s, parse_time_scale,
+    FieldChoice, ModelAssignment, ModelSource, ModelsTable, NameOrTable, Numbers, PolicyChoice, Quantity, SiteChoice,
+    SiteTable, TelescopeChoice, parse_angle_deg, parse_duration_s, parse_time_scale,
 };
 pub use warnings::OLD_ELEMENTS_DAYS;

@@ -4,13 +4,13 @@ use std::path::Path;
 
 use hifitime::TimeScale;
 
-use super::document::Config;
+use super::document::{Config, ExposureConfig};
 use super::error::ConfigError;
 use super::inputs::read_text;
 use super::values::{
-    NameOrTable, Quantity, in_range, is_file_name, parse_angle_deg, parse_duration_s, parse_time_scale,
+    NameOrTable, Quantity, in_range, is_file_name, parse_duration_s, parse_size_deg, parse_time_scale,
 };
-use crate::frames::{is_covered, parse_direction, parse_moment};
+use crate::frames::{Direction, Gcrs, deep_sky_object, is_covered, parse_direction, parse_moment};
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky, SkyError};
 use crate::photometry::{Band, Earthshine, PhotometryOptions};
@@ -19,7 +19,9 @@ use crate::schedule::{FlagRequest, Policy, ScheduleError, ScheduleOptions};
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
 
-const FIELDS: &str = "--fov 3.5deg, --field FILE, or a telescope with --telescope";
+const FIELDS: &str = "--fov 3.5deg or 1.5x1.0deg, --field FILE, or a telescope with --telescope";
+/// Ways to give the pointing of an exposure.
+const POINTINGS: &str = "--ra and --dec, or --target NAME, for example M31";
 
 /// Field, telescope, policy and photometry for the verdicts of exposures.
 #[derive(Clone, Debug)]
@@ -72,7 +74,10 @@ impl Config {
     pub fn field_of_view(&self) -> Result<Field, ConfigError> {
         match (&self.fov, &self.field) {
             (Some(_), Some(_)) => Err(ConfigError::Both { first: "--fov", second: "--field" }),
-            (Some(diameter), None) => Ok(Field::circle(parse_angle_deg("fov", diameter.as_str())?.to_radians())?),
+            (Some(size), None) => Ok(match parse_size_deg("fov", size.as_str())? {
+                (diameter_deg, None) => Field::circle(diameter_deg.to_radians())?,
+                (width_deg, Some(height_deg)) => Field::rectangle_deg(width_deg, height_deg)?,
+            }),
             (None, Some(NameOrTable::Name(path))) => Ok(Field::from_json(&read_text("field", path)?)?),
             (None, Some(NameOrTable::Table(table))) => field_of_table(table),
             (None, None) => match self.telescope()? {
@@ -198,6 +203,32 @@ impl Config {
         })
     }
 
+    /// Returns the pointing: the target by name, or right ascension and declination; `None` if neither is given.
+    ///
+    /// # Errors
+    /// An unknown name, an angle of another form or out of range, a target beside angles, or one angle without the other.
+    pub fn pointing(&self) -> Result<Option<Direction<Gcrs>>, ConfigError> {
+        let ExposureConfig { target, ra, dec, .. } = &self.exposure;
+        Ok(match (target, ra, dec) {
+            (None, None, None) => None,
+            (Some(name), None, None) => Some(deep_sky_object(name)?),
+            (None, Some(ra), Some(dec)) => Some(parse_direction(ra.as_str(), dec.as_str())?),
+            (Some(_), ..) => return Err(ConfigError::Both { first: "--target", second: "--ra or --dec" }),
+            (None, Some(_), None) => {
+                return Err(ConfigError::Missing {
+                    what: "declination",
+                    allowed: "--dec ANGLE, for example -30.5 or -30d30m",
+                });
+            }
+            (None, None, Some(_)) => {
+                return Err(ConfigError::Missing {
+                    what: "right ascension",
+                    allowed: "--ra ANGLE, for example 188.5 or 12h34m",
+                });
+            }
+        })
+    }
+
     /// Returns the one exposure that is given, with the id `1`.
     ///
     /// # Errors
@@ -214,8 +245,6 @@ impl Config {
         let exposure = &self.exposure;
         let start = given(&exposure.start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z")?;
         let duration = given(&exposure.duration, "exposure time", "--exposure TIME, for example 30s")?;
-        let right_ascension = given(&exposure.ra, "right ascension", "--ra ANGLE, for example 188.5 or 12h34m")?;
-        let declination = given(&exposure.dec, "declination", "--dec ANGLE, for example -30.5 or -30d30m")?;
         let start = parse_moment(start, self.time_scale()?)?;
         if !is_covered(start) {
             return Err(SkyError::NoEphemeris { epoch: start.to_time_scale(TimeScale::UTC) }.into());
@@ -224,7 +253,7 @@ impl Config {
             id: "1".to_owned(),
             start,
             duration_s: parse_duration_s("exposure", duration)?,
-            pointing: parse_direction(right_ascension, declination)?,
+            pointing: self.pointing()?.ok_or(ConfigError::Missing { what: "pointing", allowed: POINTINGS })?,
             rotation_rad: self.rotation_rad()?,
         })
     }
@@ -274,6 +303,19 @@ mod tests {
 
     fn message<T: std::fmt::Debug>(answer: Result<T, ConfigError>) -> String {
         answer.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn fields_of_a_circle_and_a_rectangle() {
+        let size = |text: &str| config(&format!("fov = '{text}'")).field_of_view();
+        let rectangle = Field::rectangle_deg(1.5, 1.0).unwrap();
+        for text in ["1.5x1.0deg", "1.5degx1deg", "90 x 60 arcmin", "90arcmin×1deg"] {
+            assert_eq!(size(text).unwrap(), rectangle, "{text}");
+        }
+        assert_eq!(size("3.5deg").unwrap(), Field::circle(3.5_f64.to_radians()).unwrap());
+        for text in ["1.5x1.0", "1.5x-1deg", "x1deg", "1x2x3deg"] {
+            assert!(message(size(text)).contains("fov"), "{text}");
+        }
     }
 
     #[test]

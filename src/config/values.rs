@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
+use std::str::FromStr;
 
 use hifitime::TimeScale;
 use serde::de::{DeserializeOwned, Deserializer, Error};
@@ -11,6 +12,7 @@ use toml::Value;
 
 use super::error::ConfigError;
 use crate::constants::LONGEST_EXPOSURE_S;
+use crate::elements::Generation;
 use crate::images::Telescope;
 use crate::schedule::Policy;
 
@@ -142,6 +144,69 @@ pub struct ModelsTable {
     pub generations: BTreeMap<String, String>,
 }
 
+/// Brightness model of `--model`: for all satellites, or for one kind of satellite.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(try_from = "String")]
+pub struct ModelAssignment {
+    /// Kind of satellite; all satellites if `None`.
+    pub kind: Option<Generation>,
+    /// The model.
+    pub model: ModelSource,
+}
+
+/// Brightness model: one of the library, or a file of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ModelSource {
+    /// Name in the library.
+    Name(String),
+    /// Model file: a name with the extension `.json` or with a folder.
+    File(PathBuf),
+}
+
+impl ModelAssignment {
+    /// Returns the path of the model file, if the model is one.
+    pub(super) fn file_mut(&mut self) -> Option<&mut PathBuf> {
+        match &mut self.model {
+            ModelSource::File(path) => Some(path),
+            ModelSource::Name(_) => None,
+        }
+    }
+}
+
+impl FromStr for ModelAssignment {
+    type Err = String;
+
+    /// Reads `MODEL` or `KIND=MODEL`. The part before `=` must be a kind of satellite, so that errors in it are not taken
+    /// for names of files.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (kind, model) = match text.split_once('=') {
+            Some((kind, model)) => {
+                let known = || Generation::ALL.map(Generation::name).join(", ");
+                let found = Generation::by_name(kind.trim());
+                (Some(found.ok_or_else(|| format!("unknown kind of satellite '{kind}'; allowed: {}", known()))?), model)
+            }
+            None => (None, text),
+        };
+        let model = model.trim();
+        if model.is_empty() {
+            return Err("empty name of a model; allowed: MODEL or KIND=MODEL".to_owned());
+        }
+        let path = PathBuf::from(model);
+        let is_file = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json"))
+            || model.contains(std::path::is_separator);
+        let model = if is_file { ModelSource::File(path) } else { ModelSource::Name(model.to_owned()) };
+        Ok(Self { kind, model })
+    }
+}
+
+impl TryFrom<String> for ModelAssignment {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<Self, String> {
+        text.parse()
+    }
+}
+
 /// Numbers: separated by commas on the command line, a list in a document.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -213,6 +278,18 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
         Some(number * factor)
     });
     found.filter(|value| value.is_finite()).ok_or_else(|| invalid(what, text, allowed))
+}
+
+/// Parses the size of a field, degrees: a diameter like `3.5deg`, or width and height like `1.5x1.0deg` or `90x60arcmin`.
+///
+/// # Errors
+/// As [`parse_angle_deg`], for each of the angles.
+pub(super) fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), ConfigError> {
+    let Some((width, height)) = text.split_once(['x', '×']) else { return Ok((parse_angle_deg(what, text)?, None)) };
+    // The unit of the height, unless the width has its own.
+    let unit = height.trim_start_matches(|mark: char| mark.is_ascii_digit() || mark == '.' || mark.is_whitespace());
+    let width = if width.trim().parse::<f64>().is_ok() { format!("{width}{unit}") } else { width.to_owned() };
+    Ok((parse_angle_deg(what, &width)?, Some(parse_angle_deg(what, height)?)))
 }
 
 /// Returns a number inside a range, an error for a number outside it. NaN is outside every range.

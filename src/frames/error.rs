@@ -5,6 +5,11 @@ use thiserror::Error;
 /// Errors of times, angles and Earth orientation.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FramesError {
+    /// A name outside the table of deep-sky objects.
+    #[error(
+        "unknown target '{0}'; allowed: Messier, Caldwell, and their NGC and IC numbers and names (M31, NGC 224), or --ra and --dec"
+    )]
+    UnknownObject(String),
     /// A date that is not a number, or outside the calendar range of this library.
     #[error("{what} is {value}; allowed: {first} to {last}")]
     DateOutOfRange {

@@ -3,9 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use super::error::SkyError;
 use crate::elements::{ElementSet, Generation, GenerationTable};
-use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
+use crate::photometry::{BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
 /// Choice of the brightness model of an element set: by generation, else by the object's standard magnitude, else a
 /// prior for rocket bodies or for any object.
@@ -45,29 +44,27 @@ impl ModelChoice {
     /// Creates the choice of the default models of a library.
     ///
     /// # Errors
-    /// [`SkyError`] if the library lacks one of them; the embedded library has all.
-    pub fn new(library: &ModelLibrary) -> Result<Self, SkyError> {
+    /// [`PhotometryError`] if the library lacks one of them; the embedded library has all.
+    pub fn new(library: &ModelLibrary) -> Result<Self, PhotometryError> {
         let mut by_generation = BTreeMap::new();
         for generation in Generation::ALL {
             if let Some(name) = default_model(generation) {
-                by_generation.insert(generation, find(library, name)?);
+                by_generation.insert(generation, library.find(name)?);
             }
         }
         Ok(Self {
             by_generation,
             standard_magnitudes: StandardMagnitudes::default(),
-            rocket_body: find(library, "rocket-body")?,
-            unknown: find(library, "unknown")?,
+            rocket_body: library.find("rocket-body")?,
+            unknown: library.find("unknown")?,
         })
     }
 
-    /// Sets another model for one generation.
-    ///
-    /// # Errors
-    /// [`SkyError`] if the library does not have it.
-    pub fn with_model(mut self, generation: Generation, name: &str, library: &ModelLibrary) -> Result<Self, SkyError> {
-        self.by_generation.insert(generation, find(library, name)?);
-        Ok(self)
+    /// Sets another model for one generation. A model for [`Generation::Other`] takes precedence over standard
+    /// magnitudes and the priors for rocket bodies and unknown objects.
+    pub fn with_model(mut self, generation: Generation, model: Arc<BrightnessModel>) -> Self {
+        self.by_generation.insert(generation, model);
+        self
     }
 
     /// Sets standard magnitudes for objects without a generation.
@@ -95,13 +92,6 @@ impl ModelChoice {
     }
 }
 
-fn find(library: &ModelLibrary, name: &str) -> Result<Arc<BrightnessModel>, SkyError> {
-    library.get(name).ok_or_else(|| {
-        let known: Vec<&str> = library.names().collect();
-        SkyError::invalid("brightness model", format!("{name:?}"), known.join(", "))
-    })
-}
-
 /// Returns true for a rocket body, which catalogues mark as `R/B`, with or without a number or bracket around it.
 fn is_rocket_body(name: &str) -> bool {
     name.split(|mark: char| mark.is_whitespace() || mark == '(' || mark == ')').any(|word| word == "R/B")
@@ -122,7 +112,5 @@ mod tests {
         let library = ModelLibrary::embedded();
         let choice = ModelChoice::new(&library).expect("all usual models are shipped");
         assert_eq!(choice.by_generation.len(), Generation::ALL.len() - 1);
-        let error = choice.with_model(Generation::OneWeb, "nonsense", &library).expect_err("no such model");
-        assert!(error.to_string().contains("starlink-v1.5"), "{error}");
     }
 }

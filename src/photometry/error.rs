@@ -8,6 +8,14 @@ pub const SCHEMA_VERSION: u32 = 1;
 /// Errors of model files, bands and tables of standard magnitudes. `origin` is the name of a model file.
 #[derive(Debug, Error)]
 pub enum PhotometryError {
+    /// A name that no model has.
+    #[error("unknown model '{given}'; allowed: {known}")]
+    UnknownModel {
+        /// Given value.
+        given: String,
+        /// Names of all models.
+        known: String,
+    },
     /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains key, line and column.
     #[error("model file {origin}: {source}")]
     ModelJson {

@@ -69,6 +69,17 @@ impl ModelLibrary {
         self.models.get(name).cloned()
     }
 
+    /// Returns the model with this name or alias, in any case.
+    ///
+    /// # Errors
+    /// [`PhotometryError::UnknownModel`] with the known names.
+    pub fn find(&self, name: &str) -> Result<Arc<BrightnessModel>, PhotometryError> {
+        self.get(name).ok_or_else(|| PhotometryError::UnknownModel {
+            given: name.to_owned(),
+            known: self.names().collect::<Vec<_>>().join(", "),
+        })
+    }
+
     /// Returns the model of unknown satellites; always present in the embedded library.
     pub fn unknown(&self) -> Option<Arc<BrightnessModel>> {
         self.get("unknown")

@@ -51,7 +51,8 @@ impl Server {
     }
 }
 
-/// Reads the head and, if its length is given, the body of a request.
+/// Reads the head and, if its length is given, the body of a request. Of a TLS handshake, which starts with byte 22 and
+/// has no head, it reads what arrives first.
 fn request(stream: &mut TcpStream) -> String {
     let mut bytes = Vec::new();
     let mut buffer = [0; 4096];
@@ -66,6 +67,7 @@ fn request(stream: &mut TcpStream) -> String {
             }
         }
         match stream.read(&mut buffer) {
+            Ok(count) if count > 0 && buffer[0] == 22 => return text,
             Ok(count) if count > 0 => bytes.extend_from_slice(&buffer[..count]),
             _ => return text,
         }

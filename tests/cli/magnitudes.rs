@@ -85,3 +85,34 @@ fn an_invalid_extinction_is_rejected() {
         assert!(code == 2 && stdout.is_empty() && stderr.contains("0 to 5 mag") && stderr.contains(wrong), "{stderr}");
     }
 }
+
+/// Models by `--model`: one for all satellites, one for a kind, from the library and from a file; one for a kind takes
+/// precedence, and all are named in the rows and the provenance.
+#[test]
+fn models_of_all_satellites_and_of_a_kind() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("mine.json");
+    let (_, text, _) = run(&[&["model", "show", "oneweb"]]);
+    std::fs::write(&file, text.replace("\"oneweb\"", "\"mine\"")).unwrap();
+    let sources = |answer: &Value| -> Vec<(String, String)> {
+        let text = |pass: &Value, key: &str| pass[key].as_str().unwrap_or_default().to_owned();
+        answer["passes"].as_array().unwrap().iter().map(|pass| (text(pass, "name"), text(pass, "mag_source"))).collect()
+    };
+    let own = format!("starlink-v1.0={}", file.display());
+    let answer = passes_with(&["--model", &own, "--model", "kuiper"]);
+    let given = sources(&answer);
+    assert!(given.len() > 10);
+    let of_the_file = given.iter().filter(|(_, source)| source.ends_with(":mine")).count();
+    assert!((1..given.len()).contains(&of_the_file), "{given:?}");
+    assert!(given.iter().all(|(_, source)| source.ends_with(":mine") || source.ends_with(":kuiper")), "{given:?}");
+    let stated = answer["provenance"]["models"].as_array().unwrap().len();
+    assert_eq!(stated, 2, "{}", answer["provenance"]["models"]);
+    for (wrong, named, allowed) in [
+        ("nothing", "unknown model 'nothing'", "starlink-v1.5"),
+        ("nothing=oneweb", "unknown kind of satellite 'nothing'", "starlink-visorsat"),
+        ("oneweb=", "empty name of a model", "KIND=MODEL"),
+    ] {
+        let (code, _, stderr) = run(&[PASSES, SKY, &["--model", wrong]]);
+        assert!(code == 2 && stderr.contains(named) && stderr.contains(allowed), "{stderr}");
+    }
+}

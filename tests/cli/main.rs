@@ -38,5 +38,6 @@ mod plot;
 mod serve;
 #[cfg(all(feature = "serve", unix))]
 mod serve_errors;
+mod shorthands;
 mod space_observer;
 mod windows;

@@ -1,12 +1,77 @@
-//! Clock of the machine.
+//! Clock of the machine, and the words that stand for its time on the command line.
 
+use std::ffi::OsString;
 use std::time::SystemTime;
 
 use hifitime::Epoch;
+use streakcast::config::Config;
+use streakcast::output::format_utc;
+use streakcast::schedule::evening_mjd;
 
 /// Returns the present time.
 pub fn now() -> Epoch {
     let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
     // Unix time has days of 86400 s, without leap seconds.
     Epoch::from_unix_seconds(since_1970.as_secs_f64())
+}
+
+/// Replaces `now` after `--start` and `--end` by the present time, to the second, and `-` after `--schedule` by the path of
+/// standard input.
+pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsString> {
+    let value_of = |flag: &str, value: &str| match (flag, value) {
+        ("--start" | "--end", "now") => Some(format_utc(now, 0)),
+        ("--schedule", "-") => Some("/dev/stdin".to_owned()),
+        _ => None,
+    };
+    let mut expanded: Vec<OsString> = Vec::new();
+    for word in words {
+        let flag = expanded.last().and_then(|flag| flag.to_str());
+        let other = word.to_str().and_then(|text| match text.split_once('=') {
+            Some((flag, value)) => value_of(flag, value).map(|value| format!("{flag}={value}")),
+            None => value_of(flag?, text),
+        });
+        expanded.push(other.map_or(word, OsString::from));
+    }
+    expanded
+}
+
+/// Replaces the night `tonight` by the date of its evening: the night in progress at the site, or after noon the next one.
+///
+/// # Errors
+/// The site of the configuration is missing or invalid.
+pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config: &Config) -> anyhow::Result<()> {
+    for night in nights {
+        if night == "tonight" {
+            *night = date_of(evening_mjd(now(), config.site()?.longitude_rad));
+        }
+    }
+    Ok(())
+}
+
+/// Returns the date of the evening of a night, like 2024-08-13.
+pub fn date_of(evening_mjd: i64) -> String {
+    let mut text = format_utc(Epoch::from_mjd_utc(evening_mjd as f64), 0);
+    text.truncate(10);
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_words_for_the_time_and_standard_input() {
+        let now = Epoch::from_gregorian_utc_hms(2026, 11, 25, 13, 5, 7);
+        let words =
+            "streakcast passes --start now --end=now --schedule - --schedule=- --name now -o - --start 2026-01-01";
+        let expanded = expand(words.split(' ').map(OsString::from), now);
+        let text = expanded.iter().map(|word| word.to_str().unwrap()).collect::<Vec<_>>().join(" ");
+        let at = "2026-11-25T13:05:07Z";
+        assert_eq!(
+            text,
+            format!(
+                "streakcast passes --start {at} --end={at} --schedule /dev/stdin --schedule=/dev/stdin --name now -o - --start 2026-01-01"
+            )
+        );
+    }
 }

@@ -100,7 +100,7 @@ enum Verb {
 
 fn main() -> ExitCode {
     let command = help::complete(Arguments::command());
-    let matches = command.clone().try_get_matches();
+    let matches = command.clone().try_get_matches_from(clock::expand(std::env::args_os(), clock::now()));
     let arguments = match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => arguments,
         Err(error) => return report_usage(&error, command),

@@ -53,10 +53,16 @@ impl<'a> Required<'a> {
     /// Requires the pointing of an exposure.
     pub fn pointing(self) -> Self {
         let exposure = &self.config.exposure;
-        self.input(exposure.ra.is_some(), "right ascension", "--ra ANGLE, for example 188.5 or 12h34m").input(
-            exposure.dec.is_some(),
+        let has_target = exposure.target.is_some();
+        self.input(
+            exposure.ra.is_some() || has_target,
+            "right ascension",
+            "--ra ANGLE, for example 188.5 or 12h34m; or --target M31",
+        )
+        .input(
+            exposure.dec.is_some() || has_target,
             "declination",
-            "--dec ANGLE, for example -30.5 or -30d30m",
+            "--dec ANGLE, for example -30.5 or -30d30m; or --target M31",
         )
     }
 

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::elements::{ElementSet, History, NoradId};
-use crate::frames::{Direction, EopTable, Gcrs, Horizontal, Position};
-use crate::geometry::ViewingGeometry;
+use crate::frames::{Direction, EopTable, Gcrs, Horizontal, Itrs, Position};
+use crate::geometry::{ViewingGeometry, ellipsoidal_height_km};
 use crate::orbit::Propagator;
 
 use super::dropped::DropReason;
@@ -180,7 +180,8 @@ impl<'a> ChunkPlacer<'a> {
                     self.moment_and_observer(record).and_then(|(moment, site)| {
                         let sight = Direction::<Horizontal>::from_lon_lat_rad(azimuth_rad, altitude_rad);
                         let sight = site.horizon.inverse() * sight;
-                        let range_km = range_to_height_km(site.position.vector(), sight.vector(), height_km);
+                        let range_km =
+                            range_to_ellipsoidal_height_km(site.position.vector(), sight.vector(), height_km);
                         let satellite = moment.orientation.itrs_to_gcrs * (site.position + sight.at_range(range_km));
                         placed_at(&satellite, &moment, site)
                     })
@@ -308,6 +309,22 @@ fn range_to_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f
     -rise + (rise * rise + radius * radius - site * site).sqrt()
 }
 
+/// Distance along a line of sight to a height above the WGS84 ellipsoid, km; Earth-fixed position and direction.
+///
+/// h(ρ) = h by Newton's method from the sphere's solution; dh/dρ is the sine of the sight's angle above the satellite's
+/// horizon.
+fn range_to_ellipsoidal_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f64) -> f64 {
+    /// The sphere's solution is at most 30 km off; each step squares the relative error.
+    const STEPS: usize = 4;
+    let mut range_km = range_to_height_km(site_km, sight, height_km);
+    for _ in 0..STEPS {
+        let satellite = Position::<Itrs>::from_vector(site_km + sight * range_km);
+        let rise = satellite.vector().normalize().dot(sight);
+        range_km += (height_km - ellipsoidal_height_km(&satellite)) / rise;
+    }
+    range_km
+}
+
 /// Element set nearest in time, kept between rows, since neighbouring rows mostly have the same one.
 struct NearestOrbit {
     norad_id: NoradId,
@@ -336,5 +353,28 @@ impl NearestOrbit {
         let [from, to] = self.nearest_min;
         let minutes = self.propagator.as_ref().map(|propagator| propagator.minutes_since_epoch(epoch));
         self.norad_id == norad_id && minutes.is_some_and(|minutes| from < minutes && minutes < to)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Site;
+
+    /// Sites with the same latitude and longitude as a satellite's footprint give its position for any height.
+    #[test]
+    fn verif_ranges_reach_the_ellipsoidal_height() {
+        // Pomenis's site, 2.79 km high.
+        let observer = Site::new_deg("Pomenis", 32.4434, -110.7881, 2790.0).unwrap().itrs();
+        for (latitude_deg, longitude_deg) in [(32.4434, -110.7881), (40.0, -105.0), (24.0, -118.0), (33.0, -130.0)] {
+            // The tallest site allowed is 100 km high: continue along the ellipsoid's normal to 550 km.
+            let [ground, high] = [0.0, 100_000.0]
+                .map(|height_m| Site::new_deg("", latitude_deg, longitude_deg, height_m).unwrap().itrs());
+            let satellite_km = ground.vector() + (high.vector() - ground.vector()) * 5.5;
+            let line_km = satellite_km - observer.vector();
+            let range_km = range_to_ellipsoidal_height_km(observer.vector(), &line_km.normalize(), 550.0);
+            // Tolerance: 1 mm is far below the 1 km of the recorded heights.
+            assert!((range_km - line_km.norm()).abs() < 1e-6, "{latitude_deg} {longitude_deg}: {range_km}");
+        }
     }
 }

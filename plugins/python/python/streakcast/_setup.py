@@ -12,7 +12,7 @@ from ._quantities import is_of, scalar
 SKY_KEYS = frozenset(
     {
         "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
-        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "models",
+        "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "model", "models",
     }
 )  # fmt: skip
 #: Keys used by an engine in addition to the satellites.
@@ -127,7 +127,22 @@ def _models(key: str, value: Any) -> Any:
     return table
 
 
+def _model(key: str, value: Any) -> list[str]:
+    """Returns names or absolute paths of models, each after its kind of satellite, as the flag ``--model``."""
+    if isinstance(value, (str, os.PathLike)):
+        value = {None: value}
+    if not isinstance(value, dict):
+        raise SetupError(f"{key} is {type(value).__name__}; allowed: a name, a JSON file, or {{kind: name or file}}")
+    assigned = []
+    for kind, model in value.items():
+        text = os.fspath(model)
+        text = absolute(text) if text.lower().endswith(".json") or os.sep in text else text
+        assigned.append(text if kind is None else f"{kind}={text}")
+    return assigned
+
+
 _CONVERTERS = {
+    "model": _model,
     "elements": _paths,
     "shells": _names,
     "telescope": _names,

@@ -36,6 +36,9 @@ class StreakModel(ExposureQueries):
         Full diameter of a circular field, with its unit: ``"3.5deg"``. Takes precedence over the telescope's field.
     field : path or dict, optional
         A field of any shape, instead of ``fov``.
+    model : str, path or dict, optional
+        Brightness model of all satellites, by name or as a JSON file; or ``{kind: model}``, as
+        ``{"oneweb": "oneweb-panels"}``. Takes precedence over ``models``.
     models : dict, optional
         ``{"files": [...], "generations": {"oneweb": "my-model"}, "qs_mag": path}``.
     limit_mag : float or dict, optional
@@ -82,6 +85,7 @@ class StreakModel(ExposureQueries):
         telescope: Any = None,
         fov: Any = None,
         field: Any = None,
+        model: Any = None,
         models: Any = None,
         limit_mag: Any = None,
         policy: Any = None,
@@ -94,8 +98,8 @@ class StreakModel(ExposureQueries):
         if on_changed_file not in ("error", "warn"):
             raise ValueError(f"on_changed_file is '{on_changed_file}'; allowed: error, warn")
         given = dict(
-            site=site, elements=elements, shells=shells, telescope=telescope, fov=fov, field=field, models=models,
-            limit_mag=limit_mag, policy=policy, mjd_scale=mjd_scale, **more,
+            site=site, elements=elements, shells=shells, telescope=telescope, fov=fov, field=field, model=model,
+            models=models, limit_mag=limit_mag, policy=policy, mjd_scale=mjd_scale, **more,
         )  # fmt: skip
         epoch_tai = None
         if epoch is not None:

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::{OutputArguments, reject_camera, utc_offset_h};
+use crate::clock::set_tonight;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -95,7 +96,7 @@ impl Document {
     }
 }
 
-pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
+pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     reject_camera(&typed.config, "passes over a site")?;
     let config = typed.config.clone().with_file()?;
     let has_range = typed.forecast.night.is_some() || typed.forecast.start.is_some();
@@ -109,6 +110,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     reject_unused(&typed, document)?;
     let notices = begin(&config)?;
     let default_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
+    set_tonight(&mut typed.forecast.night, &config)?;
     let (request, selection) = typed.forecast.resolve(&config, default_samples)?;
     let (from, to) = (request.start, request.end);
 

@@ -217,6 +217,7 @@ pub fn options_json(config: &Config, policy: &Policy, telescope: Option<&str>) -
 /// Returns the field as given, for the provenance.
 pub fn given_field(config: &Config) -> Value {
     match (&config.fov, &config.field) {
+        (Some(size), _) if size.as_str().contains(['x', '×']) => json!({ "rectangle": size.as_str() }),
         (Some(diameter), _) => json!({ "circle": diameter.as_str() }),
         (None, Some(NameOrTable::Name(path))) => json!({ "file": path.display().to_string() }),
         (None, Some(NameOrTable::Table(table))) => json!(table),

@@ -6,7 +6,6 @@ use crate::arguments::OutputArguments;
 use clap::{Args, Subcommand};
 use streakcast::config::Config;
 
-use anyhow::anyhow;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use streakcast::photometry::{ModelFile, ModelLibrary};
 
@@ -92,9 +91,7 @@ fn list(typed: ModelListArguments) -> anyhow::Result<Outcome> {
 fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
     let library = library_of(typed.list.config.as_deref())?;
     let format = typed.list.output.format.as_deref();
-    let model = library.get(&typed.name).ok_or_else(|| {
-        anyhow!("unknown model '{}'; allowed: {}", typed.name, library.names().collect::<Vec<_>>().join(", "))
-    })?;
+    let model = library.find(&typed.name)?;
     let output = Output::new(format, typed.list.output.output)?;
     if output.is_json() || format.is_none() {
         let text = model.file().map(ModelFile::to_json).unwrap_or_default();

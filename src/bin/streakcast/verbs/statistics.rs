@@ -1,6 +1,7 @@
 //! `statistics`: counts sunlit satellites over a site, their magnitudes, and trails per exposure.
 
 use crate::arguments::OutputArguments;
+use crate::clock::set_tonight;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -17,7 +18,7 @@ use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct StatisticsArguments {
-    /// Nights by the local date of their evening, for example 2024-03-20 2024-06-21
+    /// Nights by the local date of their evening, for example 2024-03-20 2024-06-21; or tonight
     #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',')]
     pub night: Vec<String>,
     /// Altitudes of the Sun for the counts, degrees
@@ -70,7 +71,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("streaked_share", "streaked", 4),
 ];
 
-pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
+pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.with_file()?;
     let has_night = !typed.night.is_empty();
     Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
@@ -86,6 +87,7 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let spread_s = parse_duration_s("spread", &typed.spread)?;
     let photometry = config.photometry()?;
     let notices = begin(&config)?;
+    set_tonight(&mut typed.night, &config)?;
     let site = config.site()?;
     let radians = |angles: &[f64]| angles.iter().map(|angle| angle.to_radians()).collect::<Vec<_>>();
     let latitudes_deg =

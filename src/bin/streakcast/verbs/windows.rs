@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::arguments::OutputArguments;
+use crate::clock::set_tonight;
 use anyhow::anyhow;
 use clap::Args;
 use serde_json::json;
@@ -26,7 +27,7 @@ pub struct WindowsArguments {
     /// Targets: CSV, ECSV or JSON with columns name, ra_deg, dec_deg, exposure_s (or ra and dec as 12h34m -30d30m)
     #[arg(long, value_name = "FILE")]
     pub targets: Option<PathBuf>,
-    /// Night that begins on this evening, local date of the site, for example 2024-08-14
+    /// Night that begins on this evening, local date of the site, for example 2024-08-14; or tonight
     #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
     pub night: Option<String>,
     /// Earliest shutter opening, for example 2024-08-14T23:30:00Z
@@ -63,7 +64,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("exposure_s", "exposure s", 1),
 ];
 
-pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
+pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
     let has_range = typed.night.is_some() || typed.start.is_some();
     Required::of(&config)
@@ -83,6 +84,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         })?,
     };
     let notices = begin(&config)?;
+    set_tonight(&mut typed.night, &config)?;
     let (from, to) = time_range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &config)?;
     let plan = config.observation()?;
     if plan.policy.max_lost_fraction.is_some() {

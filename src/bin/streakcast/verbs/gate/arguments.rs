@@ -9,7 +9,7 @@ use clap::{Args, ValueEnum};
 use streakcast::config::{
     Config, ExposureConfig, ObservationPlan, PolicyChoice, Quantity, RulesConfig, SiteConfig, parse_duration_s,
 };
-use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_moment, parse_right_ascension_deg};
+use streakcast::frames::{Direction, Gcrs, parse_moment};
 use streakcast::geometry::Site;
 use streakcast::input::is_stream;
 use streakcast::schedule::MagnitudeLimit;
@@ -50,8 +50,8 @@ pub struct GateArguments {
     /// File of target coordinates by name (TOML), for hosts that send only the name
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub targets: Option<PathBuf>,
-    /// Name of the target in --targets; overridden by the host with --stdin
-    #[arg(long, value_name = "NAME", requires = "targets", help_heading = "Host")]
+    /// Name of the target in --targets, overridden by the host with --stdin; without --targets a Messier or Caldwell object
+    #[arg(long, value_name = "NAME", help_heading = "Host")]
     pub target: Option<String>,
     /// Read the pointing from a mount on an INDI server, for example localhost or 10.0.0.2:7624
     #[arg(long, value_name = "HOST:PORT", help_heading = "Host")]
@@ -109,7 +109,13 @@ impl Request {
     /// Resolves flags and configuration.
     pub fn new(typed: GateArguments) -> anyhow::Result<Self> {
         let flags = Config {
-            exposure: ExposureConfig { start: None, duration: typed.exposure, ra: typed.ra, dec: typed.dec },
+            exposure: ExposureConfig {
+                start: None,
+                duration: typed.exposure,
+                target: if typed.targets.is_none() { typed.target.clone() } else { None },
+                ra: typed.ra,
+                dec: typed.dec,
+            },
             rules: RulesConfig { policy: typed.policy, limit_mag: typed.limit_mag, max_delay: None },
             ..typed.config
         };
@@ -122,12 +128,12 @@ impl Request {
             return Err(stream_error(path));
         }
         let has_name = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
-        let has_pointing = config.exposure.ra.is_some() && config.exposure.dec.is_some();
+        let has_pointing = config.exposure.target.is_some() || config.exposure.ra.is_some();
         let required = Required::of(&config)
             .input(
                 has_pointing || has_name || typed.indi.is_some(),
                 "pointing",
-                "--ra and --dec, --targets with --target or --stdin ekos, or --indi localhost",
+                "--ra and --dec, --target M31, --targets with --target or --stdin ekos, or --indi localhost",
             )
             .input(
                 config.exposure.duration.is_some() || typed.stdin.is_some(),
@@ -148,13 +154,7 @@ impl Request {
         policy.margin_s = margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
         policy.validate()?;
         let text = |value: &Option<Quantity>| value.as_ref().map(|value| value.0.clone());
-        let pointing = match (text(&config.exposure.ra), text(&config.exposure.dec)) {
-            (Some(ra), Some(dec)) => Some(Direction::from_lon_lat_rad(
-                parse_right_ascension_deg(&ra)?.to_radians(),
-                parse_declination_deg(&dec)?.to_radians(),
-            )),
-            _ => None,
-        };
+        let pointing = config.pointing()?;
         let duration = text(&config.exposure.duration);
         let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
         if config.is_in_orbit() {

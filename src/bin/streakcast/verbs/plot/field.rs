@@ -83,8 +83,8 @@ fn stated_field(config: &Config, columns: &Columns) -> anyhow::Result<Option<Fie
     }
     let field = columns.stated("options").and_then(|options| options.get("field"));
     let text = |name: &str| field.and_then(|field| field.get(name)).and_then(Value::as_str).map(str::to_owned);
-    let config = match (text("circle"), text("file")) {
-        (Some(circle), _) => Config { fov: Some(Quantity(circle)), ..Config::default() },
+    let config = match (text("circle").or(text("rectangle")), text("file")) {
+        (Some(size), _) => Config { fov: Some(Quantity(size)), ..Config::default() },
         (None, Some(file)) => Config { field: Some(NameOrTable::Name(file.into())), ..Config::default() },
         (None, None) => return Ok(None),
     };

@@ -6,7 +6,7 @@ use hifitime::Epoch;
 use streakcast::config::{Config, ObservationPlan, PreparedSky};
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
-use streakcast::output::{Provenance, format_utc};
+use streakcast::output::Provenance;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{FlagRequest, Policy, Schedule, Verdict, evening_mjd};
@@ -73,13 +73,6 @@ impl ServerState {
             ..PassOptions::default()
         }
     }
-}
-
-/// Returns the date of the evening of a night, like 2024-08-13.
-pub fn date_of(evening_mjd: i64) -> String {
-    let mut text = format_utc(Epoch::from_mjd_utc(evening_mjd as f64), 0);
-    text.truncate(10);
-    text
 }
 
 /// Returns the rows of each night by the MJD of its evening. Invalid rows are in the first night.

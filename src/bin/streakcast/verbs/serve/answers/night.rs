@@ -8,13 +8,14 @@ use streakcast::schedule::{ScheduledExposure, Verdict, flag_table, night_of};
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, optional};
-use super::super::state::{ServerState, date_of};
+use super::super::state::ServerState;
 use super::document::degrees;
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
 };
 use super::document::{NIGHTS, SCHEDULED, SITE, SUN};
 use super::exposure::of_sky;
+use crate::clock::date_of;
 
 pub const PARAMETERS: &[Parameter] =
     &[optional("night", Kind::Date, "The evening's local date; default: the first night of the schedule.")];

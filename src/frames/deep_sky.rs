@@ -1,0 +1,66 @@
+//! Positions of deep-sky objects by name: Messier, Caldwell, and their NGC and IC numbers.
+
+use super::error::FramesError;
+use super::{Direction, Gcrs};
+
+/// Table of `names separated by |;right ascension;declination`, degrees; the head of the file names its source.
+const TABLE: &str = include_str!("deep_sky.csv");
+
+/// Returns the direction of a deep-sky object by one of its names (`M31`, `Messier 31`, `NGC 224`, `Andromeda Galaxy`);
+/// case, blanks and punctuation are ignored. Centres of extended objects are good to some arcminutes.
+///
+/// # Errors
+/// [`FramesError::UnknownObject`] for a name outside the table.
+pub fn deep_sky_object(name: &str) -> Result<Direction<Gcrs>, FramesError> {
+    let key = key_of(name);
+    let key = key.strip_prefix("messier").map(|number| format!("m{number}")).unwrap_or(key);
+    let found = TABLE.lines().filter(|line| !line.starts_with('#')).find_map(|line| {
+        let mut fields = line.split(';');
+        let is_named = fields.next()?.split('|').any(|known| key_of(known) == key);
+        let mut radians = || Some(fields.next()?.parse::<f64>().ok()?.to_radians());
+        is_named.then(|| Some(Direction::from_lon_lat_rad(radians()?, radians()?)))?
+    });
+    found.ok_or_else(|| FramesError::UnknownObject(name.to_owned()))
+}
+
+fn key_of(name: &str) -> String {
+    name.chars().filter(|mark| mark.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_in_every_spelling() {
+        let andromeda = deep_sky_object("M31").unwrap();
+        for name in ["m 31", "Messier 31", "NGC224", "Andromeda galaxy"] {
+            assert_eq!(deep_sky_object(name).unwrap(), andromeda, "{name}");
+        }
+        let error = deep_sky_object("M111").unwrap_err().to_string();
+        assert!(error.contains("'M111'") && error.contains("--ra"), "{error}");
+    }
+
+    #[test]
+    fn every_messier_and_caldwell_object_has_a_position() {
+        let all =
+            (1..=110).map(|number| format!("M{number}")).chain((1..=109).map(|number| format!("Caldwell {number}")));
+        for name in all {
+            assert!(deep_sky_object(&name).is_ok(), "{name}");
+        }
+    }
+
+    /// Positions in SIMBAD, degrees.
+    #[test]
+    fn valid_positions_of_galaxies() {
+        // Tolerance: tables of galaxies' centres differ by some arcseconds.
+        const TOLERANCE_DEG: f64 = 0.01;
+        for (name, ra_deg, dec_deg) in
+            [("M31", 10.684_708, 41.268_75), ("M87", 187.705_93, 12.391_123), ("M104", 189.997_633, -11.623_054)]
+        {
+            let expected = Direction::from_lon_lat_rad(f64::to_radians(ra_deg), f64::to_radians(dec_deg));
+            let apart_rad = deep_sky_object(name).unwrap().separation_rad(&expected);
+            assert!(apart_rad.to_degrees() < TOLERANCE_DEG, "{name}: {} deg", apart_rad.to_degrees());
+        }
+    }
+}
