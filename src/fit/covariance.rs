@@ -11,6 +11,8 @@
 //! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n -
 //! k). A track contributes to many pixels, so pixels have no such groups: see `jackknife`.
 
+use std::fmt;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::form::Parameter;
@@ -29,6 +31,16 @@ pub enum CovarianceKind {
     Scaled,
     /// Sets of tracks left out ([`jackknife`](super::jackknife())).
     Jackknife,
+}
+
+impl fmt::Display for CovarianceKind {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Grouped => "from the scatter of groups of points",
+            Self::Scaled => "from the curvature of the cost, scaled by chi-square",
+            Self::Jackknife => "from a jackknife over sets of tracks",
+        })
+    }
 }
 
 /// Uncertainty of the parameters of a fit.

@@ -1,5 +1,7 @@
 //! Cost of a form with given parameters: loss functions, least-squares equations, likelihood.
 
+use std::fmt;
+
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -18,6 +20,16 @@ pub enum Loss {
     SoftL1,
     /// (ν + 1) ln(1 + r²/ν): Student's t with ν degrees of freedom.
     Student(f64),
+}
+
+impl fmt::Display for Loss {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Squares => formatter.write_str("squares"),
+            Self::SoftL1 => formatter.write_str("soft L1"),
+            Self::Student(nu) => write!(formatter, "Student's t with {nu} degrees of freedom"),
+        }
+    }
 }
 
 impl Loss {

@@ -80,9 +80,10 @@ fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
 
 /// Returns the error of the system with its kind, which callers check for a closed pipe.
 fn io_error(error: csv::Error) -> io::Error {
+    let text = error.to_string();
     match error.into_kind() {
         csv::ErrorKind::Io(error) => error,
-        other => io::Error::other(format!("{other:?}")),
+        _ => io::Error::other(text),
     }
 }
 

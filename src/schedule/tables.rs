@@ -7,6 +7,7 @@ use crate::output::{Column, Kind, Table, TableField, Value};
 use crate::passes::{Chord, Exposure, Pass, TrackPoint};
 use crate::photometry::{Brightness, PhotometryOptions};
 
+use super::scheduled::ScheduledExposure;
 use super::verdict::Verdict;
 
 /// Returns exposures as a table, in their order: `id, start_utc, duration_s, ra_deg, dec_deg, rotation_deg`.
@@ -37,6 +38,41 @@ pub fn exposure_table<'a>(exposures: impl IntoIterator<Item = &'a Exposure>) -> 
 /// Returns flags as a table, in their order.
 pub fn flag_table(flags: &[Verdict]) -> Table {
     Table::from_records(&flag_fields(), flags)
+}
+
+/// Returns flags as [`flag_table`], followed by start, length, pointing and band of their exposures, as far as the
+/// schedule has them: `start_utc, duration_s, ra_deg, dec_deg, band`. `rows` are the rows of the flags, in the same order.
+pub fn flag_table_with_exposures(flags: &[Verdict], rows: &[ScheduledExposure]) -> Table {
+    let mut table = flag_table(flags);
+    let exposures = Table::from_records(&scheduled_fields(), rows);
+    table.columns.extend(exposures.columns);
+    table.rows.iter_mut().zip(exposures.rows).for_each(|(flag, exposure)| flag.extend(exposure));
+    table
+}
+
+fn scheduled_fields() -> Vec<TableField<ScheduledExposure>> {
+    let field = TableField::<ScheduledExposure>::new;
+    vec![
+        field(Column::time("start_utc", "Scheduled shutter opening; empty in an invalid row."), |row| {
+            of_exposure(row, |exposure| exposure.start.into())
+        }),
+        field(Column::real("duration_s", "s", 3, "Length of the exposure."), |row| {
+            of_exposure(row, |exposure| exposure.duration_s.into())
+        }),
+        field(Column::real("ra_deg", "deg", 7, "Right ascension of the field's centre, ICRS."), |row| {
+            of_exposure(row, |exposure| exposure.pointing.longitude_rad().to_degrees().into())
+        }),
+        field(Column::real("dec_deg", "deg", 7, "Declination of the field's centre."), |row| {
+            of_exposure(row, |exposure| exposure.pointing.latitude_rad().to_degrees().into())
+        }),
+        field(Column::new("band", Kind::Text, "Band as written in the schedule; empty if it has none."), |row| {
+            row.band.clone().into()
+        }),
+    ]
+}
+
+fn of_exposure(row: &ScheduledExposure, value: fn(&Exposure) -> Value) -> Value {
+    row.exposure.as_ref().map_or(Value::Null, value)
 }
 
 fn flag_fields() -> Vec<TableField<Verdict>> {

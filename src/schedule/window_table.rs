@@ -23,6 +23,18 @@ impl FoundWindows<'_> {
         self.found.map_or(&[], |found| &found.windows)
     }
 
+    /// Returns the reason why the target has no window; `None` if it has one.
+    pub fn reason(&self) -> Option<String> {
+        match (&self.listed.target, self.found) {
+            (Err(reason), _) => Some(reason.clone()),
+            (Ok(_), Some(found)) if found.observable.is_empty() => {
+                Some("never above the lowest altitude in the dark".to_owned())
+            }
+            (Ok(_), Some(found)) if found.windows.is_empty() => Some("never clear".to_owned()),
+            _ => None,
+        }
+    }
+
     fn duration_s(&self) -> f64 {
         self.listed.target.as_ref().map_or(f64::NAN, |target| target.exposure.duration_s)
     }
@@ -74,14 +86,6 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
     let sum_s =
         |windows: &[ClearWindow]| -> f64 { windows.iter().map(|one| seconds_between(one.first, one.last)).sum() };
     let rows = all.iter().map(|one| {
-        let reason = match (&one.listed.target, one.found) {
-            (Err(reason), _) => Some(reason.clone()),
-            (Ok(_), Some(found)) if found.observable.is_empty() => {
-                Some("never above the lowest altitude in the dark".to_owned())
-            }
-            (Ok(_), Some(found)) if found.windows.is_empty() => Some("never clear".to_owned()),
-            _ => None,
-        };
         vec![
             one.listed.name.as_str().into(),
             one.listed.unique_id.as_str().into(),
@@ -89,7 +93,7 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
             sum_s(one.windows()).into(),
             one.found.map(|found| sum_s(&found.observable)).into(),
             one.found.map_or(0, |found| found.dodged.len()).into(),
-            reason.into(),
+            one.reason().into(),
         ]
     });
     Table {

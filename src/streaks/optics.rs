@@ -1,5 +1,7 @@
 //! Optics: the image of a light at a finite distance through atmosphere and telescope.
 
+use std::fmt;
+
 use crate::streaks::{Blur, RadialProfile, Seeing, StreaksError};
 
 /// Shape of a star's image.
@@ -19,6 +21,18 @@ pub enum SeeingForm {
         /// Fraction of the flux in the wide Gaussian, 0 to 1.
         wide_share: f64,
     },
+}
+
+impl fmt::Display for SeeingForm {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Gaussian => formatter.write_str("Gaussian"),
+            Self::Moffat { beta } => write!(formatter, "Moffat with beta {beta}"),
+            Self::DoubleGaussian { widening, wide_share } => {
+                write!(formatter, "double Gaussian, the second {widening} times as wide with {wide_share} of the flux")
+            }
+        }
+    }
 }
 
 /// Seeing and telescope.

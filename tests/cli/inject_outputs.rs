@@ -131,8 +131,14 @@ fn verif_options_of_satellites_are_rejected_for_random_streaks() {
 #[test]
 fn verif_history_and_tables_contain_the_settings() {
     let folder = TempDir::new().unwrap();
-    let (description, output) = (sky(&folder), path(&folder, "out.fits"));
-    assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &output, "--psf", "moffat:3"], RANDOM]).0, 0);
+    let (description, output, truth) = (sky(&folder), path(&folder, "out.fits"), path(&folder, "truth.json"));
+    assert_eq!(
+        run(&[&["inject", "--synthetic", &description, "-o", &output, "--psf", "moffat:3", "--truth", &truth], RANDOM])
+            .0,
+        0
+    );
+    let provenance = std::fs::read_to_string(&truth).unwrap();
+    assert!(provenance.contains("\"psf\": \"Moffat with beta 3\""), "{provenance}");
     let file = FrameFile::open(Path::new(&output)).unwrap();
     let history: Vec<String> = file.header(0).unwrap().cards().iter().map(Card::remark_text).collect();
     let history = history.join(" ");

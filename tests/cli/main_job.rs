@@ -354,7 +354,8 @@ fn csv_schedules_are_annotated_and_keep_all_bytes() {
     }
     let flags = records(&done(&[&["flag", "--schedule", &input], FLAG, SKY]));
     for (row, flag) in records(&annotated).iter().zip(&flags) {
-        assert_eq!(row.iter().skip(7).collect::<Vec<_>>(), flag.iter().skip(1).collect::<Vec<_>>());
+        // The schedule has the start, length, pointing and band, with which `flag` ends.
+        assert_eq!(row.iter().skip(7).collect::<Vec<_>>(), flag.iter().take(11).skip(1).collect::<Vec<_>>());
     }
     let streaks = records(&fs::read_to_string(path(&folder, "out.streaks.csv")).unwrap());
     let count: usize = flags[1..].iter().map(|flag| flag[2].parse::<usize>().unwrap()).sum();
@@ -458,4 +459,40 @@ fn starlink_1102_is_found_in_a_decam_exposure() {
     assert_eq!(pass["name"], "STARLINK-1102");
     assert!(pass["min_separation_deg"].as_f64().unwrap() < 0.3, "{pass}");
     assert!(pass["mid_utc"].as_str().unwrap().starts_with("2020-03-06T00:05:4"), "{pass}");
+}
+
+#[test]
+fn flags_end_with_the_exposures_of_the_schedule() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = path(&folder, "s.csv");
+    // The second row is below the horizon, the third has no position.
+    let rows = "a,2024-08-14T23:30:00Z,30,217.5,-30,r\nb,2024-08-14T23:31:00Z,30,217.5,80,r\nc,2024-08-14T23:32:00Z,30,,-30,\n";
+    fs::write(&schedule, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n{rows}")).unwrap();
+    let flag = ["flag", "--schedule", &schedule];
+    let written = records(&done(&[&flag, FLAG, SKY, &["--format", "csv"]]));
+    let last = |row: &csv::StringRecord| row.iter().skip(11).collect::<Vec<_>>().join(",");
+    assert_eq!(&written[0][10], "norad_ids");
+    let expected = [
+        "start_utc,duration_s,ra_deg,dec_deg,band",
+        "2024-08-14T23:30:00.000000Z,30.000,217.5000000,-30.0000000,r",
+        "2024-08-14T23:31:00.000000Z,30.000,217.5000000,80.0000000,r",
+        ",,,,",
+    ];
+    assert_eq!(written.iter().map(last).collect::<Vec<_>>(), expected);
+    let screen = done(&[&flag, FLAG, SKY, &["--format", "table"]]);
+    assert!(
+        screen.lines().next().unwrap().ends_with("start (UTC)           exposure s  RA deg   Dec deg  band"),
+        "{screen}"
+    );
+
+    // With one valid row --fail-on has a result, without any it has none.
+    assert!([0, 1].contains(&run(&[&flag, FLAG, SKY, &["--fail-on", "avoid"]]).0));
+    for kept in [&rows.lines().skip(1).collect::<Vec<_>>()[..], &rows.lines().skip(2).collect::<Vec<_>>()[..]] {
+        let text = format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n{}\n", kept.join("\n"));
+        fs::write(&schedule, text).unwrap();
+        assert_eq!(run(&[&flag, FLAG, SKY]).0, 0);
+        let (code, stdout, stderr) = run(&[&flag, FLAG, SKY, &["--fail-on", "streaked"]]);
+        assert_eq!((code, stderr.lines().count()), (2, 1), "{stderr}");
+        assert!(stdout.contains("invalid") && stderr.contains("none of"), "{stderr}");
+    }
 }

@@ -151,11 +151,20 @@ fn lists_in_every_syntax_give_the_same_windows() {
         reasons,
         ["", "right ascension is missing: the target has no position", "never above the lowest altitude in the dark"]
     );
-    // A target without coordinates is reported, and the others are computed.
+    // Every format reports the targets without a window.
     let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
-    let (code, _, stderr) = run(&[&["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7"], RANGE, &loud]);
-    assert_eq!(code, 0);
-    assert!(stderr.contains("warning: target lost: right ascension is missing"), "{stderr}");
+    for format in ["table", "csv", "json", "lco"] {
+        let command = ["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7", "--format", format];
+        let (code, _, stderr) = run(&[&command, RANGE, &loud]);
+        assert_eq!(code, 0);
+        for warning in [
+            "warning: target lost has no window: right ascension is missing: the target has no position\n",
+            "warning: target north has no window: never above the lowest altitude in the dark\n",
+        ] {
+            assert!(stderr.contains(warning), "{format}: {stderr}");
+        }
+        assert_eq!(stderr.matches("has no window").count(), 2, "{format}: {stderr}");
+    }
 }
 
 #[test]

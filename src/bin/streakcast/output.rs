@@ -195,7 +195,6 @@ pub fn check(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Checks that a file can be replaced atomically, which excludes pipes and devices.
-#[cfg(all(feature = "fits", unix))]
 pub fn check_whole(path: &Path) -> anyhow::Result<()> {
     check_name(path)?;
     streakcast::output::AtomicFile::check(path).map_err(|error| cannot_write(path, &error))
@@ -204,7 +203,7 @@ pub fn check_whole(path: &Path) -> anyhow::Result<()> {
 fn check_name(path: &Path) -> anyhow::Result<()> {
     if path == Path::new(STANDARD_OUTPUT) {
         return Err(anyhow!(
-            "cannot write {STANDARD_OUTPUT}: standard output is for the main result; allowed: a file name"
+            "cannot write to standard output ({STANDARD_OUTPUT}), which only takes the table of a verb; allowed: the name of a file"
         ));
     }
     Ok(())

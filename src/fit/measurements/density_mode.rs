@@ -8,6 +8,8 @@
 //! **Kernel mode**: the maximum of a sum of normal curves at the points, with sigma by Silverman's rule (1986, eq.
 //! 3.31). Smoother, and biased towards the longer wing by about the kernel's width.
 
+use std::fmt;
+
 use crate::math::quantile::quantile;
 
 /// Estimator of the mode.
@@ -18,6 +20,15 @@ pub enum DensityMode {
     HalfSample,
     /// Mode of a Gaussian kernel density.
     Kernel,
+}
+
+impl fmt::Display for DensityMode {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::HalfSample => "half-sample",
+            Self::Kernel => "kernel",
+        })
+    }
 }
 
 impl DensityMode {

@@ -114,12 +114,14 @@ impl Wcs {
         let inverse =
             matrix.try_inverse().filter(|inverse| inverse.iter().all(|entry| entry.is_finite())).ok_or_else(|| {
                 let allowed = "a matrix that has an inverse (CDi_j, or PCi_j with CDELTi)";
-                ImagesError::invalid("matrix of pixels to degrees", format!("{:?}", terms.matrix_deg), allowed)
+                ImagesError::invalid("matrix of pixels to degrees", format!("[{a}, {b}; {c}, {d}]"), allowed)
             })?;
         let to_sky = terms.pole.to_sky().ok_or_else(|| {
+            let given =
+                |angle_deg: Option<f64>| angle_deg.map_or("missing".to_owned(), |angle_deg| angle_deg.to_string());
             ImagesError::invalid(
                 "LONPOLE".to_owned(),
-                format!("{:?} with LATPOLE {:?}", terms.pole.lonpole_deg, terms.pole.latpole_deg),
+                format!("{} with LATPOLE {}", given(terms.pole.lonpole_deg), given(terms.pole.latpole_deg)),
                 "a native pole that is consistent with CRVAL",
             )
         })?;

@@ -161,7 +161,7 @@ pub fn state(
             "start_utc": format_utc(frame.opened, 6),
             "exposure_s": frame.exposure_s,
             "seeing_arcsec": plan.optics.seeing_arcsec,
-            "psf": format!("{:?}", plan.optics.form),
+            "psf": plan.optics.form.to_string(),
             "outer_radius_m": plan.optics.outer_radius_m,
             "inner_radius_m": plan.optics.inner_radius_m,
             "telescope": plan.telescope,

@@ -4,13 +4,12 @@ use std::path::PathBuf;
 
 use clap::Args;
 use streakcast::config::{Config, RulesConfig};
-use streakcast::output::AtomicFile;
 use streakcast::schedule::Shard;
 use streakcast::schedule::{Annotation, annotate, flag_table};
 
 use super::judged::judge;
 use crate::failure::Outcome;
-use crate::output::cannot_write;
+use crate::output::check_whole;
 use crate::required::Required;
 
 #[derive(Args)]
@@ -44,7 +43,7 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
         .check()?;
     let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
     // The output is checked before the computation.
-    AtomicFile::check(&output).map_err(|error| cannot_write(&output, &error))?;
+    check_whole(&output)?;
     let judged = judge(&config, &schedule, typed.shard)?;
     let annotation = Annotation {
         flags: &flag_table(&judged.report.flags),

@@ -1,13 +1,14 @@
 //! `flag`: writes a verdict for each exposure of a schedule.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use crate::arguments::OutputArguments;
+use anyhow::anyhow;
 use clap::{Args, ValueEnum};
 use streakcast::config::{Config, RulesConfig};
-use streakcast::output::Section;
+use streakcast::output::{Section, counted};
 use streakcast::schedule::Shard;
-use streakcast::schedule::{VerdictKind, flag_table};
+use streakcast::schedule::{FlagReport, Verdict, VerdictKind, flag_table_with_exposures};
 
 use super::judged::judge;
 use super::passes::left_out_table;
@@ -26,7 +27,8 @@ pub struct FlagArguments {
     /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Exit with code 1 if any exposure has at least this verdict: streaked (or avoid), or avoid
+    /// Exit with code 1 if any exposure has at least this verdict: streaked (or avoid), or avoid; with code 2 if none can
+    /// be judged
     #[arg(long, value_name = "VERDICT")]
     pub fail_on: Option<FailOn>,
     #[command(flatten)]
@@ -51,7 +53,28 @@ const ON_SCREEN: &[Shown] = &[
     rounded("streak_length_deg", "length deg", 2),
     rounded("delay_s", "wait s", 1),
     shown("reasons", "reasons"),
+    rounded("start_utc", "start (UTC)", 0),
+    rounded("duration_s", "exposure s", 1),
+    rounded("ra_deg", "RA deg", 3),
+    rounded("dec_deg", "Dec deg", 3),
+    shown("band", "band"),
 ];
+
+/// Checks that at least one exposure was judged: a script must not take a schedule of invalid rows for a clear one. A
+/// share of a batch without rows is accepted.
+fn check_judged(report: &FlagReport, schedule: &Path) -> anyhow::Result<()> {
+    let (flags, is_judged) = (&report.flags, |flag: &Verdict| flag.kind != VerdictKind::Invalid);
+    match flags.first() {
+        Some(first) if !flags.iter().any(is_judged) => Err(anyhow!(
+            "schedule {}: --fail-on has no result, because none of {} can be judged; exposure {}: {}",
+            schedule.display(),
+            counted(flags.len(), "exposure", "exposures"),
+            first.exposure_id,
+            first.reasons.join("; ")
+        )),
+        _ => Ok(()),
+    }
+}
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
@@ -60,7 +83,7 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
     let judged = judge(&config, &schedule, typed.shard)?;
-    let flags = flag_table(&judged.report.flags);
+    let flags = flag_table_with_exposures(&judged.report.flags, &judged.schedule.exposures);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(&Answer {
         sections: vec![Section { name: "flags", table: &flags }, Section { name: "left_out", table: &left_out }],
@@ -68,6 +91,9 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
         provenance: &judged.provenance,
         style: Style { columns: ON_SCREEN, bold_row: None },
     })?;
+    if typed.fail_on.is_some() {
+        check_judged(&judged.report, &schedule)?;
+    }
     let fails = |verdict| match typed.fail_on {
         None => false,
         Some(FailOn::Streaked) => matches!(verdict, VerdictKind::Streaked | VerdictKind::Avoid),

@@ -111,8 +111,8 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     notices.warn_left_out(&prepared, &report.left_out, from)?;
     let found = found(&listed, &report);
     for one in &found {
-        if let Err(reason) = &one.listed.target {
-            notices.warn(&[format!("target {}: {reason}", one.listed.name)]);
+        if let Some(reason) = one.reason() {
+            notices.warn(&[format!("target {} has no window: {reason}", one.listed.name)]);
         }
     }
     let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();

@@ -68,7 +68,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
         provenance.state("scatter_mag", typed.weights.scatter_mag);
         provenance.state("equal_weights", typed.weights.equal_weights);
     }
-    provenance.state("loss", format!("{:?}", chosen.settings.loss));
+    provenance.state("loss", chosen.settings.loss.to_string());
     provenance.state("model", chosen.file.name.as_str());
     provenance.state("earthshine", if typed.form.no_earthshine { "off" } else { "computed" });
     let tests = match &chosen.form {

@@ -107,7 +107,7 @@ pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArgumen
         provenance.state("layer_deg", reduction.layer_deg);
         let options = &pixels.options;
         provenance.state("nside", i64::from(options.nside));
-        provenance.state("mode", format!("{:?}", options.mode));
+        provenance.state("mode", options.mode.to_string());
         provenance.state("min_count", i64::from(options.least_count));
         provenance.state("min_tracks", i64::from(options.least_tracks));
         provenance.state("max_iqr_mag", options.most_iqr_mag);

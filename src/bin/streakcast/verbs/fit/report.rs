@@ -115,7 +115,7 @@ fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Dra
     report.section("Parameters");
     report.table(&parameter_table(fit, &points_behind(results.problem, fit)));
     report.paragraph(&format!(
-        "Errors: {:?}. Costs from the starting points: {}.",
+        "Errors: {}. Costs from the starting points: {}.",
         fit.uncertainty.kind,
         costs(&fit.costs)
     ));

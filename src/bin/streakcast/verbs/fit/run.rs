@@ -181,7 +181,7 @@ fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<
         None => format!("Fitted to single measurements with a scatter of {} mag.", typed.weights.scatter_mag),
     };
     let light = if typed.form.no_earthshine { "Without earthshine." } else { "With earthshine." };
-    let mut notes = vec![kind, light.to_owned(), format!("Loss: {:?}.", chosen.settings.loss)];
+    let mut notes = vec![kind, light.to_owned(), format!("Loss: {}.", chosen.settings.loss)];
     notes.extend(input.band_mismatch(chosen.band).map(|mismatch| format!("Band: {mismatch}.")));
     notes.push(format!("Sunlight passes at least {} km above the ground.", typed.photometry.least_grazing_km));
     notes.extend(chosen.settings.held.iter().map(|(name, value)| format!("{name} was held at {value}.")));

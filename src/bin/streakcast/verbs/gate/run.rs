@@ -144,9 +144,13 @@ fn answer(
     let band = job.as_ref().and_then(ekos::Job::band);
     let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| request.target.clone());
     let duration_s = job.as_ref().and_then(|job| job.exposure).or(request.duration_s);
-    let duration_s = duration_s.filter(|duration_s| (0.0..=86_400.0).contains(duration_s)).ok_or_else(|| {
-        Fault::new(FaultKind::Host, format!("missing or invalid exposure time {duration_s:?}; allowed: 0 to 86400 s"))
-    })?;
+    let duration_s = match duration_s {
+        Some(duration_s) if (0.0..=86_400.0).contains(&duration_s) => duration_s,
+        given => {
+            let given = given.map_or("missing exposure time".to_owned(), |given| format!("exposure time is {given} s"));
+            return Err(Fault::new(FaultKind::Host, format!("{given}; allowed: 0 to 86400 s")));
+        }
+    };
     let (pointing, site) = pointing_and_site(request, name.as_deref(), status)?;
     let exposure = Exposure {
         id: name.unwrap_or_else(|| "1".to_owned()),
