@@ -34,6 +34,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "geometry",
             "identify",
             "images",
+            "math",
             "orbit",
             "output",
             "passes",

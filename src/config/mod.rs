@@ -31,7 +31,9 @@ pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, 
 pub use ephemeris::EphemerisConfig;
 pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
-pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
+pub use health::{
+    AgeBin, ElementState, EphemerisState, Finding, Health, MomentSource, Severity, Unmatched, finding_table,
+};
 pub use identify::{IdentifyConfig, IdentifyPlan, STREAK_FORMS};
 #[cfg(all(feature = "fits", unix))]
 pub use injection::InjectionConfig;

@@ -237,7 +237,7 @@ fn source_json(source: &SourceFile) -> serde_json::Value {
 }
 
 /// Returns the ephemerides of satellites without an element set, in words.
-fn without_elements(ephemerides: &[Arc<Ephemeris>], elements: &[ElementSet]) -> Vec<String> {
+pub(super) fn without_elements(ephemerides: &[Arc<Ephemeris>], elements: &[ElementSet]) -> Vec<String> {
     let without = ephemerides.iter().filter(|ephemeris| !elements.iter().any(|set| ephemeris.is_of(set)));
     without.map(|ephemeris| ephemeris.to_string()).collect()
 }

@@ -4,6 +4,7 @@ use hifitime::{Epoch, TimeScale, Unit};
 
 use crate::elements::{RejectReason, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
+use crate::math::quantile::median;
 use crate::output::{counted, format_utc};
 use crate::passes::{OrbitingObserver, Sky};
 
@@ -109,14 +110,13 @@ pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) ->
     let old: Vec<usize> = (0..from_files).filter(|&index| !near.contains(&elements[index].epoch.duration)).collect();
     let age_days = |index: usize| days(elements[index].epoch, first).max(days(last, elements[index].epoch));
     let farthest = old.iter().map(|&index| age_days(index)).max_by(f64::total_cmp)?;
-    let mut late_s: Vec<f64> = old.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
-    late_s.sort_by(f64::total_cmp);
+    let late_s: Vec<f64> = old.iter().map(|&index| sky.uncertainty(index, age_days(index)).along_track_s).collect();
     Some(format!(
         "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
          they are early or late by {:.1} s (68 %, median)",
         old.len(),
         elements.len(),
-        late_s[late_s.len() / 2],
+        median(late_s),
     ))
 }
 

@@ -121,11 +121,12 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
     }
     let format = sniff(&decoded, &text)
         .map_err(|what| ElementsError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
+    let with_name = |problem: ephemeris::Problem| {
+        let ephemeris::Problem { line, what, given, allowed } = problem;
+        ElementsError::Ephemeris { file: name.into(), line, what, given, allowed }
+    };
     let no_sets = |ephemerides: Result<Vec<Ephemeris>, ephemeris::Problem>| {
-        let ephemerides = ephemerides.map_err(|problem| {
-            let ephemeris::Problem { line, what, given, allowed } = problem;
-            ElementsError::Ephemeris { file: name.into(), line, what, given, allowed }
-        })?;
+        let ephemerides = ephemerides.map_err(with_name)?;
         let (sets, rejected) = (Vec::new(), Vec::new());
         Ok(Content { format, gzipped, sets, ephemerides, rejected, cut_short: false, bad_checksums_accepted: 0 })
     };
@@ -139,11 +140,17 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
         ElementFormat::OmmXml => omm_xml::parse(&text, checksums),
         ElementFormat::OmmKvn => omm_kvn::parse(&text),
     };
+    // An NDM may have messages of both kinds.
+    let has_ephemerides = format == ElementFormat::OmmXml && ephemeris::looks_like_oem_xml(&text);
+    let ephemerides = match has_ephemerides {
+        true => ephemeris::parse_oem_xml(&text).map_err(with_name)?,
+        false => Vec::new(),
+    };
     parsed.rejected.sort_by_key(|(offset, _)| *offset);
     let cut_short = parsed.is_cut_short();
     let Parsed { sets, rejected, bad_checksums_accepted, .. } = parsed;
     let rejected = line_numbers(text.as_bytes(), rejected);
-    Ok(Content { format, gzipped, sets, ephemerides: Vec::new(), rejected, cut_short, bad_checksums_accepted })
+    Ok(Content { format, gzipped, sets, ephemerides, rejected, cut_short, bad_checksums_accepted })
 }
 
 /// Converts increasing byte offsets to line numbers from 1.

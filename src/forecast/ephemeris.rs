@@ -80,7 +80,7 @@ pub struct EphemerisRow<'a> {
 /// Decimals of degrees: 0.4 mas.
 const DEGREES: usize = 7;
 
-fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 25] {
+fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
     let field = TableField::<EphemerisRow<'a>>::new;
     [
         field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |row| {
@@ -166,6 +166,14 @@ fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 25] {
         field(
             Column::real("cross_track_sigma_deg", "deg", 4, "One-sigma error across the track as an angle."),
             |row| row.place.cross_track_sigma_rad().to_degrees().into(),
+        ),
+        field(
+            Column::new(
+                "position_source",
+                Kind::Text,
+                "Source of the positions: `element set`, or `ephemeris` with the name of the file.",
+            ),
+            |row| row.place.position_source.to_string().into(),
         ),
     ]
 }

@@ -143,6 +143,14 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             ),
             |row| row.pass.element_age_days.into(),
         ),
+        field(
+            Column::new(
+                "position_source",
+                Kind::Text,
+                "Source of the positions: `element set`, or `ephemeris` with the name of the file.",
+            ),
+            |row| row.pass.position_source.to_string().into(),
+        ),
     ]
 }
 

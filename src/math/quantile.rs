@@ -12,6 +12,12 @@ pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
 }
 
+/// Returns the median of a sample, the mean of both middle values of an even number; NaN without samples.
+pub fn median(mut values: Vec<f64>) -> f64 {
+    values.sort_by(f64::total_cmp);
+    quantile(&values, 0.5)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -23,5 +29,7 @@ mod tests {
         assert_eq!(quantile(&[1.0, 2.0, 4.0], 2.0), 4.0);
         assert_eq!(quantile(&[7.0], 0.16), 7.0);
         assert!(quantile(&[], 0.5).is_nan());
+        assert_eq!((median(vec![3.0, 1.0, 2.0]), median(vec![2.0, 1.0])), (2.0, 1.5));
+        assert!(median(Vec::new()).is_nan());
     }
 }

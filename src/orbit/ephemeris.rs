@@ -1,27 +1,33 @@
 //! Interpolated ephemeris of one satellite: states in TEME, and errors from the covariance.
 //!
-//! Position and velocity at a time are those of the Lagrange polynomial of degree 7 through the positions of the eight
-//! states around it. Its error between states of step h on a circular orbit of radius r and rate ω is
+//! Position and velocity at a time are those of the Lagrange polynomial of degree 7 through the positions of eight
+//! states. Its error on an orbit of radius r and rate ω is the sum of the neglected eighth derivative and of the errors δ
+//! of the positions, which the basis polynomials ℓᵢ amplify:
 //!
 //! ```text
-//! r (ωh)⁸ / 8! · Π |t - tᵢ| / h⁸ ≤ 1.1·10⁻³ r (ωh)⁸
+//! r ω⁸ / 8! · Π |t - tᵢ| + δ Σ |ℓᵢ(t)|
 //! ```
 //!
-//! and twelve times as much in the first and last interval: 1 mm at 550 km and steps of 120 s, 1 m (9 m at the ends) at
-//! the longest step, a twentieth of a revolution. Longer steps are gaps, across which nothing is interpolated.
+//! Where steps are equal, the eight states are those around the time; the first term is 0.7 m at 550 km and the longest
+//! step, a twentieth of a revolution, and 9 m in the first and last interval. Where steps are unequal, neighbours may be
+//! so close together that the second term is large, or all on one side so that the first is: then states with a larger
+//! distance in time are chosen, those with the least sum. An interval with a longer step, or with a sum above 20 m for
+//! δ = 1 m, is a gap, across which nothing is interpolated.
 //! Velocities of the file are not used: in the public Starlink ephemerides they differ from the derivative of the
 //! positions by 4.5 m/s after the second day, 0.3 km at the ends of a Hermite polynomial.
 
 use std::f64::consts::TAU;
+use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::{Duration, Epoch, TimeScale, Unit};
 use nalgebra::{Matrix3, Vector3};
 
 use super::lateness::Lateness;
 use super::state::State;
-use super::uncertainty::OrbitUncertainty;
-use crate::constants::EARTH_ROTATION_RAD_S;
+use super::uncertainty::{OrbitClass, OrbitUncertainty, uncertainty};
+use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisState, PositionCovariance};
 use crate::frames::{EopTable, OrientationTable, Position, Teme, Velocity, eme2000_to_gcrs, seconds_between};
 
@@ -29,22 +35,34 @@ use crate::frames::{EopTable, OrientationTable, Position, Teme, Velocity, eme200
 const NODES: usize = 8;
 /// Longest step between two states across which positions are interpolated, as an angle about the Earth's centre.
 const LONGEST_STEP_RAD: f64 = TAU / 20.0;
+/// Largest error of the interpolation, km.
+const LARGEST_ERROR_KM: f64 = 0.02;
+/// Error of the interpolation below which no other states are tried, km.
+const SMALL_ERROR_KM: f64 = 0.004;
+/// Error of the positions in a file, km: the rounding of the coarsest files, a metre.
+const STATE_ERROR_KM: f64 = 0.001;
+/// Least times between the states of the polynomial that are tried, as shares of the step that holds the time.
+const SPACINGS: [f64; 4] = [0.0, 0.25, 0.5, 1.0];
 /// Error of interpolation and frames, km, added to the covariance.
 const INTERPOLATION_KM: f64 = 0.01;
-/// Errors of an ephemeris without a covariance, km: those of an element set at its epoch.
-const ALONG_UNSTATED_KM: f64 = 1.0;
-const CROSS_UNSTATED_KM: f64 = 0.3;
 
 /// States of one ephemeris in TEME, ready for interpolation.
 #[derive(Clone, Debug)]
 pub(super) struct EphemerisTable {
+    /// Name of the file.
+    file: Arc<str>,
+    /// Time at which the file was created; `None` if omitted.
+    created: Option<Epoch>,
     start: Epoch,
     /// Times of the states, UTC seconds after the start without leap seconds, as SGP4 counts.
     times_s: Vec<f64>,
     /// Positions, km.
     positions: Vec<Vector3<f64>>,
-    /// Index of the first state after each gap, and the number of states.
-    ends: Vec<usize>,
+    /// States of the polynomial between each state and the next one.
+    nodes: Vec<[u32; NODES]>,
+    /// First gap between two states at or after each state, as the index of the state before it; the number of states
+    /// if there is none.
+    next_gap: Vec<usize>,
     /// Times and variances: radial, along the track, out of the plane, km².
     variances: Vec<(f64, [f64; 3])>,
 }
@@ -54,18 +72,32 @@ impl EphemerisTable {
     pub fn new(ephemeris: &Ephemeris, eop: &EopTable) -> Self {
         let (start, end) = ephemeris.interval();
         let axes = Axes { frame: ephemeris.frame, orientation: OrientationTable::new(start, end, eop) };
-        let states: Vec<_> = ephemeris.states.iter().map(|state| axes.to_teme(state)).collect();
+        let positions: Vec<_> = ephemeris.states.iter().map(|state| axes.to_teme(state)).collect();
         let times_s: Vec<f64> = ephemeris.states.iter().map(|state| utc_seconds(start, state.epoch)).collect();
-        let is_gap = |index: usize| {
-            let (r, v) = &states[index - 1];
-            (times_s[index] - times_s[index - 1]) * r.cross(v).norm() > LONGEST_STEP_RAD * r.norm_squared()
-        };
-        let mut ends: Vec<usize> = (1..states.len()).filter(|&index| is_gap(index)).collect();
-        ends.push(states.len());
-        let positions = states.into_iter().map(|(position, _)| position).collect();
-        let mut table = Self { start, times_s, positions, ends, variances: Vec::new() };
+        let chosen = chosen_nodes(&times_s, &positions);
+        let mut next_gap = vec![times_s.len(); chosen.len()];
+        for at in (0..chosen.len()).rev() {
+            let later = next_gap.get(at + 1).copied().unwrap_or(times_s.len());
+            next_gap[at] = if chosen[at].is_none() { at } else { later };
+        }
+        let nodes = chosen.into_iter().map(|nodes| nodes.unwrap_or([0; NODES])).collect();
+        let (file, created, variances) = (ephemeris.file.clone(), ephemeris.created, Vec::new());
+        let mut table = Self { file, created, start, times_s, positions, nodes, next_gap, variances };
         table.variances = ephemeris.covariances.iter().map(|one| table.variances_of(one, &axes)).collect();
         table
+    }
+
+    /// Returns the name of the file.
+    pub fn file(&self) -> &Arc<str> {
+        &self.file
+    }
+
+    /// Returns the key by which one of several ephemerides of a satellite precedes others: created later, or if that is
+    /// not stated or equal, with a later first state. The name of the file decides between equal ones, so that the order
+    /// of reading does not matter.
+    pub fn rank(&self) -> (Duration, Duration, Arc<str>) {
+        let utc = |epoch: Epoch| epoch.to_utc_duration();
+        (utc(self.created.unwrap_or(self.start)), utc(self.start), self.file.clone())
     }
 
     /// Returns the time of the first state.
@@ -75,10 +107,13 @@ impl EphemerisTable {
 
     /// Returns true if the states cover an interval without a gap, seconds after the start.
     pub fn covers(&self, from_s: f64, to_s: f64) -> bool {
-        let covering = |part: std::ops::Range<usize>| {
-            part.len() >= NODES && self.times_s[part.start] <= from_s && to_s <= self.times_s[part.end - 1]
-        };
-        self.parts().any(covering)
+        let last = self.nodes.len() - 1;
+        if from_s < self.times_s[0] || to_s > self.times_s[last + 1] {
+            return false;
+        }
+        let first = self.times_s.partition_point(|time| *time <= from_s).saturating_sub(1).min(last);
+        let until = self.times_s.partition_point(|time| *time < to_s).saturating_sub(1).min(last);
+        self.next_gap[first] > until.max(first)
     }
 
     /// Returns true if a part of an interval is covered.
@@ -86,58 +121,76 @@ impl EphemerisTable {
         from_s <= self.times_s[self.times_s.len() - 1] && to_s >= self.times_s[0]
     }
 
-    /// Index ranges of the states between gaps.
-    fn parts(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
-        let starts = std::iter::once(0).chain(self.ends.iter().copied());
-        starts.zip(&self.ends).map(|(start, &end)| start..end)
-    }
-
     /// Returns the state at a time, seconds after the start; `None` outside the covered intervals.
     pub fn state_at(&self, time_s: f64) -> Option<State<Teme>> {
         // A time at the end of an interval rounds beyond it by less than a microsecond.
-        let after = self.times_s.partition_point(|time| *time < time_s - 1e-6);
-        let part = self.parts().find(|part| part.contains(&after))?;
-        if part.len() < NODES || time_s < self.times_s[part.start] - 1e-6 {
-            return None;
-        }
-        let first = after.saturating_sub(NODES / 2).clamp(part.start, part.end - NODES);
-        let nodes = first..first + NODES;
-        let (position, velocity) = lagrange(&self.times_s[nodes.clone()], &self.positions[nodes], time_s);
+        const ROUNDING_S: f64 = 1e-6;
+        let after = self.times_s.partition_point(|time| *time < time_s - ROUNDING_S);
+        let is_at_state = self.times_s.get(after).is_some_and(|time| *time <= time_s + ROUNDING_S);
+        let is_covered = |&step: &usize| self.next_gap.get(step).is_some_and(|gap| *gap > step);
+        // At a state the step after it is as good as the one before, which may be a gap.
+        let before = after.checked_sub(1).filter(|_| after < self.times_s.len());
+        let step = before.filter(is_covered).or(is_at_state.then_some(after).filter(is_covered))?;
+        let nodes = self.nodes[step].map(|node| node as usize);
+        let (position, velocity) =
+            lagrange(nodes.map(|node| self.times_s[node]), nodes.map(|node| self.positions[node]), time_s);
         Some(State { position: Position::from_vector(position), velocity: Velocity::from_vector(velocity) })
     }
 
-    /// Returns the errors of one sigma at a covered time, seconds after the start.
-    pub fn uncertainty_at(&self, time_s: f64) -> OrbitUncertainty {
+    /// Returns the errors of one sigma at a covered time, seconds after the start, for a satellite of this class.
+    ///
+    /// Without a covariance they are those of an element set of the satellite with its epoch at the first state, with
+    /// no bias. After the last covariance and before the first they are the larger of these and of that covariance.
+    pub fn uncertainty_at(&self, time_s: f64, class: OrbitClass) -> OrbitUncertainty {
         let speed_km_s = self.state_at(time_s).map_or(f64::INFINITY, |state| state.velocity.norm_km_s());
-        let [along_km, cross_km] = match self.variance_at(time_s) {
-            // One sigma for both directions across the track: the larger one.
-            Some([radial, along, normal]) => {
-                [along, radial.max(normal)].map(|variance_km2| variance_km2.sqrt().hypot(INTERPOLATION_KM))
-            }
-            None => [ALONG_UNSTATED_KM, CROSS_UNSTATED_KM],
+        // One sigma for both directions across the track: the larger one.
+        let of = |[radial, along, normal]: [f64; 3]| {
+            let [along_km, cross_km] =
+                [along, radial.max(normal)].map(|variance_km2| variance_km2.sqrt().hypot(INTERPOLATION_KM));
+            (along_km / speed_km_s, cross_km)
         };
-        let along_track_s = along_km / speed_km_s;
-        OrbitUncertainty { along_track_s, cross_track_km: cross_km, lateness: Lateness::gaussian(along_track_s) }
+        let unstated = || {
+            let errors = uncertainty(class, time_s / DAY_S);
+            (errors.along_track_s, errors.cross_track_km)
+        };
+        let (along_track_s, cross_track_km) = match self.variance_at(time_s) {
+            Variance::Stated(variances) => of(variances),
+            Variance::Outside(variances) => {
+                let (stated, unstated) = (of(variances), unstated());
+                (stated.0.max(unstated.0), stated.1.max(unstated.1))
+            }
+            Variance::Unstated => unstated(),
+        };
+        OrbitUncertainty { along_track_s, cross_track_km, lateness: Lateness::gaussian(along_track_s) }
     }
 
     /// Returns the largest errors of one sigma at any time: seconds along the track, kilometres across it.
-    pub fn largest_errors(&self) -> (f64, f64) {
-        let errors = self.times_s.iter().map(|time_s| self.uncertainty_at(*time_s));
+    pub fn largest_errors(&self, class: OrbitClass) -> (f64, f64) {
+        // Between states the errors are at most those of one of the two, except just after the last covariance.
+        let ends = [self.variances.first(), self.variances.last()].into_iter().flatten();
+        let beyond = ends.flat_map(|(time_s, _)| [time_s - 1e-3, time_s + 1e-3]);
+        let within = beyond.filter(|time_s| self.covers(*time_s, *time_s));
+        let errors = self.times_s.iter().copied().chain(within).map(|time_s| self.uncertainty_at(time_s, class));
+        let errors = errors.filter(|one| one.along_track_s.is_finite());
         errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), one| {
             (along_s.max(one.along_track_s), cross_km.max(one.cross_track_km))
         })
     }
 
-    /// Interpolates the variances linearly; beyond their ends they are constant.
-    fn variance_at(&self, time_s: f64) -> Option<[f64; 3]> {
+    /// Interpolates the variances linearly between two covariances.
+    fn variance_at(&self, time_s: f64) -> Variance {
         let after = self.variances.partition_point(|(time, _)| *time <= time_s);
         let (before, next) = (self.variances.get(after.wrapping_sub(1)), self.variances.get(after));
         match (before, next) {
             (Some((from_s, from)), Some((to_s, to))) => {
                 let share = (time_s - from_s) / (to_s - from_s);
-                Some(std::array::from_fn(|axis| from[axis] + share * (to[axis] - from[axis])))
+                Variance::Stated(std::array::from_fn(|axis| from[axis] + share * (to[axis] - from[axis])))
             }
-            (one, other) => one.or(other).map(|(_, variances)| *variances),
+            // Times of states and covariances differ by rounding.
+            (Some((last_s, last)), None) if time_s - last_s < 1e-5 => Variance::Stated(*last),
+            (None, Some((first_s, first))) if first_s - time_s < 1e-5 => Variance::Stated(*first),
+            (Some((_, end)), None) | (None, Some((_, end))) => Variance::Outside(*end),
+            (None, None) => Variance::Unstated,
         }
     }
 
@@ -172,6 +225,121 @@ impl EphemerisTable {
     }
 }
 
+/// Variances at a time: radial, along the track, out of the plane, km².
+enum Variance {
+    /// At or between covariances.
+    Stated([f64; 3]),
+    /// Those of the last covariance before, or of the first one after the time.
+    Outside([f64; 3]),
+    Unstated,
+}
+
+/// Returns the states of the polynomial between each state and the next one; `None` for gaps.
+fn chosen_nodes(times_s: &[f64], positions: &[Vector3<f64>]) -> Vec<Option<[u32; NODES]>> {
+    let is_gap = |step: usize| step_rad(times_s, positions, step, step + 1) > LONGEST_STEP_RAD;
+    let mut chosen = Vec::with_capacity(times_s.len() - 1);
+    let mut part = 0..0;
+    for step in 0..times_s.len() - 1 {
+        if step + 1 >= part.end {
+            // The states up to the next long step.
+            let start = step + usize::from(is_gap(step));
+            let end = (start..times_s.len() - 1).find(|&later| is_gap(later)).map_or(times_s.len(), |later| later + 1);
+            part = start..end;
+        }
+        let is_inside = part.contains(&step) && step + 1 < part.end && part.len() >= NODES;
+        chosen.push(if is_inside { best_nodes(times_s, positions, &part, step) } else { None });
+    }
+    chosen
+}
+
+/// Returns the angle about the Earth's centre between two states: the larger of that seen and of that on a circular
+/// orbit at the lower of both, which also shows whole revolutions.
+fn step_rad(times_s: &[f64], positions: &[Vector3<f64>], from: usize, to: usize) -> f64 {
+    let radius_km = positions[from].norm().min(positions[to].norm());
+    // ω² = μ / r³
+    let circular_rad = (WGS72_MU_KM3_S2 / radius_km.powi(3)).sqrt() * (times_s[to] - times_s[from]);
+    circular_rad.max(positions[from].angle(&positions[to]))
+}
+
+/// Returns the eight states with the least error between a state and the next one; `None` if it is too large.
+fn best_nodes(times_s: &[f64], positions: &[Vector3<f64>], part: &Range<usize>, step: usize) -> Option<[u32; NODES]> {
+    let step_s = times_s[step + 1] - times_s[step];
+    let mut best: Option<(f64, [usize; NODES])> = None;
+    for spacing in SPACINGS {
+        let Some(nodes) = spaced_nodes(times_s, part, step, spacing * step_s) else { continue };
+        let error_km = error_km(times_s, positions, &nodes, step);
+        if best.is_none_or(|(least, _)| error_km < least) {
+            best = Some((error_km, nodes));
+        }
+        if error_km < SMALL_ERROR_KM {
+            break;
+        }
+    }
+    best.filter(|(error_km, _)| *error_km <= LARGEST_ERROR_KM).map(|(_, nodes)| nodes.map(|node| node as u32))
+}
+
+/// Returns the states nearest in time to the middle of a step, its two ends included, others at least `spacing_s` from
+/// one to the next; `None` if there are too few.
+fn spaced_nodes(times_s: &[f64], part: &Range<usize>, step: usize, spacing_s: f64) -> Option<[usize; NODES]> {
+    let middle_s = 0.5 * (times_s[step] + times_s[step + 1]);
+    let (mut nodes, mut count) = ([step; NODES], 2);
+    nodes[1] = step + 1;
+    let before = |first: usize| {
+        let count = times_s[part.start..first].partition_point(|time| *time <= times_s[first] - spacing_s);
+        count.checked_sub(1).map(|index| part.start + index)
+    };
+    let after = |last: usize| {
+        let skipped = times_s[last + 1..part.end].partition_point(|time| *time < times_s[last] + spacing_s);
+        Some(last + 1 + skipped).filter(|index| *index < part.end)
+    };
+    let (mut below, mut above) = (before(step), after(step + 1));
+    while count < NODES {
+        let is_below = match (below, above) {
+            (Some(below), Some(above)) => middle_s - times_s[below] < times_s[above] - middle_s,
+            (below, None) => {
+                below?;
+                true
+            }
+            (None, Some(_)) => false,
+        };
+        let next = if is_below { below } else { above }?;
+        nodes[count] = next;
+        count += 1;
+        if is_below { below = before(next) } else { above = after(next) }
+    }
+    nodes.sort_unstable();
+    Some(nodes)
+}
+
+/// Returns the largest error of the polynomial through some states at three times within a step, km.
+fn error_km(times_s: &[f64], positions: &[Vector3<f64>], nodes: &[usize; NODES], step: usize) -> f64 {
+    let rate_rad_s = nodes.windows(2).map(|pair| {
+        let [from, to] = [pair[0], pair[1]];
+        step_rad(times_s, positions, from, to) / (times_s[to] - times_s[from])
+    });
+    let rate_rad_s = rate_rad_s.fold(0.0, f64::max);
+    let radius_km = positions[step].norm().max(positions[step + 1].norm());
+    let error_at = |share: f64| {
+        let time_s = times_s[step] + share * (times_s[step + 1] - times_s[step]);
+        // r ω⁸ / 8! · Π |t - tᵢ|, with 8! = 40320
+        let neglected = nodes
+            .iter()
+            .fold(radius_km / 40_320.0, |product, node| product * rate_rad_s * (time_s - times_s[*node]).abs());
+        // Σ |ℓᵢ(t)|
+        let amplification: f64 = nodes
+            .iter()
+            .map(|node| {
+                let others = nodes.iter().filter(|other| *other != node);
+                others.fold(1.0, |product, other| {
+                    product * ((time_s - times_s[*other]) / (times_s[*node] - times_s[*other])).abs()
+                })
+            })
+            .sum();
+        neglected + STATE_ERROR_KM * amplification
+    };
+    [0.25, 0.5, 0.75].map(error_at).into_iter().fold(0.0, f64::max)
+}
+
 /// Returns the UTC seconds between two epochs, leap seconds not counted, as SGP4 counts its minutes.
 fn utc_seconds(start: Epoch, epoch: Epoch) -> f64 {
     (epoch.to_duration_in_time_scale(TimeScale::UTC) - start.to_duration_in_time_scale(TimeScale::UTC))
@@ -197,22 +365,18 @@ impl Axes {
         }
     }
 
-    /// Returns position and velocity in TEME.
-    fn to_teme(&self, state: &EphemerisState) -> (Vector3<f64>, Vector3<f64>) {
-        let to_teme = self.rotation(state.epoch);
-        let position = to_teme * Vector3::from(state.position_km);
-        let mut velocity = to_teme * Vector3::from(state.velocity_km_s);
-        if self.frame == EphemerisFrame::Itrf {
-            // v = R v' + ω × r
-            velocity += Vector3::z().cross(&position) * EARTH_ROTATION_RAD_S;
-        }
-        (position, velocity)
+    /// Returns the position in TEME.
+    fn to_teme(&self, state: &EphemerisState) -> Vector3<f64> {
+        self.rotation(state.epoch) * Vector3::from(state.position_km)
     }
 }
 
 /// Returns value and derivative of the polynomial through some positions, by Newton's divided differences.
-fn lagrange(times_s: &[f64], positions: &[Vector3<f64>], time_s: f64) -> (Vector3<f64>, Vector3<f64>) {
-    let mut differences: [Vector3<f64>; NODES] = std::array::from_fn(|node| positions[node]);
+fn lagrange(
+    times_s: [f64; NODES],
+    mut differences: [Vector3<f64>; NODES],
+    time_s: f64,
+) -> (Vector3<f64>, Vector3<f64>) {
     for order in 1..NODES {
         for node in (order..NODES).rev() {
             differences[node] = (differences[node] - differences[node - 1]) / (times_s[node] - times_s[node - order]);
@@ -227,10 +391,36 @@ fn lagrange(times_s: &[f64], positions: &[Vector3<f64>], time_s: f64) -> (Vector
     (value, slope)
 }
 
+/// Source of the positions of a satellite. Displayed as `element set`, or as `ephemeris` and the name of the file.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum PositionSource {
+    /// SGP4 with its element set.
+    #[default]
+    ElementSet,
+    /// Ephemeris of an operator in the file of this name, as given.
+    Ephemeris(Arc<str>),
+}
+
+impl fmt::Display for PositionSource {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            PositionSource::ElementSet => formatter.write_str("element set"),
+            PositionSource::Ephemeris(file) => {
+                // Folders are in the provenance.
+                write!(formatter, "ephemeris {}", file.rsplit(['/', '\\']).next().unwrap_or(file))
+            }
+        }
+    }
+}
+
 /// An ephemeris attached to a satellite with an element set.
 #[derive(Clone, Debug)]
 pub(super) struct Attached {
     pub table: Arc<EphemerisTable>,
+    /// Class of the satellite, for errors that the ephemeris does not state.
+    pub class: OrbitClass,
+    /// Largest errors of one sigma: seconds along the track, kilometres across it.
+    pub largest_errors: (f64, f64),
     /// Minutes from the epoch of the element set to the start of the table.
     pub start_minutes: f64,
 }

@@ -11,6 +11,7 @@ mod station_keeping;
 mod uncertainty;
 
 pub use arc::OrbitArc;
+pub use ephemeris::PositionSource;
 pub use lateness::Lateness;
 pub use propagator::{DECAYED_RADIUS_KM, EphemerisCoverage, LeftOut, OrbitError, Propagator, SatelliteIndex};
 pub use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};

@@ -1,5 +1,6 @@
 //! SGP4 or the ephemeris of one satellite, and of a whole catalogue.
 
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -10,12 +11,12 @@ use rayon::prelude::*;
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
 use thiserror::Error;
 
-use super::ephemeris::{Attached, EphemerisTable};
+use super::ephemeris::{Attached, EphemerisTable, PositionSource};
 use super::lateness::Lateness;
 use super::resonance::Resonance;
 use super::state::State;
 use super::station_keeping::DragModel;
-use super::uncertainty::OrbitUncertainty;
+use super::uncertainty::{OrbitClass, OrbitUncertainty};
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, Ephemeris, EphemerisObject, NoradId};
 use crate::frames::{EopTable, Gcrs, Position, Rotation, Teme, Velocity};
@@ -140,15 +141,25 @@ impl Propagator {
     }
 
     /// Returns the propagator of the same satellite with positions of an ephemeris.
-    fn with_ephemeris(&self, table: &Arc<EphemerisTable>) -> Self {
+    fn with_ephemeris(&self, table: &Arc<EphemerisTable>, class: OrbitClass) -> Self {
         let start_minutes = self.minutes_since_epoch(table.start());
-        Self { ephemeris: Some(Attached { table: table.clone(), start_minutes }), ..self.clone() }
+        let attached =
+            Attached { table: table.clone(), class, largest_errors: table.largest_errors(class), start_minutes };
+        Self { ephemeris: Some(attached), ..self.clone() }
     }
 
-    /// Returns the errors of one sigma that the attached ephemeris states for a time; `None` for SGP4.
+    /// Returns the source of the positions.
+    pub fn position_source(&self) -> PositionSource {
+        let of_file = |attached: &Attached| PositionSource::Ephemeris(attached.table.file().clone());
+        self.ephemeris.as_ref().map_or(PositionSource::ElementSet, of_file)
+    }
+
+    /// Returns the errors of one sigma of the attached ephemeris at a time; `None` for SGP4.
+    ///
+    /// They are those of its covariance; where it has none, those of an element set with its epoch at the first state.
     pub fn stated_uncertainty(&self, epoch: Epoch) -> Option<OrbitUncertainty> {
         let attached = self.ephemeris.as_ref()?;
-        Some(attached.table.uncertainty_at(attached.seconds(self.minutes_since_epoch(epoch))))
+        Some(attached.table.uncertainty_at(attached.seconds(self.minutes_since_epoch(epoch)), attached.class))
     }
 
     /// Returns the times in seconds of the attached ephemeris.
@@ -335,7 +346,8 @@ pub struct SatelliteIndex {
     /// Propagators in catalogue order; `None` where SGP4 cannot be initialised.
     propagators: Vec<Option<Propagator>>,
     left_out: Vec<LeftOut>,
-    /// Propagators with ephemerides by position in the catalogue, the latest start first.
+    drag: DragModel,
+    /// Propagators with ephemerides by position in the catalogue, the one created last first.
     ephemerides: BTreeMap<usize, Vec<Propagator>>,
 }
 
@@ -350,8 +362,8 @@ pub enum EphemerisCoverage {
     None,
 }
 
-/// Source of positions of one satellite over an interval of the search.
-pub(super) enum PositionSource<'a> {
+/// Propagator of one satellite over an interval of the search.
+pub(super) enum SearchedPropagator<'a> {
     /// SGP4 cannot be initialised.
     Absent,
     /// One propagator for all exposures.
@@ -377,7 +389,7 @@ impl SatelliteIndex {
                     .ok()
             })
             .collect();
-        Self { propagators, left_out, ephemerides: BTreeMap::new() }
+        Self { propagators, left_out, drag, ephemerides: BTreeMap::new() }
     }
 
     /// Adds ephemerides to the satellites of the same `elements`; those of other satellites are ignored.
@@ -399,7 +411,7 @@ impl SatelliteIndex {
                 let table = Arc::new(EphemerisTable::new(ephemeris, eop));
                 let of = |&position: &usize| {
                     let propagator = self.propagators[position].as_ref()?;
-                    Some((position, propagator.with_ephemeris(&table)))
+                    Some((position, propagator.with_ephemeris(&table, OrbitClass::of(&elements[position], self.drag))))
                 };
                 positions.iter().filter_map(of).collect::<Vec<_>>()
             })
@@ -408,13 +420,13 @@ impl SatelliteIndex {
             self.ephemerides.entry(position).or_default().push(propagator);
         }
         for of_one in self.ephemerides.values_mut() {
-            of_one.sort_by_key(|one| std::cmp::Reverse(one.ephemeris.as_ref().map(|attached| attached.table.start())));
+            of_one.sort_by_cached_key(|one| Reverse(one.ephemeris.as_ref().map(|attached| attached.table.rank())));
         }
         self
     }
 
-    /// Returns the propagator of a satellite for an interval such as an exposure: with the latest ephemeris that covers
-    /// it and the delays searched, otherwise SGP4.
+    /// Returns the propagator of a satellite for an interval such as an exposure: with the last created ephemeris that
+    /// covers it and the delays searched, otherwise SGP4.
     pub fn propagator_over(&self, element_index: usize, ends: [Epoch; 2]) -> Option<&Propagator> {
         let of_one = self.ephemerides.get(&element_index).map_or(&[][..], Vec::as_slice);
         of_one.iter().find(|one| one.covers(ends, EPHEMERIS_MARGIN_S)).or_else(|| self.propagator(element_index))
@@ -444,17 +456,20 @@ impl SatelliteIndex {
     /// across it; 0 without any.
     pub fn largest_stated_errors(&self, element_index: usize) -> (f64, f64) {
         let of_one = self.ephemerides.get(&element_index).map_or(&[][..], Vec::as_slice);
-        let errors = of_one.iter().filter_map(|one| Some(one.ephemeris.as_ref()?.table.largest_errors()));
+        let attached = of_one.iter().filter_map(|one| one.ephemeris.as_ref());
+        let errors = attached.map(|attached| attached.largest_errors);
         errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), one| (along_s.max(one.0), cross_km.max(one.1)))
     }
 
     /// Returns the source of positions for exposures with a part in an interval, none of them longer than `longest_s`.
-    pub(super) fn source_over(&self, element_index: usize, ends: [Epoch; 2], longest_s: f64) -> PositionSource<'_> {
-        let Some(sgp4) = self.propagator(element_index) else { return PositionSource::Absent };
+    pub(super) fn source_over(&self, element_index: usize, ends: [Epoch; 2], longest_s: f64) -> SearchedPropagator<'_> {
+        let Some(sgp4) = self.propagator(element_index) else { return SearchedPropagator::Absent };
         match self.ephemerides.get(&element_index).map(Vec::as_slice) {
-            Some([latest, ..]) if latest.covers(ends, longest_s + EPHEMERIS_MARGIN_S) => PositionSource::One(latest),
-            Some(of_one) if of_one.iter().any(|one| one.overlaps(ends)) => PositionSource::Several(sgp4),
-            _ => PositionSource::One(sgp4),
+            Some([latest, ..]) if latest.covers(ends, longest_s + EPHEMERIS_MARGIN_S) => {
+                SearchedPropagator::One(latest)
+            }
+            Some(of_one) if of_one.iter().any(|one| one.overlaps(ends)) => SearchedPropagator::Several(sgp4),
+            _ => SearchedPropagator::One(sgp4),
         }
     }
 

@@ -12,7 +12,7 @@ use super::track::{ObserverMotion, SightLine, TrackPoint};
 use crate::elements::NoradId;
 use crate::frames::{Direction, Horizontal, Orientation, seconds_after};
 use crate::geometry::ObserverState;
-use crate::orbit::{LeftOut, OrbitArc, OrbitError, OrbitUncertainty};
+use crate::orbit::{LeftOut, OrbitArc, OrbitError, OrbitUncertainty, PositionSource};
 use crate::photometry::PhotometryOptions;
 
 /// Half of the arc that is propagated around each time, seconds.
@@ -46,6 +46,8 @@ pub struct EphemerisPoint {
     pub range_rate_km_s: f64,
     /// Angle between Sun and satellite at the observer, radians.
     pub elongation_rad: f64,
+    /// Source of the positions.
+    pub position_source: PositionSource,
     /// Time less element epoch, days; negative if the elements are newer.
     pub element_age_days: f64,
     /// Error of the position at this age.
@@ -183,6 +185,7 @@ impl Sky {
             altitude_rate_rad_s: horizontal_rates.map(|(_, altitude)| altitude),
             range_rate_km_s: (after.range_km - before.range_km) / step_s,
             elongation_rad: sun.map_or(f64::NAN, |sun| sun.separation_rad(&point.direction)),
+            position_source: propagator.position_source(),
             element_age_days: self.element_age_days(element_index, epoch),
             uncertainty,
             point,

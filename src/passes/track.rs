@@ -9,7 +9,7 @@ use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::elements::NoradId;
 use crate::frames::{Direction, Gcrs, Orientation, Position, Velocity};
 use crate::geometry::{Aspect, Illumination, Observer, ViewingGeometry, aspect};
-use crate::orbit::{OrbitArc, State};
+use crate::orbit::{OrbitArc, PositionSource, State};
 use crate::photometry::Brightness;
 
 /// Largest acceleration of an orbit, km/s²: gravity at the ground.
@@ -191,6 +191,8 @@ pub struct Pass {
     pub position_angle_rad: f64,
     /// Angular speed at `mid`, rad/s.
     pub angular_rate_rad_s: f64,
+    /// Source of the positions.
+    pub position_source: PositionSource,
     /// Time from the epoch of the elements to `mid`, days; negative if the elements are newer.
     pub element_age_days: f64,
     /// One-sigma error along the track as a time, seconds.

@@ -16,7 +16,7 @@ use super::track::{ObserverMotion, SightLine, TrackPoint};
 use crate::elements::NoradId;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::{Illumination, Observer};
-use crate::orbit::{LeftOut, OrbitArc, OrbitError};
+use crate::orbit::{LeftOut, OrbitArc, OrbitError, PositionSource};
 use crate::photometry::{MagnitudeSource, PhotometryOptions};
 
 /// Extension of the search before and after the night, seconds, for passes that began before it or end after it: low
@@ -86,6 +86,8 @@ pub struct VisiblePass {
     pub shadow_exit: Option<TrackPoint>,
     /// Visible part; `None` if no part is visible.
     pub visible: Option<Visibility>,
+    /// Source of the positions.
+    pub position_source: PositionSource,
     /// Time from the epoch of the elements to the culmination, days.
     pub element_age_days: f64,
     /// Points from rise to set; empty without samples in the request.
@@ -331,6 +333,7 @@ impl Search<'_> {
             shadow_entry: point(entry_s),
             shadow_exit: point(exit_s),
             visible,
+            position_source: horizon.propagator.position_source(),
             element_age_days: self.sky.element_age_days(element_index, culminates),
             samples: evaluator.samples(begin_s, end_s, self.request.samples),
             culmination,

@@ -2,20 +2,23 @@
 
 use std::fmt;
 
-use super::report::FlagReport;
+use super::report::{FlagReport, SatelliteAge};
 use super::verdict::VerdictKind;
-use crate::math::quantile::quantile;
+use crate::math::quantile::median;
 
 /// Effect of the errors of element sets on the verdicts of a schedule.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AgeEffect {
-    /// Median age of the element sets of the satellites that cross, days; negative if they are newer.
+    /// Median age of the element sets of the satellites that cross, days; negative if they are newer. Of those that may
+    /// cross if no satellite is listed in a verdict.
     pub median_age_days: f64,
+    /// True if satellites are listed in verdicts.
+    pub is_of_crossings: bool,
     /// Median over these satellites of the half width that holds 68 % of the delays, early or late, seconds.
     pub lateness_s: f64,
     /// Expected share of the exposures whose verdict would change between clear and not clear if the positions were
-    /// exact: the mean of `p_any` over the exposures without a nominal crossing, and of 1 - `p_any` over the others.
-    /// Margins and near misses are not included.
+    /// exact: the mean of `p_any` over the clear exposures, and of 1 - `p_any` over the others. Exposures that are not
+    /// clear because of a crossing in their margins alone count as unchanged.
     pub changed_share: f64,
 }
 
@@ -32,30 +35,40 @@ impl fmt::Display for AgeEffect {
         };
         write!(
             formatter,
-            "elements {age}: {:.1} s late (68 %, median of the satellites that cross), {:.1} % of the visits would change verdict \
+            "elements {age}: {:.1} s late (68 %, median of the satellites that {}), {:.1} % of the visits would change verdict \
              with exact positions",
             self.lateness_s,
+            if self.is_of_crossings { "cross" } else { "may cross" },
             100.0 * self.changed_share
         )
     }
 }
 
 impl FlagReport {
-    /// Returns the effect of the errors of the element sets on the verdicts; `None` if no satellite crosses.
+    /// Returns the effect of the errors of the element sets on the verdicts; `None` if no satellite crosses or may cross.
     pub fn age_effect(&self) -> Option<AgeEffect> {
-        let passes = || self.flags.iter().flat_map(|flag| &flag.passes);
-        passes().next()?;
+        let passes = self.flags.iter().flat_map(|flag| &flag.passes);
+        let crossing: Vec<SatelliteAge> = passes
+            .map(|pass| SatelliteAge {
+                element_age_days: pass.element_age_days,
+                along_track_sigma_s: pass.along_track_sigma_s,
+            })
+            .collect();
+        let is_of_crossings = !crossing.is_empty();
+        let satellites = if is_of_crossings { &crossing } else { &self.may_cross };
+        satellites.first()?;
         let judged = self.flags.iter().filter(|flag| flag.kind != VerdictKind::Invalid);
-        // The probability that the satellites cross, or do not cross, contrary to their nominal tracks.
-        let changes: Vec<f64> =
-            judged.map(|flag| if flag.n_streaks > 0 { 1.0 - flag.p_any } else { flag.p_any }).collect();
-        let median = |mut values: Vec<f64>| {
-            values.sort_by(f64::total_cmp);
-            quantile(&values, 0.5)
-        };
+        let changes: Vec<f64> = judged
+            .map(|flag| match flag.kind {
+                VerdictKind::Clear => flag.p_any,
+                VerdictKind::Streaked if flag.passes.is_empty() => 0.0,
+                _ => 1.0 - flag.p_any,
+            })
+            .collect();
         Some(AgeEffect {
-            median_age_days: median(passes().map(|pass| pass.element_age_days).collect()),
-            lateness_s: median(passes().map(|pass| pass.along_track_sigma_s).collect()),
+            median_age_days: median(satellites.iter().map(|one| one.element_age_days).collect()),
+            is_of_crossings,
+            lateness_s: median(satellites.iter().map(|one| one.along_track_sigma_s).collect()),
             changed_share: changes.iter().sum::<f64>() / changes.len() as f64,
         })
     }

@@ -222,6 +222,7 @@ mod tests {
     use crate::elements::NoradId;
     use crate::frames::{Direction, Position};
     use crate::geometry::{Illumination, ViewingGeometry};
+    use crate::orbit::PositionSource;
     use crate::passes::{Chord, TrackPoint};
     use crate::photometry::{Brightness, Magnitude, MagnitudeSource};
 
@@ -268,6 +269,7 @@ mod tests {
             streak_length_rad: TAU / 360.0,
             position_angle_rad: 0.0,
             angular_rate_rad_s: 0.01,
+            position_source: PositionSource::ElementSet,
             element_age_days: 0.0,
             along_track_sigma_s: 0.1,
             cross_track_sigma_rad: 0.0,
@@ -284,6 +286,7 @@ mod tests {
             probability: pass.probability,
             streak_length_rad: pass.probability * pass.streak_length_rad,
             range_km: pass.mid.range_km,
+            along_track_sigma_s: pass.along_track_sigma_s,
             is_lower_limit: false,
         })
         .collect()

@@ -2,6 +2,7 @@
 
 use std::collections::HashMap;
 
+use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
 use crate::images::{ARCSEC_PER_RAD, Telescope};
 use crate::orbit::LeftOut;
@@ -40,6 +41,15 @@ pub struct FlagRequest<'a> {
     pub photometry: &'a PhotometryOptions,
 }
 
+/// Age of the element set of a satellite in an exposure, and its error.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct SatelliteAge {
+    /// Time less element epoch, days; negative if the elements are newer.
+    pub element_age_days: f64,
+    /// Half width that holds 68 % of the delays along the track, early or late, seconds.
+    pub along_track_sigma_s: f64,
+}
+
 /// Results for all rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlagReport {
@@ -47,6 +57,8 @@ pub struct FlagReport {
     pub flags: Vec<Verdict>,
     /// Satellites without a position for at least one exposure.
     pub left_out: Vec<LeftOut>,
+    /// Satellites that cross or may cross, one for each exposure.
+    pub may_cross: Vec<SatelliteAge>,
 }
 
 impl FlagReport {
@@ -54,6 +66,7 @@ impl FlagReport {
     pub fn append(&mut self, next: FlagReport) {
         self.flags.extend(next.flags);
         self.left_out.extend(next.left_out);
+        self.may_cross.extend(next.may_cross);
         self.sort_left_out();
     }
 
@@ -148,6 +161,10 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     for (((row, exposure), passes), satellites) in above.iter().zip(answer.by_exposure).zip(probabilities) {
         let expected = expected_of(&satellites, request);
+        report.may_cross.extend(satellites.iter().map(|one| SatelliteAge {
+            element_age_days: seconds_between(request.sky.elements()[one.element_index].epoch, exposure.start) / DAY_S,
+            along_track_sigma_s: one.along_track_sigma_s,
+        }));
         flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
         counted[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }

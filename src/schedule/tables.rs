@@ -314,6 +314,14 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             Column::real("probability", "", 4, "Probability that the satellite crosses, given those errors."),
             |row| row.pass.probability.into(),
         ),
+        field(
+            Column::new(
+                "position_source",
+                Kind::Text,
+                "Source of the positions: `element set`, or `ephemeris` with the name of the file.",
+            ),
+            |row| row.pass.position_source.to_string().into(),
+        ),
     ]
 }
 

@@ -4,7 +4,7 @@ use std::fs;
 
 use crate::common::cli::{SKY, done, json, path, records, run};
 
-const HEADER: &str = "norad_id,name,utc,julian_date_utc,ra_deg,dec_deg,ra_cos_dec_rate_deg_s,dec_rate_deg_s,altitude_deg,azimuth_deg,altitude_rate_deg_s,azimuth_cos_altitude_rate_deg_s,range_km,range_rate_km_s,elongation_deg,phase_angle_deg,illumination,lit_fraction,magnitude,magnitude_sigma,mag_source,element_epoch_utc,element_age_days,along_track_sigma_s,cross_track_sigma_deg";
+const HEADER: &str = "norad_id,name,utc,julian_date_utc,ra_deg,dec_deg,ra_cos_dec_rate_deg_s,dec_rate_deg_s,altitude_deg,azimuth_deg,altitude_rate_deg_s,azimuth_cos_altitude_rate_deg_s,range_km,range_rate_km_s,elongation_deg,phase_angle_deg,illumination,lit_fraction,magnitude,magnitude_sigma,mag_source,element_epoch_utc,element_age_days,along_track_sigma_s,cross_track_sigma_deg,position_source";
 const PLACES: &[&str] = &["ephemeris", "--name", "S1 P24-1"];
 const STEPS: &[&str] = &["--start", "2026-08-14T23:29:05Z", "--end", "2026-08-14T23:30:05Z", "--step", "30s"];
 

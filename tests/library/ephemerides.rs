@@ -7,11 +7,13 @@ use std::sync::Arc;
 
 use hifitime::{Epoch, TimeScale, Unit};
 use streakcast::elements::{
-    Constellation, ElementFormat, ElementSet, Ephemeris, Keep, NoradId, Origin, ReadOptions, Satellites,
+    Constellation, CovarianceAxes, ElementFormat, ElementSet, Ephemeris, Keep, NoradId, Origin, ReadOptions, Satellites,
 };
 use streakcast::frames::{Direction, EopTable, Gcrs, Horizontal, Orientation, Position, seconds_between};
 use streakcast::geometry::{Observer, Site};
-use streakcast::orbit::{DragModel, Propagator, SatelliteIndex};
+use streakcast::orbit::{
+    DragModel, OrbitClass, OrbitUncertainty, PositionSource, Propagator, SatelliteIndex, uncertainty,
+};
 use streakcast::passes::{Exposure, Field, ModelChoice, Pass, PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 
@@ -115,9 +117,187 @@ fn covariances_in_the_axes_of_the_states_are_rotated() {
     // The first axis of TNW is along the velocity.
     let sigma = sigmas(&with("COV_REF_FRAME = TNW\n"));
     assert!((sigma.along_track_s * 7.585 - 2.0).abs() < 5e-3, "{sigma:?}");
-    // Without a covariance: the errors of an element set at its epoch.
+    // Without a covariance: the errors of an element set with its epoch at the first state.
     let sigma = sigmas(&text[..begin]);
-    assert!((sigma.along_track_s * 7.585 - 1.0).abs() < 2e-3 && sigma.cross_track_km == 0.3, "{sigma:?}");
+    let expected = unstated(&elements[0], 1350.0 / 3600.0);
+    let differences = [sigma.along_track_s - expected.along_track_s, sigma.cross_track_km - expected.cross_track_km];
+    assert!(differences.iter().all(|one| one.abs() < 1e-9), "{sigma:?} {expected:?}");
+}
+
+/// A covariance with all terms, given along radius, track and normal, and rotated to the frame of the states by hand:
+/// C = A Cᵣₜₙ Aᵀ with the unit vectors in the columns of A.
+#[test]
+fn verif_rotated_covariances_against_those_along_the_track() {
+    let text = std::fs::read_to_string(file("invented.oem")).expect("a sample");
+    let elements = sample_elements();
+    let (epoch, state) = text
+        .lines()
+        .filter(|line| line.starts_with("2024-"))
+        .nth(17)
+        .and_then(|line| line.split_once(' '))
+        .expect("a state");
+    let numbers: Vec<f64> = state.split_whitespace().map(|one| one.parse().expect("a number")).collect();
+    let (r, v) = ([numbers[0], numbers[1], numbers[2]], [numbers[3], numbers[4], numbers[5]]);
+    let cross =
+        |a: [f64; 3], b: [f64; 3]| [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+    let unit = |a: [f64; 3]| {
+        let length = (a[0] * a[0] + a[1] * a[1] + a[2] * a[2]).sqrt();
+        a.map(|one| one / length)
+    };
+    let (radial, normal) = (unit(r), unit(cross(r, v)));
+    let along = cross(normal, radial);
+    assert!(radial.iter().all(|one| one.abs() > 0.2), "not along an axis of the frame: {radial:?}");
+    let columns = [radial, along, normal];
+    // Standard deviations 1, 5 and 2 km, correlations 0.5, -0.4 and 0.3.
+    let given = [[1.0, 2.5, -0.8], [2.5, 25.0, 3.0], [-0.8, 3.0, 4.0]];
+    let mut rotated = [[0.0; 3]; 3];
+    for (row, column) in (0..9).map(|term| (term / 3, term % 3)) {
+        for (i, j) in (0..9).map(|term| (term / 3, term % 3)) {
+            rotated[row][column] += columns[i][row] * given[i][j] * columns[j][column];
+        }
+    }
+    assert!(rotated[1][0].abs() > 1.0 && rotated[2][0].abs() > 1.0, "{rotated:?}");
+    let begin = text.find("COVARIANCE_START").expect("covariances");
+    let sigma = |axes: &str, terms: [[f64; 3]; 3]| {
+        let [[xx, ..], [yx, yy, _], [zx, zy, zz]] = terms;
+        let text = format!(
+            "{}COVARIANCE_START\nEPOCH = {epoch}\n{axes}{xx:e}\n{yx:e} {yy:e}\n{zx:e} {zy:e} {zz:e}\n\
+             0 0 0 1\n0 0 0 0 1\n0 0 0 0 0 1\nCOVARIANCE_STOP\n",
+            &text[..begin]
+        );
+        let ephemerides = read("a.oem", &text).expect("readable").ephemerides;
+        // TAI - UTC is 37 s.
+        let at = utc(&format!("{epoch} UTC")) - 37.0 * Unit::Second;
+        propagator(&elements, &ephemerides).stated_uncertainty(at).expect("stated")
+    };
+    let speed_km_s = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
+    for (axes, terms) in [("COV_REF_FRAME = RTN\n", given), ("", rotated), ("COV_REF_FRAME = GCRF\n", rotated)] {
+        let sigma = sigma(axes, terms);
+        // 10 m for the interpolation are added.
+        assert!((sigma.along_track_s * speed_km_s - 5.0_f64.hypot(0.01)).abs() < 1e-4, "{axes}: {sigma:?}");
+        assert!((sigma.cross_track_km - 2.0_f64.hypot(0.01)).abs() < 1e-4, "{axes}: {sigma:?}");
+    }
+}
+
+/// Errors after the last covariance are at least those without any; at it, they are the stated ones.
+#[test]
+fn errors_beyond_the_last_covariance_are_at_least_those_without_any() {
+    let text = std::fs::read_to_string(file("invented.oem")).expect("a sample");
+    let elements = sample_elements();
+    let begin = text.find("COVARIANCE_START").expect("covariances");
+    let rows = "1e-4\n0 1e-4\n0 0 1e-4\n0 0 0 1\n0 0 0 0 1\n0 0 0 0 0 1";
+    let one = |minute: u32| format!("EPOCH = 2024-08-14T00:{minute:02}:37.000\nCOV_REF_FRAME = RTN\n{rows}\n");
+    let text = format!("{}COVARIANCE_START\n{}{}COVARIANCE_STOP\n", &text[..begin], one(10), one(20));
+    let ephemerides = read("a.oem", &text).expect("readable").ephemerides;
+    let propagator = propagator(&elements, &ephemerides);
+    let at = |minutes: f64| {
+        let epoch = utc("2024-08-14T00:00:00 UTC") + minutes * Unit::Minute;
+        propagator.stated_uncertainty(epoch).expect("stated")
+    };
+    for minutes in [10.0, 15.0, 20.0] {
+        assert!((at(minutes).cross_track_km - 0.01_f64.hypot(0.01)).abs() < 1e-9, "{minutes}");
+    }
+    for minutes in [1.0, 9.0, 21.0, 80.0] {
+        let (found, expected) = (at(minutes), unstated(&elements[0], minutes / 60.0));
+        assert!((found.along_track_s - expected.along_track_s).abs() < 1e-9, "{minutes}: {found:?}");
+        assert!((found.cross_track_km - expected.cross_track_km).abs() < 1e-9, "{minutes}: {found:?}");
+    }
+}
+
+/// Twenty metres where steps are unequal, as documented.
+const UNEVEN_TOLERANCE_KM: f64 = 0.02;
+
+/// States of SGP4 at unequal steps, with velocities that are wrong: they are not used.
+#[test]
+fn verif_unequal_steps_against_sgp4() {
+    let start = utc("2026-04-26T00:00:00 UTC");
+    let set = Constellation::by_name("starlink-gen1").expect("shells").element_sets(start).remove(0);
+    let sgp4 = Propagator::new(&set).expect("elements");
+    let cycles: [(&str, &[f64]); 6] = [
+        ("pairs 10 s apart every 240 s", &[10.0, 230.0]),
+        ("pairs 1 s apart every 280 s", &[1.0, 279.0]),
+        ("ten states 1 s apart, then 270 s", &[1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 270.0]),
+        ("dense and sparse quarters of an hour", &[5.0; 180]),
+        ("growing steps", &[1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0, 256.0]),
+        ("equal steps", &[240.0]),
+    ];
+    for (name, cycle) in cycles {
+        let mut times_s = vec![0.0];
+        let mut steps = cycle.iter().copied().cycle();
+        while times_s[times_s.len() - 1] < 20_000.0 {
+            times_s.push(times_s[times_s.len() - 1] + steps.next().expect("a step"));
+            if name.starts_with("dense") && (times_s.len() - 1) % cycle.len() == 0 {
+                let last = times_s[times_s.len() - 1];
+                times_s.extend((1..=4).map(|step| last + 225.0 * f64::from(step)));
+            }
+        }
+        let mut text = oem_header(&set.norad_id.to_string(), "TEME");
+        for time_s in &times_s {
+            let epoch = start + *time_s * Unit::Second;
+            let (position, velocity) = sgp4.teme_state_at_minutes(sgp4.minutes_since_epoch(epoch)).expect("in orbit");
+            write_state(&mut text, epoch, &position, &velocity.map(|one| 1e-3 * one));
+        }
+        let ephemerides = read("test.oem", &text).expect("readable").ephemerides;
+        let interpolated = propagator(std::slice::from_ref(&set), &ephemerides);
+        let mut distance = Agreement::new(name, "SGP4", UNEVEN_TOLERANCE_KM, "km");
+        let (mut covered_s, mut all_s) = (0.0, 0.0);
+        for step in times_s.windows(2) {
+            all_s += step[1] - step[0];
+            let is_covered = [0.1, 0.3, 0.5, 0.8].into_iter().all(|share| {
+                let epoch = start + (step[0] + share * (step[1] - step[0])) * Unit::Second;
+                let orientation = Orientation::at(epoch, &EopTable::embedded());
+                let Ok(state) = interpolated.state(epoch, &orientation.teme_to_gcrs) else { return false };
+                distance.see((state.position - position(&sgp4, epoch)).norm_km());
+                true
+            });
+            covered_s += if is_covered { step[1] - step[0] } else { 0.0 };
+        }
+        // The ends of the file may be gaps.
+        assert!(covered_s > 0.9 * all_s, "{name}: {covered_s} s of {all_s} s are covered");
+    }
+}
+
+/// A step of a whole revolution is a gap: the positions at its ends hardly differ.
+#[test]
+fn a_gap_of_a_revolution_is_not_interpolated() {
+    let start = utc("2026-04-26T00:00:00 UTC");
+    let set = Constellation::by_name("starlink-gen1").expect("shells").element_sets(start).remove(0);
+    let sgp4 = Propagator::new(&set).expect("elements");
+    let revolution_min = (sgp4.period_s() / 60.0).round();
+    let mut text = oem_header(&set.norad_id.to_string(), "TEME");
+    for minutes in (0..60).map(f64::from).chain((0..60).map(|minutes| f64::from(minutes) + 59.0 + revolution_min)) {
+        let epoch = start + minutes * Unit::Minute;
+        let (position, _) = sgp4.teme_state_at_minutes(sgp4.minutes_since_epoch(epoch)).expect("in orbit");
+        write_state(&mut text, epoch, &position, &[0.0; 3]);
+    }
+    let ephemerides = read("gap.oem", &text).expect("readable").ephemerides;
+    let sets = [set];
+    let index =
+        SatelliteIndex::new(&sets, DragModel::Published).with_ephemerides(&sets, &ephemerides, &EopTable::embedded());
+    let is_used = |minutes: f64| {
+        let epochs = [start + minutes * Unit::Minute; 2];
+        index.propagator_over(0, epochs).expect("a propagator").position_source() != PositionSource::ElementSet
+    };
+    assert!(is_used(30.0) && is_used(89.0 + revolution_min));
+    assert!(!is_used(59.0 + 0.5 * revolution_min) && !is_used(55.0) && !is_used(62.0 + revolution_min));
+}
+
+/// Ephemerides of one satellite are used by the time of their creation, in whichever order the files are given.
+#[test]
+fn the_last_created_ephemeris_is_used_whatever_the_order_of_the_files() {
+    let oem = std::fs::read_to_string(file("invented.oem")).expect("a sample");
+    let without = |created: &str| oem.replace("CREATION_DATE = 2024-08-13T23:30:00", created);
+    let of = |name: &str, created: &str| read(name, &without(created)).expect("readable").ephemerides.remove(0);
+    let old = of("old.oem", "CREATION_DATE = 2024-08-13T21:00:00");
+    let new = of("new.oem", "CREATION_DATE = 2024-08-13T22:00:00");
+    // Without a time of creation, the first state counts: midnight.
+    let latest = of("latest.oem", "COMMENT none");
+    let elements = sample_elements();
+    let used = |ephemerides: &[Arc<Ephemeris>]| propagator(&elements, ephemerides).position_source().to_string();
+    assert_eq!(used(&[old.clone(), new.clone()]), "ephemeris new.oem");
+    assert_eq!(used(&[new.clone(), old.clone()]), "ephemeris new.oem");
+    assert_eq!(used(&[latest.clone(), new.clone(), old.clone()]), "ephemeris latest.oem");
+    assert_eq!(used(&[old, new, latest]), "ephemeris latest.oem");
 }
 
 fn sample_elements() -> Vec<ElementSet> {
@@ -225,6 +405,11 @@ fn oem_header(object: &str, frame: &str) -> String {
     )
 }
 
+/// One-sigma errors without a covariance, at a time after the first state.
+fn unstated(set: &ElementSet, hours: f64) -> OrbitUncertainty {
+    uncertainty(OrbitClass::of(set, DragModel::Published), hours / 24.0)
+}
+
 fn write_state(text: &mut String, epoch: Epoch, position_km: &[f64; 3], velocity_km_s: &[f64; 3]) {
     let (year, month, day, hour, minute, second, nanosecond) = epoch.to_gregorian_utc();
     let [x, y, z] = position_km;
@@ -306,9 +491,11 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
         for pass in found.iter().filter(|pass| pass.lit && pass.mid.altitude_rad.is_some_and(|altitude| altitude > 0.3))
         {
             assert!(odds.iter().any(|one| one.element_index == pass.element_index), "{}: {pass:?}", exposures[0].id);
-            // An ephemeris without a covariance: a kilometre at 7.6 km/s, as for element sets at their epoch.
-            let is_a_kilometre = (pass.along_track_sigma_s - 0.132).abs() < 1e-3;
-            assert!(is_a_kilometre == is_covered || hours < 1.0, "{pass:?}");
+            // An ephemeris without a covariance: the errors of an element set with its epoch at the first state.
+            let age_h = if is_covered { hours - 3.0 } else { hours };
+            let expected_s = unstated(&mixed.elements()[pass.element_index], age_h).along_track_s;
+            assert!((pass.along_track_sigma_s - expected_s).abs() < 2e-2 * expected_s, "{expected_s} s: {pass:?}");
+            assert_eq!(matches!(pass.position_source, PositionSource::Ephemeris(_)), is_covered, "{pass:?}");
         }
     }
     assert!(covered > 150 && uncovered > 20, "{covered} {uncovered}");
@@ -413,6 +600,54 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
             oem.replace("4.0000000000e-04\n", "4.0000000000e-07\n"),
             "least eigenvalue of the correlation matrix is -",
         ),
+        ("b.oem", oem.replace("\nMETA_STOP\n", "\n"), "b.oem:17: line is \"2024-08-14T00:00:37.000 6928.000000000"),
+        ("b.oem", oem.replace("META_START\n", ""), "b.oem:15: line is META_STOP before the metadata; allowed: KEYWORD"),
+        (
+            "b.oem",
+            oem.replace("\nMETA_STOP\n", "\nMETA_STOP\nMETA_STOP\n"),
+            "b.oem:17: line is META_STOP among the states; allowed: a state",
+        ),
+        (
+            "b.oem",
+            oem.replace("COVARIANCE_STOP\n", ""),
+            "end of the file is inside the covariances; allowed: EPOCH = time",
+        ),
+        (
+            "b.oem",
+            oem.replace("COVARIANCE_STOP\n", "META_START\n"),
+            "line is META_START inside the covariances; allowed: EPOCH",
+        ),
+        (
+            "b.oem",
+            oem.replace("COVARIANCE_START\n", "COVARIANCE_STOP\n"),
+            "line is COVARIANCE_STOP among the states; allowed: a state",
+        ),
+        (
+            "b.oem",
+            oem.replace("META_START\n", "2024-08-14T00:00:37.000 6928 0 0 0 4.5 6\nMETA_START\n"),
+            "b.oem:6: line is \"2024-08-14T00:00:37.000 6928 0 0 0 4.5 6\" before the metadata",
+        ),
+        (
+            "b.oem",
+            oem.replace("COV_REF_FRAME = RTN\n4.0000000000e-04\n", "4.0000000000e-04\nCOV_REF_FRAME = RTN\n"),
+            "line is \"COV_REF_FRAME = RTN\" inside the covariances",
+        ),
+        (
+            "b.oem",
+            oem.replace("= GCRF\n", "= TEME\nREF_FRAME_EPOCH = 2024-08-14T00:00:00\n"),
+            "b.oem:11: REF_FRAME_EPOCH is 2024-08-14T00:00:00; allowed: omitted with TEME",
+        ),
+        (
+            "b.oem",
+            oem.replace("2024-08-14T00:00:37.000 6928", "2023-08-14T00:00:37.000 6928"),
+            "b.oem:19: time after the first state is 366.001 days; allowed: at most 366 days",
+        ),
+        ("c.xml", xml.replace("INVENTED-1", "A &unknown; B"), "c.xml:5: entity is &unknown;; allowed: &amp; &lt;"),
+        (
+            "c.xml",
+            xml.replace("<metadata>", "<data><stateVector></stateVector></data><metadata>"),
+            "c.xml:5: element is <stateVector> before the metadata",
+        ),
         ("c.xml", xml[..xml.len() / 2].to_owned(), "c.xml:30: XML is "),
         ("c.xml", xml.replace("<X>", "<W>").replace("</X>", "</W>"), "X is missing; allowed: a value"),
         ("c.xml", xml.replace("<X>", "<X>0"), ""),
@@ -431,6 +666,99 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
         message.contains("distance from the Earth's centre is 6928000 km; allowed: 6378 to 1000000 km"),
         "{message}"
     );
+}
+
+/// COV_REF_FRAME applies to its own matrix; without it the axes are those of the states.
+#[test]
+fn axes_of_covariances_are_not_inherited() {
+    let oem = std::fs::read_to_string(file("invented.oem")).expect("a sample");
+    let axes = |text: &str| -> Vec<CovarianceAxes> {
+        let ephemeris = read("a.oem", text).expect("readable").ephemerides.remove(0);
+        ephemeris.covariances.iter().map(|one| one.axes).collect()
+    };
+    assert_eq!(axes(&oem), [CovarianceAxes::Radial; 2]);
+    let last = oem.rfind("COV_REF_FRAME = RTN\n").expect("axes");
+    let text = format!("{}{}", &oem[..last], &oem[last + "COV_REF_FRAME = RTN\n".len()..]);
+    assert_eq!(axes(&text), [CovarianceAxes::Radial, CovarianceAxes::States]);
+    let text = oem.replacen("COV_REF_FRAME = RTN\n", "", 1);
+    assert_eq!(axes(&text), [CovarianceAxes::States, CovarianceAxes::Radial]);
+    // In a second segment too.
+    let start = oem.find("META_START").expect("metadata");
+    let text = format!("{oem}{}", oem[start..].replace("COV_REF_FRAME = RTN\n", ""));
+    let both = read("a.oem", &text).expect("readable").ephemerides;
+    assert_eq!(both.len(), 2);
+    assert!(both[1].covariances.iter().all(|one| one.axes == CovarianceAxes::States));
+}
+
+/// Without a stated end, a file that ends inside a line may be truncated: the rest of its last number is still a number.
+#[test]
+fn files_cut_inside_a_line_are_rejected() {
+    let oem = std::fs::read_to_string(file("invented.oem")).expect("a sample");
+    let stop = oem.lines().find(|line| line.starts_with("STOP_TIME")).expect("an end");
+    let text = oem.replace(&format!("{stop}\n"), "");
+    let whole = &text[..text.find("COVARIANCE_START").expect("covariances")];
+    assert!(read("a.oem", whole).is_ok());
+    let lines: Vec<&str> = whole.trim_end().lines().collect();
+    let cut = |characters: usize| {
+        let text = whole.trim_end();
+        read("a.oem", &text[..text.len() - characters]).expect_err("cut")
+    };
+    let line = format!("a.oem:{}: ", lines.len());
+    assert_eq!(
+        cut(3),
+        format!(
+            "{line}end of the file is inside a line; allowed: a line end after the last line, or a stated end of the ephemeris (the file may be truncated)"
+        )
+    );
+    assert!(cut(0).starts_with(&line) && cut(30).starts_with(&line), "{}", cut(30));
+    let bytes = std::fs::read(file(MEME)).expect("a sample");
+    let mut meme = String::new();
+    std::io::Read::read_to_string(&mut flate2::read::GzDecoder::new(bytes.as_slice()), &mut meme).expect("gzip");
+    let without = meme.replacen("ephemeris_stop:2024-08-14 01:30:00 UTC", "", 1);
+    let name = "MEME_90001_X_1.txt";
+    assert!(without != meme && read(name, &without).is_ok());
+    let message = read(name, &without.trim_end()[..without.trim_end().len() - 4]).expect_err("cut");
+    assert!(message.contains(":368: end of the file is inside a line"), "{message}");
+}
+
+/// An NDM with element sets and an ephemeris, entities in names, and elements in another order.
+#[test]
+fn messages_of_both_kinds_in_one_document_are_read() {
+    let oem = std::fs::read_to_string(file("invented_itrf.xml")).expect("a sample");
+    let omm = String::from_utf8(sample("sample.xml")).expect("text");
+    let body = |text: &str, tag: &str| {
+        let (from, to) = (text.find(&format!("<{tag}")).expect(tag), text.rfind(&format!("</{tag}>")).expect(tag));
+        text[from..to + tag.len() + 3].to_owned()
+    };
+    let (oem, omm) = (body(&oem, "oem"), body(&omm, "omm"));
+    let expected = read("a.xml", &format!("<ndm>{oem}</ndm>")).expect("readable").ephemerides.remove(0);
+    let alone = read("b.xml", &format!("<ndm>{omm}</ndm>")).expect("readable").element_sets;
+    assert!(!alone.is_empty());
+    for both in [format!("<ndm>{omm}{oem}</ndm>"), format!("<ndm>{oem}{omm}</ndm>")] {
+        let found = read("a.xml", &both).expect("readable");
+        assert_eq!((found.element_sets.len(), found.rejected.len()), (alone.len(), 0));
+        assert_eq!(found.ephemerides, [expected.clone()]);
+    }
+    let name = "<OBJECT_NAME>INVENTED-1</OBJECT_NAME>";
+    let text = oem.replace(name, "").replace(
+        "<TIME_SYSTEM>UTC</TIME_SYSTEM>",
+        "<TIME_SYSTEM>UTC</TIME_SYSTEM><OBJECT_NAME>A &amp; B &#60;<![CDATA[C>]]></OBJECT_NAME>",
+    );
+    // The time of each state after its position.
+    let text: String = text
+        .lines()
+        .map(|line| {
+            match (line.find("<EPOCH>"), line.find("</EPOCH>"), line.find("<X>"), line.find("</stateVector>")) {
+                (Some(from), Some(to), Some(rest), Some(end)) => {
+                    format!("{}{}{}</stateVector>\n", &line[..from], &line[rest..end], &line[from..to + 8])
+                }
+                _ => format!("{line}\n"),
+            }
+        })
+        .collect();
+    let found = read("a.xml", &text).expect("readable").ephemerides.remove(0);
+    assert_eq!(found.name.as_ref(), "A & B <C>");
+    assert_eq!(found.states, expected.states);
 }
 
 #[test]

@@ -1,15 +1,19 @@
 //! State of a catalogue at a moment: ages of the element sets, expected errors, satellites without their own model.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use hifitime::Epoch;
 
+use super::super::prepared::without_elements;
+use super::super::warnings::of_ephemerides_without_elements;
 use super::finding::{Finding, MomentSource, Severity};
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, Generation, GenerationTable, Satellites};
+use crate::elements::{ElementSet, Ephemeris, Generation, GenerationTable, Satellites};
 use crate::frames::seconds_between;
+use crate::math::quantile::median;
 use crate::orbit::{DragModel, OrbitClass, uncertainty};
-use crate::output::format_utc;
+use crate::output::{counted, format_utc};
 use crate::passes::ModelChoice;
 
 /// Borders of the histogram of ages, days. Negative ages are those of epochs in the future.
@@ -48,6 +52,68 @@ pub struct Unmatched {
     pub count: usize,
 }
 
+/// State of the ephemerides of operators at a moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct EphemerisState {
+    /// Number of ephemerides.
+    pub count: usize,
+    /// Number of ephemerides with a covariance.
+    pub with_covariance: usize,
+    /// Number of ephemerides from the first state to the last one of which the moment is.
+    pub current: usize,
+    /// Median time since the creation of the files, or since the first states if it is not stated, days; 0 without
+    /// ephemerides.
+    pub median_age_days: f64,
+    /// Satellites without an element set, whose ephemerides are not used.
+    pub without_elements: Vec<String>,
+}
+
+impl EphemerisState {
+    fn of(catalogue: &Satellites, now: Epoch) -> Self {
+        let all = || catalogue.ephemerides.iter();
+        let age_days = |one: &Arc<Ephemeris>| seconds_between(one.created.unwrap_or(one.interval().0), now) / DAY_S;
+        let is_current = |one: &&Arc<Ephemeris>| {
+            let (first, last) = one.interval();
+            seconds_between(first, now) >= 0.0 && seconds_between(now, last) >= 0.0
+        };
+        Self {
+            count: catalogue.ephemerides.len(),
+            with_covariance: all().filter(|one| !one.covariances.is_empty()).count(),
+            current: all().filter(is_current).count(),
+            median_age_days: median_or_0(all().map(age_days).collect()),
+            without_elements: without_elements(&catalogue.ephemerides, &catalogue.element_sets),
+        }
+    }
+
+    /// Returns the findings on ephemerides; none without ephemerides.
+    fn findings(&self, now: Epoch) -> Vec<Finding> {
+        const SUBJECT: &str = "ephemerides";
+        if self.count == 0 {
+            return Vec::new();
+        }
+        let days = self.median_age_days;
+        let age = if days < 0.0 { format!("{:.1} days in the future", -days) } else { format!("{days:.1} days") };
+        let state = format!(
+            "{}, {} with a covariance, median age {age}; {} cover {}",
+            counted(self.count, "ephemeris", "ephemerides"),
+            self.with_covariance,
+            self.current,
+            format_utc(now, 0)
+        );
+        let mut found = vec![if self.current == 0 {
+            let remedy =
+                "fetch newer ephemerides (streakcast fetch starlink-ephemerides); element sets are used until then";
+            Finding::new(Severity::Warning, SUBJECT, state, remedy)
+        } else {
+            Finding::fine(SUBJECT, state)
+        }];
+        found.extend(of_ephemerides_without_elements(&self.without_elements).map(|finding| {
+            Finding::new(Severity::Warning, SUBJECT, finding, "add element sets of these satellites to --elements")
+        }));
+        found
+    }
+}
+
 /// State of a catalogue at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ElementState {
@@ -59,6 +125,8 @@ pub struct ElementState {
     pub median_age_days: f64,
     /// Median of the along-track sigma at the moment, s.
     pub median_along_track_sigma_s: f64,
+    /// Ephemerides of operators.
+    pub ephemerides: EphemerisState,
     /// Number of satellites of each generation with a model of its own.
     pub kinds: Vec<(Generation, usize)>,
     /// Satellites with the default model, grouped by name, the most frequent name first.
@@ -95,8 +163,9 @@ impl ElementState {
         Self {
             satellites: sets.len(),
             ages: histogram(&ages),
-            median_age_days: median(&ages),
-            median_along_track_sigma_s: median(&sigmas),
+            median_age_days: median_or_0(ages),
+            median_along_track_sigma_s: median_or_0(sigmas),
+            ephemerides: EphemerisState::of(catalogue, now),
             kinds: kinds.into_iter().collect(),
             unmatched,
         }
@@ -190,6 +259,7 @@ impl ElementState {
                 "nothing: the element set closest to the time of the request is used",
             ));
         }
+        found.extend(self.ephemerides.findings(now));
         found
     }
 
@@ -236,11 +306,9 @@ fn histogram(ages_days: &[f64]) -> Vec<AgeBin> {
     bins
 }
 
-/// Returns the median, the lower one of an even number; 0 without values.
-fn median(values: &[f64]) -> f64 {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+/// Returns the median; 0 without values.
+fn median_or_0(values: Vec<f64>) -> f64 {
+    if values.is_empty() { 0.0 } else { median(values) }
 }
 
 /// Returns a name without its number: `LEMUR-2 JEROEN` and `LEMUR-2-KADI` are LEMUR, `FLOCK 4V-12` is FLOCK.
@@ -261,7 +329,7 @@ mod tests {
         for (low, high) in bins.iter().zip(&bins[1..]) {
             assert_eq!(low.to_days, high.from_days);
         }
-        assert_eq!((median(&[3.0, 1.0, 2.0]), median(&[]), median(&[1.0, 2.0])), (2.0, 0.0, 1.0));
+        assert_eq!((median_or_0(vec![3.0, 1.0, 2.0]), median_or_0(Vec::new())), (2.0, 0.0));
     }
 
     #[test]

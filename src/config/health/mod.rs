@@ -9,5 +9,5 @@ mod finding;
 mod surroundings;
 
 pub use check::Health;
-pub use elements::{AgeBin, ElementState, Unmatched};
+pub use elements::{AgeBin, ElementState, EphemerisState, Unmatched};
 pub use finding::{Finding, MomentSource, Severity, finding_table};

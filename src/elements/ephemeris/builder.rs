@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use hifitime::{Duration, Epoch};
+use hifitime::{Duration, Epoch, Unit};
 use nalgebra::Matrix6;
 
 use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
@@ -11,6 +11,8 @@ use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, Ep
 const FEWEST_STATES: usize = 8;
 /// Allowed distances from the Earth's centre, km. A file in metres is outside.
 const RADII_KM: std::ops::RangeInclusive<f64> = 6_378.0..=1_000_000.0;
+/// Largest time from the first state to the last, days. The orientation of the Earth is tabulated over this time.
+const LONGEST_SPAN_DAYS: f64 = 366.0;
 /// Least eigenvalue of the correlation matrix of a covariance; files have ten digits or fewer.
 const LEAST_EIGENVALUE: f64 = -1e-6;
 /// Number of terms of the lower triangle of a 6 × 6 matrix.
@@ -38,9 +40,11 @@ pub(super) struct Builder {
 }
 
 impl Builder {
-    pub fn new(object: EphemerisObject, name: &str, frame: EphemerisFrame) -> Self {
+    /// `created` is the time at which the file was created, if it is stated.
+    pub fn new(object: EphemerisObject, name: &str, frame: EphemerisFrame, created: Option<Epoch>) -> Self {
         let (name, file) = (Arc::from(name), Arc::from(""));
-        Self { ephemeris: Ephemeris { object, name, file, frame, states: Vec::new(), covariances: Vec::new() } }
+        let (states, covariances) = (Vec::new(), Vec::new());
+        Self { ephemeris: Ephemeris { object, name, file, created, frame, states, covariances } }
     }
 
     /// Adds a state: position in km and velocity in km/s.
@@ -50,6 +54,13 @@ impl Builder {
         {
             let allowed = format!("times after that of the state before it, {}", last.epoch);
             return Err(Problem::new(line, "time of the state", epoch, allowed));
+        }
+        if let Some(first) = self.ephemeris.states.first()
+            && epoch - first.epoch > LONGEST_SPAN_DAYS * Unit::Day
+        {
+            let days = (epoch - first.epoch).to_unit(Unit::Day);
+            let allowed = format!("at most {LONGEST_SPAN_DAYS} days; split the file");
+            return Err(Problem::new(line, "time after the first state", format!("{days:.3} days"), allowed));
         }
         let [x, y, z, u, v, w] = numbers;
         let radius_km = (x * x + y * y + z * z).sqrt();
@@ -90,8 +101,15 @@ impl Builder {
         Ok(())
     }
 
-    /// Returns the ephemeris; `line` is its last line, `stop` its stated end.
-    pub fn finish(self, line: usize, stop: Option<Epoch>) -> Result<Ephemeris, Problem> {
+    /// Returns the ephemeris; `line` is its last line, `stop` its stated end, and `is_line_cut` is true if the file ends
+    /// there without a line end.
+    pub fn finish(self, line: usize, stop: Option<Epoch>, is_line_cut: bool) -> Result<Ephemeris, Problem> {
+        if stop.is_none() && is_line_cut {
+            // A number cut short is still a number.
+            let allowed =
+                "a line end after the last line, or a stated end of the ephemeris (the file may be truncated)";
+            return Err(Problem::new(line, "end of the file", "inside a line", allowed));
+        }
         let states = &self.ephemeris.states;
         if states.len() < FEWEST_STATES {
             return Err(Problem::new(line, "number of states", states.len(), format!("{FEWEST_STATES} or more")));

@@ -17,9 +17,11 @@ pub struct Ephemeris {
     pub name: Arc<str>,
     /// Given name of the file.
     pub file: Arc<str>,
+    /// Time at which the file was created; `None` if omitted.
+    pub created: Option<Epoch>,
     /// Frame of positions and velocities.
     pub frame: EphemerisFrame,
-    /// States, at least eight, at increasing times.
+    /// States, at least eight, at increasing times over at most 366 days.
     pub states: Vec<EphemerisState>,
     /// Covariances in order of time; empty if omitted.
     pub covariances: Vec<PositionCovariance>,

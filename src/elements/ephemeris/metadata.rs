@@ -24,6 +24,7 @@ pub(super) struct Metadata {
     tai_lag_s: Option<f64>,
     has_time_system: bool,
     stop: Option<(usize, String)>,
+    frame_epoch: Option<(usize, String)>,
 }
 
 impl Metadata {
@@ -50,28 +51,34 @@ impl Metadata {
                     _ => return Err(Problem::new(line, "TIME_SYSTEM", value, TIME_SYSTEMS)),
                 };
             }
+            "REF_FRAME_EPOCH" => self.frame_epoch = Some((line, value.to_owned())),
             "STOP_TIME" => self.stop = Some((line, value.to_owned())),
             _ => {}
         }
         Ok(())
     }
 
-    /// Starts the ephemeris of the segment after its metadata, which end at `line`; returns its stated end too.
-    pub fn builder(&self, line: usize) -> Result<(Builder, Option<Epoch>), Problem> {
+    /// Starts the ephemeris of the segment after its metadata, which end at `line`; returns its stated end too. `created`
+    /// is the time of the message.
+    pub fn builder(&self, line: usize, created: Option<Epoch>) -> Result<(Builder, Option<Epoch>), Problem> {
         let missing = |what: &str, allowed: &str| Problem::new(line, what, "missing", allowed);
         let object = self.object.clone().ok_or_else(|| missing("OBJECT_ID", OBJECTS))?;
         let frame = self.frame.ok_or_else(|| missing("REF_FRAME", FRAMES))?;
         if !self.has_time_system {
             return Err(missing("TIME_SYSTEM", TIME_SYSTEMS));
         }
+        // EME2000 and GCRF have no epoch other than their own.
+        if let (EphemerisFrame::Teme | EphemerisFrame::Itrf, Some((line, epoch))) = (frame, &self.frame_epoch) {
+            let allowed = format!("omitted with {}, which is that of the time of each state", self.frame_name);
+            return Err(Problem::new(*line, "REF_FRAME_EPOCH", epoch, allowed));
+        }
         let stop = self.stop.as_ref().map(|(line, text)| self.epoch(*line, "STOP_TIME", text)).transpose()?;
-        Ok((Builder::new(object, &self.name, frame), stop))
+        Ok((Builder::new(object, &self.name, frame, created), stop))
     }
 
     /// Parses a time in the time system of the segment.
     pub fn epoch(&self, line: usize, what: &str, text: &str) -> Result<Epoch, Problem> {
-        let allowed = "a date and time such as 2026-07-08T17:37:14.092";
-        let epoch = parse_iso(text).ok_or_else(|| Problem::new(line, what, format!("{text:?}"), allowed))?;
+        let epoch = time(line, what, text)?;
         Ok(match self.tai_lag_s {
             None => epoch,
             Some(lag_s) => Epoch::from_duration(epoch.duration + lag_s * Unit::Second, TimeScale::TAI)
@@ -92,6 +99,12 @@ impl Metadata {
             }
         }
     }
+}
+
+/// Parses a date and time, without regard to the time system; that of CREATION_DATE is always UTC.
+pub(super) fn time(line: usize, what: &str, text: &str) -> Result<Epoch, Problem> {
+    let allowed = "a date and time such as 2026-07-08T17:37:14.092";
+    parse_iso(text.trim()).ok_or_else(|| Problem::new(line, what, format!("{:?}", text.trim()), allowed))
 }
 
 const OBJECTS: &str = "a designator such as 1998-067A, or a NORAD catalogue number";

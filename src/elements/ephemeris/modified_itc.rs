@@ -14,7 +14,8 @@ use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject};
 
 /// Lines of one state with its covariance.
 const RECORD_LINES: usize = 4;
-/// The keyword of the second line of the header.
+/// Keywords of the header.
+const CREATED: &str = "created:";
 const STOP: &str = "ephemeris_stop:";
 
 /// Returns true if one of the first lines is that of the header.
@@ -25,21 +26,15 @@ pub(in super::super) fn looks_like(text: &str) -> bool {
 /// Reads the ephemeris; `file` is the name of the file.
 pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let (object, name) = satellite(file)?;
-    let mut builder = Builder::new(object, name, EphemerisFrame::Eme2000);
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()).peekable();
-    let mut stop = None;
-    let mut axes = None;
+    let (mut created, mut stop, mut axes) = (None, None, None);
     // The header ends at the first line that begins with a time.
     while let Some((line, header)) =
         lines.next_if(|(_, line)| !line.starts_with(|c: char| c.is_ascii_digit() && axes.is_some()))
     {
-        if let Some((_, rest)) = header.split_once(STOP) {
-            let given: String = rest.split_whitespace().take(2).collect::<Vec<_>>().join(" ");
-            let allowed = "a date and time such as 2023-02-01 11:24:42 UTC";
-            stop = Some(
-                parse_iso(&given).ok_or_else(|| Problem::new(line, "ephemeris_stop", format!("{given:?}"), allowed))?,
-            );
-        } else if !header.contains(':') {
+        created = header_time(line, header, CREATED)?.or(created);
+        stop = header_time(line, header, STOP)?.or(stop);
+        if !header.contains(':') {
             if header.trim() != "UVW" {
                 return Err(Problem::new(
                     line,
@@ -53,6 +48,7 @@ pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, 
     }
     let axes =
         axes.ok_or_else(|| Problem::new(1, "frame of the covariance", "missing", "a line UVW after the header"))?;
+    let mut builder = Builder::new(object, name, EphemerisFrame::Eme2000, created);
     let mut last = 1;
     while let Some((line, state)) = lines.next() {
         let fields: Vec<&str> = state.split_whitespace().collect();
@@ -81,7 +77,16 @@ pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, 
         })?;
         builder.covariance(line, epoch, axes, terms)?;
     }
-    Ok(vec![builder.finish(last, stop)?])
+    Ok(vec![builder.finish(last, stop, !text.ends_with(['\n', '\r']))?])
+}
+
+/// Returns the time after a keyword in a line of the header; `None` in other lines.
+fn header_time(line: usize, header: &str, keyword: &str) -> Result<Option<Epoch>, Problem> {
+    let Some((_, rest)) = header.split_once(keyword) else { return Ok(None) };
+    let given: String = rest.split_whitespace().take(2).collect::<Vec<_>>().join(" ");
+    let allowed = "a date and time such as 2023-02-01 11:24:42 UTC";
+    let problem = || Problem::new(line, keyword.trim_end_matches(':'), format!("{given:?}"), allowed);
+    parse_iso(&given).map(Some).ok_or_else(problem)
 }
 
 /// Returns number and name of the satellite in the name of a file: `MEME_48430_STARLINK-2729_..._UNCLASSIFIED.txt`.

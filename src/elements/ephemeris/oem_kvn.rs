@@ -3,7 +3,7 @@
 use super::super::record::excerpt;
 use super::builder::{Builder, Problem, TERMS, number};
 use super::data::Ephemeris;
-use super::metadata::Metadata;
+use super::metadata::{Metadata, time};
 use hifitime::Epoch;
 
 /// The keyword at the start of a message.
@@ -16,104 +16,150 @@ pub(in super::super) fn looks_like(text: &str) -> bool {
     text.lines().take(40).any(opens)
 }
 
+/// Segment under construction.
+struct Segment {
+    metadata: Metadata,
+    builder: Builder,
+    stop: Option<Epoch>,
+}
+
 /// Part of a message.
-#[derive(PartialEq)]
 enum Part {
     Header,
-    Metadata,
-    Data,
-    Covariance,
+    /// Keywords after META_START.
+    Metadata(Metadata),
+    /// States.
+    Data(Segment),
+    /// Covariances after COVARIANCE_START.
+    Covariances(Segment, Option<Terms>),
 }
 
 /// Covariance under construction.
-#[derive(Default)]
 struct Terms {
     line: usize,
-    epoch: Option<Epoch>,
+    epoch: Epoch,
+    /// Axes; those of the states if they are omitted.
     axes: Option<String>,
     terms: Vec<f64>,
 }
 
-impl Terms {
-    /// Adds the covariance to its ephemeris, if there is one.
-    fn add(&mut self, metadata: &Metadata, builder: &mut Builder) -> Result<(), Problem> {
-        let Terms { line, epoch, axes, terms } = std::mem::take(self);
-        // The axes are those of the covariance before if they are omitted.
-        self.axes = axes.clone();
-        let Some(epoch) = epoch else { return Ok(()) };
+impl Segment {
+    /// Adds a covariance that is complete.
+    fn add(&mut self, covariance: Option<Terms>) -> Result<(), Problem> {
+        let Some(Terms { line, epoch, axes, terms }) = covariance else { return Ok(()) };
         let terms: [f64; TERMS] = terms.try_into().map_err(|terms: Vec<f64>| {
             Problem::new(line, "number of terms of the covariance", terms.len(), "21 (the file may be truncated)")
         })?;
-        builder.covariance(line, epoch, metadata.axes(line, axes.as_deref())?, terms)
+        self.builder.covariance(line, epoch, self.metadata.axes(line, axes.as_deref())?, terms)
     }
 }
 
 /// Reads every segment.
 pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let mut ephemerides = Vec::new();
-    let mut part = Part::Header;
-    let mut metadata = Metadata::default();
-    let mut segment: Option<(Builder, Option<Epoch>)> = None;
-    let mut terms = Terms::default();
-    let mut last = 1;
+    let (mut part, mut created, mut last) = (Part::Header, None, 1);
     for (line, text) in (1..).zip(text.lines()) {
         let text = text.trim();
         if text.is_empty() || text.starts_with("COMMENT") {
             continue;
         }
         last = line;
-        match (text, &mut segment) {
-            ("META_START", open) => {
-                if let Some((builder, stop)) = open.take() {
-                    ephemerides.push(builder.finish(line, stop)?);
+        let pair = text.split_once('=').map(|(keyword, value)| (keyword.trim(), value.trim()));
+        part = match (part, text, pair) {
+            (Part::Header, "META_START", _) => Part::Metadata(Metadata::default()),
+            (Part::Data(segment), "META_START", _) => {
+                ephemerides.push(segment.builder.finish(line, segment.stop, false)?);
+                Part::Metadata(Metadata::default())
+            }
+            (Part::Metadata(metadata), "META_STOP", _) => {
+                let (builder, stop) = metadata.builder(line, created)?;
+                Part::Data(Segment { metadata, builder, stop })
+            }
+            (Part::Data(segment), "COVARIANCE_START", _) => Part::Covariances(segment, None),
+            (Part::Covariances(mut segment, covariance), "COVARIANCE_STOP", _) => {
+                segment.add(covariance)?;
+                Part::Data(segment)
+            }
+            (part, "META_START" | "META_STOP" | "COVARIANCE_START" | "COVARIANCE_STOP", _) => {
+                return Err(Problem::new(line, "line", format!("{text} {}", part.place()), part.allowed()));
+            }
+            (Part::Header, _, Some((keyword, value))) => {
+                if keyword == "CREATION_DATE" {
+                    created = Some(time(line, keyword, value)?);
                 }
-                (metadata, part) = (Metadata::default(), Part::Metadata);
+                Part::Header
             }
-            ("META_STOP", open) => {
-                *open = Some(metadata.builder(line)?);
-                part = Part::Data;
+            (Part::Metadata(mut metadata), _, Some((keyword, value))) => {
+                metadata.set(line, keyword, value)?;
+                Part::Metadata(metadata)
             }
-            ("COVARIANCE_START", Some(_)) => part = Part::Covariance,
-            ("COVARIANCE_STOP", Some((builder, _))) => {
-                terms.add(&metadata, builder)?;
-                part = Part::Data;
+            (Part::Data(mut segment), _, None) => {
+                state(line, text, &mut segment)?;
+                Part::Data(segment)
             }
-            (_, open) => match (&part, open, text.split_once('=')) {
-                (Part::Header, _, Some(_)) => {}
-                (Part::Metadata, _, Some((keyword, value))) => metadata.set(line, keyword.trim(), value)?,
-                (Part::Covariance, Some((builder, _)), Some((keyword, value))) => match keyword.trim() {
-                    "EPOCH" => {
-                        terms.add(&metadata, builder)?;
-                        (terms.line, terms.epoch) = (line, Some(metadata.epoch(line, "EPOCH", value.trim())?));
-                    }
-                    "COV_REF_FRAME" => terms.axes = Some(value.trim().to_owned()),
-                    _ => return Err(unexpected(line, text)),
-                },
-                (Part::Covariance, Some(_), None) => {
-                    for field in text.split_whitespace() {
-                        terms.terms.push(number(line, "term of the covariance", field)?);
-                    }
+            (Part::Covariances(mut segment, covariance), _, Some(("EPOCH", value))) => {
+                segment.add(covariance)?;
+                let epoch = segment.metadata.epoch(line, "EPOCH", value)?;
+                Part::Covariances(segment, Some(Terms { line, epoch, axes: None, terms: Vec::new() }))
+            }
+            // The axes follow the time, before the terms.
+            (Part::Covariances(segment, Some(mut covariance)), _, Some(("COV_REF_FRAME", value)))
+                if covariance.terms.is_empty() =>
+            {
+                covariance.axes = Some(value.to_owned());
+                Part::Covariances(segment, Some(covariance))
+            }
+            (Part::Covariances(segment, Some(mut covariance)), _, None) => {
+                for field in text.split_whitespace() {
+                    covariance.terms.push(number(line, "term of the covariance", field)?);
                 }
-                (Part::Data, Some((builder, _)), None) => state(line, text, &metadata, builder)?,
-                _ => return Err(unexpected(line, text)),
-            },
+                Part::Covariances(segment, Some(covariance))
+            }
+            (part, ..) => {
+                let given = format!("{:?} {}", excerpt(text.as_bytes()), part.place());
+                return Err(Problem::new(line, "line", given, part.allowed()));
+            }
+        };
+    }
+    let segment = match part {
+        Part::Header => return Err(Problem::new(last, "number of segments", 0, "1 or more, each after META_START")),
+        Part::Data(segment) => segment,
+        part => {
+            let allowed = format!("{} (the file may be truncated)", part.allowed());
+            return Err(Problem::new(last, "end of the file", part.place(), allowed));
         }
-    }
-    let cut = |what: &str| {
-        Err(Problem::new(last, "end of the file", what, "the end of a segment (the file may be truncated)"))
     };
-    match part {
-        Part::Metadata => return cut("inside the metadata"),
-        Part::Covariance => return cut("inside the covariances"),
-        Part::Header | Part::Data => {}
-    }
-    let (builder, stop) = segment.ok_or_else(|| Problem::new(last, "number of segments", 0, "1 or more"))?;
-    ephemerides.push(builder.finish(last, stop)?);
+    let is_line_cut = !text.ends_with(['\n', '\r']);
+    ephemerides.push(segment.builder.finish(last, segment.stop, is_line_cut)?);
     Ok(ephemerides)
 }
 
+impl Part {
+    /// Returns the place of a line in the message.
+    fn place(&self) -> &'static str {
+        match self {
+            Part::Header => "before the metadata",
+            Part::Metadata(_) => "inside the metadata",
+            Part::Data(_) => "among the states",
+            Part::Covariances(..) => "inside the covariances",
+        }
+    }
+
+    /// Returns the lines that are allowed.
+    fn allowed(&self) -> &'static str {
+        match self {
+            Part::Header => "KEYWORD = value, or META_START",
+            Part::Metadata(_) => "KEYWORD = value, or META_STOP",
+            Part::Data(_) => "a state, COVARIANCE_START, or META_START",
+            Part::Covariances(..) => {
+                "EPOCH = time, then COV_REF_FRAME = axes if they are not those of the states, then 21 terms; or COVARIANCE_STOP"
+            }
+        }
+    }
+}
+
 /// Reads a line of a state: time, position, velocity, and an acceleration that is not used.
-fn state(line: usize, text: &str, metadata: &Metadata, builder: &mut Builder) -> Result<(), Problem> {
+fn state(line: usize, text: &str, segment: &mut Segment) -> Result<(), Problem> {
     let fields: Vec<&str> = text.split_whitespace().collect();
     if fields.len() != 7 && fields.len() != 10 {
         let allowed = "7 (time, position, velocity) or 10 (with acceleration)";
@@ -123,10 +169,6 @@ fn state(line: usize, text: &str, metadata: &Metadata, builder: &mut Builder) ->
     for (value, field) in numbers.iter_mut().zip(&fields[1..]) {
         *value = number(line, "field of the state", field)?;
     }
-    builder.state(line, metadata.epoch(line, "time of the state", fields[0])?, numbers)
-}
-
-fn unexpected(line: usize, text: &str) -> Problem {
-    let allowed = "KEYWORD = value, META_START, META_STOP, COVARIANCE_START, COVARIANCE_STOP, a state or a covariance";
-    Problem::new(line, "line", format!("{:?}", excerpt(text.as_bytes())), allowed)
+    let epoch = segment.metadata.epoch(line, "time of the state", fields[0])?;
+    segment.builder.state(line, epoch, numbers)
 }

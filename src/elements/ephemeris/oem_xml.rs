@@ -1,6 +1,6 @@
 //! Orbit ephemeris messages (CCSDS 505.0-B) as XML: one `<oem>`, or several in an `<ndm>`.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use hifitime::Epoch;
 use quick_xml::Reader;
@@ -8,25 +8,31 @@ use quick_xml::events::Event;
 
 use super::builder::{Builder, Problem, number};
 use super::data::Ephemeris;
-use super::metadata::Metadata;
+use super::metadata::{Metadata, time};
 
 const STATE: [&str; 6] = ["X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT"];
 
 /// Returns true if there is an `<oem>`, in any name space.
 pub(in super::super) fn looks_like(text: &str) -> bool {
-    ["<oem", ":oem"].iter().any(|tag| text.contains(tag))
+    ["<oem", ":oem"].iter().any(|tag| {
+        text.match_indices(tag).any(|(at, _)| {
+            text[at + tag.len()..].starts_with(|next: char| next == '>' || next == '/' || next.is_whitespace())
+        })
+    })
 }
 
-/// Reads every segment.
+/// Reads every segment of every `<oem>`; other messages of an `<ndm>` are skipped. The order of elements does not matter
+/// inside metadata, states and covariances.
 pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let mut reader = Reader::from_str(text);
     let mut lines = Lines { text, offset: 0, line: 1 };
     let mut ephemerides = Vec::new();
-    let mut metadata = Metadata::default();
+    let (mut created, mut metadata) = (None, Metadata::default());
     let mut segment: Option<(Builder, Option<Epoch>)> = None;
-    // Values of the current state or covariance, by keyword.
-    let mut values: HashMap<String, String> = HashMap::new();
-    let (mut value, mut depth, mut start) = (String::new(), 0_usize, 1);
+    // Values of the current metadata, state or covariance, by keyword, with their lines.
+    let mut values: Values = BTreeMap::new();
+    let (mut value, mut start) = (String::new(), 1);
+    let mut open: Vec<String> = Vec::new();
     loop {
         let event = reader.read_event().map_err(|error| {
             Problem::new(lines.at(reader.error_position() as usize), "XML", error, "a well-formed document")
@@ -34,31 +40,53 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
         let line = lines.at(reader.buffer_position() as usize);
         match event {
             Event::Start(element) => {
-                depth += 1;
+                let name = element.local_name().as_ref().to_owned();
                 value.clear();
-                match element.local_name().as_ref() {
-                    "metadata" => metadata = Metadata::default(),
-                    "stateVector" | "covarianceMatrix" => {
+                match name.as_str() {
+                    "oem" => created = None,
+                    "segment" => segment = None,
+                    "metadata" | "stateVector" | "covarianceMatrix" => {
                         values.clear();
                         start = line;
                     }
                     _ => {}
                 }
+                open.push(name);
             }
             Event::Text(text) => value.push_str(&text),
             Event::CData(text) => value.push_str(&text),
-            Event::End(element) => {
-                depth = depth.saturating_sub(1);
-                let name = element.local_name();
-                match (name.as_ref(), &mut segment) {
-                    ("metadata", open) => *open = Some(metadata.builder(line)?),
+            // `&amp;` and similar entities are events of their own.
+            Event::GeneralRef(reference) => match reference.resolve_char_ref() {
+                Ok(Some(character)) => value.push(character),
+                _ => {
+                    let known = quick_xml::escape::resolve_predefined_entity(&reference);
+                    let unknown = || {
+                        let given = format!("&{};", &*reference);
+                        Problem::new(line, "entity", given, "&amp; &lt; &gt; &apos; &quot; and numbers such as &#38;")
+                    };
+                    value.push_str(known.ok_or_else(unknown)?);
+                }
+            },
+            Event::End(_) => {
+                let Some(name) = open.pop() else { continue };
+                // Elements of other messages are skipped.
+                if !open.iter().any(|one| one == "oem") {
+                    continue;
+                }
+                match (name.as_str(), &mut segment) {
+                    ("metadata", segment) => {
+                        metadata = Metadata::default();
+                        for (keyword, (line, value)) in &values {
+                            metadata.set(*line, keyword, value)?;
+                        }
+                        *segment = Some(metadata.builder(line, created)?);
+                    }
                     ("stateVector", Some((builder, _))) => {
                         let mut numbers = [0.0; 6];
                         for (value, keyword) in numbers.iter_mut().zip(STATE) {
                             *value = number(start, keyword, text_of(start, keyword, &values)?)?;
                         }
-                        let epoch = metadata.epoch(start, "EPOCH", text_of(start, "EPOCH", &values)?.trim())?;
-                        builder.state(start, epoch, numbers)?;
+                        builder.state(start, epoch_of(start, &metadata, &values)?, numbers)?;
                     }
                     ("covarianceMatrix", Some((builder, _))) => {
                         let mut terms = [0.0; super::builder::TERMS];
@@ -67,23 +95,26 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
                             let keyword = format!("C{}_{}", STATE[row], STATE[column]);
                             *term = number(start, &keyword, text_of(start, &keyword, &values)?)?;
                         }
-                        let epoch = metadata.epoch(start, "EPOCH", text_of(start, "EPOCH", &values)?.trim())?;
-                        let axes = metadata.axes(start, values.get("COV_REF_FRAME").map(|name| name.trim()))?;
-                        builder.covariance(start, epoch, axes, terms)?;
+                        let axes = metadata.axes(start, values.get("COV_REF_FRAME").map(|(_, name)| name.trim()))?;
+                        builder.covariance(start, epoch_of(start, &metadata, &values)?, axes, terms)?;
                     }
-                    ("segment", open) => {
-                        let (builder, stop) = open.take().ok_or_else(|| {
+                    ("stateVector" | "covarianceMatrix", None) => {
+                        let allowed = "a state after the <metadata> of its <segment>";
+                        return Err(Problem::new(start, "element", format!("<{name}> before the metadata"), allowed));
+                    }
+                    ("segment", segment) => {
+                        let (builder, stop) = segment.take().ok_or_else(|| {
                             Problem::new(line, "metadata of the segment", "missing", "a <metadata> in each <segment>")
                         })?;
-                        ephemerides.push(builder.finish(line, stop)?);
+                        ephemerides.push(builder.finish(line, stop, false)?);
                     }
-                    (keyword, None) => metadata.set(line, keyword, &value)?,
-                    (keyword, Some(_)) => {
-                        values.insert(keyword.to_owned(), std::mem::take(&mut value));
+                    ("CREATION_DATE", _) => created = Some(time(line, "CREATION_DATE", &value)?),
+                    _ => {
+                        values.insert(name, (line, std::mem::take(&mut value)));
                     }
                 }
             }
-            Event::Eof if depth > 0 => {
+            Event::Eof if !open.is_empty() => {
                 let allowed = "the end of the document (the file may be truncated)";
                 return Err(Problem::new(line, "end of the file", "inside an element", allowed));
             }
@@ -96,8 +127,15 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     }
 }
 
-fn text_of<'a>(line: usize, keyword: &str, values: &'a HashMap<String, String>) -> Result<&'a str, Problem> {
-    values.get(keyword).map(String::as_str).ok_or_else(|| Problem::new(line, keyword, "missing", "a value"))
+/// Texts of elements by keyword, with their lines.
+type Values = BTreeMap<String, (usize, String)>;
+
+fn epoch_of(line: usize, metadata: &Metadata, values: &Values) -> Result<Epoch, Problem> {
+    metadata.epoch(line, "EPOCH", text_of(line, "EPOCH", values)?.trim())
+}
+
+fn text_of<'a>(line: usize, keyword: &str, values: &'a Values) -> Result<&'a str, Problem> {
+    values.get(keyword).map(|(_, text)| text.as_str()).ok_or_else(|| Problem::new(line, keyword, "missing", "a value"))
 }
 
 /// Line numbers of increasing offsets.

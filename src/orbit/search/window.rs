@@ -27,7 +27,7 @@ use super::kepler::Phase;
 use super::kepler::SlowElements;
 use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Teme, seconds_between};
-use crate::orbit::propagator::{LeftOut, PositionSource, SatelliteIndex};
+use crate::orbit::propagator::{LeftOut, SatelliteIndex, SearchedPropagator};
 
 /// Longest interval of one window, seconds. Over six hours a node moves by at most 2.5°, and drag changes the mean
 /// longitude of anything above 250 km by less than the margin.
@@ -127,9 +127,9 @@ impl Window {
             .with_min_len(64)
             .map(|element_index| {
                 let propagator = match index.source_over(element_index, [start, end], MAX_WINDOW_S) {
-                    PositionSource::Absent => return (0.0, Kind::Absent),
-                    PositionSource::Several(sgp4) => return (sgp4.minutes_since_epoch(start), Kind::Always),
-                    PositionSource::One(propagator) => propagator,
+                    SearchedPropagator::Absent => return (0.0, Kind::Absent),
+                    SearchedPropagator::Several(sgp4) => return (sgp4.minutes_since_epoch(start), Kind::Always),
+                    SearchedPropagator::One(propagator) => propagator,
                 };
                 let minutes = propagator.minutes_since_epoch(start);
                 let end_minutes = minutes + span_s / 60.0;

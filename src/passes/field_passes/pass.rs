@@ -74,6 +74,7 @@ impl ExposedField<'_> {
             min_separation_rad: crossing.min_separation_rad,
             position_angle_rad,
             angular_rate_rad_s,
+            position_source: satellite.propagator.position_source(),
             element_age_days: self.sky.element_age_days(element_index, seconds_after(self.scene.start, middle_s)),
             along_track_sigma_s: sigma.along_track_s,
             cross_track_sigma_rad,

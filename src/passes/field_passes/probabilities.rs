@@ -61,6 +61,8 @@ pub struct CrossingProbability {
     pub streak_length_rad: f64,
     /// Distance of the satellite at the time at which its path is nearest to the centre of the field, km.
     pub range_km: f64,
+    /// One-sigma error along the track as a time, seconds.
+    pub along_track_sigma_s: f64,
     /// True if the elements are so old that delays beyond the searched ones are probable. Probability and streak length
     /// are then lower limits.
     pub is_lower_limit: bool,
@@ -149,6 +151,7 @@ impl Sky {
                     probability: pass.probability,
                     streak_length_rad: pass.probability * length_rad(pass, exposure),
                     range_km: pass.mid.range_km,
+                    along_track_sigma_s: pass.along_track_sigma_s,
                     is_lower_limit: is_cut(pass, exposure),
                 })
                 .collect();
@@ -330,6 +333,7 @@ impl ExposedField<'_> {
             probability: odds.probability.min(1.0),
             streak_length_rad: odds.streak_length_rad,
             range_km: aspect.range_km,
+            along_track_sigma_s: sigma.along_track_s,
             is_lower_limit: lateness.is_cut(),
         })
     }

@@ -230,7 +230,8 @@ class SiteQueries(ModelState):
             One row per satellite and time, satellite by satellite: ICRS astrometric right ascension and declination with
             rates, altitude and azimuth with rates, range and range rate, elongation, phase angle, illumination,
             magnitude with sigma and source, age of the element set, and errors along the track (``along_track_sigma_s``,
-            the half width that holds 68 % of the delays) and across it.
+            the half width that holds 68 % of the delays) and across it; ``position_source`` is ``element set``, or
+            ``ephemeris`` and the name of the file.
 
         Raises
         ------
