@@ -14,8 +14,8 @@ pub struct AgeEffect {
     /// Median over these satellites of the half width that holds 68 % of the delays, early or late, seconds.
     pub lateness_s: f64,
     /// Expected share of the exposures whose verdict would change between clear and not clear if the positions were
-    /// exact: the mean of `p_any` over the exposures without a nominal crossing, and of 1 - `p_any` over the others.
-    /// Margins and near misses are not included.
+    /// exact: the mean of `p_crossing` over the exposures without a nominal crossing, and of 1 - `p_crossing` over the
+    /// others. Margins and near misses are not included.
     pub changed_share: f64,
 }
 
@@ -48,7 +48,7 @@ impl FlagReport {
         let judged = self.flags.iter().filter(|flag| flag.kind != VerdictKind::Invalid);
         // The probability that the satellites cross, or do not cross, contrary to their nominal tracks.
         let changes: Vec<f64> =
-            judged.map(|flag| if flag.n_streaks > 0 { 1.0 - flag.p_any } else { flag.p_any }).collect();
+            judged.map(|flag| if flag.n_streaks > 0 { 1.0 - flag.p_crossing } else { flag.p_crossing }).collect();
         let median = |mut values: Vec<f64>| {
             values.sort_by(f64::total_cmp);
             quantile(&values, 0.5)
