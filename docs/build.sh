@@ -38,6 +38,7 @@ if [ "${1:-}" = --images ]; then
     "${CHROMIUM:-chromium}" --headless --no-sandbox --hide-scrollbars --window-size=1240,1392 --force-device-scale-factor=0.75 \
         --virtual-time-budget=10000 --screenshot="$work/serve.png" "$(cat "$work/address")" 2>/dev/null
     "$python" docs/lateness.py docs/tables/lateness.md docs/images/lateness.svg
+    "$python" docs/brightness.py docs/tables/brightness.md docs/images/brightness.svg
     # 256 colours keep the files small.
     "$venv/bin/python" -c 'import sys; from PIL import Image
 for name in ("field", "serve"):

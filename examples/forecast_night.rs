@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // 3. Each pass: first, highest and last visible point, and its brightness.
     for pass in answer.found.passes.iter().take(5) {
-        let row = PassRow { pass, elements: &sky.elements()[pass.element_index] };
+        let row = PassRow { pass, elements: &sky.elements()[pass.element_index], limit_mag: None };
         let Some(seen) = &pass.visible else { continue };
         println!("{} until the {}", row.name(), row.ends_by().unwrap_or("end"));
         for (what, point) in [("from", &seen.begin), ("over", &seen.highest), ("to", &seen.end)] {

@@ -38,7 +38,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         ..ForecastRequest::new(from, to)
     };
     let answer = forecast(&sky, &request, &Selection::default())?;
-    let rows = answer.found.passes.iter().map(|pass| PassRow { pass, elements: &sky.elements()[pass.element_index] });
+    let rows = answer.found.passes.iter().map(|pass| PassRow {
+        pass,
+        elements: &sky.elements()[pass.element_index],
+        limit_mag: None,
+    });
 
     // 2. Charts are drawn from columns.
     let tracks: Vec<SkyTrack> = rows.map(|row| track(row.name(), &row.pass.samples)).collect();

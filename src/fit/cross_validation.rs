@@ -41,8 +41,8 @@ pub struct FormScore {
     pub in_sample: ResidualStatistics,
     /// Residuals of the points that were held out.
     pub held_out: ResidualStatistics,
-    /// Residuals of the points that were held out, fold by fold.
-    pub held_out_mag: Vec<f64>,
+    /// The points that were held out, fold by fold.
+    pub unseen: Vec<UnseenPoint>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
     /// Sigma that contains 68.3 % of the points held out.
@@ -50,6 +50,24 @@ pub struct FormScore {
     /// Fraction of the points of each fold within the sigma of the *other* folds: unseen points within a predicted
     /// sigma.
     pub within_one_sigma: f64,
+}
+
+/// Magnitude that was held out of the fit that predicts it.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct UnseenPoint {
+    /// Observed magnitude at 1000 km.
+    pub observed_mag: f64,
+    /// Predicted magnitude at 1000 km.
+    pub predicted_mag: f64,
+    /// Fold in which the point was held out.
+    pub fold: usize,
+}
+
+impl UnseenPoint {
+    /// Returns observed less predicted magnitude.
+    pub fn residual_mag(&self) -> f64 {
+        self.observed_mag - self.predicted_mag
+    }
 }
 
 /// Fits and cross-validates every form on the points that all forms explain.
@@ -82,18 +100,19 @@ pub fn compare_forms(
     };
     let held_out = cross_validate(&fitted, &split)?;
     let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
-    let score = |((one, (form, settings)), held_out): ((&CompetingForm, &(&dyn Form, FitSettings)), HeldOut)| {
+    let score = |((one, (form, settings)), unseen): ((&CompetingForm, &(&dyn Form, FitSettings)), Vec<UnseenPoint>)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
+        let held_out_mag: Vec<f64> = unseen.iter().map(UnseenPoint::residual_mag).collect();
         let empty = || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: one.name.clone() };
         Ok(FormScore {
             name: one.name.clone(),
             parameters: one.free.len(),
             in_sample: ResidualStatistics::of(&fit.residuals_mag).ok_or_else(empty)?,
-            held_out: ResidualStatistics::of(&held_out.residuals_mag).ok_or(FitError::NoneUnseen { folds })?,
+            held_out: ResidualStatistics::of(&held_out_mag).ok_or(FitError::NoneUnseen { folds })?,
             aic: aic_under(settings.loss, &fit.residuals_mag, &sigmas_mag, one.free.len()),
-            sigma_68_mag: sigma_68_mag(&held_out.residuals_mag),
-            within_one_sigma: within_sigma_of_other_folds(&held_out),
-            held_out_mag: held_out.residuals_mag,
+            sigma_68_mag: sigma_68_mag(&held_out_mag),
+            within_one_sigma: within_sigma_of_other_folds(&unseen),
+            unseen,
         })
     };
     forms.iter().zip(&fitted).zip(held_out).map(score).collect()
@@ -121,14 +140,6 @@ pub fn baseline_forms(of: Option<&TwoPanelForm>) -> Vec<CompetingForm> {
         form("two Phong panels", Box::new(panels), &["c1", "c2", "c4", "c5", "n_sail", "n_base"])
     }));
     forms
-}
-
-/// Residuals of points that were held out of the fit that predicts them.
-struct HeldOut {
-    /// Observed minus predicted, mag, fold by fold.
-    residuals_mag: Vec<f64>,
-    /// Fold in which each of them was held out.
-    folds: Vec<usize>,
 }
 
 /// Division of the data into folds.
@@ -198,39 +209,38 @@ fn checked(count: usize, groups: usize) -> Result<usize, FitError> {
 }
 
 /// Fits each form without one fold at a time and predicts that fold, on the points that all forms explain.
-fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<HeldOut>, FitError> {
-    // Residuals of each form in each fold.
-    let parts: Vec<Vec<Vec<f64>>> = (0..folds.count)
+fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<Vec<UnseenPoint>>, FitError> {
+    // Points of each form in each fold.
+    let parts: Vec<Vec<Vec<UnseenPoint>>> = (0..folds.count)
         .into_par_iter()
         .map(|fold| {
             let split = folds.split(fold)?;
             let only_forms = || forms.iter().map(|(form, _)| *form);
             let (seen, unseen) = (common(only_forms(), split.seen), common(only_forms(), split.unseen));
-            let residuals = |(form, settings): &(&dyn Form, FitSettings)| {
+            let predictions = |(form, settings): &(&dyn Form, FitSettings)| {
                 let fit = Problem::new(*form, &seen, settings)?.solve()?;
                 let predicted = predict(*form, &unseen, &fit.values());
-                Ok(unseen.iter().zip(predicted).map(|(point, predicted)| point.magnitude - predicted).collect())
+                let of = |(point, predicted_mag): (&FitPoint, f64)| UnseenPoint {
+                    observed_mag: point.magnitude,
+                    predicted_mag,
+                    fold,
+                };
+                Ok(unseen.iter().zip(predicted).map(of).collect())
             };
-            forms.iter().map(residuals).collect()
+            forms.iter().map(predictions).collect()
         })
         .collect::<Result<_, FitError>>()?;
-    let of_form = |k: usize| {
-        let numbered = || parts.iter().enumerate().flat_map(|(fold, part)| part[k].iter().map(move |r| (fold, *r)));
-        let (folds, residuals_mag) = numbered().unzip();
-        HeldOut { residuals_mag, folds }
-    };
-    Ok((0..forms.len()).map(of_form).collect())
+    Ok((0..forms.len()).map(|k| parts.iter().flat_map(|part| part[k].iter().copied()).collect()).collect())
 }
 
 /// Fraction of points within the sigma of the other folds.
-fn within_sigma_of_other_folds(held_out: &HeldOut) -> f64 {
-    let count = held_out.folds.iter().max().map_or(0, |last| last + 1);
+fn within_sigma_of_other_folds(unseen: &[UnseenPoint]) -> f64 {
+    let count = unseen.iter().map(|point| point.fold + 1).max().unwrap_or(0);
     let (mut inside, mut all) = (0.0, 0.0);
     for fold in 0..count {
         let side = |same: bool| {
-            let part = held_out.residuals_mag.iter().zip(&held_out.folds);
-            let part = part.filter(|(r, f)| r.is_finite() && (**f == fold) == same);
-            part.map(|(r, _)| *r).collect::<Vec<f64>>()
+            let part = unseen.iter().filter(|point| (point.fold == fold) == same).map(UnseenPoint::residual_mag);
+            part.filter(|r| r.is_finite()).collect::<Vec<f64>>()
         };
         let (own, others) = (side(true), side(false));
         let n = own.len() as f64;
@@ -312,8 +322,7 @@ mod tests {
         let unseen = |folds: Result<Folds, FitError>| {
             let held =
                 cross_validate(&[(&form, settings.clone())], &folds.expect("folds")).expect("predictions").remove(0);
-            assert_eq!(held.residuals_mag.len(), held.folds.len());
-            rms(&held.residuals_mag)
+            rms(&held.iter().map(UnseenPoint::residual_mag).collect::<Vec<_>>())
         };
         let (by_pixel, by_track) =
             (unseen(Folds::of_points(&points, 6)), unseen(Folds::of_tracks(&seen, options(), 6)));

@@ -8,6 +8,7 @@
 //! - `covariance`, `jackknife`: errors of the parameters, from groups of points or, for pixels, from sets of tracks
 //! - `soundness`, `cross_validation`, `paper_tests`: faults of a fit, comparison of laws on unseen points, the tests
 //!   of Lu (2024)
+//! - `error_distribution`: core and wing of residuals
 //! - `posterior`: draws with walkers, and the files of their chains
 //! - `model_of_fit`, `report`: model file and report of a fit
 //! - `inference`: numerical methods without astronomy
@@ -17,6 +18,7 @@ pub mod checks;
 mod covariance;
 mod cross_validation;
 mod error;
+mod error_distribution;
 mod form;
 pub mod inference;
 mod jackknife;
@@ -38,8 +40,9 @@ mod two_panel_form;
 mod two_panel_kernel;
 
 pub use covariance::{CovarianceKind, FitUncertainty};
-pub use cross_validation::{CompetingForm, FormScore, baseline_forms, compare_forms, predict};
+pub use cross_validation::{CompetingForm, FormScore, UnseenPoint, baseline_forms, compare_forms, predict};
 pub use error::FitError;
+pub use error_distribution::error_distribution;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 pub use inference::Chain;
 pub use jackknife::jackknife;

@@ -3,9 +3,11 @@
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{GeometryRange, ModelFile, PANEL_OFFSET, PhotometryError, Provenance};
 
+use super::error_distribution::error_distribution;
 use super::paper_tests::COEFFICIENTS;
 use super::point::FitPoint;
 use super::solve::Fit;
+use super::statistics::sigma_68_mag;
 
 /// Assumed growth of sigma outside the fitted geometry, in quadrature, mag; the same for all models.
 const OUTSIDE_MAG: f64 = 1.0;
@@ -34,7 +36,8 @@ pub struct ModelDescription {
 }
 
 /// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
-/// covariance, the range of the points and a sigma.
+/// covariance, the range of the points, and sigma and distribution of the residuals of single measurements
+/// (`singles_mag`, at best unseen ones).
 ///
 /// # Errors
 /// [`PhotometryError`] if a number is outside the limits of model files.
@@ -43,7 +46,7 @@ pub fn model_file(
     fit: &Fit,
     points: &[FitPoint],
     rms_mag: f64,
-    sigma_mag: f64,
+    singles_mag: &[f64],
     description: &ModelDescription,
 ) -> Result<ModelFile, PhotometryError> {
     let index = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
@@ -68,6 +71,8 @@ pub fn model_file(
     for parameter in fitted.panels.iter_mut().flat_map(|panels| &mut panels.parameters) {
         parameter.value = value(&parameter.name, parameter.value);
     }
+    let sigma_mag = sigma_68_mag(singles_mag);
+    let in_sigmas: Vec<(f64, f64)> = singles_mag.iter().map(|residual_mag| (residual_mag / sigma_mag, 1.0)).collect();
     let file = ModelFile {
         name: description.name.clone(),
         aliases: Vec::new(),
@@ -77,6 +82,7 @@ pub fn model_file(
         sigma_mag: rounded(sigma_mag),
         sigma_outside_mag: rounded(sigma_mag.hypot(OUTSIDE_MAG)),
         sigma_origin: description.sigma_origin.clone(),
+        error_distribution: error_distribution(&in_sigmas),
         geometry_range: Some(range_of(points)),
         provenance: Provenance {
             source: description.source.clone(),

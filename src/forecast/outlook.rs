@@ -179,7 +179,7 @@ impl Forecast {
     }
 }
 
-const NIGHT_COLUMNS: [Column; 12] = [
+const NIGHT_COLUMNS: [Column; 13] = [
     Column::time("start_utc", "Start of the requested interval."),
     Column::time("end_utc", "End of the requested interval."),
     Column::real(
@@ -201,6 +201,12 @@ const NIGHT_COLUMNS: [Column; 12] = [
     Column::new("passes_too_faint", Kind::Integer, "Passes omitted because of the magnitude limit."),
     Column::new("passes_too_low", Kind::Integer, "Passes omitted because they culminate too low."),
     Column::new("why_empty", Kind::Text, "Reason why there is no pass; empty if there is one."),
+    Column::real(
+        "expected_brighter",
+        "",
+        2,
+        "Expected number of visible passes brighter than the magnitude limit, those omitted as too faint included; empty without a limit.",
+    ),
 ];
 
 /// Returns the night of a forecast as a table of one row, with the reason if there is no pass.
@@ -219,6 +225,7 @@ pub fn night_table(forecast: &Forecast, why_empty: Option<&str>) -> Table {
         count.too_faint.into(),
         count.too_low.into(),
         why_empty.into(),
+        forecast.found.expected_brighter.into(),
     ];
     Table { columns: NIGHT_COLUMNS.to_vec(), rows: vec![row] }
 }

@@ -18,7 +18,16 @@ pub struct PassRow<'a> {
     pub pass: &'a VisiblePass,
     /// Element set of the satellite.
     pub elements: &'a ElementSet,
+    /// Magnitude limit of the forecast, for the column `p_brighter`.
+    pub limit_mag: Option<f64>,
 }
+
+const P_BRIGHTER: Column = Column::real(
+    "p_brighter",
+    "",
+    4,
+    "Probability of being brighter than the magnitude limit at the brightest visible point.",
+);
 
 impl<'a> PassRow<'a> {
     /// Returns the name, or the number for a satellite without a name.
@@ -29,6 +38,11 @@ impl<'a> PassRow<'a> {
     /// Returns the brightest point, if there is a magnitude.
     pub fn peak(&self) -> Option<&'a TrackPoint> {
         self.pass.visible.as_ref()?.peak.as_ref()
+    }
+
+    /// Returns the probability of being brighter than the limit.
+    fn p_brighter(&self) -> Value {
+        self.limit_mag.map(|limit_mag| self.pass.probability_brighter_than(limit_mag)).into()
     }
 
     /// Returns the event that begins the visible part: `rise`, `shadow` or `dusk`.
@@ -215,10 +229,24 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
     ]
 }
 
-/// Returns passes as a table, in their order. `more` adds the columns of formats with nested tables, `samples` the
-/// points along each pass.
-pub fn pass_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, more: bool, samples: bool) -> Table {
+/// Optional columns of a table of visible passes.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct PassColumns {
+    /// Probability of being brighter than the magnitude limit.
+    pub p_brighter: bool,
+    /// Columns that only formats with nested tables have.
+    pub more: bool,
+    /// Points along each pass.
+    pub samples: bool,
+}
+
+/// Returns passes as a table, in their order.
+pub fn pass_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, columns: PassColumns) -> Table {
+    let PassColumns { p_brighter, more, samples } = columns;
     let mut fields = pass_fields();
+    if p_brighter {
+        fields.push(TableField::new(P_BRIGHTER, PassRow::p_brighter));
+    }
     if more {
         fields.extend(more_fields());
     }
@@ -332,12 +360,20 @@ const READABLE_COLUMNS: [Column; 16] = [
 
 /// Returns the passes as a table for observers: date, magnitude, and time, altitude and direction of start, highest
 /// point and end. Local times are `utc_offset_s` ahead of UTC. A pass without a visible part is listed from rise to
-/// set.
+/// set. With a magnitude limit, the last column is the probability of being brighter.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: f64) -> Table {
-    Table {
-        columns: READABLE_COLUMNS.to_vec(),
-        rows: rows.into_iter().map(|row| readable_cells(&row, utc_offset_s)).collect(),
+    let (mut columns, mut has_limit) = (READABLE_COLUMNS.to_vec(), false);
+    let cells = |row: PassRow<'_>| {
+        has_limit |= row.limit_mag.is_some();
+        let mut cells = readable_cells(&row, utc_offset_s);
+        cells.extend(row.limit_mag.is_some().then(|| row.p_brighter()));
+        cells
+    };
+    let rows = rows.into_iter().map(cells).collect();
+    if has_limit {
+        columns.push(P_BRIGHTER);
     }
+    Table { columns, rows }
 }
 
 fn readable_cells(row: &PassRow<'_>, utc_offset_s: f64) -> Vec<Value> {

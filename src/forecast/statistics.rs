@@ -69,7 +69,7 @@ pub struct SkyCount {
     pub above: f64,
     /// Number of lit satellites above that altitude.
     pub lit: f64,
-    /// Number of satellites brighter than the magnitudes 3 to 8.
+    /// Expected number of satellites brighter than the magnitudes 3 to 8, the sum of their probabilities.
     pub brighter_than: [f64; 6],
     /// Expected trails in one exposure.
     pub trails: f64,
@@ -200,8 +200,7 @@ fn count(
         count.trails += share * (field_sr + swept_sr) / sky_sr;
         let light = sky.brightness(element_index, &one.point, &request.photometry);
         for (limit, number) in MAGNITUDES.iter().zip(&mut count.brighter_than) {
-            let is_brighter = light.as_ref().is_some_and(|light| light.magnitude.0 < *limit);
-            *number += if is_brighter { share } else { 0.0 };
+            *number += light.as_ref().map_or(0.0, |light| share * light.probability_brighter_than(*limit));
         }
     }
     count
@@ -215,12 +214,12 @@ const COLUMNS: [Column; 17] = [
     Column::real("min_altitude_deg", "deg", 1, "Lowest altitude of the counted satellites and of the pointings."),
     Column::real("above", "", 2, "Satellites above min_altitude_deg, lit or not."),
     Column::real("lit", "", 2, "Satellites above min_altitude_deg in full or partial sunlight."),
-    Column::real("brighter_than_3", "", 2, "Satellites brighter than magnitude 3."),
-    Column::real("brighter_than_4", "", 2, "Satellites brighter than magnitude 4."),
-    Column::real("brighter_than_5", "", 2, "Satellites brighter than magnitude 5."),
-    Column::real("brighter_than_6", "", 2, "Satellites brighter than magnitude 6."),
-    Column::real("brighter_than_7", "", 2, "Satellites brighter than magnitude 7."),
-    Column::real("brighter_than_8", "", 2, "Satellites brighter than magnitude 8."),
+    Column::real("brighter_than_3", "", 2, "Expected number of satellites brighter than magnitude 3."),
+    Column::real("brighter_than_4", "", 2, "Expected number of satellites brighter than magnitude 4."),
+    Column::real("brighter_than_5", "", 2, "Expected number of satellites brighter than magnitude 5."),
+    Column::real("brighter_than_6", "", 2, "Expected number of satellites brighter than magnitude 6."),
+    Column::real("brighter_than_7", "", 2, "Expected number of satellites brighter than magnitude 7."),
+    Column::real("brighter_than_8", "", 2, "Expected number of satellites brighter than magnitude 8."),
     Column::real("field_deg", "deg", 4, "Full diameter of the field."),
     Column::real("exposure_s", "s", 3, "Length of the exposure."),
     Column::real("trails_per_exposure", "", 5, "Expected number of trails of lit satellites in one exposure."),

@@ -23,7 +23,7 @@ impl Sight {
     }
 
     /// Speed on the sky, rad/s.
-    fn angular_rate_rad_s(&self) -> f64 {
+    pub(super) fn angular_rate_rad_s(&self) -> f64 {
         self.vector.cross(&self.rate_s).norm() / self.vector.norm_squared()
     }
 }

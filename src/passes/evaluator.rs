@@ -90,13 +90,7 @@ impl PassEvaluator<'_> {
         let geometry = ViewingGeometry::new(satellite, observer, &sun)?;
         let illumination = self.sky.shadow().illumination(satellite, &sun);
         let Some(photometry) = self.photometry else { return Some((geometry, illumination, None)) };
-        let photometry = match self.sky.viewpoint() {
-            Viewpoint::Site(_) => *photometry,
-            // No extinction for a telescope in orbit.
-            Viewpoint::Orbit(_) => PhotometryOptions { extinction_mag_per_airmass: None, ..*photometry },
-        };
-        let brightness =
-            self.sky.model(self.element_index).brightness(&geometry, illumination.lit_fraction(), &photometry);
+        let brightness = self.sky.brightness_in(self.element_index, &geometry, illumination.lit_fraction(), photometry);
         Some((geometry, illumination, brightness))
     }
 

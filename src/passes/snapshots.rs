@@ -14,7 +14,7 @@ use super::track::{SightLine, TrackPoint};
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::elements::NoradId;
 use crate::frames::{Direction, seconds_after};
-use crate::geometry::{Illumination, ObserverState};
+use crate::geometry::{Illumination, ObserverState, ViewingGeometry};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError};
 use crate::photometry::{Brightness, PhotometryOptions};
 
@@ -157,7 +157,22 @@ impl Sky {
         point: &TrackPoint,
         photometry: &PhotometryOptions,
     ) -> Option<Brightness> {
-        self.model(element_index).brightness(&point.geometry, point.illumination.lit_fraction(), photometry)
+        self.brightness_in(element_index, &point.geometry, point.illumination.lit_fraction(), photometry)
+    }
+
+    /// Returns the brightness of a satellite in a geometry with a fraction of the Sun's light, as [`Self::brightness`].
+    pub fn brightness_in(
+        &self,
+        element_index: usize,
+        geometry: &ViewingGeometry,
+        lit_fraction: f64,
+        photometry: &PhotometryOptions,
+    ) -> Option<Brightness> {
+        // No extinction for a telescope in orbit.
+        let extinction_mag_per_airmass =
+            photometry.extinction_mag_per_airmass.filter(|_| self.viewpoint().site().is_some());
+        let photometry = PhotometryOptions { extinction_mag_per_airmass, ..*photometry };
+        self.model(element_index).brightness(geometry, lit_fraction, &photometry)
     }
 
     fn snapshots_of(

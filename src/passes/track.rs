@@ -213,6 +213,13 @@ impl Pass {
         !self.chords.is_empty()
     }
 
+    /// Probability of being brighter than an apparent magnitude at the brightest point; 0 if the satellite is not
+    /// visible, and without brightness.
+    pub fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
+        let brightness = self.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
+        brightness.map_or(0.0, |brightness| brightness.probability_brighter_than(limit_mag))
+    }
+
     /// Brightest apparent magnitude between entry and exit; NaN if the satellite is not visible.
     pub fn peak_magnitude(&self) -> f64 {
         let brightness = self.peak.as_ref().and_then(|peak| peak.brightness.as_ref());

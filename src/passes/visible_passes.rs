@@ -94,6 +94,16 @@ pub struct VisiblePass {
     pub samples: Vec<TrackPoint>,
 }
 
+impl VisiblePass {
+    /// Probability of being brighter than an apparent magnitude at the brightest visible point; 0 without a visible part
+    /// or without light.
+    pub fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
+        let peak = self.visible.as_ref().and_then(|seen| seen.peak.as_ref());
+        let light = peak.and_then(|peak| peak.brightness.as_ref());
+        light.map_or(0.0, |light| light.probability_brighter_than(limit_mag))
+    }
+}
+
 /// Numbers of excluded passes by reason.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct NotShown {
@@ -117,6 +127,9 @@ pub struct VisiblePasses {
     pub not_shown: NotShown,
     /// Number of satellites searched.
     pub satellites: usize,
+    /// Expected number of visible passes brighter at their peaks than the limit, the sum of their probabilities, those
+    /// excluded as too faint included; `None` without a limit.
+    pub expected_brighter: Option<f64>,
     /// Satellites without a position at some time of the search.
     pub left_out: Vec<LeftOut>,
 }
@@ -125,7 +138,7 @@ pub struct VisiblePasses {
 enum Outcome {
     Pass(Box<VisiblePass>),
     InShadow,
-    TooFaint { by_prior: bool },
+    TooFaint { by_prior: bool, p_brighter: f64 },
     TooLow,
 }
 
@@ -167,16 +180,28 @@ impl Sky {
         };
         let all: Vec<(Vec<Outcome>, Option<LeftOut>)> =
             selected.par_iter().with_min_len(TOGETHER).map(of_one).collect();
-        let mut answer = VisiblePasses { satellites: selected.len(), ..VisiblePasses::default() };
+        let mut answer = VisiblePasses {
+            satellites: selected.len(),
+            expected_brighter: request.max_magnitude.map(|_| 0.0),
+            ..VisiblePasses::default()
+        };
         answer.left_out.extend(self.left_out().iter().filter(|one| is_selected(one.element_index)).cloned());
         for one in all.into_iter().flat_map(|(kept, failed)| {
             answer.left_out.extend(failed);
             kept
         }) {
             match one {
-                Outcome::Pass(pass) => answer.passes.push(*pass),
+                Outcome::Pass(pass) => {
+                    if let (Some(sum), Some(limit)) = (answer.expected_brighter.as_mut(), request.max_magnitude) {
+                        *sum += pass.probability_brighter_than(limit);
+                    }
+                    answer.passes.push(*pass);
+                }
                 Outcome::InShadow => answer.not_shown.in_shadow += 1,
-                Outcome::TooFaint { by_prior } => {
+                Outcome::TooFaint { by_prior, p_brighter } => {
+                    if let Some(sum) = answer.expected_brighter.as_mut() {
+                        *sum += p_brighter;
+                    }
                     answer.not_shown.too_faint += 1;
                     answer.not_shown.too_faint_by_prior += usize::from(by_prior);
                 }
@@ -301,9 +326,9 @@ impl Search<'_> {
             return Ok(Some(Outcome::TooLow));
         }
         let steps = ((end_s - begin_s) / LIGHT_STEP_S).ceil().clamp(4.0, MOST_LIGHT_STEPS) as usize;
-        let light = |time_s: f64| evaluator.illumination(time_s);
-        let full = intervals_where(begin_s, end_s, steps, |time_s| light(time_s) == Illumination::Sunlit);
-        let lit = intervals_where(begin_s, end_s, steps, |time_s| light(time_s) != Illumination::Umbra);
+        let illumination = |time_s: f64| evaluator.illumination(time_s);
+        let full = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s) == Illumination::Sunlit);
+        let lit = intervals_where(begin_s, end_s, steps, |time_s| illumination(time_s) != Illumination::Umbra);
         let lit_by_night = both(&lit, &span.dark_s);
         let visible = if lit_by_night.is_empty() {
             None
@@ -312,14 +337,16 @@ impl Search<'_> {
             let seen = if full_by_night.is_empty() { &lit_by_night } else { &full_by_night };
             visibility(&evaluator, seen, &lit_by_night, above.top_s)
         };
-        let magnitude =
-            visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref()).map(|light| light.magnitude.0);
+        let light = visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref());
         if visible.is_none() && !self.request.include_dark {
             return Ok(Some(Outcome::InShadow));
         }
-        if self.request.max_magnitude.is_some_and(|limit| magnitude.is_none_or(|magnitude| magnitude > limit)) {
-            let by_prior = magnitude.is_some() && *self.sky.model(element_index).source() == MagnitudeSource::Prior;
-            return Ok(Some(Outcome::TooFaint { by_prior }));
+        if let Some(limit) = self.request.max_magnitude
+            && light.is_none_or(|light| light.magnitude.0 > limit)
+        {
+            let by_prior = light.is_some() && *self.sky.model(element_index).source() == MagnitudeSource::Prior;
+            let p_brighter = light.map_or(0.0, |light| light.probability_brighter_than(limit));
+            return Ok(Some(Outcome::TooFaint { by_prior, p_brighter }));
         }
         let point = |time_s: Option<f64>| time_s.and_then(|time_s| evaluator.point(time_s));
         // First end of full sunlight within the pass, and first begin of it.

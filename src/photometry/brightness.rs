@@ -4,6 +4,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use super::band::{Band, MagSystem};
+use super::error_distribution::ErrorDistribution;
 use super::magnitude::Magnitude;
 
 /// Source of a magnitude. Cheap to clone.
@@ -41,14 +42,31 @@ impl fmt::Display for MagnitudeSource {
 pub struct Brightness {
     /// Magnitude at the observer, including dimming in the Earth's shadow.
     pub magnitude: Magnitude,
-    /// One sigma of a single measurement about the prediction, mag.
+    /// One sigma of a single measurement about the prediction, mag: the scatter about the model, and in quadrature the
+    /// errors of its parameters, of colour, position and, outside the fitted geometry, of the model itself.
     pub sigma_mag: f64,
+    /// Scatter about the model only, mag; at most `sigma_mag`.
+    pub scatter_mag: f64,
+    /// Distribution of the scatter, in units of `scatter_mag`.
+    pub error_distribution: ErrorDistribution,
     /// Source of the magnitude.
     pub source: MagnitudeSource,
     /// False outside the geometry of the fit; the sigma is then larger.
     pub in_fitted_range: bool,
     /// True for a model of another band, converted with the Sun's colour.
     pub grey_reflectance: bool,
+}
+
+impl Brightness {
+    /// Returns the probability that the satellite is brighter than an apparent magnitude in the same band, [0, 1].
+    ///
+    /// The scatter about the model has a core and wings; the other errors in `sigma_mag` are normal and independent.
+    pub fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
+        // m + σ x + e < limit, with the scatter σ and e² = sigma_mag² - σ²
+        let more_mag = (self.sigma_mag * self.sigma_mag - self.scatter_mag * self.scatter_mag).max(0.0).sqrt();
+        let x = (limit_mag - self.magnitude.0) / self.scatter_mag;
+        self.error_distribution.cumulative(x, more_mag / self.scatter_mag)
+    }
 }
 
 /// Earthshine on the chassis of two-panel models, and on panels that receive it.
@@ -127,6 +145,28 @@ impl PhotometryOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn verif_probability_of_a_normal_core_with_another_error() {
+        let light = Brightness {
+            magnitude: Magnitude(6.0),
+            sigma_mag: 0.5,
+            scatter_mag: 0.4,
+            error_distribution: ErrorDistribution::NORMAL,
+            source: MagnitudeSource::Prior,
+            in_fitted_range: true,
+            grey_reflectance: false,
+        };
+        // Φ(1) and Φ(-2) of a normal distribution of width 0.5 mag.
+        assert!((light.probability_brighter_than(6.5) - 0.841_344_746).abs() < 1e-9);
+        assert!((light.probability_brighter_than(5.0) - 0.022_750_132).abs() < 1e-9);
+        assert_eq!(light.probability_brighter_than(6.0), 0.5);
+        // A wing of a tenth, 2 mag brighter: a tenth is brighter than 4.5 mag, which the core does not reach.
+        let flares =
+            ErrorDistribution { wing_share: 0.1, wing_shift: -5.0, wing_sigma: 0.5, ..light.error_distribution };
+        let flaring = Brightness { sigma_mag: 0.4, error_distribution: flares, ..light };
+        assert!((flaring.probability_brighter_than(4.5) - 0.1).abs() < 1e-2);
+    }
 
     #[test]
     fn verif_sources_are_displayed_as_in_tables() {

@@ -7,6 +7,7 @@ use nalgebra::Vector3;
 use super::band::{Band, MagSystem};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::error::PhotometryError;
+use super::error_distribution::ErrorDistribution;
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, SatelliteShape};
 use super::panels::PanelAssembly;
@@ -97,6 +98,7 @@ pub struct BrightnessModel {
     system: MagSystem,
     sigma_mag: f64,
     sigma_outside_mag: f64,
+    error_distribution: ErrorDistribution,
     fitted_range: Option<FittedRange>,
     size_m: f64,
     file: Option<Arc<ModelFile>>,
@@ -174,6 +176,7 @@ impl BrightnessModel {
             system,
             sigma_mag: file.sigma_mag,
             sigma_outside_mag: file.sigma_outside_mag,
+            error_distribution: file.error_distribution.unwrap_or_default(),
             fitted_range: file.geometry_range.as_ref().map(FittedRange::from_file),
             size_m: file.size_m,
             file: Some(Arc::new(file)),
@@ -191,6 +194,7 @@ impl BrightnessModel {
             system: MagSystem::Vega,
             sigma_mag: STANDARD_MAGNITUDE_SIGMA_MAG,
             sigma_outside_mag: STANDARD_MAGNITUDE_SIGMA_MAG,
+            error_distribution: ErrorDistribution::default(),
             fitted_range: None,
             size_m: UNKNOWN_SIZE_M,
             file: None,
@@ -320,6 +324,8 @@ impl BrightnessModel {
         magnitude.0.is_finite().then(|| Brightness {
             magnitude,
             sigma_mag: if grey_reflectance { sigma.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { sigma },
+            scatter_mag: self.sigma_mag,
+            error_distribution: self.error_distribution,
             source: self.source.clone(),
             in_fitted_range,
             grey_reflectance,
@@ -358,6 +364,11 @@ impl BrightnessModel {
         // m = -2.5 log₁₀ B + …, dm/dp = -(2.5 / ln 10) (dB/dp) / B
         let b_total = b_total + earth_m2_sr;
         (b_total > 0.0).then(|| 2.5 / std::f64::consts::LN_10 * variance.sqrt() / b_total)
+    }
+
+    /// Returns the distribution of single magnitudes about the model, in units of the sigma in its file.
+    pub fn error_distribution(&self) -> &ErrorDistribution {
+        &self.error_distribution
     }
 
     /// Returns true for a geometry within that of the fitted points, or for a model that was not fitted to points.

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::band::{Band, MagSystem};
 use super::error::{Check, PhotometryError, SCHEMA_VERSION};
+use super::error_distribution::ErrorDistribution;
 use super::panels::PanelsSpec;
 
 /// The panel offset of chassis and sail, which may be fitted together with the coefficients.
@@ -78,6 +79,10 @@ pub struct ModelFile {
     pub sigma_outside_mag: f64,
     /// Origin of the two sigmas.
     pub sigma_origin: String,
+    /// Distribution of single measurements about the model, in units of `sigma_mag`; null or omitted for
+    /// [`ErrorDistribution::default`].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_distribution: Option<ErrorDistribution>,
     /// Geometry of the fitted points; null for an average.
     pub geometry_range: Option<GeometryRange>,
     /// Source and caveats.
@@ -249,6 +254,9 @@ impl ModelFile {
         check.range("sigma_mag", self.sigma_mag, 0.01, 5.0)?;
         check.range("sigma_outside_mag", self.sigma_outside_mag, self.sigma_mag, 5.0)?;
         check.filled("sigma_origin", &self.sigma_origin)?;
+        if let Some(distribution) = &self.error_distribution {
+            distribution.validate(&check)?;
+        }
         check.filled("provenance.source", &self.provenance.source)?;
         check.filled("provenance.data", &self.provenance.data)?;
         check.filled("provenance.date", &self.provenance.date)?;

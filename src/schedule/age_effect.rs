@@ -17,7 +17,7 @@ pub struct AgeEffect {
     /// Median over these satellites of the half width that holds 68 % of the delays, early or late, seconds.
     pub lateness_s: f64,
     /// Expected share of the exposures whose verdict would change between clear and not clear if the positions were
-    /// exact: the mean of `p_any` over the clear exposures, and of 1 - `p_any` over the others. Exposures that are not
+    /// exact: the mean of `p_crossing` over the clear exposures, and of 1 - `p_crossing` over the others. Exposures that are not
     /// clear because of a crossing in their margins alone count as unchanged.
     pub changed_share: f64,
 }
@@ -60,9 +60,9 @@ impl FlagReport {
         let judged = self.flags.iter().filter(|flag| flag.kind != VerdictKind::Invalid);
         let changes: Vec<f64> = judged
             .map(|flag| match flag.kind {
-                VerdictKind::Clear => flag.p_any,
+                VerdictKind::Clear => flag.p_crossing,
                 VerdictKind::Streaked if flag.passes.is_empty() => 0.0,
-                _ => 1.0 - flag.p_any,
+                _ => 1.0 - flag.p_crossing,
             })
             .collect();
         Some(AgeEffect {

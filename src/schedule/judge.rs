@@ -1,6 +1,7 @@
 //! Judges one exposure: from its passes and a policy to a [`Verdict`].
 
 use crate::passes::{CrossingProbability, Exposure, Pass};
+use crate::photometry::Brightness;
 
 use super::policy::{LimitKind, MagnitudeLimit, Policy};
 use super::verdict::{Verdict, VerdictKind};
@@ -16,34 +17,121 @@ pub(super) struct Rules<'a> {
     pub camera: Option<&'a dyn CameraLimits>,
 }
 
+/// Light of one satellite in the field of an exposure.
+#[derive(Copy, Clone)]
+pub(super) struct Light<'a> {
+    /// Index of its element set in the sky's catalogue.
+    pub element_index: usize,
+    /// Distance from the observer, km.
+    pub range_km: f64,
+    /// Angular speed, rad/s.
+    pub angular_rate_rad_s: f64,
+    /// Predicted magnitude with its distribution.
+    pub brightness: &'a Brightness,
+}
+
+impl<'a> Light<'a> {
+    /// Returns the light of a pass at its peak; `None` if the satellite is not visible.
+    pub fn of(pass: &'a Pass) -> Option<Self> {
+        Some(Self {
+            element_index: pass.element_index,
+            range_km: pass.mid.range_km,
+            angular_rate_rad_s: pass.angular_rate_rad_s,
+            brightness: pass.peak.as_ref()?.brightness.as_ref()?,
+        })
+    }
+}
+
 /// Magnitude limits of a camera from its telescope file, for a satellite at a distance of 550 km.
 pub(super) trait CameraLimits {
     /// Returns the limit of a kind in a band; `None` if the file has none.
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
     /// Returns the magnitude, in the band of the limit, of a satellite at 550 km with the same signal in each pixel of
-    /// its streak as a pass of this magnitude.
-    fn equivalent_mag_at_550_km(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64;
+    /// its streak.
+    fn equivalent_mag_at_550_km(&self, light: &Light<'_>, band: Option<&str>) -> f64;
+}
+
+/// Limit of a policy that applies to the band of an exposure.
+struct AppliedLimit {
+    /// Name in reasons; empty for the magnitude limit.
+    name: &'static str,
+    limit_mag: f64,
+    /// True for the limit of the camera, at 550 km.
+    is_of_camera: bool,
+}
+
+impl Rules<'_> {
+    /// Returns the limits that apply to a band.
+    fn limits(&self, band: Option<&str>) -> impl Iterator<Item = AppliedLimit> {
+        let limits = [
+            ("", None, self.policy.limit_mag.as_ref()),
+            ("saturation limit ", Some(LimitKind::Saturation), self.policy.saturation_mag.as_ref()),
+            ("crosstalk limit ", Some(LimitKind::Crosstalk), self.policy.crosstalk_mag.as_ref()),
+        ];
+        limits.into_iter().filter_map(move |(name, kind, limit)| {
+            let of_camera = matches!(limit, Some(MagnitudeLimit::OfTelescope(_))).then_some(self.camera).flatten();
+            let limit_mag = match (kind, of_camera) {
+                (Some(kind), Some(camera)) => camera.limit_mag(kind, band)?,
+                _ => limit?.of(band)?,
+            };
+            Some(AppliedLimit { name, limit_mag, is_of_camera: of_camera.is_some() })
+        })
+    }
+
+    /// Returns the probability that a satellite is brighter than one limit, and its equivalent magnitude at 550 km for
+    /// a limit of the camera.
+    fn probability_above(&self, limit: &AppliedLimit, light: &Light<'_>, band: Option<&str>) -> (f64, Option<f64>) {
+        let seen_mag =
+            self.camera.filter(|_| limit.is_of_camera).map(|camera| camera.equivalent_mag_at_550_km(light, band));
+        // The limit in the band and at the distance of the prediction.
+        let limit_mag = seen_mag.map_or(limit.limit_mag, |seen| limit.limit_mag + light.brightness.magnitude.0 - seen);
+        (light.brightness.probability_brighter_than(limit_mag), seen_mag)
+    }
+
+    /// Returns true if a magnitude limit applies to the band.
+    pub fn has_limit(&self, band: Option<&str>) -> bool {
+        self.limits(band).next().is_some()
+    }
+
+    /// Returns the probability that a satellite is brighter than any limit that applies to the band; 0 if it is not
+    /// visible, `None` if no limit applies.
+    pub fn probability_brighter(&self, light: Option<Light<'_>>, band: Option<&str>) -> Option<f64> {
+        self.limits(band)
+            .map(|limit| light.map_or(0.0, |light| self.probability_above(&limit, &light, band).0))
+            .reduce(f64::max)
+    }
 }
 
 /// Expectation values for all satellites together, near misses included.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(super) struct Expected {
-    /// Probability that at least one lit satellite crosses.
+    /// Probability that at least one lit satellite crosses that is brighter than a limit of the policy, if one applies.
     pub p_any: f64,
-    /// True if more than 10 % of the delays of a satellite are outside the range searched: both numbers are then lower
-    /// limits.
+    /// Probability that at least one lit satellite crosses.
+    pub p_crossing: f64,
+    /// True if more than 10 % of the delays of a satellite are outside the range searched: the other numbers are then
+    /// lower limits.
     pub is_lower_limit: bool,
     /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,
 }
 
 impl Expected {
-    /// Returns the expectation values for satellites with independent errors. `lost_fraction` is the expected fraction
-    /// of the pixels lost to each satellite, for a telescope.
-    pub fn of(satellites: &[CrossingProbability], lost_fraction: Option<&dyn Fn(&CrossingProbability) -> f64>) -> Self {
+    /// Returns the expectation values for satellites with independent errors. `brighter` is the probability of each
+    /// satellite to be brighter than a limit (1 without limits), `lost_fraction` the expected fraction of the pixels
+    /// lost to it, for a telescope.
+    pub fn of(
+        satellites: &[CrossingProbability],
+        brighter: &dyn Fn(&CrossingProbability) -> f64,
+        lost_fraction: Option<&dyn Fn(&CrossingProbability) -> f64>,
+    ) -> Self {
+        // 1 - Π(1 - p)
+        let any = |of: &dyn Fn(&CrossingProbability) -> f64| {
+            1.0 - satellites.iter().map(|one| 1.0 - one.probability.clamp(0.0, 1.0) * of(one)).product::<f64>()
+        };
         Self {
-            // 1 - Π(1 - p)
-            p_any: 1.0 - satellites.iter().map(|one| 1.0 - one.probability.clamp(0.0, 1.0)).product::<f64>(),
+            p_any: any(brighter),
+            p_crossing: any(&|_| 1.0),
             is_lower_limit: satellites.iter().any(|one| one.is_lower_limit),
             lost_pixel_fraction: lost_fraction
                 .map(|lost_fraction| satellites.iter().map(lost_fraction).fold(0.0, |sum, lost| sum + lost).min(1.0)),
@@ -55,9 +143,9 @@ impl Expected {
 /// set.
 ///
 /// Dark passes do not count. A near miss counts only if the policy has a `min_probability` and it is at least that
-/// probable. `avoid` = a crossing at least as probable as the policy requires (by default 0.5) that is brighter, at its
-/// peak, than a limit of the policy; or an expected loss larger than the policy allows. `streaked` = any other pass
-/// that counts.
+/// probable. `avoid` = a pass for which the probability to cross and to be brighter, at its peak, than a limit of the
+/// policy is at least that of the policy (by default 0.5); or an expected loss larger than the policy allows.
+/// `streaked` = any other pass that counts.
 pub(super) fn flag(
     exposure: &Exposure,
     band: Option<&str>,
@@ -73,18 +161,19 @@ pub(super) fn flag(
     let mut reasons = Vec::new();
     let mut more_reasons = 0;
     let mut avoid = false;
-    for pass in counted.iter().filter(|pass| pass.probability >= policy.avoid_probability()) {
-        let Some(magnitude) = peak_magnitude(pass) else { continue };
-        for what in broken_limits(pass, magnitude, band, rules) {
+    for pass in &counted {
+        let Some(light) = Light::of(pass) else { continue };
+        for limit in rules.limits(band) {
+            let (brighter, seen_mag) = rules.probability_above(&limit, &light, band);
+            if pass.probability * brighter < policy.avoid_probability() {
+                continue;
+            }
             avoid = true;
             if reasons.len() == NAMED_REASONS {
                 more_reasons += 1;
                 continue;
             }
-            reasons.push(format!(
-                "{} reaches mag {magnitude:.2}{what} (probability {:.2})",
-                pass.norad_id, pass.probability
-            ));
+            reasons.push(reason(pass, &light, brighter, &limit, seen_mag, band));
         }
     }
     if more_reasons > 0 {
@@ -113,6 +202,7 @@ pub(super) fn flag(
         brightest_mag: counted.iter().filter_map(|pass| peak_magnitude(pass)).min_by(f64::total_cmp),
         expected_lost_pixel_fraction: lost,
         p_any: expected.p_any,
+        p_crossing: expected.p_crossing,
         p_any_is_lower_limit: expected.is_lower_limit,
         streak_length_deg: nominal().map(|pass| pass.streak_length_rad.to_degrees()).fold(0.0, |sum, one| sum + one),
         reasons,
@@ -135,34 +225,43 @@ fn fraction_above(fraction: f64, most: f64) -> String {
         .unwrap_or(fraction.to_string())
 }
 
-/// Returns the text of each limit that a pass of this magnitude exceeds.
-fn broken_limits(pass: &Pass, magnitude: f64, band: Option<&str>, rules: &Rules<'_>) -> Vec<String> {
-    let policy = rules.policy;
-    let limits = [
-        ("limit", None, policy.limit_mag.as_ref()),
-        ("saturation limit", Some(LimitKind::Saturation), policy.saturation_mag.as_ref()),
-        ("crosstalk limit", Some(LimitKind::Crosstalk), policy.crosstalk_mag.as_ref()),
-    ];
-    let words = |(name, kind, limit): (&str, Option<LimitKind>, Option<&MagnitudeLimit>)| {
-        if let (Some(kind), Some(MagnitudeLimit::OfTelescope(_)), Some(camera)) = (kind, limit, rules.camera) {
-            let limit = camera.limit_mag(kind, band)?;
-            let seen = camera.equivalent_mag_at_550_km(pass, magnitude, band);
-            let band = band.unwrap_or_default();
-            return (seen < limit).then(|| {
-                format!(", equivalent to {band} {seen:.2} at 550 km, brighter than the camera's {name} {limit}")
-            });
-        }
-        let limit = limit?.of(band)?;
-        (magnitude < limit).then(|| format!(", brighter than the {name} {limit}"))
+/// Returns the reason to avoid a pass.
+fn reason(
+    pass: &Pass,
+    light: &Light<'_>,
+    brighter: f64,
+    limit: &AppliedLimit,
+    seen_mag: Option<f64>,
+    band: Option<&str>,
+) -> String {
+    let Brightness { magnitude, sigma_mag, source, .. } = light.brightness;
+    let AppliedLimit { name, limit_mag, .. } = limit;
+    let than = match (seen_mag, *name) {
+        (Some(_), name) => format!("the camera's {name}"),
+        (None, "") => String::new(),
+        (None, name) => format!("the {name}"),
     };
-    limits.into_iter().filter_map(words).collect()
+    let equivalent = seen_mag
+        .map(|seen| format!("; equivalent to {} {seen:.2} at 550 km", band.unwrap_or_default()))
+        .unwrap_or_default();
+    let crossing = match format!("{:.0}", 100.0 * pass.probability).as_str() {
+        "100" => String::new(),
+        percent => format!(", {percent} % of crossing"),
+    };
+    format!(
+        "{}: {:.0} % chance of being brighter than {than}{limit_mag} ({magnitude:.2} +- {sigma_mag:.2}, {source}{equivalent}){crossing}",
+        pass.norad_id,
+        100.0 * brighter,
+    )
 }
 
-/// Returns true for a pass to avoid: probable enough, and brighter than a limit.
+/// Returns true for a pass to avoid: the probability to cross and to be brighter than a limit is at least that of the
+/// policy.
 pub(super) fn is_to_avoid(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     counts(pass, rules.policy)
-        && pass.probability >= rules.policy.avoid_probability()
-        && peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
+        && rules
+            .probability_brighter(Light::of(pass), band)
+            .is_some_and(|brighter| pass.probability * brighter >= rules.policy.avoid_probability())
 }
 
 /// Returns true for a lit crossing, and for a lit near miss at least as probable as the `min_probability` of the
@@ -171,30 +270,20 @@ pub(super) fn counts(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-/// Returns true for a pass to be dodged: it counts, and it is brighter than a limit of the policy if one applies to the
-/// band.
+/// Returns true for a pass to be dodged: it counts, and if a limit of the policy applies to the band, the probability
+/// to cross and to be brighter than the limit is at least that of the policy.
 ///
-/// With a `min_probability`, less probable passes are not dodged; without one, every nominal crossing is, whatever the
-/// age of its elements.
+/// With a `min_probability`, less probable passes are not dodged; without one, every nominal crossing is taken as
+/// certain, whatever the age of its elements.
 pub(super) fn is_dodged(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     let policy = rules.policy;
-    if !counts(pass, policy) || policy.min_probability.is_some_and(|least| pass.probability < least) {
+    if !counts(pass, policy) {
         return false;
     }
-    let kinds = [
-        (None, policy.limit_mag.as_ref()),
-        (Some(LimitKind::Saturation), policy.saturation_mag.as_ref()),
-        (Some(LimitKind::Crosstalk), policy.crosstalk_mag.as_ref()),
-    ];
-    let has_limit = kinds.into_iter().any(|(kind, limit)| match (limit, kind, rules.camera) {
-        (Some(MagnitudeLimit::OfTelescope(_)), Some(kind), Some(camera)) => camera.limit_mag(kind, band).is_some(),
-        (limit, ..) => limit.is_some_and(|limit| limit.of(band).is_some()),
-    });
-    if !has_limit {
-        return true;
-    }
-    // A pass without a magnitude is not brighter than any limit.
-    peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
+    let crossing = policy.min_probability.map_or(1.0, |_| pass.probability);
+    let brighter = rules.probability_brighter(Light::of(pass), band);
+    let least = policy.min_probability.or(brighter.map(|_| policy.avoid_probability())).unwrap_or(0.0);
+    crossing * brighter.unwrap_or(1.0) >= least
 }
 
 fn peak_magnitude(pass: &Pass) -> Option<f64> {
@@ -224,7 +313,7 @@ mod tests {
     use crate::geometry::{Illumination, ViewingGeometry};
     use crate::orbit::PositionSource;
     use crate::passes::{Chord, TrackPoint};
-    use crate::photometry::{Brightness, Magnitude, MagnitudeSource};
+    use crate::photometry::{Brightness, ErrorDistribution, Magnitude, MagnitudeSource};
 
     fn exposure() -> Exposure {
         Exposure {
@@ -252,6 +341,8 @@ mod tests {
             brightness: peak_mag.map(|magnitude| Brightness {
                 magnitude: Magnitude(magnitude),
                 sigma_mag: 0.5,
+                scatter_mag: 0.5,
+                error_distribution: ErrorDistribution::NORMAL,
                 source: MagnitudeSource::Prior,
                 in_fitted_range: true,
                 grey_reflectance: false,
@@ -259,7 +350,7 @@ mod tests {
         };
         Pass {
             norad_id: NoradId(norad_id),
-            element_index: 0,
+            element_index: norad_id as usize,
             chords: vec![Chord { enter_s: 3.0, exit_s: 8.0 }],
             enter: point.clone(),
             mid: point.clone(),
@@ -285,8 +376,10 @@ mod tests {
             element_index: pass.element_index,
             probability: pass.probability,
             streak_length_rad: pass.probability * pass.streak_length_rad,
-            range_km: pass.mid.range_km,
             along_track_sigma_s: pass.along_track_sigma_s,
+            geometry: pass.mid.geometry,
+            lit_fraction: 1.0,
+            angular_rate_rad_s: pass.angular_rate_rad_s,
             is_lower_limit: false,
         })
         .collect()
@@ -296,8 +389,13 @@ mod tests {
         let policy = Policy::from_toml(policy).unwrap();
         // The losses of near misses and crossings add up.
         let lost = |one: &CrossingProbability| 0.01 * one.probability;
-        let expected = Expected::of(&probabilities(passes), Some(&lost));
-        flag(&exposure(), Some("r"), passes, &expected, &Rules { policy: &policy, camera: None })
+        let rules = Rules { policy: &policy, camera: None };
+        let brighter = |one: &CrossingProbability| {
+            let pass = passes.iter().find(|pass| pass.element_index == one.element_index);
+            rules.probability_brighter(pass.and_then(Light::of), Some("r")).unwrap_or(1.0)
+        };
+        let expected = Expected::of(&probabilities(passes), &brighter, Some(&lost));
+        flag(&exposure(), Some("r"), passes, &expected, &rules)
     }
 
     fn verdict(passes: &[Pass], policy: &str) -> VerdictKind {
@@ -307,9 +405,12 @@ mod tests {
     #[test]
     fn verdicts_without_a_policy_are_those_of_the_limit() {
         assert_eq!(verdict(&[], "limit_mag = 7"), VerdictKind::Clear);
-        assert_eq!(verdict(&[pass(1, Some(6.9), 0.5)], "limit_mag = 7"), VerdictKind::Avoid);
-        // As faint as the limit, less probable than 0.5, of unknown brightness, or without a limit: streaked.
-        assert_eq!(verdict(&[pass(1, Some(7.0), 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
+        // A sigma of 0.5 mag: a pass 0.1 mag brighter than the limit is brighter with a probability of 0.579.
+        assert_eq!(verdict(&[pass(1, Some(6.9), 0.87)], "limit_mag = 7"), VerdictKind::Avoid);
+        assert_eq!(verdict(&[pass(1, Some(6.9), 0.86)], "limit_mag = 7"), VerdictKind::Streaked);
+        assert_eq!(verdict(&[pass(1, Some(6.9), 0.86)], "limit_mag = 7\nmin_probability = 0.4"), VerdictKind::Avoid);
+        // Fainter than the limit, less probable than 0.5, of unknown brightness, or without a limit: streaked.
+        assert_eq!(verdict(&[pass(1, Some(7.01), 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, Some(2.0), 0.49)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, None, 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, Some(2.0), 1.0)], ""), VerdictKind::Streaked);
@@ -320,17 +421,20 @@ mod tests {
 
     #[test]
     fn numbers_behind_a_verdict() {
-        let flag = judge(&[pass(7, Some(6.5), 0.8), pass(3, Some(5.5), 0.5), pass(9, None, 1.0)], "limit_mag = 6");
+        let passes = [pass(7, Some(6.5), 0.8), pass(3, Some(5.5), 0.6), pass(9, None, 1.0)];
+        let flag = judge(&passes, "limit_mag = 6");
         assert_eq!(flag.n_streaks, 3);
         assert_eq!(flag.brightest_mag, Some(5.5));
         assert_eq!(flag.norad_ids, [NoradId(7), NoradId(3), NoradId(9)]);
-        assert!((flag.p_any - 1.0).abs() < 1e-12);
+        assert!((flag.p_crossing - 1.0).abs() < 1e-12);
+        // Φ(-1) and Φ(1); a satellite of unknown brightness is not brighter than the limit.
+        let expected = 1.0 - (1.0 - 0.8 * 0.158_655_254) * (1.0 - 0.6 * 0.841_344_746);
+        assert!((flag.p_any - expected).abs() < 1e-8, "{}", flag.p_any);
         assert!((flag.streak_length_deg - 3.0).abs() < 1e-9);
-        assert!((flag.expected_lost_pixel_fraction.unwrap() - 0.023).abs() < 1e-12);
-        assert_eq!(flag.reasons.len(), 1);
-        assert!(flag.reasons[0].contains("3 reaches mag 5.50, brighter than the limit 6"), "{:?}", flag.reasons);
+        assert!((flag.expected_lost_pixel_fraction.unwrap() - 0.024).abs() < 1e-12);
+        assert_eq!(flag.reasons, ["3: 84 % chance of being brighter than 6 (5.50 +- 0.50, prior), 60 % of crossing"]);
         let two = judge(&[pass(7, Some(6.5), 0.8), pass(3, Some(5.5), 0.5)], "");
-        assert!((two.p_any - 0.9).abs() < 1e-12);
+        assert!((two.p_any - 0.9).abs() < 1e-12 && two.p_any == two.p_crossing);
         assert_eq!((two.reasons.as_slice(), two.delay_s), (["2 lit satellites cross".to_owned()].as_slice(), None));
     }
 
@@ -364,12 +468,16 @@ mod tests {
     fn every_rule_of_a_policy_can_forbid() {
         let passes = [pass(1, Some(5.0), 1.0)];
         for (policy, expected, word) in [
-            ("saturation_mag = 5.1", VerdictKind::Avoid, "saturation limit 5.1"),
+            (
+                "saturation_mag = 5.1",
+                VerdictKind::Avoid,
+                "brighter than the saturation limit 5.1 (5.00 +- 0.50, prior)",
+            ),
             ("crosstalk_mag = 5.1", VerdictKind::Avoid, "crosstalk limit 5.1"),
             ("saturation_mag = 4.9", VerdictKind::Streaked, "crosses"),
-            ("limit_mag = {r = 5.1, g = 0}", VerdictKind::Avoid, "limit 5.1"),
+            ("limit_mag = {r = 5.1, g = 0}", VerdictKind::Avoid, "brighter than 5.1 ("),
             ("limit_mag = {g = 9}", VerdictKind::Streaked, "crosses"),
-            ("limit_mag = {g = 0, default = 9}", VerdictKind::Avoid, "limit 9"),
+            ("limit_mag = {g = 0, default = 9}", VerdictKind::Avoid, "brighter than 9 ("),
             ("max_lost_fraction = 0.009", VerdictKind::Avoid, "expected loss of 0.0100 of the pixels"),
             ("max_lost_fraction = 0.011", VerdictKind::Streaked, "crosses"),
         ] {
@@ -387,7 +495,7 @@ mod tests {
         };
         let bright = pass(1, Some(5.0), 0.1);
         assert!(dodged(&bright, "limit_mag = 7") && dodged(&bright, "") && dodged(&bright, "limit_mag = {g = 0}"));
-        assert!(!dodged(&bright, "limit_mag = 5") && !dodged(&bright, "limit_mag = 7\nmin_probability = 0.2"));
+        assert!(!dodged(&bright, "limit_mag = 4.9") && !dodged(&bright, "limit_mag = 7\nmin_probability = 0.2"));
         assert!(dodged(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
         let dark = Pass { lit: false, ..bright.clone() };
         assert!(!dodged(&dark, "limit_mag = 7"));
@@ -396,6 +504,9 @@ mod tests {
         assert!(dodged(&unseen, "") && !dodged(&unseen, "limit_mag = 7"));
         let near = Pass { chords: Vec::new(), ..pass(1, Some(5.0), 0.3) };
         assert!(!dodged(&near, "limit_mag = 7") && dodged(&near, "limit_mag = 7\nmin_probability = 0.2"));
+        // 0.3 to cross, and Φ(0.2) = 0.58 to be brighter.
+        let near = |policy: &str| dodged(&near, &format!("limit_mag = 5.1\nmin_probability = {policy}"));
+        assert!(near("0.17") && !near("0.18"));
     }
 
     /// Camera that saturates at g = 3.2, with passes 0.5 mag brighter at 550 km.
@@ -406,8 +517,8 @@ mod tests {
             (kind == LimitKind::Saturation && band == Some("g")).then_some(3.2)
         }
 
-        fn equivalent_mag_at_550_km(&self, _: &Pass, magnitude: f64, _: Option<&str>) -> f64 {
-            magnitude - 0.5
+        fn equivalent_mag_at_550_km(&self, light: &Light<'_>, _: Option<&str>) -> f64 {
+            light.brightness.magnitude.0 - 0.5
         }
     }
 
@@ -425,7 +536,7 @@ mod tests {
         assert_eq!(
             avoided.reasons,
             [
-                "1 reaches mag 3.60, equivalent to g 3.10 at 550 km, brighter than the camera's saturation limit 3.2 (probability 1.00)"
+                "1: 58 % chance of being brighter than the camera's saturation limit 3.2 (3.60 +- 0.50, prior; equivalent to g 3.10 at 550 km)"
             ]
         );
         assert_eq!(verdict("g", 3.8, both).kind, VerdictKind::Streaked);

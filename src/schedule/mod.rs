@@ -32,7 +32,7 @@ pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{MagnitudeLimit, OfTelescope, Policy};
 pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
-pub use tables::{StreakRow, exposure_table, flag_table, flag_table_with_exposures, streak_table};
+pub use tables::{StreakColumns, StreakRow, exposure_table, flag_table, flag_table_with_exposures, streak_table};
 pub use targets::{ListedTarget, read_targets};
 pub use verdict::{Verdict, VerdictKind};
 pub use window_table::{FoundWindows, SchedulerFormat, window_table, window_target_table};

@@ -101,9 +101,10 @@ impl LimitKind {
 
 /// Rules for verdicts. Omitted rules are not applied; by default no rule is set.
 ///
-/// Limits apply to the brightest predicted apparent magnitude in the field, in the band of the prediction; a table by
-/// band selects the limit by the band of the *exposure*. The word `telescope` as saturation or crosstalk limit refers
-/// to the limits in the file of the telescope.
+/// Limits apply to the brightest apparent magnitude in the field, in the band of the prediction. Positions and magnitudes
+/// are uncertain: an exposure is to be avoided if the probability that a satellite crosses and is brighter than a limit
+/// is at least `min_probability`. A table by band selects the limit by the band of the *exposure*. The word `telescope`
+/// as saturation or crosstalk limit refers to the limits in the file of the telescope.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Policy {
@@ -115,8 +116,8 @@ pub struct Policy {
     pub saturation_mag: Option<MagnitudeLimit>,
     /// Limit of correctable crosstalk: exposures with a brighter crossing are to be avoided.
     pub crosstalk_mag: Option<MagnitudeLimit>,
-    /// Least probability of a crossing for which an exposure is to be avoided, and of a near miss that counts; by
-    /// default 0.5, and near misses do not count.
+    /// Least probability of a crossing brighter than a limit for which an exposure is to be avoided, and of a near miss
+    /// (of any brightness) that counts; by default 0.5, and near misses do not count.
     pub min_probability: Option<f64>,
     /// Time kept clear before opening and after closing, seconds; by default 0.
     pub margin_s: Option<f64>,
@@ -125,7 +126,7 @@ pub struct Policy {
 }
 
 impl Policy {
-    /// Default of the least probability of a crossing for which an exposure is to be avoided.
+    /// Default of the least probability of a crossing brighter than a limit for which an exposure is to be avoided.
     pub const DEFAULT_MIN_PROBABILITY: f64 = 0.5;
     /// Default longest delay of the next clear start, seconds.
     pub const DEFAULT_MAX_DELAY_S: f64 = 600.0;
@@ -213,7 +214,7 @@ impl Policy {
             .map(|(name, kind, _)| (name, kind))
     }
 
-    /// Returns the least probability of a crossing for which an exposure is to be avoided.
+    /// Returns the least probability of a crossing brighter than a limit for which an exposure is to be avoided.
     pub(super) fn avoid_probability(&self) -> f64 {
         self.min_probability.unwrap_or(Self::DEFAULT_MIN_PROBABILITY)
     }

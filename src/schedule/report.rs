@@ -10,7 +10,7 @@ use crate::passes::{CrossingProbability, Exposure, Field, Pass, PassOptions, Sky
 use crate::photometry::{Band, PhotometryOptions};
 
 use super::horizon::{last_starts_s, lowest_altitudes_over};
-use super::judge::{CameraLimits, Expected, Rules, counts, flag};
+use super::judge::{CameraLimits, Expected, Light, Rules, counts, flag};
 use super::policy::{LimitKind, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
@@ -160,12 +160,17 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
         request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     for (((row, exposure), passes), satellites) in above.iter().zip(answer.by_exposure).zip(probabilities) {
-        let expected = expected_of(&satellites, request);
+        let band = rows[*row].band.as_deref();
+        let expected = if rules.has_limit(band) {
+            expected_of(&satellites, request, &|one| probability_brighter(one, &passes, band, &rules, request))
+        } else {
+            expected_of(&satellites, request, &|_| 1.0)
+        };
         report.may_cross.extend(satellites.iter().map(|one| SatelliteAge {
             element_age_days: seconds_between(request.sky.elements()[one.element_index].epoch, exposure.start) / DAY_S,
             along_track_sigma_s: one.along_track_sigma_s,
         }));
-        flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
+        flags[*row] = Some(flag(exposure, band, &passes, &expected, &rules));
         counted[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
     Ok(Judged { report, flags, above, counted })
@@ -234,14 +239,43 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     }
 }
 
-/// Returns the expected values for all satellites together in one exposure.
-fn expected_of(satellites: &[CrossingProbability], request: &FlagRequest<'_>) -> Expected {
-    let Some(telescope) = request.telescope else { return Expected::of(satellites, None) };
+/// Returns the probability that a satellite is brighter than any limit: at the peak of its pass, or for a near miss
+/// that is no pass at the point of its path that is nearest to the centre of the field.
+fn probability_brighter(
+    one: &CrossingProbability,
+    passes: &[Pass],
+    band: Option<&str>,
+    rules: &Rules<'_>,
+    request: &FlagRequest<'_>,
+) -> f64 {
+    let of_pass = passes.iter().find(|pass| pass.element_index == one.element_index).and_then(Light::of);
+    if of_pass.is_some() {
+        return rules.probability_brighter(of_pass, band).unwrap_or(1.0);
+    }
+    let CrossingProbability { element_index, geometry, lit_fraction, angular_rate_rad_s, .. } = *one;
+    let brightness = request.sky.brightness_in(element_index, &geometry, lit_fraction, request.photometry);
+    let light = brightness.as_ref().map(|brightness| Light {
+        element_index,
+        range_km: geometry.range_km,
+        angular_rate_rad_s,
+        brightness,
+    });
+    rules.probability_brighter(light, band).unwrap_or(1.0)
+}
+
+/// Returns the expected values for all satellites together in one exposure. `brighter` is the probability of each to be
+/// brighter than a limit.
+fn expected_of(
+    satellites: &[CrossingProbability],
+    request: &FlagRequest<'_>,
+    brighter: &dyn Fn(&CrossingProbability) -> f64,
+) -> Expected {
+    let Some(telescope) = request.telescope else { return Expected::of(satellites, brighter, None) };
     let lost_fraction = |one: &CrossingProbability| {
-        let width_arcsec = telescope.width_arcsec(one.range_km, request.sky.model(one.element_index).size_m());
+        let width_arcsec = telescope.width_arcsec(one.geometry.range_km, request.sky.model(one.element_index).size_m());
         telescope.lost_pixel_fraction(one.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
     };
-    Expected::of(satellites, Some(&lost_fraction))
+    Expected::of(satellites, brighter, Some(&lost_fraction))
 }
 
 /// Magnitude limits of a telescope, with the sky and photometry of the passes to which they apply.
@@ -256,16 +290,16 @@ impl CameraLimits for Camera<'_> {
         kind.limit_mag(self.telescope, band?)
     }
 
-    fn equivalent_mag_at_550_km(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64 {
+    fn equivalent_mag_at_550_km(&self, light: &Light<'_>, band: Option<&str>) -> f64 {
         // Satellites are grey: the colour is that of the Sun.
         let colour = band.and_then(|band| band.parse::<Band>().ok()).map_or(0.0, |band| {
             band.sun_magnitude(band.usual_system()) - self.photometry.band.sun_magnitude(self.photometry.system)
         });
         self.telescope.equivalent_mag_at_550_km(
-            magnitude + colour,
-            pass.mid.range_km,
-            pass.angular_rate_rad_s * ARCSEC_PER_RAD,
-            self.sky.model(pass.element_index).size_m(),
+            light.brightness.magnitude.0 + colour,
+            light.range_km,
+            light.angular_rate_rad_s * ARCSEC_PER_RAD,
+            self.sky.model(light.element_index).size_m(),
         )
     }
 }
@@ -398,7 +432,9 @@ fn confirm(
                 .sky
                 .crossing_probabilities(&later, request.field)?
                 .iter()
-                .map(|satellites| expected_of(satellites, request).lost_pixel_fraction.is_some_and(|lost| lost > most))
+                .map(|satellites| {
+                    expected_of(satellites, request, &|_| 1.0).lost_pixel_fraction.is_some_and(|lost| lost > most)
+                })
                 .collect(),
             None => vec![false; later.len()],
         };

@@ -107,7 +107,12 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             |flag| flag.expected_lost_pixel_fraction.into(),
         ),
         field(
-            Column::real("p_any", "", 4, "Probability that at least one lit satellite crosses, near misses included."),
+            Column::real(
+                "p_any",
+                "",
+                4,
+                "Probability that at least one lit satellite crosses that is brighter than a limit of the policy (of any brightness without a limit), near misses included.",
+            ),
             |flag| flag.p_any.into(),
         ),
         field(Column::real("streak_length_deg", "deg", 4, "Length of all nominal lit streaks in the field."), |flag| {
@@ -137,6 +142,15 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             ),
             |flag| Value::Integers(flag.norad_ids.iter().map(|id| i64::from(id.0)).collect()),
         ),
+        field(
+            Column::real(
+                "p_crossing",
+                "",
+                4,
+                "Probability that at least one lit satellite of any brightness crosses, near misses included.",
+            ),
+            |flag| flag.p_crossing.into(),
+        ),
     ]
 }
 
@@ -155,17 +169,31 @@ pub struct StreakRow<'a> {
     pub telescope: Option<&'a Telescope>,
     /// Band and system of the magnitudes.
     pub photometry: &'a PhotometryOptions,
+    /// Magnitude limit of the exposure, for the column `p_brighter`.
+    pub limit_mag: Option<f64>,
+}
+
+/// Optional columns of a table of streaks.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct StreakColumns {
+    /// Probability of being brighter than the magnitude limit.
+    pub p_brighter: bool,
+    /// Intervals inside the field, and whether the geometry is in the fitted range of the model.
+    pub chords: bool,
+    /// Points along the track, if any were computed.
+    pub samples: bool,
 }
 
 /// Returns passes as a table, in their order.
-///
-/// `chords` adds the intervals inside the field, `samples` the points along the track, if any were computed.
-pub fn streak_table<'a>(rows: impl IntoIterator<Item = StreakRow<'a>>, chords: bool, samples: bool) -> Table {
+pub fn streak_table<'a>(rows: impl IntoIterator<Item = StreakRow<'a>>, columns: StreakColumns) -> Table {
     let mut fields = streak_fields();
-    if chords {
+    if columns.p_brighter {
+        fields.push(p_brighter_field());
+    }
+    if columns.chords {
         fields.extend(nested_fields());
     }
-    if samples {
+    if columns.samples {
         fields.push(samples_field());
     }
     Table::from_records(&fields, rows)
@@ -323,6 +351,18 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
             |row| row.pass.position_source.to_string().into(),
         ),
     ]
+}
+
+fn p_brighter_field<'a>() -> TableField<StreakRow<'a>> {
+    TableField::new(
+        Column::real(
+            "p_brighter",
+            "",
+            4,
+            "Probability of being brighter at the peak than the magnitude limit; empty without a limit for the band.",
+        ),
+        |row| row.limit_mag.map(|limit_mag| row.pass.probability_brighter_than(limit_mag)).into(),
+    )
 }
 
 /// Columns that by default are written only in formats with nested tables: scripts rely on the columns of the other

@@ -15,7 +15,7 @@ pub enum VerdictKind {
     Clear,
     /// A lit satellite crosses the exposure, within the limits of the policy.
     Streaked,
-    /// A crossing exceeds a limit of the policy.
+    /// A crossing exceeds a limit of the policy with at least the probability of the policy.
     Avoid,
     /// The exposure cannot be judged.
     Invalid,
@@ -54,9 +54,12 @@ pub struct Verdict {
     pub brightest_mag: Option<f64>,
     /// Expected fraction of the pixels lost, each streak weighted with its probability; `None` without a telescope.
     pub expected_lost_pixel_fraction: Option<f64>,
-    /// Probability that at least one lit satellite crosses, for independent errors: 1 - Π(1 - p).
+    /// Probability that at least one lit satellite crosses that is brighter than a limit of the policy (that crosses, if
+    /// no limit applies), for independent errors: 1 - Π(1 - p).
     pub p_any: f64,
-    /// True if `p_any` and the expected loss are lower limits: more than 10 % of the delays of a satellite are
+    /// Probability that at least one lit satellite crosses, of any brightness.
+    pub p_crossing: f64,
+    /// True if `p_any`, `p_crossing` and the expected loss are lower limits: more than 10 % of the delays of a satellite are
     /// outside the range searched.
     pub p_any_is_lower_limit: bool,
     /// Length of all nominal lit streaks in the field, degrees.
@@ -84,6 +87,7 @@ impl Verdict {
             brightest_mag: None,
             expected_lost_pixel_fraction: None,
             p_any: f64::NAN,
+            p_crossing: f64::NAN,
             p_any_is_lower_limit: false,
             streak_length_deg: f64::NAN,
             reasons: vec![reason],

@@ -20,8 +20,9 @@ pub enum Blocking {
     Any,
     /// Satellites for any of which the verdict would be `avoid` by a magnitude limit of the policy.
     Avoided,
-    /// Satellites brighter than a limit, of any probability unless the policy has one; all lit satellites if no limit
-    /// applies to the band.
+    /// Satellites brighter than a limit with a probability of at least 0.5, every nominal crossing taken as certain, or
+    /// with a `min_probability` that cross and are brighter with at least this probability; all lit satellites if no
+    /// limit applies to the band.
     Limits,
 }
 

@@ -72,11 +72,11 @@ fn verif_old_elements_warn_with_their_effect_on_verdicts() {
         warning.starts_with("warning: elements 8.0 days old: ") && warning.contains(" s late (68 %, "),
         "{warning}"
     );
-    // The share is the mean of p_any without a nominal crossing, and of 1 - p_any with one.
+    // The share is the mean of p_crossing without a nominal crossing, and of 1 - p_crossing with one.
     let answer: Value = serde_json::from_str(&stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();
     let change = |flag: &Value| {
-        let p = flag["p_any"].as_f64().unwrap();
+        let p = flag["p_crossing"].as_f64().unwrap();
         if flag["n_streaks"] == 0 { p } else { 1.0 - p }
     };
     let expected = 100.0 * flags.iter().map(change).sum::<f64>() / flags.len() as f64;

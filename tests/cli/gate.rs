@@ -73,13 +73,14 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
         assert!((utc_seconds(start) - utc_seconds(&now) - wait_s).abs() < 2e-3, "{status}");
         waited += u32::from(wait_s > 0.0);
         let brighter = |start: &str, exposure: &str| {
-            let passes = ["passes", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--quiet"];
+            let passes =
+                ["passes", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--limit-mag", "7", "--quiet"];
             let (code, stdout, _) =
                 run(&[&passes, POINTING, &["--start", start, "--exposure", exposure, "--format", "json"]]);
             assert!(code < 2);
             let answer: Value = serde_json::from_str(&stdout).unwrap();
             let rows = answer["passes"].as_array().unwrap().clone();
-            rows.iter().filter(|row| row["magnitude_peak"].as_f64().is_some_and(|magnitude| magnitude < 7.0)).count()
+            rows.iter().filter(|row| row["p_brighter"].as_f64().is_some_and(|brighter| brighter >= 0.5)).count()
         };
         assert_eq!(brighter(start, "10s"), 0, "{status}");
         // The shutter may open later by the margin.

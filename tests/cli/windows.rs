@@ -87,8 +87,7 @@ fn verif_windows_agree_with_passes() {
             .collect();
         let answer = prepared.sky.field_passes(&exposures, &field, &PassOptions::default()).unwrap();
         for ((start, exposure), passes) in starts.iter().zip(&exposures).zip(&answer.by_exposure) {
-            let peaks = passes.iter().filter_map(|pass| Some(pass.peak.as_ref()?.brightness.as_ref()?.magnitude.0));
-            let bright = peaks.filter(|magnitude| *magnitude < LIMIT_MAG).count();
+            let bright = passes.iter().filter(|pass| pass.probability_brighter_than(LIMIT_MAG) >= 0.5).count();
             let is_inside = windows.iter().any(|window| (window.first..=window.last).contains(start));
             let shutter = Exposure { start: *start, ..target.exposure.clone() };
             let lowest_deg = lowest_altitudes_rad(&[&shutter], prepared.sky.viewpoint(), &prepared.eop)[0].to_degrees();

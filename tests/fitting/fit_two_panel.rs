@@ -287,7 +287,7 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
     let fitted = |names: &[&str]| {
         let problem = Problem::new(&form, &points, &FitSettings::free(names)).expect("a problem");
         let fit = problem.solve().expect("a fit");
-        let file = model_file(&base, &fit, problem.points(), 0.05, 0.3, &words).expect("a model file");
+        let file = model_file(&base, &fit, problem.points(), 0.05, &[-0.3, 0.3], &words).expect("a model file");
         (fit, file)
     };
     let (_, without) = fitted(&SEVEN);

@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod error_distributions;
 mod fit_closed_circle;
 mod fit_panels;
 mod fit_two_panel;

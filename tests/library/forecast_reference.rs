@@ -112,7 +112,7 @@ fn valid_forecast_against_heavens_above() {
     assert_eq!(compared, 15);
     // Heavens-Above lists the visible passes of the evening; additional passes of ours must be outside of its list.
     for (pass, visible) in seen {
-        let row = PassRow { pass, elements: &sky.elements()[0] };
+        let row = PassRow { pass, elements: &sky.elements()[0], limit_mag: None };
         assert!(degrees(visible.highest.altitude_rad) >= 9.99 && row.ends_by().is_some(), "{:?}", visible.begin.epoch);
     }
 }

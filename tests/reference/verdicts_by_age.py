@@ -11,7 +11,7 @@ are up to two days older than the file. Verdicts by `flag` with
 the field of 3.5 deg and a limit of V = 7 mag.
 
 "changed" counts visits with another verdict (clear, streaked, avoid); "expected" is the share that `flag` states from the elements of that age alone:
-the mean of p_any over clear visits and of 1 - p_any over all others (changes between clear and not clear, the column before it).
+the mean of p_crossing over clear visits and of 1 - p_crossing over all others (changes between clear and not clear, the column before it).
 Takes about two minutes.
 """
 
@@ -67,7 +67,7 @@ def schedule(folder, evening, visits, night):
 def verdicts(visits, files, drag):
     command = [BINARY, "flag", "--schedule", visits, "--mpc", "X05", "--fov", "3.5deg", "--limit-mag", "7", "--max-delay", "1s"]
     run = subprocess.run([*command, "--drag", drag, "--format", "json", "--quiet", "--elements", *files], capture_output=True, text=True, check=True)
-    return [(one["verdict"], one["p_any"]) for one in json.loads(run.stdout)["flags"]]
+    return [(one["verdict"], one["p_crossing"]) for one in json.loads(run.stdout)["flags"]]
 
 
 def main():

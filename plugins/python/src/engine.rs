@@ -14,7 +14,7 @@ use streakcast::output::{Column, Table};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict, VerdictKind,
+    Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakColumns, StreakRow, Verdict, VerdictKind,
     WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures,
     streak_table,
 };
@@ -154,7 +154,7 @@ impl Engine {
     }
 
     /// Returns verdicts as plain arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`,
-    /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`.
+    /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`.
     #[pyo3(signature = (exposures, bands))]
     fn judge<'py>(
         &self,
@@ -176,6 +176,7 @@ impl Engine {
         result.set_item("streak_length_deg", reals(|flag| flag.streak_length_deg))?;
         let lower_limits: Vec<bool> = flags.iter().map(|flag| flag.p_any_is_lower_limit).collect();
         result.set_item("p_any_is_lower_limit", lower_limits.into_pyarray(py))?;
+        result.set_item("p_crossing", reals(|flag| flag.p_crossing))?;
         Ok((result, warnings))
     }
 
@@ -191,20 +192,30 @@ impl Engine {
         Ok((columns(py, &flag_table(&flags))?, warnings))
     }
 
-    /// Returns one row per crossing, as the columns of `streakcast passes`.
+    /// Returns one row per crossing, as the columns of `streakcast passes`. `limits_mag` has one magnitude limit for each
+    /// exposure (NaN for none), for the column `p_brighter`; without it the limit of the policy applies, that for other
+    /// bands if it has limits by band.
+    #[pyo3(signature = (exposures, include_dark, samples, limits_mag=None))]
     fn passes<'py>(
         &self,
         py: Python<'py>,
         exposures: Columns<'py>,
         include_dark: bool,
         samples: usize,
+        limits_mag: Option<Vec<f64>>,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
         let exposures = exposures.to_exposures()?;
         if samples > streakcast::config::MOST_SAMPLES {
             let most = streakcast::config::MOST_SAMPLES;
             return Err(failure::request(format!("samples is {samples}; allowed: 0 to {most}")));
         }
-        let (table, warnings) = failure::without_lock(py, || self.pass_table(&exposures, include_dark, samples))?;
+        let limits_mag = limits_mag.or_else(|| {
+            let limit_mag = self.policy.limit_mag.as_ref()?.of(None)?;
+            Some(vec![limit_mag; exposures.len()])
+        });
+        let (table, warnings) = failure::without_lock(py, || {
+            self.pass_table(&exposures, include_dark, samples, limits_mag.as_deref())
+        })?;
         Ok((columns(py, &table)?, warnings))
     }
 
@@ -250,7 +261,9 @@ impl Engine {
         Ok((result, warnings))
     }
 
-    /// Returns the satellites above the site at times `seconds` after a start: one row per satellite and time.
+    /// Returns the satellites above the site at times `seconds` after a start: one row per satellite and time, with the
+    /// probability to be brighter than each of `limits_mag`, `(n_rows, n_limits)`.
+    #[pyo3(signature = (jd1, jd2, seconds, min_altitude_deg, include_dark, light, limits_mag=Vec::new()))]
     #[expect(clippy::too_many_arguments)]
     fn overhead<'py>(
         &self,
@@ -261,8 +274,12 @@ impl Engine {
         min_altitude_deg: f64,
         include_dark: bool,
         light: bool,
+        limits_mag: Vec<f64>,
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         let start = start_of(0, jd1, jd2)?;
+        for (index, limit_mag) in limits_mag.iter().enumerate() {
+            within("limit_mag", index, *limit_mag, -30.0, 40.0, "mag")?;
+        }
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
         // Brightness is computed at the middle of each track only.
         let options = SnapshotOptions {
@@ -271,7 +288,8 @@ impl Engine {
             whole_tracks: false,
             photometry: None,
         };
-        let (rows, warnings) = failure::without_lock(py, || self.sky_rows(start, &seconds, &options, light))?;
+        let (rows, warnings) =
+            failure::without_lock(py, || self.sky_rows(start, &seconds, &options, light, &limits_mag))?;
         let result = PyDict::new(py);
         let reals = |column: Vec<f64>| -> Bound<'py, PyArray1<f64>> { column.into_pyarray(py) };
         result.set_item("moment", rows.moment.into_pyarray(py))?;
@@ -280,7 +298,9 @@ impl Engine {
         result.set_item("range_km", reals(rows.range_km))?;
         result.set_item("angular_rate_deg_s", reals(rows.rate_deg_s))?;
         result.set_item("lost_width_arcsec", reals(rows.lost_width_arcsec))?;
+        let n_rows = rows.magnitude.len();
         result.set_item("magnitude", reals(rows.magnitude))?;
+        result.set_item("p_brighter", reals(rows.p_brighter).reshape([n_rows, limits_mag.len()])?)?;
         Ok((result, warnings))
     }
 }
@@ -296,6 +316,8 @@ struct SkyRows {
     rate_deg_s: Vec<f64>,
     lost_width_arcsec: Vec<f64>,
     magnitude: Vec<f64>,
+    /// Probability of being brighter than each limit, one value per limit and row.
+    p_brighter: Vec<f64>,
 }
 
 impl Engine {
@@ -305,6 +327,7 @@ impl Engine {
         seconds: &[f64],
         options: &SnapshotOptions,
         light: bool,
+        limits_mag: &[f64],
     ) -> PyResult<WithWarnings<SkyRows>> {
         let prepared = self.sky_cache.get().of(start)?;
         let sky = &prepared.sky;
@@ -323,7 +346,9 @@ impl Engine {
             let lost_width_arcsec = lost_width(track, range_km);
             let brightness =
                 if light { sky.brightness(track.element_index, &middle.point, &self.photometry) } else { None };
-            let magnitude = brightness.map_or(f64::NAN, |light| light.magnitude.0);
+            let magnitude = brightness.as_ref().map_or(f64::NAN, |light| light.magnitude.0);
+            let brighter = |&limit: &f64| brightness.as_ref().map_or(0.0, |light| light.probability_brighter_than(limit));
+            let p_brighter: Vec<f64> = limits_mag.iter().map(brighter).collect();
             for snapshot in &track.snapshots {
                 rows.moment.push(snapshot.time_index as i64);
                 rows.norad_id.push(i64::from(track.norad_id.0));
@@ -332,12 +357,19 @@ impl Engine {
                 rows.rate_deg_s.push(middle.angular_rate_rad_s.to_degrees());
                 rows.lost_width_arcsec.push(lost_width_arcsec);
                 rows.magnitude.push(magnitude);
+                rows.p_brighter.extend(&p_brighter);
             }
         }
         Ok((rows, warnings))
     }
 
-    fn pass_table(&self, exposures: &[Exposure], include_dark: bool, samples: usize) -> PyResult<WithWarnings<Table>> {
+    fn pass_table(
+        &self,
+        exposures: &[Exposure],
+        include_dark: bool,
+        samples: usize,
+        limits_mag: Option<&[f64]>,
+    ) -> PyResult<WithWarnings<Table>> {
         let field = self.field()?;
         let options = PassOptions {
             include_dark,
@@ -367,10 +399,12 @@ impl Engine {
                     satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
                     telescope: self.telescope.as_ref(),
                     photometry: &self.photometry,
+                    limit_mag: limits_mag.and_then(|limits| limits.get(*index).copied()).filter(|limit| !limit.is_nan()),
                 })
             })
             .collect();
-        let mut table = streak_table(rows.iter().copied(), true, samples > 0);
+        let columns = StreakColumns { p_brighter: limits_mag.is_some(), chords: true, samples: samples > 0 };
+        let mut table = streak_table(rows.iter().copied(), columns);
         table.columns.push(LOST);
         for (cells, row) in table.rows.iter_mut().zip(&rows) {
             let lost = self.telescope.as_ref().map(|telescope| {

@@ -7,7 +7,7 @@ use pyo3::types::{PyDict, PyList};
 use streakcast::config::{Config, ConfigError, EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
     EphemerisRow, ForecastError, ForecastRequest, PassRow, Selection, ephemeris as compute_ephemeris, ephemeris_table,
-    forecast as compute_forecast, night_table, pass_table,
+    forecast as compute_forecast, night_table, pass_table, PassColumns,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
@@ -69,9 +69,15 @@ impl Nights {
         let sky = &prepared.sky;
         let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
         let rows =
-            found.found.passes.iter().map(|pass| PassRow { pass, elements: &sky.elements()[pass.element_index] });
+            found.found.passes.iter().map(|pass| PassRow {
+            pass,
+            elements: &sky.elements()[pass.element_index],
+            limit_mag: request.max_magnitude,
+        });
         let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();
-        let passes = pass_table(rows, true, request.samples > 0);
+        let columns =
+            PassColumns { p_brighter: request.max_magnitude.is_some(), more: true, samples: request.samples > 0 };
+        let passes = pass_table(rows, columns);
         let night_row = night_table(&found, found.why_empty(sky, request).as_deref());
         self.passes.columns = [&[NIGHT], passes.columns.as_slice()].concat();
         self.passes.rows.extend(passes.rows.into_iter().map(|row| [vec![night.into()], row].concat()));

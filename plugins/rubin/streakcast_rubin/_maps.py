@@ -12,7 +12,7 @@ from streakcast.hosts import Hook
 
 from ._arrays import FloatArray
 from ._checks import limits, one_of
-from ._verdicts import DAMAGES, scale_of
+from ._verdicts import DAMAGES, limit_values, scale_of
 from ._tracks import Sky
 
 NSIDE = 32
@@ -70,7 +70,8 @@ class StreakMap(BaseBasisFunction):
     def _sky_of(self, model: StreakModel) -> Sky:
         """Returns the satellite tracks of a model."""
         if self._sky is None or self._sky.model is not model:
-            self._sky = Sky(model, self.mjd_scale, light=self.damage == "light" or self.limit_mag is not None)
+            light = self.damage == "light" or self.limit_mag is not None
+            self._sky = Sky(model, self.mjd_scale, light=light, limits_mag=limit_values(self.limit_mag))
         return self._sky
 
     def _band(self, conditions: Any) -> Union[str, None]:

@@ -12,7 +12,7 @@ import numpy as np
 from streakcast import StreakModel
 
 from ._arrays import FloatArray, IntArray, SingleArray
-from ._verdicts import weight_of_light
+from ._verdicts import LEAST_PROBABILITY, weight_of_light
 
 #: Length of a time slot, seconds: about the time between visits.
 SLOT_S = 40.0
@@ -39,6 +39,8 @@ class Samples(NamedTuple):
     lost_width_arcsec: FloatArray
     #: Magnitude, ``(n,)``; NaN where unknown.
     magnitude: FloatArray
+    #: Probability of being brighter than each limit of the `Sky`, ``(n, n_limits)``.
+    p_brighter: FloatArray
 
 
 class SlotCache(Generic[Value]):
@@ -69,10 +71,12 @@ class SlotCache(Generic[Value]):
 class Sky:
     """Lit satellites of a model by time slots."""
 
-    def __init__(self, model: StreakModel, scale: str, light: bool) -> None:
+    def __init__(self, model: StreakModel, scale: str, light: bool, limits_mag: tuple[float, ...] = ()) -> None:
         self.model = model
         self._scale = scale
         self._light = light
+        #: Limits of the columns of `Samples.p_brighter`.
+        self.limits_mag = limits_mag
         self._cache: SlotCache[Samples] = SlotCache()
 
     def over(self, start_mjd: float, end_mjd: float) -> list[tuple[int, Samples]]:
@@ -88,10 +92,25 @@ class Sky:
     def sample(self, start_mjd: float, length_s: float) -> Samples:
         """Computes the satellites above the site for a time span."""
         steps = np.arange(0.0, length_s, SAMPLE_S)
-        found = self.model.overhead(start_mjd, steps, min_altitude=LOWEST_DEG, light=self._light, scale=self._scale)
+        found = self.model.overhead(
+            start_mjd, steps, min_altitude=LOWEST_DEG, light=self._light, limit_mag=self.limits_mag, scale=self._scale
+        )
         # Width 0 without a telescope.
         width = np.nan_to_num(found.lost_width_arcsec)
-        return Samples(found.direction, steps[found.moment], found.angular_rate_deg_s, width, found.magnitude)
+        return Samples(
+            found.direction, steps[found.moment], found.angular_rate_deg_s, width, found.magnitude, found.p_brighter
+        )
+
+    def probability_brighter(self, limit_mag: float | None, samples: Samples) -> FloatArray:
+        """Returns the probability of each sample to be brighter than one of the limits; 1 without a limit."""
+        if limit_mag is None:
+            return np.ones(samples.magnitude.size)
+        return samples.p_brighter[:, self.limits_mag.index(limit_mag)]
+
+    def probably_brighter(self, limit_mag: float | None, samples: Samples) -> Samples:
+        """Returns the samples that are brighter than a limit with a probability of at least 0.5; all without a limit."""
+        keep = self.probability_brighter(limit_mag, samples) >= LEAST_PROBABILITY
+        return Samples(*(column[keep] for column in samples))
 
 
 def _unit(ra_rad: FloatArray, dec_rad: FloatArray) -> FloatArray:
@@ -154,11 +173,3 @@ def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) 
     """Fraction of a field's pixels lost to a satellite: length x width / area, optionally weighted by brightness."""
     lost = samples.rate_deg_s * seconds * samples.lost_width_arcsec / 3600.0 / area_deg2
     return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)
-
-
-def brighter_than(limit_mag: float | None, samples: Samples) -> Samples:
-    """Returns the samples brighter than a limit, or all without a limit; a limit excludes unknown magnitudes."""
-    if limit_mag is None:
-        return samples
-    keep = samples.magnitude < limit_mag
-    return Samples(*(column[keep] for column in samples))

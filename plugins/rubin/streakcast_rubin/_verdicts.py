@@ -15,7 +15,7 @@ from ._mount import Openings
 REFERENCE_MAG = 7.0
 #: Limits of the weight: fainter satellites still make streaks, brighter ones cannot affect more than the frame.
 LEAST_WEIGHT, MOST_WEIGHT = 1e-3, 1e3
-#: Minimum probability of a crossing for magnitude limits.
+#: Minimum probability of a crossing brighter than a magnitude limit.
 LEAST_PROBABILITY = 0.5
 SCALES = ("utc", "tai", "tt")
 DAMAGES = ("pixels", "light")
@@ -91,6 +91,14 @@ def limit_of(limit_mag: Any, band: str | None) -> float | None:
     return None if limit is None else float(limit)
 
 
+def limit_values(limit_mag: Any) -> tuple[float, ...]:
+    """Returns the different limits of all bands."""
+    if limit_mag is None:
+        return ()
+    values = limit_mag.values() if isinstance(limit_mag, dict) else [limit_mag]
+    return tuple(sorted({float(one) for one in values}))
+
+
 def pointings(visits: Visits) -> tuple[tuple[FloatArray, FloatArray], FloatArray, list[str]]:
     """Returns right ascension and declination, sky rotation (degrees) and bands of visits."""
     target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
@@ -108,7 +116,10 @@ def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) 
         lost = np.where(np.isfinite(assessment.lost_fraction), assessment.lost_fraction, np.nan_to_num(assessment.streak_length_deg))
         blocked, n_streaks, brightest_mag = assessment.avoid, assessment.n_streaks, assessment.brightest_mag
     else:
-        passes = model.passes(target, start, length_s, rotation=rotation, scale=rules.scale, output="dict")
+        limits = np.array([limit_of(rules.limit_mag, band) for band in bands], dtype=float)
+        passes = model.passes(
+            target, start, length_s, rotation=rotation, limit_mag=limits, scale=rules.scale, output="dict"
+        )
         which = np.asarray(passes["exposure_id"], dtype=np.int64)
         magnitude = np.asarray(passes["magnitude_peak"], dtype=float)
         share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
@@ -120,10 +131,10 @@ def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) 
         brightest_mag[np.isinf(brightest_mag)] = np.nan
         blocked = n_streaks > 0
         if rules.blocking == "avoid":
-            limit = np.array([limit_of(rules.limit_mag, bands[one]) for one in which], dtype=float)
-            # Same rule as for the model's limits: brighter, and a probability of at least 0.5.
-            bright = (magnitude < limit) & (np.asarray(passes["probability"], dtype=float) >= LEAST_PROBABILITY)
-            blocked = np.bincount(which, weights=bright | np.isnan(limit), minlength=visits.size) > 0
+            # Same rule as for the model's limits: a crossing brighter than the limit with a probability of at least 0.5.
+            p_brighter = np.asarray(passes["p_brighter"], dtype=float)
+            bright = np.asarray(passes["probability"], dtype=float) * p_brighter >= LEAST_PROBABILITY
+            blocked = np.bincount(which, weights=bright | np.isnan(limits[which]), minlength=visits.size) > 0
     if rules.damage == "light":
         lost = lost * weight_of_light(brightest_mag)
     return Verdicts(np.asarray(blocked, dtype=bool), np.asarray(lost, dtype=float), n_streaks, brightest_mag)

@@ -25,6 +25,7 @@ FLAG_COLUMNS = {
     "brightest_mag": "REAL",
     "expected_lost_pixel_fraction": "REAL",
     "p_any": "REAL",
+    "p_crossing": "REAL",
     "norad_ids": "TEXT",
 }
 #: Columns of the table with one row per visit and satellite.

@@ -13,7 +13,7 @@ from ._arrays import BoolArray, FloatArray
 from ._checks import above, at_least
 from ._maps import CELLS, NSIDE, StreakMap
 from ._verdicts import limit_of, see
-from ._tracks import SAMPLE_S, SLOT_S, Pointings, Samples, SlotCache, brighter_than, cells_as_pointings, fields_as_pointings, loss_of, sectors
+from ._tracks import SAMPLE_S, SLOT_S, Pointings, Samples, SlotCache, cells_as_pointings, fields_as_pointings, loss_of, sectors
 
 #: Half the side of a cell of nside 32, degrees.
 HALF_CELL_DEG = 0.92
@@ -45,8 +45,8 @@ class StreakMaskBasisFunction(StreakMap):
     mjd_scale : {"utc", "tai", "tt"}, optional
         Scale of the scheduler's MJD. Must be given here or in the model.
     limit_mag : float or dict, optional
-        Only satellites brighter than this are avoided, by band as ``{"g": 7, "default": 6}``; without it, and in bands
-        without a limit, all lit satellites.
+        Only satellites brighter than this with a probability of at least 0.5 are avoided, by band as
+        ``{"g": 7, "default": 6}``; without it, and in bands without a limit, all lit satellites.
     damage : {"light", "pixels"}
         Measure of the loss in a cell: lost pixels with or without weighting by each satellite's brightness.
     exptime_s : float
@@ -176,7 +176,7 @@ class StreakMaskBasisFunction(StreakMap):
             # The losses per step are the same for every visit; only the window of steps differs.
             cumulative = self._cache.get((sky, limit, pointings), number)
             if cumulative is None:
-                cumulative = self._cache.put(number, self._losses(brighter_than(limit, samples), pointings))
+                cumulative = self._cache.put(number, self._losses(sky.probably_brighter(limit, samples), pointings))
             since, until = (np.minimum(np.maximum(step - number * STEPS, 0), STEPS) for step in (first, end))
             lost += cumulative.take(until * n + of_cell) - cumulative.take(since * n + of_cell)
         loss = np.zeros(CELLS)

@@ -39,8 +39,8 @@ class StreakQueueManager(BaseQueueManager):
     mjd_scale : {"utc", "tai", "tt"}, optional
         Scale of the scheduler's MJD. Must be given here or in the model.
     limit_mag : float or dict, optional
-        Only satellites brighter than this are avoided, by band as ``{"g": 7, "default": 6}``; without it, and in bands
-        without a limit, all lit satellites.
+        Only satellites that cross and are brighter than this with a probability of at least 0.5 are avoided, by band as
+        ``{"g": 7, "default": 6}``; without it, and in bands without a limit, all lit satellites.
     blocking : {"any", "avoid"}, optional
         Satellites to avoid: any lit one, or those that exceed a limit (`limit_mag`, or without it the limits of the
         model's policy). Default: ``avoid`` if `limit_mag` is given, otherwise ``any``.

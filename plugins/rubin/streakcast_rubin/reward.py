@@ -12,7 +12,7 @@ from ._arrays import FloatArray
 from ._checks import at_least
 from ._maps import CELLS, NSIDE, StreakMap
 from ._verdicts import limit_of, see
-from ._tracks import SAMPLE_S, Samples, brighter_than, centres_of, loss_of
+from ._tracks import SAMPLE_S, Samples, centres_of, loss_of
 
 #: Number of cells smoothed at once: two rings, so that only satellites in their band of declination are used.
 ROWS = 256
@@ -36,8 +36,8 @@ class StreakRewardBasisFunction(StreakMap):
     mjd_scale : {"utc", "tai", "tt"}, optional
         Scale of the scheduler's MJD. Must be given here or in the model.
     limit_mag : float or dict, optional
-        Only satellites brighter than this count, by band as ``{"g": 7, "default": 6}``; without it, and in bands
-        without a limit, all lit satellites.
+        Each satellite counts with the probability to be brighter than this, by band as ``{"g": 7, "default": 6}``;
+        without it, and in bands without a limit, all lit satellites count fully.
     damage : {"light", "pixels"}
         Lost pixels with weighting by brightness (1 at 7 mag, a factor of 2.5 per magnitude) or without.
     look_ahead_min : float
@@ -110,16 +110,19 @@ class StreakRewardBasisFunction(StreakMap):
         ahead_h = np.linspace(0.0, self.look_ahead_min / 60.0, self.samples)
         sky = self._sky_of(model)
         samples = [sky.sample(now + later_h / 24.0, SAMPLE_S) for later_h in ahead_h]
-        value = -self._lost_mpx([brighter_than(limit, one) for one in samples])
+        value = -self._lost_mpx(samples, [sky.probability_brighter(limit, one) for one in samples])
         self._cached = (now, key, value)
         self.counts["made"] += 1
         return value
 
-    def _lost_mpx(self, samples: list[Samples]) -> FloatArray:
-        """Returns the expected pixel loss of a visit to each cell, millions."""
+    def _lost_mpx(self, samples: list[Samples], counts: list[FloatArray]) -> FloatArray:
+        """Returns the expected pixel loss of a visit to each cell, millions; each satellite counts with a probability."""
         direction = np.concatenate([one.direction for one in samples])
         # Lost fraction of a field that contains the whole streak.
-        share = np.concatenate([loss_of(one, self.exptime_s, self.area_deg2, self.damage == "light") for one in samples])
+        weighted = self.damage == "light"
+        share = np.concatenate(
+            [loss_of(one, self.exptime_s, self.area_deg2, weighted) * p for one, p in zip(samples, counts)]
+        )
         smoothing = math.radians(self.smoothing_deg)
         reach = math.cos(smoothing)
         declination, height = (np.arcsin(np.clip(one[:, 2], -1.0, 1.0)) for one in (direction, centres_of(NSIDE)))

@@ -13,7 +13,7 @@ from conftest import EVENING
 from rubin_scheduler.scheduler.basis_functions import BaseBasisFunction
 from rubin_scheduler.utils import _hpid2_ra_dec
 from streakcast_rubin import StreakMaskBasisFunction, StreakRewardBasisFunction
-from streakcast_rubin._tracks import Samples, brighter_than
+from streakcast_rubin._tracks import Samples, Sky
 from streakcast_rubin.mask import FIELD_PAD_DEG, HALF_CELL_DEG, _cells_to_mask
 
 CELLS = 12_288
@@ -194,9 +194,14 @@ def test_the_scale_of_the_mjd_is_used(conditions, models):
 
 
 def test_samples_without_magnitude_exceed_no_limit():
-    samples = Samples(np.eye(3), np.zeros(3), np.ones(3), np.ones(3), np.array([5.0, np.nan, 8.0]))
-    assert brighter_than(7.0, samples).magnitude.tolist() == [5.0]
-    assert brighter_than(None, samples) is samples
+    p_brighter = np.array([[0.4, 0.9], [0.0, 0.0], [0.1, 0.2]])
+    samples = Samples(np.eye(3), np.zeros(3), np.ones(3), np.ones(3), np.array([5.0, np.nan, 8.0]), p_brighter)
+    sky = Sky(None, "utc", light=True, limits_mag=(4.0, 7.0))
+    assert sky.probably_brighter(7.0, samples).magnitude.tolist() == [5.0]
+    assert sky.probably_brighter(4.0, samples).magnitude.size == 0
+    assert sky.probability_brighter(7.0, samples).tolist() == [0.9, 0.0, 0.2]
+    assert sky.probability_brighter(None, samples).tolist() == [1.0, 1.0, 1.0]
+    assert sky.probably_brighter(None, samples).magnitude.size == 3
 
 
 def test_limits_follow_the_current_band(conditions, models):

@@ -34,7 +34,7 @@ use super::super::track::{ObserverMotion, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::frames::{Orientation, seconds_after};
-use crate::geometry::{Aspect, Observer};
+use crate::geometry::{Aspect, Observer, ViewingGeometry};
 use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
 
 /// Length of a piece of an exposure, seconds. The site moves by at most 5 km in it, which is small compared with the
@@ -59,10 +59,14 @@ pub struct CrossingProbability {
     /// Expected length of its streak within the field, radians: the average over all errors of its position, with length
     /// 0 for errors with which it misses the field.
     pub streak_length_rad: f64,
-    /// Distance of the satellite at the time at which its path is nearest to the centre of the field, km.
-    pub range_km: f64,
     /// One-sigma error along the track as a time, seconds.
     pub along_track_sigma_s: f64,
+    /// Sun, satellite and observer at the time at which its path is nearest to the centre of the field.
+    pub geometry: ViewingGeometry,
+    /// Fraction of the Sun's light that reaches it there, [0, 1].
+    pub lit_fraction: f64,
+    /// Angular speed there, rad/s.
+    pub angular_rate_rad_s: f64,
     /// True if the elements are so old that delays beyond the searched ones are probable. Probability and streak length
     /// are then lower limits.
     pub is_lower_limit: bool,
@@ -150,8 +154,10 @@ impl Sky {
                     element_index: pass.element_index,
                     probability: pass.probability,
                     streak_length_rad: pass.probability * length_rad(pass, exposure),
-                    range_km: pass.mid.range_km,
                     along_track_sigma_s: pass.along_track_sigma_s,
+                    geometry: pass.mid.geometry,
+                    lit_fraction: pass.mid.illumination.lit_fraction(),
+                    angular_rate_rad_s: pass.angular_rate_rad_s,
                     is_lower_limit: is_cut(pass, exposure),
                 })
                 .collect();
@@ -303,7 +309,7 @@ impl ExposedField<'_> {
         let line = SightLine { arc, observer: still };
         let track = |time_s: f64| line.sight(time_s);
         let nominal = cross(&track, from_s, to_s, &self.field);
-        let (state, _, aspect) = line.aspect_at(nominal.closest_s);
+        let (state, observer, aspect) = line.aspect_at(nominal.closest_s);
         let cross_track_rad = sigma.cross_track_km / aspect.range_km;
         if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * cross_track_rad
             || !is_visible(&nominal, &aspect)
@@ -328,12 +334,18 @@ impl ExposedField<'_> {
             only_entering: piece.only_entering,
         };
         let odds = crossing_odds(&track, &nominal, (from_s, to_s), &delays, &self.field, cross_track_rad);
-        (odds.probability > 0.0).then_some(CrossingProbability {
+        if odds.probability <= 0.0 {
+            return None;
+        }
+        let sun = self.scene.sun.at_s(piece.mid_s()).sun;
+        Some(CrossingProbability {
             element_index,
             probability: odds.probability.min(1.0),
             streak_length_rad: odds.streak_length_rad,
-            range_km: aspect.range_km,
             along_track_sigma_s: sigma.along_track_s,
+            geometry: ViewingGeometry::new(&state.position, &observer, &sun)?,
+            lit_fraction: self.sky.shadow().illumination(&state.position, &sun).lit_fraction(),
+            angular_rate_rad_s: track(nominal.closest_s).angular_rate_rad_s(),
             is_lower_limit: lateness.is_cut(),
         })
     }

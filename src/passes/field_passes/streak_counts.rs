@@ -26,17 +26,17 @@ pub struct CountRequest<'a> {
     pub field: &'a Field,
     /// Band and system of the magnitudes.
     pub photometry: PhotometryOptions,
-    /// Magnitude limit of streaks that are also counted separately.
+    /// Magnitude limit: streaks brighter than it are also counted.
     pub limit_mag: Option<f64>,
 }
 
 /// Numbers of streaks in one exposure.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct StreakCount {
     /// Number of lit satellites with nominal tracks that cross.
     pub streaks: usize,
-    /// Number of these that are brighter than the limit; 0 without a limit.
-    pub bright: usize,
+    /// Expected number of these brighter than the limit, the sum of their probabilities; 0 without a limit.
+    pub bright: f64,
 }
 
 /// Counts with the positions of the Sun.
@@ -74,13 +74,12 @@ impl Sky {
         }
         // All exposures in one query, so that those near in time share their preparation.
         let passes = self.field_passes(&exposures, request.field, &options)?;
-        let peak = |pass: &Pass| {
-            pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
-        };
         let count = |passes: &Vec<Pass>| {
             let lit = || passes.iter().filter(|pass| pass.lit && pass.is_crossing());
-            let is_bright = |pass: &&Pass| peak(pass).zip(request.limit_mag).is_some_and(|(mag, limit)| mag < limit);
-            StreakCount { streaks: lit().count(), bright: lit().filter(is_bright).count() }
+            let bright = request
+                .limit_mag
+                .map_or(0.0, |limit_mag| lit().fold(0.0, |sum, pass| sum + pass.probability_brighter_than(limit_mag)));
+            StreakCount { streaks: lit().count(), bright }
         };
         counts.by_moment = match request.directions.len() {
             0 => vec![Vec::new(); request.moments.len()],

@@ -68,14 +68,15 @@ class ExposureQueries(SiteQueries):
         self._warn_once(sky_cache, warnings)
         verdict, streaks = VERDICTS[result["verdict"]], result["n_streaks"]
         numbers = (result["brightest_mag"], result["lost_fraction"], result["p_any"], result["streak_length_deg"])
-        is_lower_limit = result["p_any_is_lower_limit"]
+        is_lower_limit, p_crossing = result["p_any_is_lower_limit"], result["p_crossing"]
         if shape == ():
             count = int(streaks[0])
             brightest_mag, lost_fraction, p_any, length_deg = (float(one[0]) for one in numbers)
             return Assessment(
-                str(verdict[0]), count > 0, count, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0])
+                str(verdict[0]), count > 0, count, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0]),
+                float(p_crossing[0]),
             )
-        arrays = (verdict, streaks > 0, streaks, *numbers, is_lower_limit)
+        arrays = (verdict, streaks > 0, streaks, *numbers, is_lower_limit, p_crossing)
         return Assessment(*(one.reshape(shape) for one in arrays))
 
     def flags(
@@ -104,7 +105,7 @@ class ExposureQueries(SiteQueries):
         QTable or dict of arrays, ``(n_exposures,)`` each
             ``exposure_id`` (flat index of the exposure), ``verdict``, ``n_streaks``, ``brightest_mag``,
             ``expected_lost_pixel_fraction``, ``p_any``, ``streak_length_deg``, ``reasons``, ``next_clear_start_utc``,
-            ``delay_s``, ``norad_ids``.
+            ``delay_s``, ``norad_ids``, ``p_crossing``.
         """
         exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
@@ -151,6 +152,7 @@ class ExposureQueries(SiteQueries):
         rotation: Numbers = 0.0,
         include_dark: bool = False,
         samples: int = 0,
+        limit_mag: Any = None,
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> TableLike:
@@ -164,6 +166,9 @@ class ExposureQueries(SiteQueries):
             Whether to include crossings entirely inside the Earth's shadow.
         samples : int
             Number of points along each track, in a column ``samples`` of dictionaries.
+        limit_mag : float or array, optional
+            Magnitude limit, one for all exposures or one for each (NaN for none): adds the column ``p_brighter``, the
+            probability to be brighter at the peak. Default: the model's ``limit_mag``, without limits by band.
         output : {"auto", "qtable", "dict"}
             As for `flags`.
 
@@ -173,9 +178,10 @@ class ExposureQueries(SiteQueries):
             ``exposure_id`` is the flat index of the exposure; magnitudes with sigma and source, entry and exit, length,
             width, surface brightness, probability, age of the element set, chords.
         """
-        exposures, _, _ = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        exposures, _, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        limits = None if limit_mag is None else np.broadcast_to(np.asarray(limit_mag, dtype=float), shape).ravel().tolist()
         sky_cache, engine = self._open()
-        columns, warnings = engine.passes(exposures, include_dark, samples)
+        columns, warnings = engine.passes(exposures, include_dark, samples, limits)
         self._warn_once(sky_cache, warnings)
         return table_of(_with_integer_ids(columns), output)
 
@@ -211,7 +217,8 @@ class ExposureQueries(SiteQueries):
         blocking : {"any", "avoid", "limits"}
             ``any``: every lit satellite blocks. ``avoid``: only satellites that exceed a magnitude limit of the policy.
             ``limits``:
-            satellites brighter than a limit at any probability (unless the policy sets a minimum), and every lit
+            satellites brighter than a limit with a probability of at least 0.5, or with the policy's minimum that cross
+            and are brighter with at least this probability, and every lit
             satellite if no limit applies to the band.
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
             Maximum altitude of the Sun while the shutter is open, degrees; default: no limit.

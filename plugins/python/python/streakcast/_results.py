@@ -41,13 +41,16 @@ class Assessment(NamedTuple):
     #: Expected fraction of the field's pixels lost, [0, 1], including near misses weighted by their probability; NaN
     #: without a telescope.
     lost_fraction: Any
-    #: Probability that at least one lit satellite crosses, given the errors of the element sets; NaN where invalid.
+    #: Probability that at least one lit satellite crosses that is brighter than a limit of the policy (of any brightness
+    #: without a limit), given the errors of element sets and magnitudes; NaN where invalid.
     p_any: Any
     #: Total length of the lit streaks in the field, degrees; NaN where invalid.
     streak_length_deg: Any
     #: Whether ``p_any`` and ``lost_fraction`` are lower limits: more than 10 % of the delays of a satellite are
     #: outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
     p_any_is_lower_limit: Any = False
+    #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid.
+    p_crossing: Any = float("nan")
 
     @property
     def avoid(self) -> Any:
@@ -91,6 +94,8 @@ class Overhead(NamedTuple):
     lost_width_arcsec: FloatArray
     #: Magnitude; NaN in the umbra, where the model predicts no light, and with ``light=False``.
     magnitude: FloatArray
+    #: Probability of being brighter than each of ``limit_mag``, ``(n_rows, n_limits)``; 0 without a magnitude.
+    p_brighter: FloatArray
 
 
 class Forecast(NamedTuple):

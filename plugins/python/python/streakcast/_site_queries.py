@@ -54,7 +54,8 @@ class SiteQueries(ModelState):
         start, end : time
             Time span instead of a night, at most 31 days.
         max_mag : float, optional
-            Omits passes with a fainter peak and passes without a magnitude.
+            Omits passes with a fainter predicted peak and passes without a magnitude, and adds the column
+            ``p_brighter``, the probability to be brighter.
         min_altitude : float or `~astropy.units.Quantity`
             Altitude at which a satellite rises and sets, degrees, without refraction; 0 to below 90.
         min_culmination : float or `~astropy.units.Quantity`
@@ -153,6 +154,7 @@ class SiteQueries(ModelState):
         min_altitude: Numbers = 10.0,
         include_dark: bool = False,
         light: bool = True,
+        limit_mag: Any = (),
         scale: Union[str, None] = None,
     ) -> Overhead:
         """Returns all satellites above the site at one or several times, for example for sky maps.
@@ -169,6 +171,8 @@ class SiteQueries(ModelState):
             Whether to include satellites in the Earth's shadow.
         light : bool
             Whether to compute magnitudes; panel models take some microseconds each.
+        limit_mag : float or array, ``(n_limits,)``
+            Magnitude limits for the probabilities ``p_brighter``; they need ``light``.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number (MJD) in ``start``.
 
@@ -192,7 +196,10 @@ class SiteQueries(ModelState):
         moments = np.atleast_1d(number(seconds, "s", "seconds"))
         lowest = scalar(min_altitude, "deg", "min_altitude")
         sky_cache, engine = self._open()
-        result, warnings = engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light))
+        limits = np.atleast_1d(np.asarray(limit_mag, dtype=float)).ravel().tolist()
+        result, warnings = engine.overhead(
+            jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light), limits
+        )
         self._warn_once(sky_cache, warnings)
         return Overhead(**result)
 

@@ -42,7 +42,7 @@ class StreakModel(ExposureQueries):
     models : dict, optional
         ``{"files": [...], "generations": {"oneweb": "my-model"}, "qs_mag": path}``.
     limit_mag : float or dict, optional
-        Magnitude limit: exposures with brighter crossings have the verdict ``avoid``; by band as ``{"g": 7, "default":
+        Magnitude limit: exposures with crossings that are probably brighter have the verdict ``avoid``; by band as ``{"g": 7, "default":
         6}``.
     policy : path or dict, optional
         All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s,

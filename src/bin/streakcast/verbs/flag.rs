@@ -50,6 +50,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("brightest_mag", "brightest", 1),
     rounded("expected_lost_pixel_fraction", "lost", 4),
     rounded("p_any", "P any", 2),
+    rounded("p_crossing", "P crossing", 2),
     rounded("streak_length_deg", "length deg", 2),
     rounded("delay_s", "wait s", 1),
     shown("reasons", "reasons"),

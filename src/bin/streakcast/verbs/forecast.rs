@@ -9,8 +9,8 @@ use clap::Args;
 use serde_json::json;
 use streakcast::config::{Config, ForecastConfig, PreparedSky, parse_duration_s, state_scales};
 use streakcast::forecast::{
-    AngleType, EmptyNight, Forecast, ForecastRequest, PassRow, calendar, forecast, light_curve_table, night_table,
-    pass_table, readable_table, score_report, tdm,
+    AngleType, EmptyNight, Forecast, ForecastRequest, PassColumns, PassRow, calendar, forecast, light_curve_table,
+    night_table, pass_table, readable_table, score_report, tdm,
 };
 use streakcast::geometry::Site;
 use streakcast::output::{Section, counted, format_utc};
@@ -56,7 +56,7 @@ const LIGHT_CURVE_SAMPLES: usize = 61;
 const BY_UTC: &[Shown] = &on_screen("start (UTC)", "highest (UTC)", "end (UTC)");
 const BY_LOCAL_TIME: &[Shown] = &on_screen("start (local)", "highest (local)", "end (local)");
 
-const fn on_screen(start: &'static str, highest: &'static str, end: &'static str) -> [Shown; 16] {
+const fn on_screen(start: &'static str, highest: &'static str, end: &'static str) -> [Shown; 17] {
     [
         shown("date", "date"),
         shown("satellite", "satellite"),
@@ -74,6 +74,7 @@ const fn on_screen(start: &'static str, highest: &'static str, end: &'static str
         shown("ends_by", "ends by"),
         shown("norad_id", "norad"),
         shown("mag_source", "source"),
+        rounded("p_brighter", "P brighter", 2),
     ]
 }
 
@@ -125,7 +126,8 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let why_empty = found.why_empty(&prepared.sky, &request);
 
     let elements = prepared.sky.elements();
-    let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
+    let row = |pass| PassRow { pass, elements: &elements[pass.element_index], limit_mag: request.max_magnitude };
+    let rows = || found.found.passes.iter().map(row);
     // The formats of `Document` contain only visible passes.
     let is_invisible = found.found.passes.iter().all(|pass| pass.visible.is_none());
     let invisible = || is_invisible.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
@@ -156,7 +158,12 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
         Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry))?,
         None => {
             let readable = readable_table(rows(), offset_s.unwrap_or(0.0));
-            let passes = pass_table(rows(), output.is_json(), output.is_json() && request.samples > 0);
+            let columns = PassColumns {
+                p_brighter: request.max_magnitude.is_some(),
+                more: output.is_json(),
+                samples: output.is_json() && request.samples > 0,
+            };
+            let passes = pass_table(rows(), columns);
             let columns = if offset_s.is_some() { BY_LOCAL_TIME } else { BY_UTC };
             output.write(&Answer {
                 sections: vec![
@@ -172,7 +179,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     }
     match why_empty {
         Some(why) => notices.info(&format!("no passes: {why}")),
-        None => notices.info(&summary(&found)),
+        None => notices.info(&summary(&found, request.max_magnitude)),
     }
     Ok(Outcome::Done)
 }
@@ -252,9 +259,17 @@ fn brightest(found: &Forecast) -> Option<usize> {
     bright.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
 }
 
-fn summary(found: &Forecast) -> String {
+fn summary(found: &Forecast, limit_mag: Option<f64>) -> String {
     let passes = &found.found.passes;
     let satellites: std::collections::BTreeSet<_> = passes.iter().map(|pass| pass.element_index).collect();
     let passes = counted(passes.len(), "pass", "passes");
-    format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"))
+    let shown = format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"));
+    match (limit_mag, found.found.expected_brighter) {
+        (Some(limit_mag), Some(expected)) => {
+            format!(
+                "{shown}; {expected:.1} passes expected to be brighter than mag {limit_mag}, fainter predictions included"
+            )
+        }
+        _ => shown,
+    }
 }

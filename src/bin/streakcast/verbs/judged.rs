@@ -11,7 +11,8 @@ use streakcast::images::Telescope;
 use streakcast::output::{Provenance, Table, format_utc};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{
-    FlagReport, Policy, Schedule, Shard, StreakRow, Verdict, VerdictKind, flag_exposures, streak_table,
+    FlagReport, Policy, Schedule, ScheduledExposure, Shard, StreakColumns, StreakRow, Verdict, VerdictKind,
+    flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
@@ -66,13 +67,13 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
     let (report, streaks, mut provenance) = match judgeable {
         Some(_) if schedule.exposures.is_empty() => {
             // With more shares than nights, some shares are empty.
-            (FlagReport::default(), streak_table(std::iter::empty(), false, false), Provenance::new())
+            (FlagReport::default(), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
         }
         Some(span) => judge_rows(config, &schedule, span, &plan, &notices)?,
         None => {
             // Without a valid time no sky can be prepared. All rows are then invalid, each with its reason.
             notices.warn(&[none_judged(&schedule, path)]);
-            (invalid_rows(&schedule), streak_table(std::iter::empty(), false, false), Provenance::new())
+            (invalid_rows(&schedule), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
         }
     };
     let ObservationPlan { policy, telescope, photometry, .. } = &plan;
@@ -111,19 +112,20 @@ fn judge_rows(
     plan: &ObservationPlan,
     notices: &Notices,
 ) -> anyhow::Result<(FlagReport, Table, Provenance)> {
-    let ObservationPlan { telescope, photometry, .. } = plan;
+    let ObservationPlan { telescope, photometry, policy, .. } = plan;
     let prepared = config.prepare(first, last)?;
     notices.warn(&prepared.warnings);
     let report = flag_rows(&prepared, schedule, first, plan, notices)?;
 
-    let judged: Vec<(&Exposure, &Vec<_>)> = schedule
+    let limit_mag = |row: &ScheduledExposure| policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
+    let judged: Vec<(&Exposure, Option<f64>, &Vec<_>)> = schedule
         .exposures
         .iter()
         .zip(&report.flags)
-        .filter_map(|(row, flag)| row.exposure.as_ref().ok().map(|exposure| (exposure, &flag.passes)))
+        .filter_map(|(row, flag)| row.exposure.as_ref().ok().map(|exposure| (exposure, limit_mag(row), &flag.passes)))
         .collect();
     let streaks = streak_table(
-        judged.iter().flat_map(|(exposure, passes)| {
+        judged.iter().flat_map(|(exposure, limit_mag, passes)| {
             passes.iter().map(|pass| StreakRow {
                 exposure,
                 pass,
@@ -131,12 +133,17 @@ fn judge_rows(
                 satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
                 telescope: telescope.as_ref(),
                 photometry,
+                limit_mag: *limit_mag,
             })
         }),
-        false,
-        false,
+        streak_columns(policy),
     );
     Ok((report, streaks, prepared.provenance))
+}
+
+/// Returns the optional columns of the streaks of a schedule.
+fn streak_columns(policy: &Policy) -> StreakColumns {
+    StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() }
 }
 
 /// Returns the verdicts of all rows under a prepared sky; shows a progress bar if there are many.

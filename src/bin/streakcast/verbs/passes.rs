@@ -10,7 +10,7 @@ use streakcast::images::Telescope;
 use streakcast::output::{Column, Kind, Section, Table, counted, format_utc};
 use streakcast::passes::{Exposure, Pass, PassOptions, Passes};
 use streakcast::schedule::MagnitudeLimit;
-use streakcast::schedule::{StreakRow, exposure_table, streak_table};
+use streakcast::schedule::{StreakColumns, StreakRow, exposure_table, streak_table};
 
 use crate::failure::Outcome;
 use crate::notices::Notices;
@@ -25,7 +25,7 @@ pub struct PassesArguments {
     /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Report how many of the crossings are brighter than this, in the band of --band; fainter ones are listed too
+    /// Report the probability of each crossing to be brighter than this, in the band of --band; all are listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Number of points along each track, 0 to 100000; none if omitted
@@ -56,6 +56,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("range_km", "range km", 0),
     rounded("element_age_days", "age d", 1),
     rounded("probability", "P", 2),
+    rounded("p_brighter", "P brighter", 2),
 ];
 
 pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
@@ -89,7 +90,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
         provenance: &prediction.prepared.provenance,
         style: Style { columns: ON_SCREEN, bold_row },
     })?;
-    summary(&prediction.notices, &config, found.len(), found.iter().filter_map(brightest));
+    summary(&prediction, found);
     Ok(if found.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
@@ -98,6 +99,8 @@ pub struct Prediction {
     pub exposure: Exposure,
     pub telescope: Option<Telescope>,
     pub options: PassOptions,
+    /// Magnitude limit for the band of the prediction.
+    pub limit_mag: Option<f64>,
     /// Sky with provenance and warnings.
     pub prepared: PreparedSky,
     pub answer: Passes,
@@ -124,7 +127,9 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
     notices.warn_left_out(&prepared, &answer.left_out, exposure.start)?;
     state(&mut prepared, config, &exposure, &options, plan.telescope.as_ref().map(|telescope| telescope.name.as_str()));
-    Ok(Prediction { exposure, telescope: plan.telescope, options, prepared, answer, notices })
+    let band = options.photometry.band.name();
+    let limit_mag = plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(Some(band)));
+    Ok(Prediction { exposure, telescope: plan.telescope, options, limit_mag, prepared, answer, notices })
 }
 
 impl Prediction {
@@ -142,8 +147,14 @@ impl Prediction {
             satellite_size_m: self.prepared.sky.model(pass.element_index).size_m(),
             telescope: self.telescope.as_ref(),
             photometry: &self.options.photometry,
+            limit_mag: self.limit_mag,
         });
-        streak_table(rows, is_nested, self.options.samples > 0)
+        let columns = StreakColumns {
+            p_brighter: self.limit_mag.is_some(),
+            chords: is_nested,
+            samples: self.options.samples > 0,
+        };
+        streak_table(rows, columns)
     }
 }
 
@@ -194,16 +205,15 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
     }
 }
 
-fn summary(notices: &Notices, config: &Config, count: usize, magnitudes: impl Iterator<Item = f64>) {
-    let crossings = counted(count, "pass", "passes");
-    let limit =
-        config.rules.limit_mag.as_ref().and_then(|limit| limit.of(Some(config.light.band.as_deref().unwrap_or("V"))));
-    match limit {
-        Some(limit) => {
-            let bright = magnitudes.filter(|magnitude| *magnitude < limit).count();
-            notices.info(&format!("{crossings}, {bright} brighter than mag {limit}"));
+fn summary(prediction: &Prediction, found: &[Pass]) {
+    let crossings = counted(found.len(), "pass", "passes");
+    match prediction.limit_mag {
+        Some(limit_mag) => {
+            let bright = found.iter().fold(0.0, |sum, pass| sum + pass.probability_brighter_than(limit_mag));
+            let of = if bright < 0.05 && !found.is_empty() { format!("{bright:.2}") } else { format!("{bright:.1}") };
+            prediction.notices.info(&format!("{crossings}, {of} of them expected to be brighter than mag {limit_mag}"));
         }
-        None if count == 0 => notices.info("no passes"),
+        None if found.is_empty() => prediction.notices.info("no passes"),
         None => {}
     }
 }

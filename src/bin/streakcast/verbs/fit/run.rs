@@ -7,8 +7,8 @@ use hifitime::Epoch;
 use streakcast::fit::inference::check_walkers;
 use streakcast::fit::{
     CompetingForm, CovarianceKind, Fit, FitError, FitPoint, FormScore, ModelDescription, Problem, RawWeights,
-    ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file, points_of_measurements, predict,
-    rms, sigma_68_mag,
+    ResidualStatistics, UnseenPoint, baseline_forms, compare_forms, faults, jackknife, model_file,
+    points_of_measurements, predict, rms,
 };
 use streakcast::photometry::ModelFile;
 
@@ -143,14 +143,14 @@ fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<f64> {
 
 fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
     let FitResults { typed, chosen, input, problem, fit, .. } = results;
-    // The sigma applies to new single measurements, and is computed from held-out ones if there are any.
-    let held = results.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
-    let (sigma_mag, origin) = match held {
-        Some(held) => (
-            sigma_68_mag(held),
+    // Sigma and error distribution apply to new single measurements, and are computed from held-out ones if there are any.
+    let own = results.standings.first().filter(|_| typed.reduction.raw_points);
+    let (singles_mag, origin) = match own {
+        Some(own) => (
+            own.unseen.iter().map(UnseenPoint::residual_mag).collect(),
             format!("holds 68.3 % of single measurements of held-out tracks or nights ({} folds)", typed.form.folds),
         ),
-        None => (sigma_68_mag(results.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
+        None => (results.single_mag.to_vec(), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
     let files: Vec<String> = typed.photometry.tables.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
@@ -165,7 +165,7 @@ fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
         sigma_origin: origin,
     };
     let rms_mag = rms(&fit.residuals_mag);
-    Ok(model_file(base, fit, problem.points(), rms_mag, sigma_mag, &description)?)
+    Ok(model_file(base, fit, problem.points(), rms_mag, &singles_mag, &description)?)
 }
 
 fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<String> {

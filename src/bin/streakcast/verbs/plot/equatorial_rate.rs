@@ -42,7 +42,7 @@ const COLUMNS: [Column; 6] = [
 struct Sum {
     exposures: usize,
     streaks: usize,
-    bright: usize,
+    bright: f64,
 }
 
 /// Counts the streaks of exposures in every cell of the local sky during the dark hours, and averages them in cells of
@@ -150,14 +150,14 @@ pub fn compute(
 fn table(nside: u32, sums: &[Sum], has_limit: bool) -> Table {
     let row = |(cell, sum): (usize, &Sum)| {
         let (right_ascension, declination) = ring_centre_rad(nside, cell as u64)?;
-        let mean = |count: usize| count as f64 / sum.exposures as f64;
+        let mean = |count: f64| count / sum.exposures as f64;
         (sum.exposures > 0).then(|| {
             vec![
                 (cell as i64).into(),
                 right_ascension.to_degrees().into(),
                 declination.to_degrees().into(),
                 sum.exposures.into(),
-                mean(sum.streaks).into(),
+                mean(sum.streaks as f64).into(),
                 has_limit.then(|| mean(sum.bright)).into(),
             ]
         })
@@ -206,7 +206,7 @@ pub const BRIGHT: Column = Column::real(
     "bright_per_exposure",
     "",
     5,
-    "Mean number of these satellites brighter than the limiting magnitude; empty without a limit.",
+    "Mean expected number of these satellites brighter than the limiting magnitude; empty without a limit.",
 );
 
 /// Rates read from a table of either map.

@@ -27,10 +27,11 @@ const COLUMNS: [Column; 9] = [
     Column::new("band", Kind::Text, "Band of the exposure in the schedule."),
     Column::new("verdict", Kind::Text, "Verdict: clear, streaked, avoid, or invalid."),
     Column::new("n_streaks", Kind::Integer, "Lit satellites with nominal tracks across the field."),
-    Column::new(
+    Column::real(
         "n_bright",
-        Kind::Integer,
-        "Those of them brighter than the limit; empty without a limit for the band.",
+        "",
+        3,
+        "Expected number of them brighter than the limit; empty without a limit for the band.",
     ),
     Column::real("brightest_mag", "mag", 3, "Brightest magnitude that any of these satellites reaches in the field."),
     Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun's centre in the middle of the exposure."),
@@ -48,8 +49,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
         let limit = limit.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
         let bright = limit.map(|limit| {
             let crossings = flag.passes.iter().filter(|pass| pass.lit && pass.is_crossing());
-            let peaks = crossings.filter_map(|pass| pass.peak.as_ref()?.brightness.as_ref());
-            peaks.filter(|brightness| brightness.magnitude.0 < limit).count()
+            crossings.fold(0.0, |sum, pass| sum + pass.probability_brighter_than(limit))
         });
         let middle = exposure.map(|exposure| mjd_utc(exposure.start) + exposure.duration_s / 2.0 / 86_400.0);
         vec![

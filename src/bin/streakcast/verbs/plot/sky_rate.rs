@@ -159,8 +159,8 @@ fn sun_at(prepared: &PreparedSky, altitude_deg: f64, start: Epoch) -> anyhow::Re
 
 fn table(directions: &[(u64, Direction<Horizontal>)], counts: &Counts, has_limit: bool) -> Table {
     let n = counts.by_moment.len();
-    let mean = |index: usize, of: fn(&StreakCount) -> usize| {
-        counts.by_moment.iter().map(|all| of(&all[index])).sum::<usize>() as f64 / n as f64
+    let mean = |index: usize, of: fn(&StreakCount) -> f64| {
+        counts.by_moment.iter().fold(0.0, |sum, all| sum + of(&all[index])) / n as f64
     };
     let row = |(index, (cell, direction)): (usize, &(u64, Direction<Horizontal>))| {
         vec![
@@ -168,7 +168,7 @@ fn table(directions: &[(u64, Direction<Horizontal>)], counts: &Counts, has_limit
             direction.longitude_rad().to_degrees().into(),
             direction.latitude_rad().to_degrees().into(),
             n.into(),
-            mean(index, |count| count.streaks).into(),
+            mean(index, |count| count.streaks as f64).into(),
             has_limit.then(|| mean(index, |count| count.bright)).into(),
         ]
     };

@@ -29,10 +29,11 @@ const COLUMNS: [Column; 6] = [
     Column::real("azimuth_deg", "deg", 6, "Azimuth of the field's centre from north through east."),
     Column::real("altitude_deg", "deg", 6, "Altitude of the field's centre without refraction."),
     Column::new("n_streaks", Kind::Integer, "Number of lit satellites that cross the field."),
-    Column::new(
+    Column::real(
         "n_bright",
-        Kind::Integer,
-        "Number of these satellites brighter than the limiting magnitude; empty without a limit.",
+        "",
+        3,
+        "Expected number of these satellites brighter than the limiting magnitude; empty without a limit.",
     ),
     Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun's centre in the middle of the exposure."),
 ];

@@ -116,13 +116,14 @@ pub const POINTING: [Column; 5] = [
 ];
 
 /// Columns of the crossings of the field before, during and after the exposure.
-pub const AROUND: [Column; 6] = [
+pub const AROUND: [Column; 7] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("name", Kind::Text, "Name in the element set."),
     Column::real("enter_s", "s", 3, "Time of entry into the field after shutter opening; negative before it."),
     Column::real("exit_s", "s", 3, "Time of exit from the field after shutter opening."),
     Column::real("magnitude_peak", "mag", 3, "Brightest magnitude inside the field."),
     Column::real("probability", "", 4, "Probability that the satellite crosses the field in that interval."),
+    Column::real("p_brighter", "", 4, "Probability of being brighter than the magnitude limit; empty without a limit."),
 ];
 
 /// Columns of the positions of the Sun in a night.

@@ -6,7 +6,8 @@ use streakcast::frames::{Direction, seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell};
 use streakcast::passes::{Exposure, Pass, SkyError};
 use streakcast::schedule::{
-    MagnitudeLimit, ScheduledExposure, StreakRow, VerdictKind, exposure_table, flag_exposures, flag_table, streak_table,
+    MagnitudeLimit, ScheduledExposure, StreakColumns, StreakRow, VerdictKind, exposure_table, flag_exposures,
+    flag_table, streak_table,
 };
 
 use super::super::super::passes::left_out_table;
@@ -67,6 +68,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
         band: query.text("band").map(str::to_owned),
         exposure: Ok(exposure.clone()),
     };
+    let limit_mag = policy.limit_mag.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
     let samples = query.count("samples").unwrap_or_default();
     let passes_of = |exposure: &Exposure, samples: usize| {
         let answer = state.sky().field_passes(
@@ -104,13 +106,13 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
             satellite_size_m: state.sky().model(pass.element_index).size_m(),
             telescope: state.plan.telescope.as_ref(),
             photometry: &state.plan.photometry,
+            limit_mag,
         }),
-        true,
-        samples > 0,
+        StreakColumns { p_brighter: limit_mag.is_some(), chords: true, samples: samples > 0 },
     );
     let around = Table {
         columns: AROUND.to_vec(),
-        rows: before_and_after.iter().map(|pass| around_row(state, pass, &exposure)).collect(),
+        rows: before_and_after.iter().map(|pass| around_row(state, pass, &exposure, limit_mag)).collect(),
     };
     let mut document = Document::with_provenance(&state.provenance);
     document.caveats(&caveats);
@@ -128,7 +130,7 @@ pub fn of_sky(error: &SkyError) -> Problem {
     Problem::new(400, error.to_string())
 }
 
-fn around_row(state: &ServerState, pass: &Pass, exposure: &Exposure) -> Vec<Cell> {
+fn around_row(state: &ServerState, pass: &Pass, exposure: &Exposure, limit_mag: Option<f64>) -> Vec<Cell> {
     let after_s = |epoch| seconds_between(exposure.start, epoch);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     vec![
@@ -138,6 +140,7 @@ fn around_row(state: &ServerState, pass: &Pass, exposure: &Exposure) -> Vec<Cell
         after_s(pass.exit.epoch).into(),
         peak.map(|brightness| brightness.magnitude.0).into(),
         pass.probability.into(),
+        limit_mag.map(|limit_mag| pass.probability_brighter_than(limit_mag)).into(),
     ]
 }
 
@@ -154,11 +157,11 @@ fn pointing(state: &ServerState, exposure: &Exposure) -> Result<Table, Problem> 
 }
 
 pub fn schema() -> Value {
-    let sampled = streak_table(std::iter::empty(), true, true);
-    let mut passes = rows_schema(&sampled.columns);
-    // Not required: it is present only if the parameter of this name is given.
+    let columns = StreakColumns { p_brighter: true, chords: true, samples: true };
+    let mut passes = rows_schema(&streak_table(std::iter::empty(), columns).columns);
+    // Not required: present only if the parameter of this name, or a magnitude limit, is given.
     if let Some(required) = passes["items"]["required"].as_array_mut() {
-        required.retain(|name| name != "samples");
+        required.retain(|name| name != "samples" && name != "p_brighter");
     }
     object_schema(&[
         ("provenance", provenance_schema()),

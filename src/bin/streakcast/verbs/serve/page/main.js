@@ -242,10 +242,10 @@ function answered({ document, ms }, parameters) {
   const flag = document.flags[0];
   // Times on the strip are relative to the scheduled opening.
   const shift = (moment(parameters.start_utc) - row.start) / 1e3;
-  const around = document.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak }));
+  const around = document.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak, p_brighter: one.p_brighter }));
   const reach = parameters.around_s;
   const known = reach == null ? null : { from: shift - reach, to: shift + parameters.duration_s + reach };
-  strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null, limit());
+  strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null);
   const count = flag.n_streaks;
   const streaks = count ? `${count} streak${count > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
@@ -281,7 +281,7 @@ function nothing(verdict, words) {
   $("go").hidden = true;
   $("timing").textContent = $("pointing").textContent = "";
   strip.forget();
-  strip.answer([], null, null, limit());
+  strip.answer([], null, null);
   drawAnswer();
 }
 

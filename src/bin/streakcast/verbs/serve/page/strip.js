@@ -63,13 +63,12 @@ export class Strip {
   }
 
   /** Shows the crossings of the interval `known`, seconds after the scheduled opening; without `known` the shown ones are kept. */
-  answer(crossings, known, nextShift, limit) {
+  answer(crossings, known, nextShift) {
     if (known) {
       this.crossings = crossings;
       this.known = known;
     }
     this.next = nextShift;
-    this.limit = limit;
     this.draw();
   }
 
@@ -149,7 +148,7 @@ export class Strip {
     context.textAlign = "left";
     const isFree = labelSpace();
     for (const one of [...this.crossings].sort((a, b) => (a.magnitude ?? 99) - (b.magnitude ?? 99))) {
-      const isFaint = this.limit != null && !(one.magnitude < this.limit);
+      const isFaint = one.p_brighter != null && one.p_brighter < 0.5;
       const x = at(one.enter), wide = Math.max(2, at(one.exit) - x);
       if (x > width || x + wide < 0) continue;
       context.fillStyle = css(one.magnitude, isFaint ? 0.55 : 1);
