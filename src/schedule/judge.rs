@@ -444,7 +444,7 @@ mod tests {
         let free = judge(std::slice::from_ref(&near), "limit_mag = 7");
         assert_eq!((free.kind, free.n_streaks), (VerdictKind::Clear, 0));
         // The near miss contributes to the probability of a clear exposure.
-        assert!((free.p_any - 0.3).abs() < 1e-12);
+        assert!((free.p_crossing - 0.3).abs() < 1e-12 && free.p_any < free.p_crossing);
         let counted = judge(std::slice::from_ref(&near), "limit_mag = 7\nmin_probability = 0.2");
         assert_eq!((counted.kind, counted.n_streaks, counted.norad_ids.len()), (VerdictKind::Avoid, 0, 1));
         assert_eq!(verdict(std::slice::from_ref(&near), "min_probability = 0.2"), VerdictKind::Streaked);
