@@ -166,12 +166,12 @@ impl EphemerisTable {
 
     /// Returns the largest errors of one sigma at any time: seconds along the track, kilometres across it.
     pub fn largest_errors(&self, class: OrbitClass) -> (f64, f64) {
-        // Between states the errors are at most those of one of the two, except just after the last covariance.
+        // Between these times the errors are at most those at one of the two ends.
         let ends = [self.variances.first(), self.variances.last()].into_iter().flatten();
         let beyond = ends.flat_map(|(time_s, _)| [time_s - 1e-3, time_s + 1e-3]);
-        let within = beyond.filter(|time_s| self.covers(*time_s, *time_s));
-        let errors = self.times_s.iter().copied().chain(within).map(|time_s| self.uncertainty_at(time_s, class));
-        let errors = errors.filter(|one| one.along_track_s.is_finite());
+        let times = beyond.chain(self.variances.iter().map(|(time_s, _)| *time_s)).chain(self.times_s.iter().copied());
+        let covered = times.filter(|time_s| self.covers(*time_s, *time_s));
+        let errors = covered.map(|time_s| self.uncertainty_at(time_s, class));
         errors.fold((0.0, 0.0), |(along_s, cross_km): (f64, f64), one| {
             (along_s.max(one.along_track_s), cross_km.max(one.cross_track_km))
         })
@@ -258,12 +258,21 @@ fn step_rad(times_s: &[f64], positions: &[Vector3<f64>], from: usize, to: usize)
     let radius_km = positions[from].norm().min(positions[to].norm());
     // ω² = μ / r³
     let circular_rad = (WGS72_MU_KM3_S2 / radius_km.powi(3)).sqrt() * (times_s[to] - times_s[from]);
-    circular_rad.max(positions[from].angle(&positions[to]))
+    // Accurate also for states that are close together.
+    let seen_rad = positions[from].cross(&positions[to]).norm().atan2(positions[from].dot(&positions[to]));
+    circular_rad.max(seen_rad)
 }
 
 /// Returns the eight states with the least error between a state and the next one; `None` if it is too large.
 fn best_nodes(times_s: &[f64], positions: &[Vector3<f64>], part: &Range<usize>, step: usize) -> Option<[u32; NODES]> {
     let step_s = times_s[step + 1] - times_s[step];
+    // With equal steps the states around the time are the best ones.
+    let first = step.checked_sub(NODES / 2 - 1).filter(|first| part.start <= *first && first + NODES <= part.end);
+    if let Some(first) = first
+        && times_s[first..first + NODES].windows(2).all(|pair| (pair[1] - pair[0] - step_s).abs() < 1e-3 * step_s)
+    {
+        return Some(std::array::from_fn(|node| (first + node) as u32));
+    }
     let mut best: Option<(f64, [usize; NODES])> = None;
     for spacing in SPACINGS {
         let Some(nodes) = spaced_nodes(times_s, part, step, spacing * step_s) else { continue };

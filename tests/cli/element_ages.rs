@@ -58,6 +58,64 @@ fn share(text: &str) -> f64 {
     before.rsplit(' ').next().unwrap().parse().unwrap()
 }
 
+/// Percentage of verdicts that change: the mean of p_crossing of clear visits, and of 1 - p_any of others.
+fn changed(stdout: &str) -> f64 {
+    let answer: Value = serde_json::from_str(stdout).unwrap();
+    let flags = answer["flags"].as_array().unwrap();
+    let change = |flag: &Value| {
+        let p = flag["p_crossing"].as_f64().unwrap();
+        if flag["verdict"] == "clear" { p } else { 1.0 - p }
+    };
+    100.0 * flags.iter().map(change).sum::<f64>() / flags.len() as f64
+}
+
+const SMALL_FIELD: &[&str] = &["--mpc", "X05", "--fov", "2deg", "--format", "json"];
+
+/// Writes a schedule of some visits of the first minutes of the night.
+fn visits(folder: &tempfile::TempDir, name: &str, wanted: impl Fn(&str) -> bool) -> String {
+    let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n".to_owned();
+    for number in 0..80 {
+        let (id, second) = (format!("v{number}"), 29 * 60 + 5 + 10 * number);
+        let (ra_deg, dec_deg) = (190 + 7 * number % 50, 11 * number % 40 - 30);
+        if wanted(&id) {
+            text += &format!("{id},2026-08-14T23:{:02}:{:02}Z,30,{ra_deg},{dec_deg},z\n", second / 60, second % 60);
+        }
+    }
+    let file = path(folder, name);
+    fs::write(&file, text).unwrap();
+    file
+}
+
+/// With --min-probability near misses make visits `streaked`, without a nominal crossing: these change to clear with the
+/// probability that no satellite crosses. Visits that no satellite crosses nominally have a share too.
+#[test]
+fn verif_shares_of_near_misses_follow_the_verdicts() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = catalogue(&folder, "starlink-gen1", "ONEWEB-", 2e-5);
+    let flag = |schedule: &str, more: &[&str]| {
+        let (code, stdout, stderr) = run(&[&["flag", "--schedule", schedule, "--elements", &file], SMALL_FIELD, more]);
+        assert_eq!(code, 0, "{stderr}");
+        let expected = changed(&stdout);
+        assert!((share(&stderr) - expected).abs() < 0.06, "{expected}: {stderr}");
+        let answer: Value = serde_json::from_str(&stdout).unwrap();
+        (answer["flags"].as_array().unwrap().clone(), stderr)
+    };
+    let all = visits(&folder, "all.csv", |_| true);
+    let (flags, _) = flag(&all, &["--min-probability", "0.05"]);
+    let is_near = |flag: &&Value| flag["verdict"] == "streaked" && flag["n_streaks"] == 0;
+    assert!(flags.iter().filter(is_near).count() > 2, "{flags:?}");
+    assert!(flags.iter().any(|flag| flag["n_streaks"] != 0), "{flags:?}");
+
+    let (flags, stderr) = flag(&all, &[]);
+    assert!(stderr.contains("median of the satellites that cross)"), "{stderr}");
+    let is_clear = |flag: &&Value| flag["verdict"] == "clear" && flag["p_any"].as_f64().is_some_and(|p| p > 0.01);
+    let clear: Vec<&str> = flags.iter().filter(is_clear).filter_map(|flag| flag["exposure_id"].as_str()).collect();
+    assert!(clear.len() > 2, "{flags:?}");
+    let (flags, stderr) = flag(&visits(&folder, "clear.csv", |id| clear.contains(&id)), &[]);
+    assert!(flags.len() == clear.len() && flags.iter().all(|flag| flag["verdict"] == "clear"), "{flags:?}");
+    assert!(stderr.contains("elements 8.0 days old: ") && stderr.contains("that may cross)"), "{stderr}");
+}
+
 #[test]
 fn verif_old_elements_warn_with_their_effect_on_verdicts() {
     let folder = tempfile::tempdir().unwrap();
@@ -72,14 +130,7 @@ fn verif_old_elements_warn_with_their_effect_on_verdicts() {
         warning.starts_with("warning: elements 8.0 days old: ") && warning.contains(" s late (68 %, "),
         "{warning}"
     );
-    // The share is the mean of p_crossing without a nominal crossing, and of 1 - p_crossing with one.
-    let answer: Value = serde_json::from_str(&stdout).unwrap();
-    let flags = answer["flags"].as_array().unwrap();
-    let change = |flag: &Value| {
-        let p = flag["p_crossing"].as_f64().unwrap();
-        if flag["n_streaks"] == 0 { p } else { 1.0 - p }
-    };
-    let expected = 100.0 * flags.iter().map(change).sum::<f64>() / flags.len() as f64;
+    let expected = changed(&stdout);
     assert!((share(warning) - expected).abs() < 0.06, "{expected}: {warning}");
     assert!(expected > 1.0, "{expected}");
 

@@ -577,3 +577,136 @@ fn a_truncated_ephemeris_is_not_stored() {
     let (code, _, stderr) = cache.source(&source, &server.url, "2024-08-14T00:31:00Z", &["--max-satellites", "0"]);
     assert!(code != 0 && stderr.contains("the number of satellites is 1; allowed: 1 to 0"), "{stderr}");
 }
+
+/// After a refused request nothing more is requested from the source before the wait has passed, for whichever satellite.
+#[test]
+fn a_refused_ephemeris_starts_the_waiting_time() {
+    let cache = Cache::new();
+    let refuse = |stream: &mut TcpStream| answer(stream, "429 Too Many Requests", "", b"slow down");
+    let server = Server::new(vec![Box::new(ok(manifest(), "")), Box::new(refuse)]);
+    let source = |norad: &'static str| ["starlink-ephemerides", "--norad", norad];
+    let (code, stdout, stderr) = cache.source(&source("90001"), &server.url, "2024-08-14T00:30:00Z", &[]);
+    assert!(code != 0 && stdout.is_empty() && stderr.contains("429 Too Many Requests"), "{stderr}");
+    assert!(stderr.contains("0 of 1 files were downloaded"), "{stderr}");
+    assert_eq!(server.requests().len(), 2);
+    // The request and its response are recorded beside the file and beside the manifest.
+    for name in [EPHEMERIS, "starlink-ephemerides.manifest.txt"] {
+        let text = std::fs::read(cache.folder().join(format!("{name}.fetch.json"))).unwrap();
+        let record: Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(record["asked_utc"], "2024-08-14T00:30:00Z", "{record}");
+        assert!(record["answer"].as_str().unwrap().contains("429 Too Many Requests"), "{record}");
+        assert!(record["url"].as_str().unwrap().starts_with(&server.url), "{record}");
+    }
+    let idle = Server::new(Vec::new());
+    for norad in ["90001", "90002"] {
+        let (code, _, stderr) = cache.source(&source(norad), &idle.url, "2024-08-14T00:40:00Z", &[]);
+        assert!(code != 0 && stderr.contains("the last request to Starlink ephemerides was at 2024-08-14T00:30:00Z ("));
+        assert!(stderr.contains("429 Too Many Requests") && stderr.contains("the next one is allowed in "), "{stderr}");
+    }
+    assert!(idle.requests().is_empty());
+    // Later the manifest is requested again, and the file.
+    let server = Server::new(vec![Box::new(ok(manifest(), "")), Box::new(ok(ephemeris(), ""))]);
+    let (code, _, stderr) = cache.source(&source("90001"), &server.url, "2024-08-14T12:00:00Z", &[]);
+    assert_eq!((code, server.requests().len()), (0, 2), "{stderr}");
+    let text = std::fs::read(cache.folder().join(format!("{EPHEMERIS}.fetch.json"))).unwrap();
+    let record: Value = serde_json::from_slice(&text).unwrap();
+    assert_eq!((&record["answer"], &record["records"]), (&"200 OK".into(), &91.into()), "{record}");
+}
+
+/// A refused manifest starts the wait too; an address that is not reached does not.
+#[test]
+fn a_refused_manifest_starts_the_waiting_time() {
+    let cache = Cache::new();
+    let source = ["starlink-ephemerides", "--norad", "90001"];
+    let (code, _, stderr) = cache.source(&source, "http://127.0.0.1:1", "2024-08-14T00:20:00Z", &[]);
+    assert!(code != 0 && stderr.contains("you may retry now"), "{stderr}");
+    assert!(!cache.folder().join("starlink-ephemerides.manifest.txt.fetch.json").exists());
+    let server = Server::one(|stream| answer(stream, "503 Service Unavailable", "", b""));
+    let (code, _, stderr) = cache.source(&source, &server.url, "2024-08-14T00:30:00Z", &[]);
+    assert!(code != 0 && stderr.contains("503 Service Unavailable"), "{stderr}");
+    let idle = Server::new(Vec::new());
+    let (code, _, stderr) = cache.source(&source, &idle.url, "2024-08-14T00:40:00Z", &[]);
+    assert!(code != 0 && stderr.contains("the next one is allowed in "), "{stderr}");
+    assert!(idle.requests().is_empty());
+}
+
+#[cfg(unix)]
+#[test]
+fn candidates_in_a_named_pipe_are_rejected() {
+    let cache = Cache::new();
+    let pipe = cache.folder().join("pipe.csv");
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let idle = Server::new(Vec::new());
+    let source = ["starlink-ephemerides", "--candidates", pipe.to_str().unwrap()];
+    let (code, _, stderr) = cache.source(&source, &idle.url, "2024-08-14T00:30:00Z", &[]);
+    assert!(code != 0 && stderr.contains("pipe.csv: is a named pipe; allowed: a file"), "{stderr}");
+}
+
+/// Ephemerides are not compared with previous ones.
+#[test]
+fn accept_fewer_is_rejected_for_ephemerides() {
+    let cache = Cache::new();
+    let idle = Server::new(Vec::new());
+    let source = ["starlink-ephemerides", "--norad", "90001"];
+    let (code, _, stderr) = cache.source(&source, &idle.url, "2024-08-14T00:30:00Z", &["--accept-fewer"]);
+    assert!(code == 2 && stderr.contains("--accept-fewer"), "{stderr}");
+}
+
+/// Every output with positions states their source, and `doctor` counts ephemerides.
+#[test]
+fn the_source_of_positions_is_stated() {
+    let folder = TempDir::new().unwrap();
+    let path = |name: &str, bytes: &[u8]| {
+        let file = folder.path().join(name);
+        std::fs::write(&file, bytes).unwrap();
+        file.display().to_string()
+    };
+    let elements = path("gp.csv", &elements("sample.csv"));
+    let used = path(EPHEMERIS, &ephemeris());
+    let without = path(&EPHEMERIS.replace("90001_INVENTED-1", "90002_INVENTED-2"), &ephemeris());
+    let run = |words: &[&str]| {
+        let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .args(words)
+            // Below the satellite at 00:40.
+            .args(["--lat", "22", "--lon=-171", "--format", "json", "--elements", &elements, &used, &without])
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        let answer: Value = serde_json::from_slice(&output.stdout).unwrap_or_else(|_| panic!("{stderr}"));
+        (answer, stderr)
+    };
+    let source = |row: &Value| row["position_source"].as_str().unwrap_or_default().to_owned();
+    let of_file = format!("ephemeris {EPHEMERIS}");
+    let times = ["--times", "2024-08-14T00:40:00Z", "2024-08-14T05:00:00Z"];
+    let (answer, stderr) = run(&[&["ephemeris", "--norad", "90001"][..], &times].concat());
+    let rows = answer["ephemeris"].as_array().unwrap();
+    assert_eq!(rows.iter().map(source).collect::<Vec<_>>(), [of_file.as_str(), "element set"]);
+    // A satellite without an element set is named.
+    assert!(stderr.contains("INVENTED-2 (90002)") && stderr.contains("no element set"), "{stderr}");
+
+    // A field at the place of the satellite.
+    let [ra, dec] = ["ra_deg", "dec_deg"].map(|name| format!("{}deg", rows[0][name].as_f64().unwrap()));
+    let exposure = ["--start", "2024-08-14T00:39:55Z", "--exposure", "10s", "--include-dark"];
+    let (answer, _) = run(&[&["passes", "--ra", &ra, "--dec", &dec, "--fov", "5deg"][..], &exposure].concat());
+    assert_eq!(source(&answer["passes"][0]), of_file, "{answer}");
+    let span = ["--start", "2024-08-14T00:10:00Z", "--end", "2024-08-14T01:20:00Z", "--include-dark"];
+    let (answer, _) = run(&[&["forecast"][..], &span].concat());
+    let passes = answer["passes"].as_array().unwrap();
+    assert!(!passes.is_empty() && passes.iter().all(|pass| source(pass) == of_file), "{answer}");
+
+    let cache = folder.path().join("cache").display().to_string();
+    let doctor = |now: &str| {
+        let (answer, _) = run(&["doctor", "--now", now, "--cache", &cache]);
+        let all = answer["findings"].as_array().unwrap().clone();
+        all.into_iter().filter(|one| one["subject"] == "ephemerides").collect::<Vec<_>>()
+    };
+    let is = |one: &Value, severity: &str, text: &str| {
+        one["severity"] == severity && one["finding"].as_str().unwrap().contains(text)
+    };
+    let found = doctor("2024-08-14T00:30:00Z");
+    let expected = "2 ephemerides, 2 with a covariance, median age 0.0 days; 2 cover 2024-08-14T00:30:00Z";
+    assert!(found.len() == 2 && found.iter().any(|one| is(one, "fine", expected)), "{found:?}");
+    assert!(found.iter().any(|one| is(one, "warning", "INVENTED-2 (90002)")), "{found:?}");
+    let found = doctor("2024-08-15T23:30:00Z");
+    assert!(found.iter().any(|one| is(one, "warning", "median age 2.0 days; 0 cover")), "{found:?}");
+}

@@ -104,10 +104,11 @@ impl Builder {
     /// Returns the ephemeris; `line` is its last line, `stop` its stated end, and `is_line_cut` is true if the file ends
     /// there without a line end.
     pub fn finish(self, line: usize, stop: Option<Epoch>, is_line_cut: bool) -> Result<Ephemeris, Problem> {
-        if stop.is_none() && is_line_cut {
+        let last = self.ephemeris.states.last().map(|state| state.epoch);
+        if is_line_cut && (stop.is_none() || last < stop) {
             // A number cut short is still a number.
             let allowed =
-                "a line end after the last line, or a stated end of the ephemeris (the file may be truncated)";
+                "a line end after the last line, or a last state at the stated end (the file may be truncated)";
             return Err(Problem::new(line, "end of the file", "inside a line", allowed));
         }
         let states = &self.ephemeris.states;

@@ -33,6 +33,8 @@ pub struct CelestrakArguments {
     #[arg(long, value_name = "FORMAT", default_value = "csv")]
     pub elements_format: ElementsFormat,
     #[command(flatten)]
+    pub checks: RecordCheckArguments,
+    #[command(flatten)]
     pub common: CommonFetchArguments,
 }
 
@@ -44,6 +46,8 @@ pub struct SupgpArguments {
     /// Format of the elements
     #[arg(long, value_name = "FORMAT", default_value = "csv")]
     pub elements_format: ElementsFormat,
+    #[command(flatten)]
+    pub checks: RecordCheckArguments,
     #[command(flatten)]
     pub common: CommonFetchArguments,
 }
@@ -60,6 +64,8 @@ pub struct SpaceTrackArguments {
     #[arg(long, value_name = "NAME", requires = "identity_env")]
     pub password_env: Option<String>,
     #[command(flatten)]
+    pub checks: RecordCheckArguments,
+    #[command(flatten)]
     pub common: CommonFetchArguments,
 }
 
@@ -68,6 +74,8 @@ pub struct SatcheckerArguments {
     /// Time of the elements, for example 2024-08-14T00:30:00Z
     #[arg(long, value_name = "TIME")]
     pub epoch: String,
+    #[command(flatten)]
+    pub checks: RecordCheckArguments,
     #[command(flatten)]
     pub common: CommonFetchArguments,
 }
@@ -87,6 +95,14 @@ pub struct StarlinkEphemeridesArguments {
     pub common: CommonFetchArguments,
 }
 
+/// Checks against the previous file of the same source.
+#[derive(Args)]
+pub struct RecordCheckArguments {
+    /// Accept a file with less than half of the records of the previous one
+    #[arg(long)]
+    pub accept_fewer: bool,
+}
+
 #[derive(Args)]
 pub struct CommonFetchArguments {
     /// Cache folder; the folder streakcast in the cache folder of the system if omitted
@@ -95,9 +111,6 @@ pub struct CommonFetchArguments {
     /// Timeout of the whole download, with its unit
     #[arg(long, value_name = "TIME", default_value = "120s")]
     pub timeout: String,
-    /// Accept a file with less than half of the records of the previous one
-    #[arg(long)]
-    pub accept_fewer: bool,
     /// Suppress everything except errors on standard error
     #[arg(long, short)]
     pub quiet: bool,

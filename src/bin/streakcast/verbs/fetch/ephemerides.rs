@@ -4,10 +4,11 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
+use streakcast::input;
 use streakcast::output::{counted, format_utc, write_atomically};
 
 use super::arguments::StarlinkEphemeridesArguments;
@@ -19,14 +20,17 @@ use crate::cache::FetchRecord;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 
+/// Description of the response with a file.
+const OK: &str = "200 OK";
 /// Columns with NORAD catalogue numbers in the tables of `flag` and `passes`.
 const COLUMNS: [&str; 2] = ["norad_ids", "norad_id"];
 
 /// Downloads the manifest, unless it is recent, and the files of the satellites that are not in the cache.
 ///
 /// # Errors
-/// No satellite or too many; no manifest; a refused or invalid file, after which no more requests are sent. Files that
-/// were downloaded before stay in the cache, and a repetition continues with the others.
+/// No satellite or too many; no manifest; a refused or invalid file, after which no more requests are sent before the
+/// wait of the source has passed. Files that were downloaded before stay in the cache, and a later repetition continues
+/// with the others.
 pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::Result<Outcome> {
     let common = &typed.common;
     let notices = Notices::new(common.quiet);
@@ -39,11 +43,15 @@ pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::R
     let lock = File::create(&lock_path).map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
     lock.lock().map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
 
-    let newest = newest_files(&manifest_text(manifest, &options, now, &folder)?);
+    let session = Session { manifest, options: &options, now, folder: &folder };
+    let newest = newest_files(&session.manifest_text()?);
     let found: Vec<&str> = wanted.iter().filter_map(|norad_id| Some(newest.get(norad_id)?.name.as_str())).collect();
     let new: Vec<&str> = found.iter().copied().filter(|name| !folder.join(name).is_file()).collect();
+    if !new.is_empty() {
+        session.check_wait()?;
+    }
     for (number, name) in new.iter().enumerate() {
-        download(name, manifest, &options, now, &folder).map_err(|error| {
+        session.download(name).map_err(|error| {
             anyhow!("{error}; {number} of {} files were downloaded and are in the cache", new.len())
         })?;
     }
@@ -93,67 +101,152 @@ fn newest_files(manifest: &str) -> BTreeMap<u32, Listed> {
     newest
 }
 
-/// Returns the manifest of the cache if it is recent, otherwise of the server.
-fn manifest_text(source: &Source, options: &RequestOptions, now: Epoch, folder: &Path) -> anyhow::Result<String> {
-    let file = folder.join(&source.file);
-    let mut record = FetchRecord::read(&file).unwrap_or_default();
-    if record.wait_left_s(now, source.wait_s).is_some()
-        && let Ok(text) = fs::read_to_string(&file)
-    {
-        return Ok(text);
-    }
-    let bytes = answer(source, options)?;
-    let text = String::from_utf8_lossy(&bytes).into_owned();
-    if newest_files(&text).is_empty() {
-        return Err(anyhow!("{}: the manifest has no ephemerides; {}", source.name, first_words(&bytes)));
-    }
-    write_atomically(&file, |out| out.write_all(&bytes))
-        .map_err(|error| anyhow!("cannot write {}: {error}", file.display()))?;
-    record = FetchRecord {
-        source: source.name.to_owned(),
-        url: source.url.clone(),
-        policy: source.policy.to_owned(),
-        fetched_utc: Some(format_utc(now, 0)),
-        bytes: Some(bytes.len() as u64),
-        ..FetchRecord::default()
-    };
-    record.stamp(now, source.wait_s, "200 OK");
-    record.write(&file)?;
-    Ok(text)
+/// Requests of one run, all at the same stated time.
+struct Session<'a> {
+    manifest: &'a Source,
+    options: &'a RequestOptions,
+    now: Epoch,
+    folder: &'a Path,
 }
 
-/// Downloads a file beside the manifest, and stores it if it is a valid ephemeris.
-fn download(name: &str, manifest: &Source, options: &RequestOptions, now: Epoch, folder: &Path) -> anyhow::Result<()> {
-    let base = manifest.url.rsplit_once('/').map_or("", |(base, _)| base);
-    let source = Source { file: name.to_owned(), url: format!("{base}/{name}"), login: None, ..*manifest };
-    let bytes = answer(&source, options)?;
-    let read = verify(name, &bytes, None, true)?;
-    let file = folder.join(name);
-    write_atomically(&file, |out| out.write_all(&bytes))
-        .map_err(|error| anyhow!("cannot write {}: {error}", file.display()))?;
-    let mut record = FetchRecord {
-        source: source.name.to_owned(),
-        url: source.url.clone(),
-        policy: source.policy.to_owned(),
-        fetched_utc: Some(format_utc(now, 0)),
-        sha256: Some(read.sha256),
-        bytes: Some(bytes.len() as u64),
-        format: Some(read.format.to_string()),
-        records: Some(read.records),
-        rejected: Some(read.rejected),
-        first_epoch_utc: Some(format_utc(read.first_epoch, 3)),
-        last_epoch_utc: Some(format_utc(read.last_epoch, 3)),
-        ..FetchRecord::default()
-    };
-    record.stamp(now, source.wait_s, "200 OK");
-    record.write(&file)
+/// Response without a valid file.
+enum Failure {
+    /// The server has received a request: the wait begins.
+    Refused(anyhow::Error),
+    /// No request was sent.
+    Unreached(anyhow::Error),
 }
 
-fn answer(source: &Source, options: &RequestOptions) -> anyhow::Result<Vec<u8>> {
+impl Session<'_> {
+    /// Returns the path of the cached manifest. Its sidecar has the last request to the source, for the manifest or for a
+    /// file.
+    fn manifest_file(&self) -> PathBuf {
+        self.folder.join(&self.manifest.file)
+    }
+
+    /// Returns the manifest of the cache if it is recent, otherwise of the server.
+    fn manifest_text(&self) -> anyhow::Result<String> {
+        let (source, file) = (self.manifest, self.manifest_file());
+        let record = FetchRecord::read(&file).unwrap_or_default();
+        if record.wait_left_s(self.now, source.wait_s).is_some() {
+            match fs::read_to_string(&file) {
+                Ok(text) => return Ok(text),
+                Err(_) => self.check_wait()?,
+            }
+        }
+        let check = |bytes: &[u8]| match newest_files(&String::from_utf8_lossy(bytes)).is_empty() {
+            true => Err(anyhow!("{}: the manifest has no ephemerides; {}", source.name, first_words(bytes))),
+            false => Ok(FetchRecord::default()),
+        };
+        let bytes = self.fetch(source, &check)?;
+        Ok(String::from_utf8_lossy(&bytes).into_owned())
+    }
+
+    /// Rejects further requests during the wait after a request that had no valid file as its response.
+    fn check_wait(&self) -> anyhow::Result<()> {
+        let record = FetchRecord::read(&self.manifest_file()).unwrap_or_default();
+        let answer = record.answer.as_deref().unwrap_or_default();
+        match record.wait_left_s(self.now, self.manifest.wait_s) {
+            Some(left_s) if answer != OK => Err(anyhow!(
+                "the last request to {} was at {} ({answer}); the next one is allowed in {:.0} min",
+                self.manifest.name,
+                record.asked_utc.as_deref().unwrap_or_default(),
+                (left_s / 60.0).ceil()
+            )),
+            _ => Ok(()),
+        }
+    }
+
+    /// Downloads a file beside the manifest, and stores it if it is a valid ephemeris.
+    fn download(&self, name: &str) -> anyhow::Result<()> {
+        let base = self.manifest.url.rsplit_once('/').map_or("", |(base, _)| base);
+        let source = Source { file: name.to_owned(), url: format!("{base}/{name}"), login: None, ..*self.manifest };
+        let check = |bytes: &[u8]| {
+            let read = verify(name, bytes, None, true)?;
+            Ok(FetchRecord {
+                sha256: Some(read.sha256),
+                format: Some(read.format.to_string()),
+                records: Some(read.records),
+                rejected: Some(read.rejected),
+                first_epoch_utc: Some(format_utc(read.first_epoch, 3)),
+                last_epoch_utc: Some(format_utc(read.last_epoch, 3)),
+                ..FetchRecord::default()
+            })
+        };
+        self.fetch(&source, &check).map(|_| ())
+    }
+
+    /// Sends one request, and stores its file with the record of `check` if that accepts it. The request is recorded
+    /// before it is sent, and a refusal also beside the manifest, so that no other request follows before the wait has
+    /// passed.
+    fn fetch(&self, source: &Source, check: &dyn Fn(&[u8]) -> anyhow::Result<FetchRecord>) -> anyhow::Result<Vec<u8>> {
+        let (file, of_all) = (self.folder.join(&source.file), self.manifest_file());
+        let before = [&file, &of_all].map(|path| FetchRecord::read(path));
+        // The files that are cached keep their records.
+        let stamp = |answer: &str| -> anyhow::Result<()> {
+            for (path, before) in [&file, &of_all].into_iter().zip(&before) {
+                let mut record = before.clone().unwrap_or_default();
+                record.source = self.manifest.name.to_owned();
+                record.policy = self.manifest.policy.to_owned();
+                record.url = if *path == of_all { self.manifest.url.clone() } else { source.url.clone() };
+                record.stamp(self.now, source.wait_s, answer);
+                record.write(path)?;
+            }
+            Ok(())
+        };
+        stamp("asking")?;
+        let response = answer(source, self.options);
+        let stored = response.and_then(|bytes| {
+            let record = check(&bytes).map_err(Failure::Refused)?;
+            Ok((bytes, record))
+        });
+        let restore = || -> anyhow::Result<()> {
+            for (path, before) in [&file, &of_all].into_iter().zip(&before) {
+                match before {
+                    Some(before) => before.write(path)?,
+                    // The manifest has one sidecar under both names.
+                    None if FetchRecord::path_beside(path).is_file() => FetchRecord::remove(path)?,
+                    None => {}
+                }
+            }
+            Ok(())
+        };
+        let (bytes, record) = match stored {
+            Ok(stored) => stored,
+            Err(Failure::Unreached(error)) => {
+                restore()?;
+                return Err(anyhow!("{error}; no request was sent; you may retry now"));
+            }
+            Err(Failure::Refused(error)) => {
+                stamp(&error.to_string())?;
+                let wait_min = (source.wait_s / 60.0).ceil();
+                return Err(anyhow!("{error}; next request allowed in {wait_min:.0} min"));
+            }
+        };
+        restore()?;
+        write_atomically(&file, |out| out.write_all(&bytes))
+            .map_err(|error| anyhow!("cannot write {}: {error}", file.display()))?;
+        let mut record = FetchRecord {
+            source: source.name.to_owned(),
+            url: source.url.clone(),
+            policy: source.policy.to_owned(),
+            fetched_utc: Some(format_utc(self.now, 0)),
+            bytes: Some(bytes.len() as u64),
+            ..record
+        };
+        record.stamp(self.now, source.wait_s, OK);
+        record.write(&file)?;
+        Ok(bytes)
+    }
+}
+
+fn answer(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failure> {
+    let url = &source.url;
     match send(source, options, &Validators::default(), None) {
         Response::Data { bytes, .. } => Ok(bytes),
-        Response::NotModified => Err(anyhow!("{}: 304 without a condition", source.url)),
-        Response::Refused(message) | Response::Unreached(message) => Err(anyhow!("{}: {message}", source.url)),
+        Response::NotModified => Err(Failure::Refused(anyhow!("{url}: 304 without a condition"))),
+        Response::Refused(message) => Err(Failure::Refused(anyhow!("{url}: {message}"))),
+        Response::Unreached(message) => Err(Failure::Unreached(anyhow!("{url}: {message}"))),
     }
 }
 
@@ -162,7 +255,8 @@ fn satellites(typed: &StarlinkEphemeridesArguments) -> anyhow::Result<BTreeSet<u
     let mut wanted: BTreeSet<u32> = typed.norad.iter().copied().collect();
     for path in &typed.candidates {
         let fail = |error: csv::Error| anyhow!("candidates {}: {error}", path.display());
-        let mut table = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(fail)?;
+        let file = input::open(path).map_err(|error| anyhow!("candidates {}: {error}", path.display()))?;
+        let mut table = csv::ReaderBuilder::new().comment(Some(b'#')).from_reader(file);
         let columns = table.headers().map_err(fail)?.clone();
         let column =
             COLUMNS.iter().find_map(|name| columns.iter().position(|column| column == *name)).ok_or_else(|| {

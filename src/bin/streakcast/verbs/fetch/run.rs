@@ -64,36 +64,37 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
             notices.info(&format!("{} has no newer data", source.name));
             return print_path(&file);
         }
-        Response::Data { bytes, validators } => match verify(&source.file, &bytes, record.records, common.accept_fewer)
-        {
-            Ok(read) => {
-                write_atomically(&file, |out| out.write_all(&bytes))
-                    .map_err(|error| anyhow!("cannot write {}: {error}", file.display()))?;
-                record = FetchRecord {
-                    fetched_utc: Some(format_utc(now, 0)),
-                    sha256: Some(read.sha256.clone()),
-                    bytes: Some(bytes.len() as u64),
-                    format: Some(read.format.to_string()),
-                    records: Some(read.records),
-                    rejected: Some(read.rejected),
-                    first_epoch_utc: Some(format_utc(read.first_epoch, 3)),
-                    last_epoch_utc: Some(format_utc(read.last_epoch, 3)),
-                    etag: validators.etag,
-                    last_modified: validators.last_modified,
-                    ..record
-                };
-                record.stamp(now, source.wait_s, "200 OK");
-                record.write(&file)?;
-                notices.info(&format!(
-                    "{} element sets of {} to {}",
-                    read.records,
-                    format_utc(read.first_epoch, 0),
-                    format_utc(read.last_epoch, 0)
-                ));
-                return print_path(&file);
+        Response::Data { bytes, validators } => {
+            match verify(&source.file, &bytes, record.records, typed.source.accepts_fewer()) {
+                Ok(read) => {
+                    write_atomically(&file, |out| out.write_all(&bytes))
+                        .map_err(|error| anyhow!("cannot write {}: {error}", file.display()))?;
+                    record = FetchRecord {
+                        fetched_utc: Some(format_utc(now, 0)),
+                        sha256: Some(read.sha256.clone()),
+                        bytes: Some(bytes.len() as u64),
+                        format: Some(read.format.to_string()),
+                        records: Some(read.records),
+                        rejected: Some(read.rejected),
+                        first_epoch_utc: Some(format_utc(read.first_epoch, 3)),
+                        last_epoch_utc: Some(format_utc(read.last_epoch, 3)),
+                        etag: validators.etag,
+                        last_modified: validators.last_modified,
+                        ..record
+                    };
+                    record.stamp(now, source.wait_s, "200 OK");
+                    record.write(&file)?;
+                    notices.info(&format!(
+                        "{} element sets of {} to {}",
+                        read.records,
+                        format_utc(read.first_epoch, 0),
+                        format_utc(read.last_epoch, 0)
+                    ));
+                    return print_path(&file);
+                }
+                Err(error) => error.to_string(),
             }
-            Err(error) => error.to_string(),
-        },
+        }
         Response::Refused(message) => message,
         Response::Unreached(message) => {
             // No request was sent: the sidecar is restored, and no wait begins.

@@ -43,6 +43,17 @@ impl FetchSource {
         }
     }
 
+    /// Returns true if a file with far fewer records than the previous one is accepted. Ephemerides are not compared.
+    pub fn accepts_fewer(&self) -> bool {
+        match self {
+            FetchSource::Celestrak(typed) => typed.checks.accept_fewer,
+            FetchSource::Supgp(typed) => typed.checks.accept_fewer,
+            FetchSource::SpaceTrack(typed) => typed.checks.accept_fewer,
+            FetchSource::Satchecker(typed) => typed.checks.accept_fewer,
+            FetchSource::StarlinkEphemerides(_) => false,
+        }
+    }
+
     pub fn source(&self) -> anyhow::Result<Source> {
         let base = |default: &str| {
             let base = self.common().base_url.as_deref().unwrap_or(default);
