@@ -115,7 +115,7 @@ impl EopTable {
     /// Rows without UT1 - UTC or pole (the days beyond the predictions) are skipped.
     ///
     /// # Errors
-    /// An invalid number, dates that do not increase, or no row at all.
+    /// A number is invalid, dates do not increase, or no row has both UT1 - UTC and the pole.
     pub fn from_finals2000a(text: &str) -> Result<Self, FramesError> {
         let mut first: Option<Epoch> = None;
         let mut predicted_from_s = f64::INFINITY;

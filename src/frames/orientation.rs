@@ -129,8 +129,9 @@ impl OrientationTable {
         Self::with_slow(start, end, eop, slow)
     }
 
-    /// Returns the part of this table from `start` to `end`, with seconds counted from `start`. Ten times faster than a
-    /// new table, and equal to it within rounding. `eop` must be the table that this one was made from.
+    /// Returns a table from `start` to `end`, inside this table's interval, with seconds counted from `start`. This
+    /// takes a tenth of the time of [`new`](Self::new), and the two agree within rounding. `eop` must be the table from
+    /// which this one was made.
     pub fn part(&self, start: Epoch, end: Epoch, eop: &EopTable) -> Self {
         Self::with_slow(start, end, eop, self.slow.counted_from(seconds_between(self.reference, start)))
     }

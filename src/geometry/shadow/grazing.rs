@@ -29,8 +29,8 @@ pub fn grazing_height_km(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Op
     })
 }
 
-/// Returns true where the line from the Sun's centre to the satellite passes above 100 km or has no lowest point: the
-/// rule by which the paper selects photometry. It ignores the Sun's disk; use it for the selection of data only.
+/// Returns true where the line from the Sun's centre to the satellite passes above 100 km or has no lowest point. Lu
+/// (2024) selects photometry by this rule. The rule ignores the size of the Sun's disk; use it only to select data.
 pub fn sunlit_by_100_km_rule(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> bool {
     grazing_height_km(satellite, sun).is_none_or(|height_km| height_km >= KARMAN_LINE_KM)
 }
