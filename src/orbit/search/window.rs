@@ -35,12 +35,12 @@ use crate::orbit::propagator::{LeftOut, SatelliteIndex, SearchedPropagator};
 /// drag changes the mean longitude by less than the margin.
 pub const MAX_WINDOW_S: f64 = 6.0 * 3600.0;
 
-/// Largest angle between SGP4's plane and the interpolated one, radians: short-period terms at both nodes, 2 · 3/2 ·
-/// J₂/2p² · sin I cos I, and the curvature of the precession.
+/// Largest angle between the orbit plane by SGP4 and the interpolated plane, radians. It is due to the short-period
+/// terms at both ends of the window, 2 · 3/2 · J₂/2p² · sin I cos I, and to the curvature of the precession.
 const PLANE_SLOP_RAD: f64 = 1.2e-3;
 
-/// Largest distance of SGP4's radius outside the perigee and apogee of the osculating orbits at the nodes, km: four
-/// times the short-period amplitude of a low orbit.
+/// Largest distance, km, by which SGP4's radius is below the perigee or above the apogee of the osculating orbits at
+/// the ends of the window: four times the short-period amplitude of a low orbit.
 const RADIUS_SLOP_KM: f64 = 35.0;
 
 /// Largest distance between SGP4's position and the interpolated one, as a fraction of the semi-major axis, for an
