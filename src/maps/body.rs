@@ -8,6 +8,7 @@ use super::grid::{Grid, GridRow, fill};
 use super::light::{Fact, FactValue, MapPhotometry, STANDARD_RANGE_KM, rounded};
 
 /// Brightness of a satellite in full sunlight in any direction, as in figure 6 of Lu (2024).
+///
 /// A direction is given by its longitude from the Sun's azimuth, right-handed about the satellite's zenith (0 to 2π),
 /// and its latitude above the plane of the chassis (-π/2 straight below). The Sun is at 1 au and there is no
 /// extinction. Directions that do not meet the ground are included. The height of the satellite affects only the

@@ -7,6 +7,7 @@ type Side = (usize, usize, bool);
 
 /// Returns the lines on which `value`, a function of column and row of a grid of `columns` by `rows` points, equals
 /// `level`. Positions are in columns and rows from the first point.
+///
 /// Squares are `step` points wide. A line is closed, or it ends at the border of the grid or at missing values.
 pub(super) fn contours(
     (columns, rows): (usize, usize),

@@ -102,6 +102,7 @@ impl ShadowModel {
 
     /// Returns the illumination of a satellite; both positions are geocentric, km. A position below the Earth's surface
     /// is treated as the surface point above it.
+    ///
     /// The result is quick to compute far from the shadow's boundary. Near the boundary the sum covers two dozen rings
     /// of the Sun's disk, or five dozen rays through the atmosphere.
     pub fn illumination(self, satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {

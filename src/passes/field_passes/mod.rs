@@ -1,5 +1,6 @@
 //! Satellites that cross a field during exposures: passes with brightness, crossings with times only, probabilities,
 //! and numbers of streaks.
+//!
 //! `query` runs a query with the `options` over all exposures. `exposed_field` is the field during one exposure, with
 //! its candidates. `pass`, `crossings` and `probabilities` each evaluate one candidate. `streak_counts` counts passes.
 
