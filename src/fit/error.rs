@@ -78,7 +78,7 @@ pub enum FitError {
         row: u64,
         /// Filter of the first row.
         first: String,
-        /// First filter that differs from it.
+        /// Filter of this data row, which differs from `first`.
         other: String,
     },
     /// An option is outside its range.

@@ -138,13 +138,13 @@ mod tests {
     /// One sigma from point to point, mag.
     const NOISE_MAG: f64 = 0.1;
 
-    /// Cells of some 70 points.
+    /// Options for pixels of some 70 points.
     fn coarse(mode: DensityMode) -> ReduceOptions {
         let paper = ReduceOptions::default();
         ReduceOptions { nside: 4, layer_width_rad: 0.2, least_count: 20, most_iqr_mag: 3.0, mode, ..paper }
     }
 
-    /// Cells with single points: they have no mode, and the fit is the mean of all points, which is smooth.
+    /// Options for pixels of single points. The fit is then the mean of all points, which is a smooth statistic.
     fn fine() -> ReduceOptions {
         ReduceOptions { nside: 1024, least_count: 1, ..coarse(DensityMode::HalfSample) }
     }

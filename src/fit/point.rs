@@ -132,7 +132,7 @@ mod tests {
         /// Rounding of magnitudes in pixels, which are f32, mag.
         const ROUNDED: f64 = 1e-6;
         let (narrow, wide) = ([5.0, 5.1, 5.2, 5.3, 5.4], [5.0, 5.3, 5.6, 5.9, 6.2, 6.5, 6.8]);
-        // IQR 0.2 and 0.9; cells of one, two and four points get the median of these.
+        // Interquartile ranges of 0.2 and 0.9; pixels of one, two and four points get the median of these.
         let sigmas = sigmas_mag(&[&narrow, &wide, &[6.0], &[6.0, 6.1], &[5.0, 5.0, 5.0, 5.0]]);
         for (sigma, expected) in sigmas.iter().zip([0.2, 0.55, 0.55, 0.55, 0.9]) {
             assert!((sigma - expected).abs() < ROUNDED, "{sigmas:?}");

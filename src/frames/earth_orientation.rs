@@ -167,7 +167,7 @@ impl EopTable {
     }
 
     /// Returns the parameters at a time. Outside the table they are [`EarthOrientationParameters::ZERO`];
-    /// [`EopTable::status`] tells whether a time is covered.
+    /// [`EopTable::status`] returns whether a time is covered.
     ///
     /// UT1 - TAI is interpolated and the leap seconds are added afterwards, so that no jump is spread over a day.
     pub fn at(&self, epoch: Epoch) -> EarthOrientationParameters {

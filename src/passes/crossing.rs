@@ -195,7 +195,7 @@ fn inside_polygon(
     for pair in part.windows(2) {
         let ((a_s, a), (b_s, b)) = (pair[0], pair[1]);
         for (from, to) in sides(corners) {
-            // The sign tells on which side of the line through the edge a point lies.
+            // Positive on one side of the line through the edge, negative on the other.
             let side =
                 |point: [f64; 2]| (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0]);
             let (side_a, side_b) = (side(a), side(b));

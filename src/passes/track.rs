@@ -207,7 +207,7 @@ pub struct Pass {
     pub probability: f64,
     /// True if the satellite is lit at any time between `enter` and `exit`.
     pub lit: bool,
-    /// Points along the track; empty if the options ask for none.
+    /// Points along the track; empty if [`samples`](super::PassOptions::samples) is 0.
     pub samples: Vec<TrackPoint>,
 }
 

@@ -92,7 +92,7 @@ pub struct VisiblePass {
     pub position_source: PositionSource,
     /// Time from the epoch of the elements to the culmination, days.
     pub element_age_days: f64,
-    /// Points from rise to set; empty if the request asks for none.
+    /// Points from rise to set; empty if [`VisibleRequest::samples`] is 0.
     pub samples: Vec<TrackPoint>,
 }
 

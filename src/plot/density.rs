@@ -181,7 +181,7 @@ mod tests {
         };
         let all: f64 = density.counts.iter().sum();
         assert!((within(walls) - all).abs() < 1e-9 * all && within(OPEN) < 0.99 * all);
-        /// Size of a cell in the picture, pixels.
+        /// Size of a bin in the picture, pixels.
         const CELL: f64 = 10.0;
         // Half a circle of one sigma: 100 pixels wide, and as high at the wall as without it.
         let highest_at_wall = |walls| {

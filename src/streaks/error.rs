@@ -16,7 +16,7 @@ pub enum StreaksError {
     Invalid {
         /// Name of the value, preceded by the file and the HDU if the value is in a file.
         what: String,
-        /// Given value, or `missing`.
+        /// Given value, or `missing` if there is none.
         given: String,
         /// Allowed values.
         allowed: String,

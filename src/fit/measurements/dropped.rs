@@ -81,7 +81,7 @@ pub struct DropExample {
     pub file: String,
     /// Data row of the file, from 1, without header and comments.
     pub row: u64,
-    /// Description of the given and the expected content; empty if the reason says enough.
+    /// Description of the given and the expected content; empty if the reason alone suffices.
     pub problem: String,
 }
 

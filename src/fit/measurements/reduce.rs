@@ -77,7 +77,7 @@ pub struct Pixel {
     /// Mean of the Sun's latitude over the points, radians. The middle of the layer could differ from it by half a
     /// degree.
     pub sun_latitude_rad: f64,
-    /// Longitude of the mean direction of the points, radians; folded if the options say so.
+    /// Longitude of the mean direction of the points, radians; folded if [`ReduceOptions::fold`] is set.
     pub observer_longitude_rad: f64,
     /// Latitude of the mean direction of the points, radians.
     pub observer_latitude_rad: f64,

@@ -85,7 +85,7 @@ pub(super) fn lit_fraction(above: f64, limb: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Tolerance for the direct sum over the disk; the cell size of the sum dominates the difference.
+    /// Tolerance for the direct sum over the disk. The difference is mainly due to the finite cells of the sum.
     const TOLERANCE: f64 = 5e-5;
 
     #[test]

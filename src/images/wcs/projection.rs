@@ -188,7 +188,7 @@ impl NativePole {
 
     /// Returns the declination of the native pole if the reference point is the native origin (θ₀ = 0, φ₀ = 0).
     ///
-    /// δp = atan2(0, cos φp) ± arccos(sin δ₀ / |cos φp|), the one nearer to LATPOLE        paper II, eq. 8
+    /// δp = atan2(0, cos φp) ± arccos(sin δ₀ / |cos φp|), whichever is nearer to LATPOLE        paper II, eq. 8
     fn pole_latitude(self, declination_0: f64, phi_pole: f64) -> Option<f64> {
         let (sin_phi, cos_phi) = phi_pole.sin_cos();
         let across = (1.0 - sin_phi * sin_phi).sqrt();

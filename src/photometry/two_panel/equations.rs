@@ -168,7 +168,7 @@ impl ChassisAndSail {
             let aside = greater((self.cos_panel_offset * eye_y[lane]).abs(), TINY);
             let (shear, per_shear) = (aside / below, below / aside);
             // |S ∪ V| = |S| + |V| - |S ∩ V|, where the shadow S and the hidden part V are each cut to the sail. S is an
-            // upright strip of width `narrow_m` about the middle; V at height v is an interval of the width of the chassis,
+            // upright strip of width `narrow_m` about the middle. V at height v is an interval of the chassis' width,
             // displaced from the middle by shear v.
             let shade_m2 = self.narrow_m * shade_m;
             let view_m2 = overlap_m2(self.half_sum_m, self.narrow_m, shear, per_shear, view_m);

@@ -36,7 +36,7 @@ pub struct InjectionPlan {
     pub psf_name: String,
     /// Name of the telescope; `None` if it is not given.
     pub telescope: Option<String>,
-    /// Detector that replaces the one implied by the header; `None` for the header's.
+    /// Detector that replaces the detector implied by the header; `None` to use the implied one.
     pub detector: Option<Detector>,
     /// Photometric options; the band is V if none is given.
     pub photometry: PhotometryOptions,
