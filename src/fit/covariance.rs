@@ -1,15 +1,15 @@
 //! Uncertainty of the fitted parameters.
 //!
-//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the influence function; JᵀW J for squares) is inverted over the
-//! parameters between their bounds. If points come in groups with shared systematic errors (a track, a night), H⁻¹ is
-//! too small, and the sandwich estimator
+//! The curvature of the cost, H = Σ ψ' J Jᵀ/σ² (ψ is the influence function; for squares H = JᵀW J), is inverted for
+//! the parameters that are not at a bound. If points form groups with common systematic errors (a track, a night), H⁻¹
+//! is too small, and the sandwich estimator
 //!
 //! ```text
 //! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-k),    s_g = Σ_{i in g} gradient of the cost of point i
 //! ```
 //!
-//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n -
-//! k). A track contributes to many pixels, so pixels have no such groups: see `jackknife`.
+//! is used (Liang and Zeger 1986, Biometrika 73, 13). If there are too few groups for the sandwich estimator, H⁻¹ is
+//! scaled by χ²/(n - k). A track contributes to many pixels, so that pixels do not form such groups: see `jackknife`.
 
 use std::fmt;
 
@@ -17,19 +17,19 @@ use nalgebra::{DMatrix, DVector};
 
 use super::form::Parameter;
 
-/// Distance to a bound, as a fraction of the interval between the bounds, below which a parameter is at the bound.
+/// A parameter counts as being at a bound if it is nearer to it than this fraction of the interval between the bounds.
 const AT_BOUND: f64 = 1e-6;
-/// Eigenvalue of the curvature (scaled to a diagonal of 1) below which a direction is undetermined.
+/// A direction counts as undetermined if its eigenvalue of the curvature (scaled to a diagonal of 1) is below this.
 const SINGULAR: f64 = 1e-10;
 
-/// Origin of a covariance.
+/// Method by which a covariance was computed.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum CovarianceKind {
-    /// Scatter of groups of points (sandwich estimator).
+    /// From the scatter of groups of points (sandwich estimator).
     Grouped,
-    /// Curvature of the cost, scaled by χ²/(n - k).
+    /// From the curvature of the cost, scaled by χ²/(n - k).
     Scaled,
-    /// Sets of tracks left out ([`jackknife`](super::jackknife())).
+    /// From fits without one set of tracks each ([`jackknife`](super::jackknife())).
     Jackknife,
 }
 
@@ -46,32 +46,33 @@ impl fmt::Display for CovarianceKind {
 /// Uncertainty of the parameters of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitUncertainty {
-    /// Covariance of all parameters; 0 for those that are held, at a bound or undetermined. `None` if the curvature is
-    /// singular.
+    /// Covariance of all parameters, with 0 for parameters that are held, at a bound or undetermined. `None` if the
+    /// curvature is singular.
     pub covariance: Option<Vec<Vec<f64>>>,
-    /// Origin of the covariance.
+    /// Method by which the covariance was computed.
     pub kind: CovarianceKind,
     /// Indices of free parameters at a bound.
     pub at_bound: Vec<usize>,
-    /// Indices of free parameters in undetermined directions.
+    /// Indices of free parameters that the points do not determine.
     pub undetermined: Vec<usize>,
 }
 
 impl FitUncertainty {
-    /// One sigma of a parameter; `None` if it is held, at a bound or undetermined.
+    /// Returns the uncertainty (one sigma) of a parameter; `None` if it is held, at a bound or undetermined.
     pub fn sigma(&self, parameter: usize) -> Option<f64> {
         let variance = self.covariance.as_ref()?[parameter][parameter];
         (variance > 0.0).then(|| variance.sqrt())
     }
 
-    /// Correlation of two parameters; `None` if one of them has no sigma.
+    /// Returns the correlation of two parameters; `None` if one of them has no sigma.
     pub fn correlation(&self, one: usize, other: usize) -> Option<f64> {
         let product = self.sigma(one)? * self.sigma(other)?;
         Some(self.covariance.as_ref()?[one][other] / product)
     }
 }
 
-/// Uncertainty from the curvature `(n_free, n_free)` and the gradient terms `(n_point)` of `(n_free)` at the minimum.
+/// Returns the uncertainty, from the curvature at the minimum, `(n_free, n_free)`, and each point's term of the
+/// gradient.
 pub(super) fn uncertainty(
     curvature: &DMatrix<f64>,
     scores: &[Vec<f64>],
@@ -94,7 +95,7 @@ pub(super) fn uncertainty(
 
     let mut inner = inner;
     let inverse = loop {
-        // Undetermined parameters are removed, and the rest is inverted without them.
+        // Undetermined parameters are removed, and the curvature of the remaining ones is inverted.
         if let Some(index) = inner.iter().position(|&k| !(curvature[(k, k)] > 0.0 && curvature[(k, k)].is_finite())) {
             known.undetermined.push(free[inner.remove(index)]);
             continue;
@@ -104,7 +105,7 @@ pub(super) fn uncertainty(
             known.covariance = Some(vec![vec![0.0; parameters.len()]; parameters.len()]);
             return known;
         }
-        // Scaled to a diagonal of 1, so that units do not matter.
+        // The curvature is scaled to a diagonal of 1, so that the units of the parameters do not matter.
         let scale: Vec<f64> = inner.iter().map(|&k| curvature[(k, k)].sqrt()).collect();
         let unit = DMatrix::from_fn(m, m, |r, c| curvature[(inner[r], inner[c])] / (scale[r] * scale[c]));
         let eigen = unit.clone().symmetric_eigen();

@@ -1,11 +1,10 @@
-//! Comparison of forms of brightness law by their predictions for unseen points.
+//! Comparison of brightness laws (forms) by their predictions for points that were not fitted.
 //!
-//! Single measurements are held out by group (track, night). Pixels cannot be held out in this way, because one track
-//! contributes to many pixels and would be on both sides. For pixels the tracks are divided into folds, and each side
-//! is reduced separately: a form is
-//! fitted to the pixels of all folds but one, and compared with the pixels of that fold. A fold contains a fraction of
-//! 1/folds of the points, so thresholds on numbers of points and tracks are divided by the number of folds (rounded
-//! up); the limit on the spread is unchanged.
+//! Single measurements are held out in groups (tracks, nights). Pixels cannot be held out in this way, because one
+//! track contributes to many pixels and would be among the fitted and the predicted ones. For pixels, the tracks are
+//! divided into folds. A form is fitted to the pixels made of all folds but one, and compared with the pixels made of
+//! the remaining fold. A fold contains a fraction of 1/folds of the points. The thresholds on the numbers of points and
+//! tracks are therefore divided by the number of folds and rounded up; the limit on the spread is unchanged.
 
 use rayon::prelude::*;
 
@@ -20,35 +19,35 @@ use super::statistics::{ResidualStatistics, aic_under, share_within, sigma_68_ma
 use super::two_panel_form::TwoPanelForm;
 use crate::photometry::{Coefficients, Earthshine};
 
-/// A form with its free parameters.
+/// A form that is compared with others, and its free parameters.
 pub struct CompetingForm {
     /// Name for tables.
     pub name: String,
-    /// The form.
+    /// Form of the brightness law.
     pub form: Box<dyn Form>,
-    /// Names of its free parameters.
+    /// Names of the free parameters.
     pub free: Vec<String>,
 }
 
-/// Result of one form.
+/// Result of the comparison for one form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FormScore {
     /// Name of the form.
     pub name: String,
     /// Number of free parameters.
     pub parameters: usize,
-    /// Residuals of the fitted points.
+    /// Statistics of the residuals of the fitted points.
     pub in_sample: ResidualStatistics,
-    /// Residuals of the points that were held out.
+    /// Statistics of the residuals of the points that were held out.
     pub held_out: ResidualStatistics,
     /// The points that were held out, fold by fold.
     pub unseen: Vec<UnseenPoint>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
-    /// Sigma that contains 68.3 % of the points held out.
+    /// Sigma that contains 68.3 % of the residuals of the points that were held out, mag.
     pub sigma_68_mag: f64,
-    /// Fraction of the points of each fold within the sigma of the *other* folds: unseen points within a predicted
-    /// sigma.
+    /// Fraction of the points of each fold whose residual is within the sigma of the *other* folds. It shows whether a
+    /// predicted sigma holds for new points.
     pub within_one_sigma: f64,
 }
 
@@ -72,13 +71,13 @@ impl UnseenPoint {
 
 /// Fits and cross-validates every form on the points that all forms explain.
 ///
-/// `points` are fitted in sample. If they are pixels, `tracks` are the measurements behind them and the options of
-/// their reduction, and whole tracks are held out.
+/// `points` are the points that are fitted. If they are pixels, `tracks` are the measurements from which they were made
+/// and the options of the reduction, and whole tracks are held out.
 ///
 /// # Errors
 /// * the errors of [`Problem`];
 /// * [`FitError::Folds`] for fewer than two folds or fewer groups than folds;
-/// * [`FitError::NoPoints`] and [`FitError::NoneUnseen`] if no point is common to all forms.
+/// * [`FitError::NoPoints`] and [`FitError::NoneUnseen`] if there is no point for which all forms give a magnitude.
 pub fn compare_forms(
     forms: &[CompetingForm],
     points: &[FitPoint],
@@ -88,7 +87,7 @@ pub fn compare_forms(
 ) -> Result<Vec<FormScore>, FitError> {
     let points = common(forms.iter().map(|one| &*one.form), points.to_vec());
     let with_settings = |one: &CompetingForm| {
-        // A parameter held in one form may not exist in another.
+        // A parameter that is held in one form may not exist in another.
         let names: Vec<String> = one.form.parameters().into_iter().map(|parameter| parameter.name).collect();
         let held = settings.held.iter().filter(|(name, _)| names.contains(name) && !one.free.contains(name));
         FitSettings { free: one.free.clone(), held: held.cloned().collect(), ..settings.clone() }
@@ -118,8 +117,8 @@ pub fn compare_forms(
     forms.iter().zip(&fitted).zip(held_out).map(score).collect()
 }
 
-/// Baseline forms: a diffuse sphere, a quadratic in the phase angle, and, for satellites with chassis and sail, two
-/// Phong panels without mutual blocking, transmission and earthshine.
+/// Returns simple forms for comparison: a diffuse sphere, a quadratic in the phase angle, and, for satellites with
+/// chassis and solar array, two Phong panels without mutual blocking, transmission and earthshine.
 pub fn baseline_forms(of: Option<&TwoPanelForm>) -> Vec<CompetingForm> {
     let form = |name: &str, form: Box<dyn Form>, free: &[&str]| CompetingForm {
         name: name.to_owned(),
@@ -149,19 +148,19 @@ struct Folds<'a> {
 }
 
 enum Source<'a> {
-    /// Points, and the fold of each.
+    /// Single measurements, with the fold of each.
     Points(&'a [FitPoint], Vec<usize>),
     Tracks(TrackSets<'a>, ReduceOptions),
 }
 
-/// Both sides of one fold.
+/// The fitted and the predicted points of one fold.
 struct Split {
     seen: Vec<FitPoint>,
     unseen: Vec<FitPoint>,
 }
 
 impl<'a> Folds<'a> {
-    /// Folds of single measurements: groups are assigned in the order of their numbers and never split.
+    /// Divides single measurements into folds. Groups are assigned in the order of their numbers and never split.
     fn of_points(points: &'a [FitPoint], count: usize) -> Result<Self, FitError> {
         let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
         groups.sort_unstable();
@@ -172,7 +171,7 @@ impl<'a> Folds<'a> {
         Ok(Self { of: Source::Points(points, folds), count })
     }
 
-    /// Folds of the tracks (or nights) behind pixels, which are reduced with `options` on each side.
+    /// Divides the tracks (or nights) behind pixels into folds; both parts of each fold are reduced with `options`.
     fn of_tracks(measurements: &'a Measurements, options: ReduceOptions, count: usize) -> Result<Self, FitError> {
         let tracks = TrackSets::new(measurements, count);
         let count = checked(count, tracks.groups)?;
@@ -252,7 +251,7 @@ fn within_sigma_of_other_folds(unseen: &[UnseenPoint]) -> f64 {
     inside / all
 }
 
-/// The points that all forms explain.
+/// Returns the points for which all forms give a magnitude.
 fn common<'f>(forms: impl Iterator<Item = &'f dyn Form>, points: Vec<FitPoint>) -> Vec<FitPoint> {
     forms.fold(points, |points, form| {
         let prepared = form.prepare(&points);
@@ -260,8 +259,8 @@ fn common<'f>(forms: impl Iterator<Item = &'f dyn Form>, points: Vec<FitPoint>) 
     })
 }
 
-/// Magnitudes at 1000 km predicted by a form with parameters `x` (all, in order); NaN for points that it does not
-/// explain.
+/// Returns the magnitudes at 1000 km that a form predicts with the parameters `x` (all parameters, in order); NaN for
+/// points for which the form gives no magnitude.
 pub fn predict(form: &dyn Form, points: &[FitPoint], x: &[f64]) -> Vec<f64> {
     let prepared = form.prepare(points);
     let evaluated = prepared.at(x);

@@ -1,4 +1,4 @@
-//! Errors of photometry files, fits and chains.
+//! Errors of photometry files, fits and Markov chains.
 
 use std::path::PathBuf;
 
@@ -6,68 +6,68 @@ use thiserror::Error;
 
 use super::measurements::DropExample;
 
-/// Names of the formats of photometry, for messages.
+/// Names of the formats of photometry, for error messages.
 pub(super) const FORMATS: &str = "pomenis, mmt, score, slingshot, csv";
 
-/// Errors of photometry files, fits and chains. Invalid rows are no errors but are counted in
+/// Errors of photometry files, fits and Markov chains. Invalid rows are not errors; they are counted in
 /// [`DropCounts`](super::measurements::DropCounts).
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum FitError {
-    /// An empty list of files.
+    /// The list of files is empty.
     #[error("no file of photometry is given; allowed: one or more")]
     NoFiles,
-    /// A file that cannot be opened, read or decompressed.
+    /// A file cannot be opened, read or decompressed.
     #[error("cannot read {file}: {problem}")]
     Unreadable {
         /// Name of the file.
         file: String,
-        /// Message of the system or of the decompression.
+        /// Message of the operating system or of the decompressor.
         problem: String,
     },
-    /// A file without rows.
+    /// A file has no rows.
     #[error("{file} has no rows; allowed: measured magnitudes in one of the formats {FORMATS}")]
     EmptyFile {
         /// Name of the file.
         file: String,
     },
-    /// A header that matches none of the known formats.
+    /// The header of a file matches none of the known formats.
     #[error(
         "{file}: the format with the header '{header}' is unknown; allowed: {FORMATS}, or any table with a column map"
     )]
     UnknownFormat {
         /// Name of the file.
         file: String,
-        /// First line that is not a comment, truncated.
+        /// First line that is not a comment; truncated if it is long.
         header: String,
     },
-    /// An unknown name of a format.
+    /// The name of a format is unknown.
     #[error("unknown format of photometry '{name}'; allowed: {FORMATS}")]
     UnknownFormatName {
         /// Given name.
         name: String,
     },
-    /// A missing column.
+    /// A required column is missing.
     #[error("{file}: no column '{column}'")]
     Column {
         /// Name of the file.
         file: String,
-        /// The column.
+        /// Name of the column.
         column: String,
     },
-    /// An invalid or incomplete column map.
+    /// A column map is invalid or incomplete.
     #[error("column map: {problem}")]
     ColumnMap {
-        /// The problem and what is allowed.
+        /// Description of the problem and of what is allowed.
         problem: String,
     },
-    /// A column of times without a time scale; TAI read as UTC would be 37 s off.
+    /// A column of times has no time scale. TAI that is read as UTC would be wrong by 37 s.
     #[error("column map: the times of column '{column}' have no scale; allowed: time_scale = utc, tai or tt")]
     NoTimeScale {
-        /// The column of times.
+        /// Name of the column of times.
         column: String,
     },
-    /// Several filters in one file without a selection.
+    /// A file contains several filters, and none was selected.
     #[error(
         "{file} data row {row}: filter is '{other}' after rows of filter '{first}'; allowed: one filter, unless the filters are specified"
     )]
@@ -76,12 +76,12 @@ pub enum FitError {
         file: String,
         /// Data row, from 1.
         row: u64,
-        /// The filter of the first row.
+        /// Filter of the first row.
         first: String,
-        /// The other one.
+        /// Filter of this data row, which differs from `first`.
         other: String,
     },
-    /// An option outside its range.
+    /// An option is outside its range.
     #[error("{name} is {given}; allowed: {allowed}")]
     Setting {
         /// Name of the option.
@@ -91,37 +91,37 @@ pub enum FitError {
         /// Allowed values.
         allowed: &'static str,
     },
-    /// Missing element sets.
+    /// Element sets are required but not given.
     #[error("element sets for {what} are missing; allowed: element sets with their history")]
     NoHistory {
-        /// Operation that requires them.
+        /// Operation that requires element sets.
         what: &'static str,
     },
-    /// An empty set of points.
+    /// There are no points to fit.
     #[error(
         "no points to fit: {given} given, and at {unexplained} of them the model {form} has no lit visible surface"
     )]
     NoPoints {
-        /// Points given.
+        /// Number of points given.
         given: usize,
-        /// Points that the form does not explain.
+        /// Number of points for which the form gives no magnitude.
         unexplained: usize,
         /// Name of the form.
         form: String,
     },
-    /// More free parameters than points.
+    /// There are more free parameters than points.
     #[error("{points} points cannot constrain {free} parameters ({names}); allowed: at least {least} points")]
     TooFew {
-        /// Points that the form explains.
+        /// Number of points for which the form gives a magnitude.
         points: usize,
         /// Number of free parameters.
         free: usize,
         /// Names of the free parameters.
         names: String,
-        /// Least number of points.
+        /// Smallest number of points.
         least: usize,
     },
-    /// An unknown parameter.
+    /// A parameter is unknown.
     #[error("unknown parameter {given:?} of the model {form}; allowed: {allowed}")]
     Parameter {
         /// Given name.
@@ -131,7 +131,7 @@ pub enum FitError {
         /// Names of its parameters.
         allowed: String,
     },
-    /// An invalid error or magnitude.
+    /// The magnitude of a point or its error is invalid.
     #[error("point {index}: {quantity} is {given}; allowed: {allowed}")]
     Point {
         /// Index of the point.
@@ -143,13 +143,13 @@ pub enum FitError {
         /// Allowed values.
         allowed: &'static str,
     },
-    /// A fit whose descents all failed.
+    /// None of the descents of a fit reached a finite cost.
     #[error("no minimum with a finite cost from any of {starts} starts")]
     NoMinimum {
         /// Number of starts.
         starts: usize,
     },
-    /// Fewer groups than folds.
+    /// There are fewer groups than folds, or fewer than two folds.
     #[error("{folds} folds of {groups} groups of points (tracks, nights); allowed: 2 to the number of groups")]
     Folds {
         /// Number of groups.
@@ -157,7 +157,7 @@ pub enum FitError {
         /// Requested folds.
         folds: usize,
     },
-    /// Folds without a point that can be predicted.
+    /// No fold contains a point that can be predicted.
     #[error(
         "none of {folds} folds contains a test point: the sky pixels have too few points, or no model has a lit surface there"
     )]
@@ -165,7 +165,7 @@ pub enum FitError {
         /// Requested folds.
         folds: usize,
     },
-    /// An invalid number of sets for the jackknife.
+    /// The number of sets for the jackknife is invalid.
     #[error(
         "number of sets is {sets} for {groups} groups of points (tracks, nights); allowed: more than the {free} free parameters, at most the number of groups"
     )]
@@ -177,7 +177,7 @@ pub enum FitError {
         /// Number of free parameters.
         free: usize,
     },
-    /// A file of chains that cannot be read or written, or belongs to another fit.
+    /// A file of chains cannot be read or written, or belongs to another fit.
     #[error("chains {}: {problem}", path.display())]
     ChainFile {
         /// The file.
@@ -185,17 +185,17 @@ pub enum FitError {
         /// Description of the problem.
         problem: String,
     },
-    /// Too few walkers or an odd number of them.
+    /// There are too few walkers, or an odd number of them.
     #[error("{walkers} walkers for {parameters} parameters; allowed: an even number of at least {least}")]
     Walkers {
         /// Given number of walkers.
         walkers: usize,
         /// Number of parameters.
         parameters: usize,
-        /// Least number of walkers.
+        /// Smallest number of walkers.
         least: usize,
     },
-    /// A starting position with probability zero.
+    /// The starting position of a walker has probability zero.
     #[error("the starting position of walker {walker} is {position:?}; allowed: positions with a probability above 0")]
     WalkerStart {
         /// Number of the walker.
@@ -203,7 +203,7 @@ pub enum FitError {
         /// Starting position.
         position: Vec<f64>,
     },
-    /// Starting positions in a plane, which the stretch move cannot leave.
+    /// The starting positions lie in a plane, which the stretch move cannot leave.
     #[error(
         "the starting positions of the walkers are equal in parameter {parameter}; allowed: positions that differ in each"
     )]
@@ -211,19 +211,19 @@ pub enum FitError {
         /// Index of the constant parameter.
         parameter: usize,
     },
-    /// A chain of unexpected length.
+    /// The length of a chain does not match its numbers of walkers and parameters.
     #[error(
         "the chain has {given} numbers; allowed: as many as {walkers} walkers and {parameters} parameters give in whole steps"
     )]
     ChainShape {
-        /// Length of the chain.
+        /// Number of values in the chain.
         given: usize,
         /// Number of walkers.
         walkers: usize,
         /// Number of parameters.
         parameters: usize,
     },
-    /// A folder without any of the known files.
+    /// A folder contains none of the known files.
     #[error("no photometry in {}; allowed: {looked_for}", folder.display())]
     NoPhotometry {
         /// The folder.
@@ -231,15 +231,15 @@ pub enum FitError {
         /// Paths of the known files in it.
         looked_for: String,
     },
-    /// A file that cannot be read.
+    /// A file of published measurements cannot be read.
     #[error("photometry {}: {problem}", path.display())]
     CheckUnreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system or of the table reader.
+        /// Message of the operating system or of the table reader.
         problem: String,
     },
-    /// An invalid row. Published sets are complete, so that every row is required.
+    /// A row of a published set is invalid. Published sets are complete, so that every row must be valid.
     #[error("photometry {0}")]
     CheckRow(DropExample),
 }

@@ -1,20 +1,20 @@
-//! Covariance of a fit to pixels by leaving out sets of tracks (delete-a-group jackknife).
+//! Covariance of a fit to pixels, computed by leaving out sets of tracks (delete-a-group jackknife).
 //!
-//! One track crosses many pixels and adds its own offset to all of them, so pixels are not independent; tracks are.
-//! They are divided into G sets of similar size. Reduction and fit are repeated without each set in turn (Efron and
-//! Stein 1981, Ann. Statist. 9, 586):
+//! One track crosses many pixels and has the same offset in all of them. Pixels are therefore not independent, but
+//! tracks are. Tracks are divided into G sets of similar size. Reduction and fit are repeated without each set in turn
+//! (Efron and Stein 1981, Ann. Statist. 9, 586):
 //!
 //! ```text
 //! Σ = (G-1)/G Σ_g (θ_g - θ̄)(θ_g - θ̄)ᵀ,    θ̄ = Σ_g θ_g / G
 //! ```
 //!
-//! With G sets the sigmas have a relative error of 1/√(2(G-1)): 15 % for 24. Errors common to all tracks (photometric
-//! zero point, form of the model) are not included.
+//! With G sets, sigmas have a relative error of 1/√(2(G-1)), which is 15 % for 24 sets. Errors that all tracks share
+//! (photometric zero point, form of the model) are not included.
 //!
-//! Statistics that are not smooth require large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not
-//! smooth: they jump when a few of many points are omitted. In pixels with points of many tracks the sigma is too
-//! large: in the tests below, with 70 points of as many tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample
-//! mode).
+//! Statistics that are not smooth require large sets (Shao and Wu 1989, Ann. Statist. 17, 1176). Modes are not smooth:
+//! they jump if a few of many points are omitted. For pixels with points of many tracks the sigma is therefore too
+//! large. In the tests below, with 70 points of as many tracks, it is too large by a factor of 1.4 to 1.8 (kernel mode)
+//! and 1.8 to 2.4 (half-sample mode).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -26,23 +26,24 @@ use super::measurements::{Measurement, Measurements, ReduceOptions, Reducer, Red
 use super::point::points_of_pixels;
 use super::solve::{Fit, FitSettings, Problem};
 
-/// Seed of the random assignment of tracks to sets: neighbours in a file share a night and its geometry.
+/// Seed of the random assignment of tracks to sets. It is random because adjacent tracks of a file share a night and
+/// its geometry.
 const SEED: u64 = 1;
-/// Measurements per call of the reducer, to avoid a copy of all measurements for each set.
+/// Number of measurements per call of the reducer, so that not all measurements are copied for each set.
 const CHUNK: usize = 1 << 16;
 
-/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for parameters that are held or at a
-/// bound.
+/// Returns the covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, with 0 for parameters that
+/// are held or at a bound.
 ///
-/// `fit` is the fit of `form` with `settings` to `measurements` reduced with `options`; descents start at its solution.
-/// Each thread holds one more reduction, some 10 bytes per measurement. The result does not depend on the number of
-/// threads.
+/// `fit` is the fit of `form` with `settings` to `measurements` that were reduced with `options`; the descents start
+/// from its solution. Each thread holds one more reduction, of some 10 bytes per measurement. The result does not
+/// depend on the number of threads.
 ///
 /// # Errors
 /// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
 /// * [`FitError::Setting`] for invalid options;
-/// * [`FitError::NoMinimum`] if a descent ends at no finite cost;
-/// * the errors of [`Problem::new`] if the remaining tracks make too few pixels.
+/// * [`FitError::NoMinimum`] if a descent does not reach a finite cost;
+/// * the errors of [`Problem::new`] if the remaining tracks give too few pixels.
 pub fn jackknife(
     form: &dyn Form,
     measurements: &Measurements,
@@ -80,17 +81,17 @@ pub fn jackknife(
     Ok(covariance)
 }
 
-/// Measurements with their groups (tracks, nights) divided into sets of similar size.
+/// Measurements whose groups (tracks, nights) are divided into sets of similar size.
 pub(super) struct TrackSets<'a> {
     measurements: &'a Measurements,
-    /// Set of each group, by the group's number.
+    /// Number of the set of each group, by the number of the group.
     set_of_group: Vec<usize>,
     /// Number of groups with at least one point.
     pub groups: usize,
 }
 
 impl<'a> TrackSets<'a> {
-    /// Assigns the groups to sets, always in the same way.
+    /// Assigns the groups to sets, in the same way each time.
     pub fn new(measurements: &'a Measurements, sets: usize) -> Self {
         let mut groups: Vec<u32> = measurements.points.iter().map(|point| point.group).collect();
         groups.sort_unstable();
@@ -105,7 +106,7 @@ impl<'a> TrackSets<'a> {
         Self { measurements, set_of_group, groups: groups.len() }
     }
 
-    /// Reduces the measurements of the selected sets.
+    /// Reduces the measurements of the sets that `selected` accepts.
     ///
     /// # Errors
     /// [`FitError::Setting`] for invalid options.
@@ -137,13 +138,13 @@ mod tests {
     /// One sigma from point to point, mag.
     const NOISE_MAG: f64 = 0.1;
 
-    /// Cells of some 70 points.
+    /// Options for pixels of some 70 points.
     fn coarse(mode: DensityMode) -> ReduceOptions {
         let paper = ReduceOptions::default();
         ReduceOptions { nside: 4, layer_width_rad: 0.2, least_count: 20, most_iqr_mag: 3.0, mode, ..paper }
     }
 
-    /// Cells with single points: they have no mode, and the fit is the mean of all points, which is smooth.
+    /// Options for pixels of single points. The fit is then the mean of all points, which is a smooth statistic.
     fn fine() -> ReduceOptions {
         ReduceOptions { nside: 1024, least_count: 1, ..coarse(DensityMode::HalfSample) }
     }

@@ -1,8 +1,9 @@
-//! Starting points of a fit: a grid over the nonlinear parameters, with the linear ones solved at each node.
+//! Starting points of a fit: a grid over the nonlinear parameters, at each node of which the linear parameters are
+//! solved for.
 //!
-//! The cost has several local minima, nearly all caused by exponents and widths. For given exponents and widths the
-//! light F is linear in the weights. Residuals of light with errors σ F approximate residuals of magnitudes near the
-//! solution, so the best weights minimise a quadratic form between bounds.
+//! The cost has several local minima, nearly all of which are caused by exponents and widths. For given exponents and
+//! widths the light F is linear in the weights. Near the solution, residuals of light with errors σ F approximate
+//! residuals of magnitudes, so that the best weights minimise a quadratic form within bounds.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -10,22 +11,22 @@ use rayon::prelude::*;
 use super::form::{LEAST_M2_SR, Parameter};
 use super::inference::minimise_in_box;
 
-/// A form with light that is linear in some parameters.
+/// A form whose light is linear in some of its parameters.
 pub(super) trait Basis: Sync {
-    /// Light of every point, m² sr⁻¹, for these values of all parameters.
+    /// Returns the light of every point, m² sr⁻¹, for these values of all parameters.
     fn light(&self, x: &[f64]) -> Vec<f64>;
 }
 
-/// Grid nodes of each nonlinear parameter: fractions of the interval between its bounds, by ratio if the lower bound is
-/// positive.
+/// Grid nodes of each nonlinear parameter, as fractions of the interval between its bounds. The interval is logarithmic
+/// if the lower bound is positive.
 const SHARES: [f64; 4] = [0.12, 0.37, 0.62, 0.87];
 /// Largest number of grid nodes; larger grids are thinned out evenly.
 const MOST_COMBINATIONS: usize = 96;
-/// Number of best nodes returned.
+/// Number of nodes that are returned.
 const KEPT: usize = 6;
 
-/// Values of all parameters, least cost first: `linear` and `nonlinear` are the free ones, the others keep their values
-/// in `x`.
+/// Returns values of all parameters for the best nodes, in the order of increasing cost. `linear` and `nonlinear` are
+/// the indices of the free parameters; the others keep their values in `x`.
 pub(super) fn search(
     basis: &impl Basis,
     parameters: &[Parameter],
@@ -77,14 +78,14 @@ fn solved(
     linear.iter().for_each(|&i| x[i] = 0.0);
     let dark = basis.light(&x);
     let column = |&i: &usize| {
-        // At its upper bound, beyond which a law may be undefined.
+        // The light is computed at the parameter's upper bound, beyond which a law may be undefined.
         let mut lit = x.clone();
         lit[i] = parameters[i].greatest;
         let light = basis.light(&lit);
         light.iter().zip(&dark).map(|(lit, dark)| (lit - dark) / parameters[i].greatest).collect::<Vec<f64>>()
     };
     let columns: Vec<Vec<f64>> = linear.iter().map(column).collect();
-    // Σ ((F - D - Σ c_k b_k) / (σ F))², F the observed light, D that of the held parameters
+    // Minimise Σ ((F - D - Σ c_k b_k) / (σ F))², where F is the observed light and D the light of the held parameters.
     let n = linear.len();
     let (mut a, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
     for (point, dark) in dark.iter().enumerate() {
@@ -101,7 +102,7 @@ fn solved(
     let least = bounds(|parameter| parameter.least);
     let c = minimise_in_box(&a, &b, &least, &bounds(|parameter| parameter.greatest), &least)?;
     linear.iter().zip(&c).for_each(|(&i, c)| x[i] = *c);
-    // Ranked by a robust cost in magnitudes.
+    // Nodes are ranked by a robust cost in magnitudes.
     let cost = |(point, light): (usize, f64)| {
         let (magnitude, per_sigma) = observed[point];
         let r = (magnitude - zero_mag + 2.5 * light.max(LEAST_M2_SR).log10()) * per_sigma;

@@ -1,21 +1,21 @@
 //! Interpolation in the logarithm of a parameter.
 //!
-//! Chebyshev's points of the first kind in ln x, and the weights of the barycentric formula (Berrut and Trefethen 2004,
-//! SIAM Review 46, 501, eqs. 4.2 and 5.4): a polynomial of degree N - 1 through the values at the nodes.
+//! The nodes are Chebyshev's points of the first kind in ln x. The barycentric formula (Berrut and Trefethen 2004, SIAM
+//! Review 46, 501, eqs. 4.2 and 5.4) evaluates the polynomial of degree N - 1 through the values at the nodes.
 
 use std::f64::consts::PI;
 
-/// N values of a positive parameter.
+/// N values of a positive parameter, used as nodes of an interpolation.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LogNodes<const N: usize> {
-    /// The values, increasing.
+    /// Values of the parameter at the nodes, increasing.
     pub at: [f64; N],
     logarithms: [f64; N],
     barycentric: [f64; N],
 }
 
 impl<const N: usize> LogNodes<N> {
-    /// Nodes between two positive ends.
+    /// Creates nodes between two positive ends.
     pub fn new([least, greatest]: [f64; 2]) -> Self {
         let [least, greatest] = [least.ln(), greatest.ln()];
         let angle = |k: usize| PI * (k as f64 + 0.5) / N as f64;
@@ -26,7 +26,7 @@ impl<const N: usize> LogNodes<N> {
         Self { at: logarithms.map(f64::exp), logarithms, barycentric }
     }
 
-    /// Weights of the nodes at a value of the parameter.
+    /// Returns the weights of the nodes for a value of the parameter.
     pub fn weights(&self, value: f64) -> [f64; N] {
         let x = value.ln();
         if let Some(at) = self.logarithms.iter().position(|node| *node == x) {
@@ -37,7 +37,7 @@ impl<const N: usize> LogNodes<N> {
         parts.map(|part| part / sum)
     }
 
-    /// Derivatives of the weights by the parameter.
+    /// Returns the derivatives of the weights with respect to the parameter.
     pub fn slopes(&self, value: f64) -> [f64; N] {
         // Central differences of polynomials in ln x have a relative error of 1e-9.
         let h = 1e-4;

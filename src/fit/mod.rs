@@ -1,6 +1,6 @@
-//! Photometry to brightness models: readers, selection, reduction, fits, posteriors, and checks of models.
+//! From photometry to brightness models: reading, selection, reduction, fits, posteriors, and checks of models.
 //!
-//! - `measurements`, `point`: photometry, read, selected and reduced; the points of a fit
+//! - `measurements`, `point`: measured magnitudes, and the points of a fit made from them
 //! - `form`, `two_panel_form`, `two_panel_kernel`, `panels_form`, `log_nodes`, `phase`: brightness laws with free
 //!   parameters: the trait, the two panels of Lu (2024), any panels, and the baselines
 //! - `objective`, `solve`, `linear_starts`: the cost of a law under a loss function, and its least squares from

@@ -1,4 +1,4 @@
-//! Model file of a fit.
+//! Model file made from a fit.
 
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{GeometryRange, ModelFile, PANEL_OFFSET, PhotometryError, Provenance};
@@ -9,29 +9,31 @@ use super::point::FitPoint;
 use super::solve::Fit;
 use super::statistics::sigma_68_mag;
 
-/// Assumed growth of sigma outside the fitted geometry, in quadrature, mag; the same for all models.
+/// Uncertainty that is added in quadrature to sigma outside the fitted geometry, mag. It is assumed, and the same for
+/// all models.
 const OUTSIDE_MAG: f64 = 1.0;
-/// Fraction of the points ignored at each end of the range of geometry, since single stray points are not coverage.
+/// Fraction of the points that is ignored at each end of the range of geometry, because a few stray points do not cover
+/// a range.
 const STRAY_SHARE: f64 = 0.001;
 
-/// Texts of a model file.
+/// Texts that describe a model in its file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelDescription {
     /// Name of the model.
     pub name: String,
     /// Title of the model.
     pub title: String,
-    /// Author or program of the fit.
+    /// Author or program that made the fit.
     pub source: String,
     /// Description of the measurements.
     pub data: String,
     /// Month of the fit, for example `2026-11`.
     pub date: String,
-    /// True if the fit has faults.
+    /// True if the fit has faults, so that the model is provisional.
     pub provisional: bool,
     /// Notes for users.
     pub notes: Vec<String>,
-    /// Origin of sigma.
+    /// Description of how sigma was determined.
     pub sigma_origin: String,
 }
 
@@ -56,7 +58,7 @@ pub fn model_file(
         .filter(|(name, _)| *name != PANEL_OFFSET)
         .filter_map(|(name, _)| index(name))
         .collect();
-    // The covariance of chassis and sail contains the panel offset only if it was fitted.
+    // The covariance of a model of chassis and solar array includes the panel offset only if it was fitted.
     order.extend(index(PANEL_OFFSET).filter(|index| base.shape.is_some() && fit.free.contains(index)));
     let covariance = fit.uncertainty.covariance.as_ref();
     let value = |name: &str, otherwise: f64| fit.value(name).unwrap_or(otherwise);
@@ -94,11 +96,11 @@ pub fn model_file(
         },
         ..fitted
     };
-    // The same checks as on reading.
+    // The file is read back, so that it passes the same checks as any model file.
     ModelFile::from_json(&file.to_json(), &description.name)
 }
 
-/// Least and greatest angles of the points, rounded outward to whole degrees.
+/// Returns the ranges of the angles of the points, rounded outward to whole degrees.
 pub fn range_of(points: &[FitPoint]) -> GeometryRange {
     let span = |angle: fn(&ViewingGeometry) -> f64| {
         let mut angles: Vec<f64> = points.iter().map(|point| angle(&point.geometry).to_degrees()).collect();

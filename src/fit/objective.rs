@@ -1,4 +1,4 @@
-//! Cost of a form with given parameters: loss functions, least-squares equations, likelihood.
+//! Cost of a form as a function of its parameters: loss functions, least-squares equations and likelihood.
 
 use std::fmt;
 
@@ -9,16 +9,16 @@ use super::form::{BLOCK, Evaluated, Parameter, Prepared};
 use super::inference::{LogProbability, NormalEquations};
 use super::point::FitPoint;
 
-/// Loss function ρ(r) of a residual in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a
+/// Loss function ρ(r) of a residual r in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a
 /// constant.
 #[derive(Copy, Clone, Debug, PartialEq, Default)]
 pub enum Loss {
-    /// r²: normal errors.
+    /// ρ = r², for normal errors.
     #[default]
     Squares,
-    /// 2 (√(1 + r²) - 1): quadratic near 0, linear for outliers; SciPy's `soft_l1`.
+    /// ρ = 2 (√(1 + r²) - 1), quadratic near 0 and linear for outliers; `soft_l1` of SciPy.
     SoftL1,
-    /// (ν + 1) ln(1 + r²/ν): Student's t with ν degrees of freedom.
+    /// ρ = (ν + 1) ln(1 + r²/ν), for Student's t distribution with ν degrees of freedom.
     Student(f64),
 }
 
@@ -33,7 +33,7 @@ impl fmt::Display for Loss {
 }
 
 impl Loss {
-    /// ρ as a function of r².
+    /// Returns ρ for a given r².
     pub fn of(self, r2: f64) -> f64 {
         match self {
             Self::Squares => r2,
@@ -42,7 +42,7 @@ impl Loss {
         }
     }
 
-    /// dρ/d(r²): the weight of the residual in the normal equations.
+    /// Returns dρ/d(r²), the weight of the residual in the normal equations.
     pub fn weight(self, r2: f64) -> f64 {
         match self {
             Self::Squares => 1.0,
@@ -51,8 +51,9 @@ impl Loss {
         }
     }
 
-    /// ψ'(r) of the influence function ψ(r) = ρ'(r²) r: the curvature of the cost itself, while [`Self::weight`] is its
-    /// Gauss-Newton approximation. Negative for outliers under Student's t.
+    /// Returns the derivative ψ'(r) of the influence function ψ(r) = ρ'(r²) r. It gives the exact curvature of the
+    /// cost, of which [`Self::weight`] is the Gauss-Newton approximation. It is negative for outliers under Student's
+    /// t.
     pub fn influence_slope(self, r2: f64) -> f64 {
         // ψ' = ρ' + 2 r² ρ''
         match self {
@@ -63,16 +64,16 @@ impl Loss {
     }
 }
 
-/// Blocks per task. Sums are made chunk by chunk, so that they do not depend on the number of threads.
+/// Number of blocks per task. Sums are made chunk by chunk, so that they do not depend on the number of threads.
 const CHUNK_BLOCKS: usize = 16;
 
-/// Magnitudes and 1/σ of a block; 1/σ is 0 in lanes beyond the last point.
+/// Magnitudes and 1/σ of a block; 1/σ is 0 for elements beyond the last point.
 struct ObservedBlock {
     magnitude: [f64; BLOCK],
     per_sigma: [f64; BLOCK],
 }
 
-/// Cost of a form on given points, as a function of the free parameters.
+/// Cost of a form for given points, as a function of the free parameters.
 pub struct Objective<'a> {
     prepared: &'a dyn Prepared,
     parameters: Vec<Parameter>,
@@ -83,8 +84,8 @@ pub struct Objective<'a> {
 }
 
 impl<'a> Objective<'a> {
-    /// Creates the cost. `prepared` must be made from these points and explain all of them; `free` are indices of
-    /// `parameters`.
+    /// Creates the cost. `prepared` must be made from these points and give a magnitude for each of them; `free` are
+    /// indices into `parameters`.
     pub(super) fn new(
         prepared: &'a dyn Prepared,
         parameters: Vec<Parameter>,
@@ -102,19 +103,19 @@ impl<'a> Objective<'a> {
         Self { prepared, parameters, free, observed: observed.collect(), loss }
     }
 
-    /// Values of all parameters, with these values of the free ones.
+    /// Returns the values of all parameters, given those of the free parameters.
     pub(super) fn all(&self, free: &[f64]) -> Vec<f64> {
         let mut all: Vec<f64> = self.parameters.iter().map(|parameter| parameter.value).collect();
         self.free.iter().zip(free).for_each(|(&i, &value)| all[i] = value);
         all
     }
 
-    /// The free parameters.
+    /// Returns the free parameters.
     pub fn free_parameters(&self) -> impl Iterator<Item = &Parameter> {
         self.free.iter().map(|&i| &self.parameters[i])
     }
 
-    /// Starting values of the free parameters, best first.
+    /// Returns starting values of the free parameters, the best first.
     pub(super) fn starts(&self) -> Vec<Vec<f64>> {
         let observed: Vec<(f64, f64)> =
             self.observed.iter().flat_map(|block| block.magnitude.into_iter().zip(block.per_sigma)).collect();
@@ -122,7 +123,7 @@ impl<'a> Objective<'a> {
         starts.into_iter().map(|all| self.free.iter().map(|&i| all[i]).collect()).collect()
     }
 
-    /// Observed minus computed magnitude of every point.
+    /// Returns the observed minus computed magnitude of every point.
     pub(super) fn residuals_mag(&self, free: &[f64], points: usize) -> Vec<f64> {
         let evaluated = self.prepared.at(&self.all(free));
         let mut out = [0.0; BLOCK];
@@ -135,8 +136,8 @@ impl<'a> Objective<'a> {
         residuals
     }
 
-    /// Terms of the gradient JᵀW r, one per point, `(n_point)` of `(n_free)`, and the curvature Σ ψ'(r) J Jᵀ/σ²
-    /// `(n_free, n_free)`.
+    /// Returns each point's term of the gradient JᵀW r, `n_point` vectors of length `n_free`, and the curvature Σ ψ'(r)
+    /// J Jᵀ/σ² `(n_free, n_free)`.
     pub(super) fn scores(&self, free: &[f64], points: usize) -> (Vec<Vec<f64>>, DMatrix<f64>) {
         let n = self.free.len();
         let sloped = self.prepared.with_slopes(&self.all(free), &self.free, &self.parameters);
@@ -239,7 +240,7 @@ impl NormalEquations for Objective<'_> {
     }
 }
 
-/// Posterior: a flat prior between the bounds times the likelihood exp(-C).
+/// Posterior: the likelihood exp(-C) times a prior that is flat between the bounds.
 impl LogProbability for Objective<'_> {
     fn of_many(&self, positions: &[Vec<f64>]) -> Vec<f64> {
         let inside = |position: &[f64]| {
@@ -249,7 +250,7 @@ impl LogProbability for Objective<'_> {
         };
         let possible: Vec<usize> = (0..positions.len()).filter(|&i| inside(&positions[i])).collect();
         let evaluated: Vec<_> = possible.iter().map(|&i| self.prepared.at(&self.all(&positions[i]))).collect();
-        // A chunk of points stays in the cache while all walkers evaluate it.
+        // All walkers evaluate a chunk of points while it is in the cache.
         let parts: Vec<Vec<f64>> = self
             .chunks()
             .map(|from| evaluated.iter().map(|evaluated| self.cost_of_blocks(&**evaluated, from)).collect())
@@ -263,7 +264,7 @@ impl LogProbability for Objective<'_> {
     }
 }
 
-/// Sum with eight accumulators, so that additions do not wait for each other.
+/// Returns the sum, computed with eight accumulators, so that no addition has to wait for the previous one.
 fn sum(column: &[f64; BLOCK]) -> f64 {
     let mut lanes = [0.0; 8];
     for eight in column.chunks_exact(8) {

@@ -1,11 +1,12 @@
-//! Many-panel satellites as a form, with their earthshine.
+//! Satellites of many panels as a form, including their earthshine.
 //!
-//! Cosines, areas and obstruction are independent of the parameters and computed once for each point, as is earthshine
-//! by each law. Laws are then evaluated with each set of parameters; derivatives are differences.
+//! Cosines, areas and obstruction do not depend on the parameters and are computed once for each point, as is the
+//! earthshine by each reflection law. The laws are then evaluated for each set of parameters. Derivatives are
+//! differences.
 //!
-//! Light is linear in the weight of each law, so a law of weight 1 is computed once for each point. If a parameter
-//! changes the shape of the law (an exponent, a width, a slope), it is computed at sixteen values of it and
-//! interpolated.
+//! The light of a law is proportional to its weight, so that earthshine by a law of weight 1 is computed once for each
+//! point. If a parameter changes the shape of the law (an exponent, a width, a slope), earthshine is computed for
+//! sixteen values of this parameter and interpolated.
 
 use rayon::prelude::*;
 
@@ -18,12 +19,12 @@ use crate::photometry::brdf::{Brdf, Law};
 use crate::photometry::panels::{AttitudeSpec, Coefficient, LawSpec, LitFace, PanelAssembly, PanelsSpec};
 use crate::photometry::{Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
 
-/// Panels of a model file with fitted laws and spheres and fixed attitudes.
+/// Panels of a model file, with reflection laws and spheres that can be fitted and attitudes that are fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelsForm {
-    /// Panels, laws, and parameters at their values.
+    /// Panels and laws, with the current values of the parameters.
     pub spec: PanelsSpec,
-    /// Earthshine on the panels that receive it.
+    /// Model of earthshine, for the panels that receive it.
     pub earthshine: Earthshine,
     /// Magnitude of the Sun, which sets the zero point.
     pub sun_magnitude: f64,
@@ -63,8 +64,8 @@ impl Form for PanelsForm {
 }
 
 impl PanelsForm {
-    /// Chassis and sail of the paper with the sizes of the panel that faces down and of the one that follows the Sun's
-    /// azimuth; `None` if either is missing.
+    /// Returns the chassis and solar array of Lu (2024) with the sizes of the panel that faces down and of the panel
+    /// that follows the Sun's azimuth; `None` if either is missing.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         let of = |is: fn(&AttitudeSpec) -> bool| self.spec.panels.iter().find(|panel| is(&panel.attitude));
         let base = of(|attitude| matches!(attitude, AttitudeSpec::Nadir {}))?;
@@ -86,7 +87,7 @@ impl PanelsForm {
     }
 }
 
-/// Geometry of one point.
+/// Lit panels and directions for one point.
 struct PointGeometry {
     faces: Vec<LitFace>,
     phase_rad: f64,
@@ -97,16 +98,16 @@ struct PreparedPanels {
     points: Vec<FitPoint>,
     seen: Vec<PointGeometry>,
     has_spheres: bool,
-    /// Earthshine; `None` if it is computed each time.
+    /// Precomputed earthshine; `None` if it must be computed for each set of parameters.
     earth: Option<PanelEarth>,
     zero_mag: f64,
 }
 
-/// Laws with parameters.
+/// The reflection laws for one set of parameters.
 struct PanelsAt<'a> {
     prepared: &'a PreparedPanels,
     assembly: PanelAssembly,
-    /// Weights of the laws of earthshine.
+    /// Weights for the interpolation of earthshine, for each law.
     earth: Vec<Vec<f64>>,
 }
 
@@ -118,7 +119,7 @@ impl PreparedPanels {
 }
 
 impl PanelsAt<'_> {
-    /// Reflected light of one point, m² sr⁻¹.
+    /// Returns the reflected light of one point, m² sr⁻¹.
     fn light_m2_sr(&self, point: usize) -> f64 {
         let seen = &self.prepared.seen[point];
         let of_face = |face: &LitFace| {
@@ -151,7 +152,7 @@ impl Prepared for PreparedPanels {
     }
 }
 
-/// Light is linear in some parameters.
+/// The light is linear in some of the parameters.
 impl Basis for PreparedPanels {
     fn light(&self, x: &[f64]) -> Vec<f64> {
         let at = self.with(x);
@@ -171,31 +172,34 @@ impl Evaluated for PanelsAt<'_> {
     }
 }
 
-/// Number of values of a shape parameter: the interpolation is accurate to 1e-3 of the light.
+/// Number of values of a shape parameter for which earthshine is computed. The interpolation is accurate to 1e-3 of the
+/// light.
 const NODES: usize = 16;
 
-/// All laws on fronts that receive earthshine.
+/// Earthshine by all laws on the fronts of the panels that receive it.
 #[derive(Default)]
 pub(super) struct PanelEarth {
     laws: Vec<EarthLaw>,
 }
 
 struct EarthLaw {
-    /// Index of the parameter to which light is proportional; `None` for a number, which is included in the light.
+    /// Index of the parameter to which the light is proportional; `None` for a fixed weight, which the light includes.
     weight: Option<usize>,
-    /// Index of the shape parameter, and its values.
+    /// Index of the parameter that changes the shape of the law, and its values at the nodes.
     shape: Option<(usize, LogNodes<NODES>)>,
-    /// Light at the nodes, m² sr⁻¹, `(n_point)` of `(n_node)`; one node without a shape parameter.
+    /// Light at the nodes, m² sr⁻¹: for each point one number per node. There is one node if no parameter changes the
+    /// shape.
     light: Vec<Vec<f64>>,
 }
 
 impl PanelEarth {
-    /// Returns `None` if a law depends on parameters in another way: earthshine is then computed each time.
+    /// Returns `None` if a law depends on its parameters in another way; earthshine is then computed for each set of
+    /// parameters.
     pub fn new(spec: &PanelsSpec, points: &[FitPoint]) -> Option<Self> {
         let mut laws = Vec::new();
         for (number, panel) in spec.panels.iter().enumerate().filter(|(_, panel)| panel.earthshine) {
             for law in &panel.front {
-                // The other panels are kept, since they may hide this one.
+                // The other panels are kept, because they may hide this one.
                 let mut isolated = spec.clone();
                 isolated.panels.iter_mut().enumerate().for_each(|(other, panel)| panel.earthshine = other == number);
                 isolated.panels[number].front = vec![law.clone()];
@@ -205,7 +209,7 @@ impl PanelEarth {
         Some(Self { laws })
     }
 
-    /// Weights of the laws at these parameters, node by node.
+    /// Returns the weights of the nodes of each law for these parameters.
     pub fn weights(&self, x: &[f64]) -> Vec<Vec<f64>> {
         let of_law = |law: &EarthLaw| {
             let weight = law.weight.map_or(1.0, |index| x[index]);
@@ -217,7 +221,7 @@ impl PanelEarth {
         self.laws.iter().map(of_law).collect()
     }
 
-    /// Light of one point, m² sr⁻¹.
+    /// Returns the earthshine of one point, m² sr⁻¹.
     pub fn m2_sr(&self, weights: &[Vec<f64>], point: usize) -> f64 {
         let of_law = |(law, weights): (&EarthLaw, &Vec<f64>)| -> f64 {
             law.light[point].iter().zip(weights).map(|(light, weight)| light * weight).sum()
@@ -227,7 +231,8 @@ impl PanelEarth {
 }
 
 impl EarthLaw {
-    /// `isolated` has earthshine on the panel of this law only, and no other law there.
+    /// Tabulates the earthshine of one law; `isolated` has earthshine only on the panel of this law, and no other law
+    /// there.
     fn new(isolated: &PanelsSpec, law: &LawSpec, points: &[FitPoint]) -> Option<Self> {
         let index = |coefficient: &Coefficient| match coefficient {
             Coefficient::Number(_) => None,
@@ -236,7 +241,7 @@ impl EarthLaw {
         let (linear, bending): (Vec<_>, Vec<_>) = law.terms().into_iter().partition(|term| term.is_linear);
         let weight = linear.iter().find_map(|term| index(term.coefficient));
         let shape = bending.iter().find_map(|term| index(term.coefficient));
-        // If two parameters change the shape of a law (ABg), sixteen values are too few for the range of one of them.
+        // If two parameters change the shape of a law (ABg), interpolation in one of them is not sufficient.
         if shape.is_some() && (bending.len() > 1 || shape == weight) {
             return None;
         }

@@ -1,5 +1,5 @@
-//! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun,
-//! necessity of the sail's glossy lobe, necessity of earthshine.
+//! Three tests that Lu (2024, section 4) makes before the final model: does the panel offset depend on the Sun's
+//! latitude, is the glossy lobe of the solar array needed, and is earthshine needed?
 
 use super::error::FitError;
 use crate::photometry::{Earthshine, PANEL_OFFSET};
@@ -10,12 +10,12 @@ use super::solve::{Fit, FitSettings, Problem};
 use super::statistics::{PairedTest, aic_under, paired_t_test, rms};
 use super::two_panel_form::TwoPanelForm;
 
-/// Names of the seven coefficients of the paper's form.
+/// Names of the seven coefficients of the form of Lu (2024).
 pub const COEFFICIENTS: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];
-/// Least number of points in a layer.
+/// Smallest number of points in a layer.
 const LEAST_IN_LAYER: usize = 100;
 
-/// Panel offset of one layer of the Sun's latitude (one row of table 2).
+/// Panel offset that was fitted to one layer of the Sun's latitude (one row of table 2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerOffset {
     /// Limits of the Sun's latitude, degrees.
@@ -24,53 +24,54 @@ pub struct LayerOffset {
     pub n: usize,
     /// Panel offset, degrees.
     pub panel_offset_deg: f64,
-    /// One sigma of the panel offset, degrees.
+    /// Uncertainty (one sigma) of the panel offset, degrees; `None` if it is not determined.
     pub sigma_deg: Option<f64>,
     /// Root mean square of the residuals, mag.
     pub rms_mag: f64,
 }
 
-/// Two models on the same points.
+/// Comparison of two models on the same points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PairedModels {
     /// Names of both models.
     pub names: [&'static str; 2],
     /// Number of points.
     pub n: usize,
-    /// Numbers of fitted parameters.
+    /// Number of fitted parameters of each model.
     pub parameters: [usize; 2],
-    /// Root mean squares, mag.
+    /// Root mean square of the residuals of each model, mag.
     pub rms_mag: [f64; 2],
-    /// Akaike's criteria: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
+    /// Akaike's criterion of each model: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: [f64; 2],
-    /// Paired t-test of the mean residuals.
+    /// Paired t-test of the mean residuals; `None` if it cannot be computed.
     pub test: Option<PairedTest>,
 }
 
 /// Results of the three tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaperTests {
-    /// Table 2.
+    /// Panel offsets of the layers (table 2).
     pub offsets: Vec<LayerOffset>,
-    /// Layers with too few points: limits, degrees, and number of points.
+    /// Layers with too few points: their limits, degrees, and numbers of points.
     pub left_out: Vec<([f64; 2], usize)>,
-    /// Section 4.2: with and without the sail's glossy lobe.
+    /// Models with and without the glossy lobe of the solar array (section 4.2).
     pub sail_glossy: PairedModels,
-    /// Section 4.3: with and without earthshine.
+    /// Models with and without earthshine (section 4.3).
     pub earthshine: PairedModels,
 }
 
-/// Computes the fits of all three tests; `layer_deg` is the width of the layers of table 2.
+/// Makes the fits of all three tests. `layer_deg` is the width of the layers of table 2.
 ///
 /// # Errors
-/// The errors of [`Problem::new`] and [`Problem::solve`] over all points; a layer without a fit is omitted.
+/// The errors of [`Problem::new`] and [`Problem::solve`] for all points together. A layer that cannot be fitted is
+/// omitted.
 pub fn paper_tests(
     form: &TwoPanelForm,
     points: &[FitPoint],
     settings: &FitSettings,
     layer_deg: f64,
 ) -> Result<PaperTests, FitError> {
-    // Held parameters stay held unless a test varies or sets them.
+    // Parameters that are held in the settings remain held unless a test varies or sets them.
     let free = |names: &[&str], set: &[&str]| {
         let is_held = |name: &str| settings.held.iter().any(|(held, _)| held == name);
         let varies = |name: &&str| **name == *PANEL_OFFSET || !is_held(name);
@@ -124,7 +125,7 @@ pub fn paper_tests(
     })
 }
 
-/// Compares two fits on the points that both explain.
+/// Compares two fits on the points for which both give a magnitude.
 fn paired(names: [&'static str; 2], one: &Fit, other: &Fit, points: &[FitPoint], loss: Loss) -> PairedModels {
     let of = |fit: &Fit| {
         fit.kept.iter().copied().zip(fit.residuals_mag.iter().copied()).collect::<std::collections::BTreeMap<_, _>>()

@@ -1,4 +1,4 @@
-//! Baseline forms that depend on the phase angle only: a diffuse sphere and a polynomial.
+//! Simple forms that depend only on the phase angle: a diffuse sphere and a polynomial.
 
 use crate::photometry::{DiffuseSphere, StandardMagnitude};
 
@@ -8,14 +8,14 @@ use super::point::FitPoint;
 /// Bounds of the parameters of both forms, mag.
 const MAGNITUDES: [f64; 2] = [-30.0, 60.0];
 
-/// Lambertian sphere; its only parameter is the magnitude at 1000 km and a phase angle of 90°.
+/// Diffuse (Lambertian) sphere. Its only parameter is the magnitude at 1000 km and a phase angle of 90°.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct SphereForm;
 
 /// Polynomial m = Σ aᵢ φⁱ in the reduced phase angle φ = (phase - 90°)/90°.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PhaseForm {
-    /// Highest power.
+    /// Highest power of the polynomial.
     pub degree: usize,
 }
 
@@ -60,10 +60,10 @@ impl Form for PhaseForm {
     }
 }
 
-/// A form with magnitudes that are linear in the parameters.
+/// A form whose magnitudes are linear in its parameters.
 struct Linear {
     offsets: Vec<[f64; BLOCK]>,
-    /// Factors of the parameters, `(n_block)` of `(n_parameter)` columns.
+    /// Factors by which the parameters are multiplied: for each block, one column per parameter.
     columns: Vec<Vec<[f64; BLOCK]>>,
 }
 
@@ -100,7 +100,7 @@ impl Prepared for Linear {
     }
 
     fn starts(&self, x: &[f64], _free: &[usize], _observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
-        // A linear form has one minimum.
+        // The cost of a linear form has a single minimum.
         vec![x.to_vec()]
     }
 }

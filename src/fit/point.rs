@@ -1,47 +1,48 @@
-//! Points of a fit, made of measurements or of reduced pixels.
+//! Points of a fit, made from measurements or from pixels of reduced measurements.
 
 use crate::geometry::ViewingGeometry;
 use crate::math::quantile::quantile;
 
 use super::measurements::{Measurement, Measurements, Pixel, Reduction};
 
-/// Least error of a pixel, mag: half the photometric error stated for MMT-9.
+/// Smallest error of a pixel, mag. It is half the photometric error stated for MMT-9.
 const LEAST_PIXEL_SIGMA_MAG: f64 = 0.05;
-/// The interquartile range of fewer points than this is not used as an error.
+/// Number of points below which the interquartile range of a pixel is not used as its error.
 const LEAST_FOR_RANGE: u32 = 5;
 
-/// One magnitude to fit: a single measurement or a reduced pixel.
+/// One magnitude to be fitted: a single measurement or a reduced pixel.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct FitPoint {
     /// Directions of Sun and observer.
     pub geometry: ViewingGeometry,
     /// Magnitude at 1000 km.
     pub magnitude: f64,
-    /// Error of the magnitude, mag; positive.
+    /// Error of the magnitude (one sigma), mag; positive.
     pub sigma_mag: f64,
-    /// Number of the track, night or satellite, a group of points with shared systematic errors. Points of one group
-    /// stay together in cross-validation and vary together in the covariance.
+    /// Number of the track, night or satellite to which the point belongs. Points of the same group share systematic
+    /// errors: they are kept together in cross-validation and in the covariance.
     pub group: u32,
 }
 
-/// Weights of single measurements.
+/// How single measurements are weighted.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct RawWeights {
-    /// Scatter beyond the measurement errors, mag, positive: satellites of one kind differ and change their attitude.
-    /// Added in quadrature to the stated error; the only error if none is stated.
+    /// Scatter in addition to the measurement errors, mag, positive, because satellites of one type differ and change
+    /// their attitude. It is added in quadrature to the stated error, and is the only error if none is stated.
     pub scatter_mag: f64,
-    /// Weights a group (track, night) by the square root of its number of points, so that long groups do not dominate.
+    /// If true, a group (track, night) is weighted by the square root of its number of points, so that large groups do
+    /// not dominate.
     pub by_group: bool,
 }
 
 impl Default for RawWeights {
-    /// 0.5 mag (raw points show 0.4 to 0.8), by group.
+    /// Returns a scatter of 0.5 mag (single measurements show 0.4 to 0.8) and weights by group.
     fn default() -> Self {
         Self { scatter_mag: 0.5, by_group: true }
     }
 }
 
-/// Returns one point per measurement, longitudes folded to [0, π].
+/// Returns one point per measurement, with longitudes folded to [0, π].
 pub fn points_of_measurements(measurements: &Measurements, weights: &RawWeights) -> Vec<FitPoint> {
     let point = |m: &Measurement| FitPoint {
         geometry: m.geometry.folded(),
@@ -57,8 +58,8 @@ pub fn points_of_measurements(measurements: &Measurements, weights: &RawWeights)
     points
 }
 
-/// Factors on the errors by which a group is weighted by the square root of its number of points instead of the number;
-/// Σ 1/σ² is kept.
+/// Returns factors for the errors by which each group is weighted by the square root of its number of points instead of
+/// that number. They leave Σ 1/σ² unchanged.
 fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
     let groups = points.iter().map(|point| point.group as usize + 1).max().unwrap_or(0);
     let mut counts = vec![0.0_f64; groups];
@@ -69,10 +70,11 @@ fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
     points.iter().map(|point| (counts[point.group as usize].powf(-0.5) * level).powf(-0.5)).collect()
 }
 
-/// Returns one point per kept pixel: its mode, with the interquartile range as error, in a group of its own.
+/// Returns one point per kept pixel: its mode, with the interquartile range as its error. Each pixel is its own group.
 ///
-/// The range of fewer than five points is uninformative (0 for one point); the error of such pixels is the median range
-/// of the others, or the usual scatter of single measurements (0.5 mag) if there are no others.
+/// With fewer than five points the interquartile range is not informative (it is 0 for one point). The error of such
+/// pixels is the median range of the other pixels, or the usual scatter of single measurements (0.5 mag) if there are
+/// no others.
 pub fn points_of_pixels(reduction: &Reduction) -> Vec<FitPoint> {
     let has_range = |pixel: &Pixel| pixel.count >= LEAST_FOR_RANGE;
     let mut ranges_mag: Vec<f64> =
@@ -130,7 +132,7 @@ mod tests {
         /// Rounding of magnitudes in pixels, which are f32, mag.
         const ROUNDED: f64 = 1e-6;
         let (narrow, wide) = ([5.0, 5.1, 5.2, 5.3, 5.4], [5.0, 5.3, 5.6, 5.9, 6.2, 6.5, 6.8]);
-        // IQR 0.2 and 0.9; cells of one, two and four points get the median of these.
+        // Interquartile ranges of 0.2 and 0.9; pixels of one, two and four points get the median of these.
         let sigmas = sigmas_mag(&[&narrow, &wide, &[6.0], &[6.0, 6.1], &[5.0, 5.0, 5.0, 5.0]]);
         for (sigma, expected) in sigmas.iter().zip([0.2, 0.55, 0.55, 0.55, 0.9]) {
             assert!((sigma - expected).abs() < ROUNDED, "{sigmas:?}");

@@ -1,7 +1,8 @@
-//! Posterior of a fit by an ensemble of walkers, and the file that stores its chains.
+//! Posterior of a fit, sampled by an ensemble of walkers, and the file that stores the chain.
 //!
-//! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the
-//! bytes of a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
+//! The file is a NumPy archive (.npz) with the arrays `chain` (n_step, n_walker, n_param), `log_prob` (n_step,
+//! n_walker), `accepted` (n_walker), and `about`, the bytes of a JSON text that identifies the fit.
+//! `numpy.load(path)["chain"]` has the form of emcee's `get_chain()`.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -22,26 +23,26 @@ use crate::input;
 use crate::math::quantile::quantile;
 use crate::output::AtomicFile;
 
-/// Distinguishes the seed of the starting positions from that of the walk.
+/// Constant that makes the seed of the starting positions differ from the seed of the walkers.
 const START_SALT: u64 = 0x5354_4152_5453;
 /// Half width of the starting positions of a parameter without sigma, as a fraction of the interval between its bounds.
 const UNKNOWN_SPREAD: f64 = 1e-3;
 
-/// Settings of a posterior.
+/// Settings for the sampling of a posterior.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct PosteriorSettings {
-    /// Steps including burn-in.
+    /// Number of steps, including burn-in.
     pub steps: usize,
-    /// Steps at the beginning that are not used.
+    /// Number of steps at the beginning that are not used.
     pub burn_in: usize,
-    /// Walkers; even, at least twice as many as free parameters.
+    /// Number of walkers; it must be even and at least twice the number of free parameters.
     pub walkers: usize,
     /// Seed of all random numbers.
     pub seed: u64,
 }
 
 impl Default for PosteriorSettings {
-    /// 5,000 steps and 200 of burn-in (Lu 2024, figure of the posterior) of 32 walkers.
+    /// Returns 5,000 steps, of which 200 are burn-in (Lu 2024, figure of the posterior), and 32 walkers.
     fn default() -> Self {
         Self { steps: 5_000, burn_in: 200, walkers: 32, seed: 1 }
     }
@@ -58,24 +59,25 @@ pub struct Marginal {
     pub mean: f64,
     /// Standard deviation.
     pub sigma: f64,
-    /// Steps per independent draw.
+    /// Number of steps after which samples are independent.
     pub autocorrelation: AutocorrelationTime,
 }
 
-/// Summary of a chain.
+/// Summary of a chain: distributions of the parameters, and their covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posterior {
-    /// One per free parameter.
+    /// Marginal distributions, one per free parameter.
     pub marginals: Vec<Marginal>,
     /// Covariance of the free parameters; shape `(n_free, n_free)`.
     pub covariance: Vec<Vec<f64>>,
-    /// Fraction of accepted proposals.
+    /// Fraction of proposals that were accepted.
     pub acceptance: f64,
-    /// Steps after burn-in.
+    /// Number of steps after burn-in.
     pub steps: usize,
 }
 
-/// Starting positions of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
+/// Returns starting positions of the walkers: uniform within a tenth of each parameter's sigma around the fit, inside
+/// the bounds.
 fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(settings.seed ^ START_SALT);
     let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
@@ -84,7 +86,7 @@ fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> 
             let p = &fit.parameters[i];
             let width = p.greatest - p.least;
             let spread = fit.uncertainty.sigma(i).map_or(UNKNOWN_SPREAD * width, |sigma| 0.1 * sigma.min(width));
-            // A box about the fit, moved inside the bounds.
+            // The positions fill a box around the fit, which is moved inside the bounds.
             let least = (p.value - spread).clamp(p.least, p.greatest - spread.min(width));
             let greatest = (least + 2.0 * spread).min(p.greatest);
             least + uniform() * (greatest - least)
@@ -94,11 +96,11 @@ fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> 
     (0..settings.walkers).map(&mut start).collect()
 }
 
-/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every
-/// step and may save the chain.
+/// Draws samples until the chain has `settings.steps` steps. `resumed` is a chain that is continued. `each` is called
+/// after every step and may save the chain.
 ///
 /// # Errors
-/// [`FitError::Walkers`] for an invalid number of walkers, and every error that `each` returns.
+/// [`FitError::Walkers`] for an invalid number of walkers, and any error that `each` returns.
 pub fn draw(
     objective: &Objective,
     fit: &Fit,
@@ -117,7 +119,7 @@ pub fn draw(
     Ok(ensemble.into_chain())
 }
 
-/// Summarises a chain without its first `burn_in` steps.
+/// Returns a summary of a chain without its first `burn_in` steps.
 pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
     let (means, covariance) = chain.moments(burn_in);
     let times = autocorrelation_times(chain, burn_in);
@@ -140,11 +142,11 @@ pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
 }
 
 impl Posterior {
-    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each
-    /// with its factor.
+    /// Returns the free parameters whose sigma in the fit exceeds the sigma of the samples by more than the factor
+    /// `times`, by name, each with its factor.
     ///
-    /// The draws treat points as independent, while the fit allows for errors shared within tracks; for these
-    /// parameters the draws are overconfident.
+    /// The samples treat points as independent, whereas the fit allows for errors that the points of a track share. For
+    /// these parameters the samples are overconfident.
     pub fn overconfident(&self, fit: &Fit, times: f64) -> Vec<(String, f64)> {
         let ratio = |(marginal, &i): (&Marginal, &usize)| {
             let ratio = fit.uncertainty.sigma(i)? / marginal.sigma;
@@ -154,24 +156,24 @@ impl Posterior {
     }
 }
 
-/// Identification of the fit of a chain.
+/// Identification of the fit to which a chain belongs.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChainAbout {
     /// Version of the program.
     pub software: String,
-    /// Names of the parameters, in the order of the last index.
+    /// Names of the parameters, in the order of the last index of the chain.
     pub parameters: Vec<String>,
     /// Seed of the walkers.
     pub seed: u64,
-    /// Hash of points, form and settings; a chain can only be continued with the same hash.
+    /// Hash of points, form and settings. A chain can be continued only by a fit with the same hash.
     pub fingerprint: String,
 }
 
-/// Writes a chain.
+/// Writes a chain to a file.
 ///
 /// # Errors
-/// [`FitError::ChainFile`] for any error of the system; an older file is then unchanged.
+/// [`FitError::ChainFile`] for any error of the operating system; an older file is then unchanged.
 pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
     let io = |error: std::io::Error| failed(error.to_string());
@@ -193,7 +195,7 @@ fn write_array<T: npyz::AutoSerialize + Copy>(
     shape: &[u64],
     values: &[T],
 ) -> std::io::Result<()> {
-    // Random digits do not compress.
+    // The archive is not compressed, because random digits cannot be compressed.
     let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored).large_file(true);
     archive.start_file(format!("{name}.npy"), options)?;
     let mut bytes = Vec::with_capacity(128 + size_of_val(values));
@@ -203,7 +205,7 @@ fn write_array<T: npyz::AutoSerialize + Copy>(
     archive.write_all(&bytes)
 }
 
-/// Reads a chain.
+/// Reads a chain from a file.
 ///
 /// # Errors
 /// [`FitError::ChainFile`] if the file is missing, truncated or invalid.

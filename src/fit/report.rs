@@ -1,4 +1,4 @@
-//! Reports and tables of fits.
+//! Reports and tables about fits.
 
 use std::fmt::Write;
 
@@ -11,14 +11,14 @@ use super::posterior::{Marginal, Posterior};
 use super::solve::Fit;
 use crate::output::{Column, Kind, Table, Value};
 
-/// Report with its parts in the order in which they are added.
+/// Report that consists of parts in the order in which they are added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     text: String,
 }
 
 impl Report {
-    /// Report with this title.
+    /// Creates a report with this title.
     pub fn new(title: &str) -> Self {
         Self { text: format!("# {title}\n") }
     }
@@ -41,7 +41,7 @@ impl Report {
         }
     }
 
-    /// Adds a table; numbers have the digits of their columns.
+    /// Adds a table. Numbers have the decimals of their columns.
     pub fn table(&mut self, table: &Table) {
         self.text.push('\n');
         let cell = |text: &str| plain(text).replace('|', "\\|");
@@ -58,17 +58,17 @@ impl Report {
         }
     }
 
-    /// Adds a picture by the name of its file, in the folder of the report.
+    /// Adds a picture, given by the name of its file in the folder of the report.
     pub fn picture(&mut self, caption: &str, file: &str) {
         let _ = write!(self.text, "\n![{caption}](<{file}>)\n");
     }
 
-    /// The report in Markdown.
+    /// Returns the report as Markdown.
     pub fn to_markdown(&self) -> &str {
         &self.text
     }
 
-    /// The report as one HTML page; pictures are inlined if `picture` returns a data URL for their names.
+    /// Returns the report as one HTML page. A picture is embedded if `picture` returns a data URL for its name.
     pub fn to_html(&self, picture: impl Fn(&str) -> Option<String>) -> String {
         let events = Parser::new_ext(&self.text, Options::ENABLE_TABLES).map(|event| match event {
             pulldown_cmark::Event::Start(pulldown_cmark::Tag::Image { link_type, dest_url, title, id }) => {
@@ -81,7 +81,7 @@ impl Report {
         html::push_html(&mut body, events);
         let title = self.text.lines().next().unwrap_or_default().trim_start_matches("# ").to_owned();
         let mut escaped = String::new();
-        // Titles contain names chosen by users.
+        // The title is escaped because it may contain names chosen by users.
         let _ = pulldown_cmark_escape::escape_html(&mut escaped, &title);
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
@@ -90,7 +90,7 @@ impl Report {
     }
 }
 
-/// Escapes markup in text from outside.
+/// Escapes markup in text that comes from outside the program.
 fn plain(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
@@ -109,7 +109,7 @@ const PARAMETERS: [Column; 7] = [
     Column::new("points_behind", Kind::Integer, "Number of points at which it matters: |p dm/dp| > 0.1 mag."),
 ];
 
-/// Table with one row per parameter; `points_behind` lists the free ones, in their order.
+/// Returns a table with one row per parameter. `points_behind` has one number for each free parameter, in their order.
 pub fn parameter_table(fit: &Fit, points_behind: &[usize]) -> Table {
     let row = |(i, parameter): (usize, &Parameter)| {
         let index = fit.free.iter().position(|&free| free == i);
@@ -145,7 +145,7 @@ const SCORES: [Column; 10] = [
     Column::real("within_one_sigma", "", 3, "Fraction of each fold within the sigma of the other folds."),
 ];
 
-/// Table with one row per form.
+/// Returns a table with one row per form.
 pub fn form_score_table(scores: &[FormScore]) -> Table {
     let row = |one: &FormScore| {
         vec![
@@ -173,7 +173,7 @@ const OFFSETS: [Column; 6] = [
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
 ];
 
-/// Table of panel offsets by layer (table 2 of the paper).
+/// Returns a table of panel offsets by layer of the Sun's latitude (table 2 of Lu 2024).
 pub fn offset_table(offsets: &[LayerOffset]) -> Table {
     let row = |layer: &LayerOffset| {
         vec![
@@ -198,7 +198,7 @@ const PAIRED_MODELS: [Column; 7] = [
     Column::real("p", "", 6, "Probability of a t at least as large if both means are equal."),
 ];
 
-/// Table of pairs of models (sections 4.2 and 4.3 of the paper), two rows per pair.
+/// Returns a table of pairs of models (sections 4.2 and 4.3 of Lu 2024), with two rows per pair.
 pub fn paired_model_table(pairs: &[&PairedModels]) -> Table {
     let rows = pairs.iter().flat_map(|pair| {
         (0..2).map(|k| {
@@ -229,7 +229,7 @@ const MARGINALS: [Column; 10] = [
     Column::new("is_trusted", Kind::Boolean, "True if the chain is longer than 50 autocorrelation times."),
 ];
 
-/// Table with one row per free parameter, with its value and sigma in the fit at which the walkers started.
+/// Returns a table with one row per free parameter, which includes the value and the sigma of the fit.
 pub fn marginal_table(posterior: &Posterior, fit: &Fit) -> Table {
     let row = |(m, &i): (&Marginal, &usize)| {
         vec![

@@ -1,4 +1,4 @@
-//! Least squares from several starting points.
+//! Least-squares fits from several starting points.
 
 use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
@@ -13,31 +13,31 @@ use super::point::FitPoint;
 /// Settings of a fit.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct FitSettings {
-    /// Names of the free parameters; the others keep their values.
+    /// Names of the free parameters; all others keep their values.
     pub free: Vec<String>,
-    /// Parameters held at other values than their own.
+    /// Parameters that are held at other values than those of the form.
     pub held: Vec<(String, f64)>,
-    /// Loss function of a residual.
+    /// Loss function of the residuals.
     pub loss: Loss,
-    /// Stopping rules of a descent.
+    /// Rules that end a descent.
     pub least_squares: LeastSquares,
 }
 
 impl FitSettings {
-    /// Least squares with these free parameters.
+    /// Returns settings for least squares with these free parameters.
     pub fn free(names: &[&str]) -> Self {
         Self { free: names.iter().map(|&name| name.to_owned()).collect(), ..Self::default() }
     }
 }
 
-/// A form with the points that it explains.
+/// A form prepared for the points for which it gives a magnitude.
 pub struct Problem {
     form: String,
     prepared: Box<dyn Prepared>,
     parameters: Vec<Parameter>,
     free: Vec<usize>,
     points: Vec<FitPoint>,
-    /// Indices of `points` in the given list.
+    /// Indices of the kept points in the list that was given.
     kept: Vec<usize>,
     settings: FitSettings,
 }
@@ -53,20 +53,20 @@ pub struct Fit {
     pub free: Vec<usize>,
     /// Half the sum of the losses.
     pub cost: f64,
-    /// Final cost of each descent, best start first.
+    /// Final cost of each descent, in the order of the starting points.
     pub costs: Vec<f64>,
-    /// Stopping reason of the best descent.
+    /// Reason for which the best descent stopped.
     pub stop: Stop,
-    /// Covariance of the parameters.
+    /// Uncertainty of the parameters.
     pub uncertainty: FitUncertainty,
-    /// Indices of the fitted points in the given list; the form does not explain the others.
+    /// Indices of the fitted points in the list that was given. For the other points the form gives no magnitude.
     pub kept: Vec<usize>,
-    /// Observed minus computed magnitudes of these points.
+    /// Observed minus computed magnitudes of the fitted points.
     pub residuals_mag: Vec<f64>,
 }
 
 impl Problem {
-    /// Checks the points, drops those that the form does not explain, and prepares the form.
+    /// Checks the points, drops those for which the form gives no magnitude, and prepares the form.
     ///
     /// # Errors
     /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::NoPoints`], [`FitError::TooFew`].
@@ -111,22 +111,23 @@ impl Problem {
         Ok(Self { form: form.name(), prepared, parameters, free, points: explained, kept, settings: settings.clone() })
     }
 
-    /// The cost as a function of the free parameters.
+    /// Returns the cost as a function of the free parameters.
     pub fn objective(&self) -> Objective<'_> {
         Objective::new(&*self.prepared, self.parameters.clone(), self.free.clone(), &self.points, self.settings.loss)
     }
 
-    /// The form over the points that it explains.
+    /// Returns the form, prepared for the points that were kept.
     pub fn prepared(&self) -> &dyn Prepared {
         &*self.prepared
     }
 
-    /// The points that it explains.
+    /// Returns the points for which the form gives a magnitude.
     pub fn points(&self) -> &[FitPoint] {
         &self.points
     }
 
-    /// SHA-256, hexadecimal, of points, form, parameters and loss; it identifies the fit that a chain belongs to.
+    /// Returns the SHA-256 (hexadecimal) of points, form, parameters and loss. It identifies the fit to which a chain
+    /// belongs.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(&self.form);
@@ -136,7 +137,7 @@ impl Problem {
         }
         self.free.iter().for_each(|i| hash.update((*i as u64).to_le_bytes()));
         hash.update(format!("{:?}", self.settings.loss));
-        // Residuals at the initial values identify form and geometry.
+        // The residuals at the initial values identify the form and the geometry.
         let residuals = self.objective().residuals_mag(&self.free_values(), self.points.len());
         for (point, residual) in self.points.iter().zip(residuals) {
             [point.magnitude, point.sigma_mag, residual].iter().for_each(|x| hash.update(x.to_le_bytes()));
@@ -148,7 +149,7 @@ impl Problem {
         self.free.iter().map(|&i| self.parameters[i].value).collect()
     }
 
-    /// Minimises the cost from one start of the free parameters.
+    /// Minimises the cost from one starting point of the free parameters.
     pub fn descend(&self, start: &[f64]) -> Minimum {
         let objective = self.objective();
         let bounds = |end: fn(&Parameter) -> f64| objective.free_parameters().map(end).collect::<Vec<f64>>();
@@ -156,10 +157,10 @@ impl Problem {
         minimise(&objective, start, &least, &greatest, &self.settings.least_squares)
     }
 
-    /// Minimises the cost from every start that the form proposes and returns the best minimum.
+    /// Minimises the cost from every starting point that the form proposes, and returns the best minimum.
     ///
     /// # Errors
-    /// [`FitError::NoMinimum`] if no descent ends at a finite cost.
+    /// [`FitError::NoMinimum`] if no descent reaches a finite cost.
     pub fn solve(&self) -> Result<Fit, FitError> {
         let starts = self.objective().starts();
         let mut ends: Vec<Minimum> = starts.iter().map(|start| self.descend(start)).collect();
@@ -169,7 +170,7 @@ impl Problem {
         best.map(|best| self.fit_at(best, costs)).ok_or(FitError::NoMinimum { starts: starts.len() })
     }
 
-    /// Fit with its uncertainty at a minimum.
+    /// Returns the fit, with its uncertainty, at a minimum.
     fn fit_at(&self, minimum: Minimum, costs: Vec<f64>) -> Fit {
         let objective = self.objective();
         let mut parameters = self.parameters.clone();
@@ -177,8 +178,8 @@ impl Problem {
             parameter.value = value;
         }
         let (scores, curvature) = objective.scores(&minimum.x, self.points.len());
-        // The curvature of a robust loss is negative for outliers; if it is indefinite, the Gauss-Newton curvature
-        // replaces it.
+        // The curvature of a robust loss is negative for outliers. If the sum is not positive definite, the
+        // Gauss-Newton curvature is used instead.
         let is_definite = curvature.clone().cholesky().is_some();
         let curvature: &DMatrix<f64> = if is_definite { &curvature } else { &minimum.curvature };
         let groups: Vec<u32> = self.points.iter().map(|point| point.group).collect();
@@ -197,12 +198,12 @@ impl Problem {
 }
 
 impl Fit {
-    /// Values of all parameters, in order.
+    /// Returns the values of all parameters, in order.
     pub fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.value).collect()
     }
 
-    /// Replaces the covariance of all parameters, `(n_parameter, n_parameter)`; it stays `None` if the curvature is
+    /// Replaces the covariance of all parameters, `(n_parameter, n_parameter)`. It remains `None` if the curvature is
     /// singular.
     pub fn with_covariance(mut self, covariance: Vec<Vec<f64>>, kind: CovarianceKind) -> Self {
         if let Some(own) = &mut self.uncertainty.covariance {
@@ -211,7 +212,7 @@ impl Fit {
         self
     }
 
-    /// Value of a parameter; `None` for an unknown name.
+    /// Returns the value of a parameter; `None` for an unknown name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.parameters.iter().find(|parameter| parameter.name == name).map(|parameter| parameter.value)
     }

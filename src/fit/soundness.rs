@@ -1,10 +1,11 @@
-//! Faults of a fit: parameters at bounds, degenerate or undetermined parameters, poor coverage of the geometry.
+//! Faults of a fit: parameters at bounds, degenerate or undetermined parameters, and poor coverage of the viewing
+//! geometry.
 //!
-//! Coverage: each axis of the geometry is cut into cells of 5° in the Sun's latitude, 30° in the observer's longitude
-//! from the Sun (folded) and 15° in the observer's latitude. The model extrapolates into cells with fewer than ten
-//! points. Longitudes must be covered from 0° to 180°. The reach of latitudes depends on height and site, so only whole
-//! cells between the ends of the observed range are required (without one point in a thousand at each end), and these
-//! ends must be two cells apart.
+//! For the coverage, each axis of the geometry is divided into bins: 5° in the Sun's latitude, 30° in the observer's
+//! longitude from the Sun (folded) and 15° in the observer's latitude. The model extrapolates into bins with fewer than
+//! ten points. Longitudes must be covered from 0° to 180°. The possible latitudes depend on height and site. Therefore
+//! only the whole bins within the observed range are required (without one point in a thousand at each end), and this
+//! range must be at least two bins wide.
 
 use std::fmt;
 
@@ -18,31 +19,31 @@ use super::solve::{Fit, Problem};
 
 /// Correlation above which two parameters are degenerate.
 const DEGENERATE: f64 = 0.95;
-/// Change of the magnitude above which a parameter matters at a point, for a change of the parameter by its own size.
+/// A parameter matters at a point if changing it by its own value changes the magnitude by more than this, mag.
 const MATTERS_MAG: f64 = 0.1;
-/// Least number (and least fraction) of points at which a parameter must matter.
+/// Smallest number, and smallest fraction, of points at which a parameter must matter.
 const LEAST_POINTS: usize = 20;
 const LEAST_SHARE: f64 = 0.005;
-/// Least number of points in a cell of the geometry.
+/// Smallest number of points in a bin of the geometry.
 const LEAST_IN_CELL: usize = 10;
-/// Fraction of the points ignored at each end of the observed range.
+/// Fraction of the points that is ignored at each end of the observed range.
 const STRAY_SHARE: f64 = 0.001;
-/// Least distance between the ends of a latitude range, in cells.
+/// Smallest width of the observed range of a latitude, in bins.
 const LEAST_CELLS: f64 = 2.0;
 
 /// One fault of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
-    /// A descent that ended at its limit of evaluations or failed.
+    /// A descent stopped at its limit of evaluations or failed.
     NotConverged,
-    /// A parameter at a bound; the points favour values beyond it.
+    /// A parameter is at a bound, and the points favour values beyond it.
     AtBound {
         /// Name of the parameter.
         name: String,
         /// The bound.
         value: f64,
     },
-    /// Two strongly correlated parameters.
+    /// Two parameters are strongly correlated.
     Degenerate {
         /// First parameter.
         one: String,
@@ -51,28 +52,28 @@ pub enum Fault {
         /// Correlation of both parameters.
         correlation: f64,
     },
-    /// A parameter with a sigma larger than its value.
+    /// The sigma of a parameter exceeds its value.
     Unconstrained {
         /// Name of the parameter.
         name: String,
         /// Fitted value.
         value: f64,
-        /// One sigma.
+        /// Uncertainty (one sigma).
         sigma: f64,
     },
-    /// A singular curvature: the points do not constrain these parameters.
+    /// The curvature is singular: the points do not determine these parameters.
     Singular {
         /// Names of the parameters.
         names: Vec<String>,
     },
-    /// A parameter that matters at few points only.
+    /// A parameter matters at few points only.
     FewPoints {
         /// Name of the parameter.
         name: String,
-        /// Number of these points.
+        /// Number of the points at which the parameter matters.
         points: usize,
     },
-    /// An axis of the geometry with poor coverage.
+    /// An axis of the viewing geometry is poorly covered.
     Coverage(PoorAxis),
 }
 
@@ -81,9 +82,9 @@ pub enum Fault {
 pub struct PoorAxis {
     /// Name of the axis, for example `Sun's latitudes`.
     pub name: &'static str,
-    /// Cells with fewer than ten points: from and to, degrees, and number of points.
+    /// Bins with fewer than ten points: lower and upper end, degrees, and number of points.
     pub thin: Vec<([f64; 2], usize)>,
-    /// The observed range, degrees, if it is too narrow.
+    /// Observed range, degrees, if it is too narrow; otherwise `None`.
     pub narrow: Option<[f64; 2]>,
 }
 
@@ -110,7 +111,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// Returns all faults of a fit; empty for a sound fit.
+/// Returns all faults of a fit; empty if there are none.
 pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
     let name = |i: usize| fit.parameters[i].name.clone();
     let mut faults = Vec::new();
@@ -123,7 +124,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
         faults.push(Fault::Singular { names: fit.uncertainty.undetermined.iter().map(|&i| name(i)).collect() });
     }
     for (k, &i) in fit.free.iter().enumerate() {
-        // The size of an angle is not a measure of its error.
+        // The value of an angle is not a measure for its error.
         let has_size = fit.parameters[i].least >= 0.0;
         if let Some(sigma) = fit.uncertainty.sigma(i).filter(|sigma| has_size && *sigma > fit.parameters[i].value) {
             faults.push(Fault::Unconstrained { name: name(i), value: fit.parameters[i].value, sigma });
@@ -145,7 +146,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
     faults
 }
 
-/// Number of points at which each free parameter matters: where |p dm/dp| > 0.1 mag.
+/// Returns the number of points at which each free parameter matters, that is |p dm/dp| > 0.1 mag.
 pub fn points_behind(problem: &Problem, fit: &Fit) -> Vec<usize> {
     let n = problem.points().len();
     let values = fit.values();
@@ -162,12 +163,12 @@ pub fn points_behind(problem: &Problem, fit: &Fit) -> Vec<usize> {
     counts
 }
 
-/// One axis of the geometry.
+/// One axis of the viewing geometry.
 struct Axis {
     name: &'static str,
     angle_rad: fn(&ViewingGeometry) -> f64,
     cell_deg: f64,
-    /// Range to be covered; `None`: the observed range.
+    /// Range that must be covered; `None` for the observed range.
     whole_deg: Option<[f64; 2]>,
 }
 
@@ -182,7 +183,7 @@ const AXES: [Axis; 3] = [
     Axis { name: "observer's latitudes", angle_rad: |g| g.observer_latitude_rad, cell_deg: 15.0, whole_deg: None },
 ];
 
-/// Axes with gaps in their coverage.
+/// Returns the axes that are poorly covered.
 fn poor_axes(points: &[FitPoint]) -> Vec<PoorAxis> {
     AXES.iter().filter_map(|axis| poor(axis, points)).collect()
 }
@@ -193,12 +194,12 @@ fn poor(axis: &Axis, points: &[FitPoint]) -> Option<PoorAxis> {
     let seen = [STRAY_SHARE, 1.0 - STRAY_SHARE].map(|share| quantile(&angles_deg, share));
     let cell = axis.cell_deg;
     let is_narrow = axis.whole_deg.is_none() && seen[1] - seen[0] < LEAST_CELLS * cell;
-    // Division first, so that rounding does not create a cell beyond 180 degrees.
+    // The division comes first, so that rounding does not create a bin beyond 180 degrees.
     let [from, to] = axis.whole_deg.unwrap_or(seen).map(|end| end / cell);
     let counts = |k: i32| {
         let [low, high] = [f64::from(k) * cell, f64::from(k + 1) * cell];
         let below = |end: f64| angles_deg.partition_point(|angle| *angle < end);
-        // The last cell of a whole axis includes its end.
+        // The last bin of an axis with a fixed range includes the end of the range.
         let beyond = if axis.whole_deg.is_some_and(|whole| high >= whole[1]) { angles_deg.len() } else { below(high) };
         ([low, high], beyond - below(low))
     };

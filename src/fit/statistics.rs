@@ -7,7 +7,7 @@ use crate::math::quantile::quantile;
 
 use super::objective::Loss;
 
-/// Sigma of a normal distribution over its median absolute deviation.
+/// Ratio of the standard deviation of a normal distribution to its median absolute deviation.
 const SIGMA_OF_MAD: f64 = 1.4826;
 /// Fraction of a normal distribution within one sigma.
 const ONE_SIGMA_SHARE: f64 = 0.6827;
@@ -19,22 +19,23 @@ pub struct ResidualStatistics {
     pub n: usize,
     /// Mean.
     pub mean_mag: f64,
-    /// Standard deviation about the mean.
+    /// Standard deviation from the mean.
     pub sd_mag: f64,
-    /// Root mean square about zero.
+    /// Root mean square, that is the deviation from zero.
     pub rms_mag: f64,
-    /// 1.4826 times the median absolute deviation from the median: the sigma of a normal core, independent of the
+    /// 1.4826 times the median absolute deviation from the median. It is the sigma of a normal core, whatever the
     /// wings.
     pub core_mag: f64,
 }
 
 impl ResidualStatistics {
-    /// Statistics of the finite residuals with equal weights; `None` without any.
+    /// Returns the statistics of the finite residuals with equal weights; `None` if there are none.
     pub fn of(residuals_mag: &[f64]) -> Option<Self> {
         Self::weighted(residuals_mag.iter().filter(|r| r.is_finite()).map(|r| (*r, 1.0)))
     }
 
-    /// Statistics of pairs of a residual, mag, and its weight (positive, finite); `None` if the weights sum to zero.
+    /// Returns the statistics of pairs of a residual, mag, and its weight (positive, finite); `None` if the weights sum
+    /// to zero.
     pub(crate) fn weighted(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
         let mut pairs: Vec<(f64, f64)> = pairs.into_iter().collect();
         let weight: f64 = pairs.iter().map(|(_, w)| w).sum();
@@ -53,7 +54,8 @@ impl ResidualStatistics {
     }
 }
 
-/// Mean of the values at which half of the weight is reached and exceeded: the usual median if all weights are equal.
+/// Returns the median: the mean of the value at which half of the weight is reached and the one at which it is
+/// exceeded. With equal weights it is the usual median.
 fn weighted_median(pairs: &mut [(f64, f64)], weight: f64) -> f64 {
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut below = 0.0;
@@ -70,19 +72,20 @@ fn weighted_median(pairs: &mut [(f64, f64)], weight: f64) -> f64 {
     lower.unwrap_or(f64::NAN)
 }
 
-/// Root mean square, mag; NaN for an empty list.
+/// Returns the root mean square, mag; NaN for an empty list.
 pub fn rms(residuals_mag: &[f64]) -> f64 {
     (residuals_mag.iter().map(|r| r * r).sum::<f64>() / residuals_mag.len() as f64).sqrt()
 }
 
-/// Sigma that contains the fraction 0.6827 of the finite residuals, for any distribution.
+/// Returns the sigma that contains the fraction 0.6827 of the finite residuals, for any distribution, mag.
 pub fn sigma_68_mag(residuals_mag: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = residuals_mag.iter().filter(|r| r.is_finite()).map(|r| r.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     quantile(&sizes, ONE_SIGMA_SHARE)
 }
 
-/// Fraction of the weight of pairs (residual, mag; weight) within ± `sigma_mag`; `None` without weight.
+/// Returns the fraction of the weight of pairs (residual, mag; weight) within ± `sigma_mag`; `None` if there is no
+/// weight.
 pub(super) fn share_within(pairs: impl IntoIterator<Item = (f64, f64)>, sigma_mag: f64) -> Option<f64> {
     let (mut inside, mut all) = (0.0, 0.0);
     for (residual, weight) in pairs {
@@ -92,16 +95,17 @@ pub(super) fn share_within(pairs: impl IntoIterator<Item = (f64, f64)>, sigma_ma
     (all > 0.0).then(|| inside / all)
 }
 
-/// Akaike's information criterion of `n` normal residuals with `k` fitted parameters, up to a constant.
+/// Returns Akaike's information criterion of `n` normal residuals with `k` fitted parameters, up to a constant.
 pub(super) fn aic(rms_mag: f64, n: usize, k: usize) -> f64 {
     // n ln(RMSE²) + 2k                                                                  Lu (2024), section 4.2
     n as f64 * (rms_mag * rms_mag).ln() + 2.0 * k as f64
 }
 
-/// Akaike's criterion of a fit under this loss, comparable among forms on the same points under the same loss.
+/// Returns Akaike's criterion of a fit under this loss. It can be compared between forms on the same points and with
+/// the same loss.
 ///
-/// For squares it is n ln(RMSE²) + 2k, as in the paper. A robust fit does not minimise the RMS; its likelihood is
-/// exp(-½ Σ ρ(r²/σ²)), and the criterion -2 ln L + 2k = Σ ρ + 2k, up to a constant that depends on the points only.
+/// For squares it is n ln(RMSE²) + 2k, as in Lu (2024). A robust fit does not minimise the RMS. Its likelihood is
+/// exp(-½ Σ ρ(r²/σ²)), and the criterion is -2 ln L + 2k = Σ ρ + 2k, up to a constant that depends only on the points.
 pub(super) fn aic_under(loss: Loss, residuals_mag: &[f64], sigmas_mag: &[f64], k: usize) -> f64 {
     match loss {
         Loss::Squares => aic(rms(residuals_mag), residuals_mag.len(), k),
@@ -115,18 +119,18 @@ pub(super) fn aic_under(loss: Loss, residuals_mag: &[f64], sigmas_mag: &[f64], k
 /// Result of a paired t-test.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PairedTest {
-    /// Student's t of the mean of the differences.
+    /// Student's t of the mean difference.
     pub t: f64,
     /// Two-sided probability of a t at least as large if both means are equal.
     pub p: f64,
 }
 
-/// Paired t-test of the hypothesis that two lists of residuals of the same points have the same mean.
+/// Tests the hypothesis that two lists of residuals of the same points have the same mean (paired t-test).
 ///
-/// `None` with fewer than two pairs, or if all differences are equal.
+/// `None` for fewer than two pairs, or if all differences are equal.
 pub(super) fn paired_t_test(one: &[f64], other: &[f64]) -> Option<PairedTest> {
     let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
-    // Without scatter t is infinite, and statrs does not terminate in its tail.
+    // If the differences do not scatter, t is infinite, and statrs does not terminate in the tail of the distribution.
     let first = *differences.first()?;
     if differences.iter().all(|difference| *difference == first) {
         return None;

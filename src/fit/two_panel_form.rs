@@ -1,7 +1,7 @@
-//! The two-panel form of Lu (2024, section 2) as a fit: seven coefficients and the panel offset.
+//! The two-panel law of Lu (2024, section 2) as a form with seven coefficients and the panel offset.
 //!
 //! The geometry of the points is prepared in blocks: directions, projected areas, and earthshine on the chassis.
-//! `two_panel_kernel` evaluates coefficients on them.
+//! `two_panel_kernel` then computes magnitudes from the coefficients.
 
 use rayon::prelude::*;
 
@@ -17,28 +17,28 @@ use crate::photometry::{ChassisAndSail, Coefficients, Earthshine, SatelliteShape
 const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
 /// Index of the panel offset.
 const OFFSET: usize = 7;
-/// Bounds of the exponents: below, a lobe is a second diffuse law; above, it is narrower than the stability of
-/// attitudes.
+/// Bounds of the exponents. Below the lower bound a lobe resembles a second diffuse law; above the upper bound it is
+/// narrower than attitudes are stable.
 const EXPONENTS: [f64; 2] = [0.5, 200.0];
 /// Bounds of the panel offset, degrees.
 const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];
 
-/// Step of panel offsets for derivatives, degrees.
+/// Step of the panel offset for numerical derivatives, degrees.
 const OFFSET_STEP_DEG: f64 = 1e-4;
 
-/// Index of the first parameter in which light is not linear.
+/// Index of the first parameter on which the light depends nonlinearly.
 const FIRST_EXPONENT: usize = 5;
 
-/// Chassis and sail of given sizes with eight parameters, of which any can be fitted.
+/// Chassis and solar array of given sizes, with eight parameters, any of which can be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoPanelForm {
-    /// Sizes, and the panel offset if it is not fitted.
+    /// Sizes of the panels, and the panel offset that is used if it is not fitted.
     pub shape: SatelliteShape,
-    /// Values of coefficients that are not fitted.
+    /// Values of the coefficients that are not fitted.
     pub coefficients: Coefficients,
-    /// Earthshine on the chassis.
+    /// Model of earthshine on the chassis.
     pub earthshine: Earthshine,
-    /// False ignores obstruction and shadow of the sail by the chassis, as in other published two-panel models.
+    /// If false, the chassis neither hides nor shades the solar array, as in other published two-panel models.
     pub blocking: bool,
     /// Magnitude of the Sun, which sets the zero point.
     pub sun_magnitude: f64,
@@ -69,7 +69,7 @@ impl Form for TwoPanelForm {
     }
 }
 
-/// All points. Lanes beyond the last one are dark.
+/// All points, prepared in blocks. Elements beyond the last point are dark.
 struct PreparedPoints {
     form: TwoPanelForm,
     count: usize,
@@ -103,7 +103,7 @@ impl PreparedPoints {
         prepared
     }
 
-    /// Projected areas at a panel offset; empty for an invalid shape.
+    /// Returns the projected areas for a panel offset; empty for an invalid shape.
     fn lit_at(&self, panel_offset_deg: f64) -> Vec<LitPanels<BLOCK>> {
         let shape = SatelliteShape { panel_offset_deg, ..self.form.shape };
         let Some(panels) = ChassisAndSail::new(&shape) else { return Vec::new() };
@@ -163,7 +163,7 @@ impl Prepared for PreparedPoints {
     }
 
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
-        // By differences, since the blocked shapes have corners.
+        // Derivatives with respect to the offset are differences, because the outlines of hidden areas have corners.
         let by_offset = |column| (column, Moved::new(x, OFFSET, &parameters[OFFSET], |x| self.with(x)));
         let slopes_by_offset = free.iter().position(|&i| i == OFFSET).map(by_offset);
         Box::new(Slopes {
@@ -200,7 +200,7 @@ struct Slopes<'a> {
     at: Evaluation<'a>,
     earth_slopes: [f64; NODES],
     free: Vec<usize>,
-    /// Column of the panel offset among the free parameters, and the model at slightly smaller and larger offsets.
+    /// Column of the panel offset among the free parameters, and the form at slightly smaller and larger offsets.
     slopes_by_offset: Option<(usize, Moved<Evaluation<'a>>)>,
 }
 

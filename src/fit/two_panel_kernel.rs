@@ -1,4 +1,4 @@
-//! Magnitudes and derivatives of blocks of points, in the widest vectors of the machine.
+//! Magnitudes and derivatives of blocks of points, computed with the widest vector instructions of the machine.
 
 use std::borrow::Cow;
 use std::f64::consts::LN_10;
@@ -9,34 +9,35 @@ use crate::math::vectors::{Kernel, widest_fused};
 use crate::photometry::ChassisAndSail;
 use crate::photometry::two_panel::{Directions, LitPanels, magnitudes, slope_of_lobe, weighted_sum};
 
-/// Parameters with analytic derivatives: c1 to c5, n_sail, n_base.
+/// Number of parameters with analytic derivatives: c1 to c5, n_sail, n_base.
 pub(super) const SLOPES: usize = 7;
 
-/// Number of exponents with tabulated earthshine: the interpolation is accurate to 1e-5 of the diffuse light.
+/// Number of exponents for which earthshine is tabulated. The interpolation is accurate to 1e-5 of the diffuse light.
 pub(super) const NODES: usize = 16;
 
-/// Earthshine on the chassis at one block of points for c4 = c5 = 1, m² sr⁻¹.
+/// Earthshine on the chassis for one block of points and c4 = c5 = 1, m² sr⁻¹.
 ///
-/// The glossy part is smooth in ln n: values at Chebyshev nodes are interpolated with weights common to all points.
+/// The glossy part is a smooth function of ln n. Values at Chebyshev nodes are interpolated with weights that all
+/// points share.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EarthBlock {
     pub diffuse: [f64; BLOCK],
-    /// Values at each node; single precision (6e-8) halves the memory traffic of the loops.
+    /// Glossy part at each node. Single precision (6e-8) halves the memory traffic of the loops.
     pub glossy: Box<[[f32; BLOCK]; NODES]>,
 }
 
-/// Points with parameters.
+/// All points with given values of the parameters.
 pub(super) struct Evaluation<'a> {
     /// Coefficients c1 to c5.
     pub c: [f64; 5],
     /// Exponents n_sail and n_base.
     pub exponents: [f64; 2],
-    /// Magnitude at 1000 km of 1 m² sr⁻¹.
+    /// Magnitude at 1000 km of a light of 1 m² sr⁻¹.
     pub zero_mag: f64,
     pub lit: Cow<'a, [LitPanels<BLOCK>]>,
-    /// One block for each of `lit`, or empty.
+    /// Earthshine of each block of `lit`; empty without earthshine.
     pub earth: &'a [EarthBlock],
-    /// Weights of the nodes at n_base.
+    /// Weights of the nodes for the exponent n_base.
     pub earth_weights: [f64; NODES],
 }
 
@@ -47,7 +48,8 @@ impl Evaluated for Evaluation<'_> {
 }
 
 impl Evaluation<'_> {
-    /// Computes derivatives too; `earth_slopes` are the derivatives of the weights of the nodes by n_base.
+    /// Computes magnitudes and derivatives. `earth_slopes` are the derivatives of the weights of the nodes with respect
+    /// to n_base.
     pub fn magnitudes_and_slopes(
         &self,
         block: usize,
@@ -124,7 +126,7 @@ fn interpolated<const F: bool>(earth: &EarthBlock, weights: &[f64; NODES]) -> [f
     let (rows, weights) = (&*earth.glossy, *weights);
     let mut values = [0.0; BLOCK];
     for lane in 0..BLOCK {
-        // The inner loop is unrolled and the outer one vectorised: each sum stays in its register.
+        // The inner loop is unrolled and the outer one vectorised, so that each sum stays in a register.
         let mut sum = 0.0;
         for node in 0..NODES {
             sum = fused::<F>(weights[node], f64::from(rows[node][lane]), sum);
@@ -134,7 +136,7 @@ fn interpolated<const F: bool>(earth: &EarthBlock, weights: &[f64; NODES]) -> [f
     values
 }
 
-/// Projected areas of one block of points.
+/// Returns the projected areas for one block of points.
 pub(super) fn lit_panels(panels: &ChassisAndSail, directions: &Directions<BLOCK>, blocking: bool) -> LitPanels<BLOCK> {
     widest_fused(Lit { panels: *panels, directions, blocking })
 }

@@ -1,8 +1,8 @@
 //! Earth orientation parameters: UT1 - UTC and polar motion, measured and predicted by the IERS.
 //!
-//! Without a table UT1 is taken equal to UTC. UT1 - UTC reaches 0.9 s, and 0.1 s turns the Earth by 46 m at the
-//! equator; the pole moves by up to 0.6" (18 m). Both are errors of the observer's position, not of the satellite's: 46
-//! m are 17" at a range of 550 km.
+//! Without a table, UT1 is taken equal to UTC and the pole is held at its origin. UT1 - UTC reaches 0.9 s, and 0.1 s of
+//! UT1 turns the Earth by 46 m at the equator; the pole moves by up to 0.6" (18 m). Both errors displace the observer,
+//! not the satellite: 46 m are 17" at a range of 550 km.
 
 use std::f64::consts::PI;
 use std::fmt;
@@ -30,7 +30,7 @@ pub struct EarthOrientationParameters {
 }
 
 impl EarthOrientationParameters {
-    /// UT1 = UTC and the pole at its origin.
+    /// Parameters for UT1 = UTC and the pole at its origin.
     pub const ZERO: Self = Self { ut1_minus_utc_s: 0.0, xp_rad: 0.0, yp_rad: 0.0 };
 }
 
@@ -41,12 +41,12 @@ pub enum EopStatus {
     Measured,
     /// Predicted: a few ms (a metre) after a month, some 30 ms (14 m) after a year.
     Predicted,
-    /// The time is after the table's last row: UT1 = UTC and no polar motion are used.
+    /// Time after the last row of the table: UT1 = UTC and no polar motion are used.
     Expired {
         /// Last row of the table.
         last: Epoch,
     },
-    /// The time is before the table's first row: UT1 = UTC and no polar motion are used.
+    /// Time before the first row of the table: UT1 = UTC and no polar motion are used.
     TooEarly {
         /// First row of the table.
         first: Epoch,
@@ -84,21 +84,22 @@ struct Row {
     yp_rad: f64,
 }
 
-/// A table of UT1 - UTC and polar motion, interpolated linearly.
+/// Table of UT1 - UTC and polar motion, interpolated linearly between its rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EopTable {
     name: &'static str,
     first: Option<Epoch>,
-    /// Seconds after the first row from which the rows are predictions.
+    /// Time after which the rows are predictions, TAI seconds after the first row.
     predicted_from_s: f64,
     rows: Vec<Row>,
-    /// False where the pole is held at its origin.
+    /// True where the table's polar motion is used; false where the pole is held at its origin.
     polar_motion: bool,
 }
 
 impl EopTable {
-    /// Returns the bundled table, from 2000 to its expiry in October 2027: rows of the IERS series every three days,
-    /// within 0.5 ms of the daily values in UT1 (0.2 m at the equator) and 1.1 mas in the pole (3 cm).
+    /// Returns the bundled table, from 2000 to October 2027. It has a row of the IERS series every three days;
+    /// interpolated values agree with the daily ones within 0.5 ms in UT1 (0.2 m at the equator) and 1.1 mas in the
+    /// pole (3 cm).
     pub fn embedded() -> Self {
         static TABLE: OnceLock<EopTable> = OnceLock::new();
         TABLE.get_or_init(|| parse_embedded(EMBEDDED)).clone()
@@ -109,13 +110,12 @@ impl EopTable {
         Self { name: "none", first: None, predicted_from_s: 0.0, rows: Vec::new(), polar_motion: true }
     }
 
-    /// Reads the text of a finals2000A file (`.all`, `.data` or `.daily`) of the IERS: Bulletin A, columns of its
-    /// ReadMe.
+    /// Reads the text of an IERS finals2000A file (`.all`, `.data` or `.daily`) and uses its Bulletin A columns.
     ///
     /// Rows without UT1 - UTC or pole (the days beyond the predictions) are skipped.
     ///
     /// # Errors
-    /// An invalid number, dates that do not increase, or no row at all.
+    /// A number is invalid, dates do not increase, or no row has both UT1 - UTC and the pole.
     pub fn from_finals2000a(text: &str) -> Result<Self, FramesError> {
         let mut first: Option<Epoch> = None;
         let mut predicted_from_s = f64::INFINITY;
@@ -123,7 +123,8 @@ impl EopTable {
         let mut rows = Vec::new();
         for (index, line) in text.lines().enumerate() {
             let line_number = index + 1;
-            // Bytes counted from 1 in the ReadMe: 8-15 MJD, 19-27 x, 38-46 y, 58 flag, 59-68 UT1 - UTC.
+            // Bytes of a line, counted from 1, from the ReadMe of the IERS: 8-15 MJD, 19-27 x, 38-46 y, 58 flag, 59-68
+            // UT1 - UTC.
             let field = |from: usize, to: usize| line.get(from - 1..to).unwrap_or("").trim();
             if field(59, 68).is_empty() || field(19, 27).is_empty() || field(38, 46).is_empty() {
                 continue;
@@ -155,8 +156,8 @@ impl EopTable {
         Ok(Self { name: "finals2000A", first, predicted_from_s, rows, polar_motion: true })
     }
 
-    /// Returns the same table with the pole held at its origin, for comparison with programs that use UT1 only.
-    /// Observers move by up to 18 m.
+    /// Returns the same table with the pole held at its origin, for comparison with programs that use UT1 only. This
+    /// moves observers by up to 18 m.
     pub fn without_polar_motion(mut self) -> Self {
         for row in &mut self.rows {
             (row.xp_rad, row.yp_rad) = (0.0, 0.0);
@@ -165,8 +166,8 @@ impl EopTable {
         self
     }
 
-    /// Returns the parameters at a time: [`EarthOrientationParameters::ZERO`] outside the table, see
-    /// [`EopTable::status`].
+    /// Returns the parameters at a time. Outside the table they are [`EarthOrientationParameters::ZERO`];
+    /// [`EopTable::status`] returns whether a time is covered.
     ///
     /// UT1 - TAI is interpolated and the leap seconds are added afterwards, so that no jump is spread over a day.
     pub fn at(&self, epoch: Epoch) -> EarthOrientationParameters {
@@ -200,17 +201,18 @@ impl EopTable {
         }
     }
 
-    /// Returns the first time covered.
+    /// Returns the time of the first row; `None` for an empty table.
     pub fn first(&self) -> Option<Epoch> {
         self.first
     }
 
-    /// Returns the last time covered.
+    /// Returns the time of the last row; `None` for an empty table.
     pub fn last(&self) -> Option<Epoch> {
         Some(super::time::seconds_after(self.first?, self.rows.last()?.tai_s))
     }
 
-    /// Returns one line for a log: source of the table, interval covered, and the effect outside it.
+    /// Returns a description in one line for a log: the table's source, the interval that it covers, and the error
+    /// outside.
     pub fn describe(&self) -> String {
         let (Some(first), Some(last)) = (self.first(), self.last()) else {
             return "no Earth orientation table: UT1 = UTC, with an error of up to 0.9 s (0.1 s is 46 m at the equator)"
@@ -256,7 +258,8 @@ fn parse_embedded(text: &str) -> EopTable {
                 let (Ok(ut1), Ok(x), Ok(y)) = (ut1.parse::<f64>(), x.parse::<f64>(), y.parse::<f64>()) else {
                     continue;
                 };
-                // The last row is the last day of the predictions, less than one step after the row before.
+                // The last row is for the last day of the predictions, which may be less than one step after the row
+                // before it.
                 let mjd = last_mjd.min(first_mjd + step_days * rows.len() as i64);
                 let first = epoch_from_utc_day(first_mjd);
                 rows.push(Row {

@@ -12,8 +12,8 @@ use crate::constants::SPEED_OF_LIGHT_KM_S;
 /// Returns the rotation from Earth-fixed axes to north, east and zenith at an east longitude and a geodetic latitude,
 /// radians.
 ///
-/// The zenith is the normal of the ellipsoid, without the deflection of the vertical (up to a minute of arc in
-/// mountains).
+/// The zenith is the normal of the ellipsoid; the deflection of the vertical (up to an arcminute in mountains) is
+/// neglected.
 pub fn itrs_to_horizontal(longitude_rad: f64, latitude_rad: f64) -> Rotation<Itrs, Horizontal> {
     let (sin_lon, cos_lon) = longitude_rad.sin_cos();
     let (sin_lat, cos_lat) = latitude_rad.sin_cos();
@@ -30,7 +30,7 @@ pub fn itrs_to_horizontal(longitude_rad: f64, latitude_rad: f64) -> Rotation<Itr
     ))
 }
 
-/// Returns the rotation from ICRS to the true equator and equinox of date, IAU 2006/2000A (SOFA pnm06a).
+/// Returns the rotation from ICRS to the true equator and equinox of date, IAU 2006/2000A (routine pnm06a of SOFA).
 pub fn gcrs_to_of_date(epoch: Epoch) -> Rotation<Gcrs, OfDate> {
     let (day, fraction) = tt_jd(epoch);
     Rotation::from_matrix(matrix(&sofars::pnp::pnm06a(day, fraction)))
@@ -39,7 +39,8 @@ pub fn gcrs_to_of_date(epoch: Epoch) -> Rotation<Gcrs, OfDate> {
 /// Returns the direction in which an observer with the barycentric velocity `observer` sees an object in the
 /// astrometric `direction`.
 ///
-/// With β = v/c:  p' = (p/γ + β (1 + p·β/(1 + 1/γ))) / (1 + p·β)        (SOFA ab, without the Sun's potential: 0.4 µas)
+/// With β = v/c:  p' = (p/γ + β (1 + p·β/(1 + 1/γ))) / (1 + p·β). SOFA's routine ab, without the term of the Sun's
+/// potential (0.4 µas).
 pub fn annual_aberration(direction: &Direction<Gcrs>, observer: &Velocity<Gcrs>) -> Direction<Gcrs> {
     let beta = observer.vector() / SPEED_OF_LIGHT_KM_S;
     aberrated(direction, &beta)

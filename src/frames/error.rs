@@ -48,10 +48,10 @@ pub enum FramesError {
         /// Date of the row before, days.
         previous: f64,
     },
-    /// No row with polar motion and UT1 - UTC.
+    /// No line of a finals2000A file has both polar motion and UT1 - UTC.
     #[error("none of {lines} lines contains UT1-UTC; allowed: a finals2000A file of the IERS")]
     EmptyEopTable {
-        /// Lines that were read.
+        /// Number of lines read.
         lines: usize,
     },
     /// Text that is not an angle of the requested kind.

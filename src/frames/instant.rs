@@ -7,7 +7,7 @@ use super::time::{epoch_from_jd, epoch_from_mjd};
 
 /// First supported year: that of the first satellite.
 pub const FIRST_YEAR: i32 = 1957;
-/// Last supported year (SOFA's Earth ephemeris `epv00` holds for 1900-2100).
+/// Last supported year. SOFA's ephemeris of the Earth, `epv00`, is valid from 1900 to 2100.
 pub const LAST_YEAR: i32 = 2099;
 
 /// Smallest bare number that is read as a Julian date; smaller ones are modified Julian dates (MJD 10^6 is the year
@@ -17,7 +17,7 @@ const FIRST_JD: f64 = 1e6;
 /// Parses an ISO 8601 time or, with a scale, a bare MJD or JD.
 ///
 /// # Errors
-/// The errors of [`parse_instant`], and a number outside the range of Julian dates.
+/// The errors of [`parse_instant`], and a bare number outside the range of Julian dates.
 pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, FramesError> {
     match (text.trim().parse::<f64>(), scale) {
         (Ok(number), Some(scale)) if number < FIRST_JD => Ok(epoch_from_mjd(number, scale)?),
@@ -43,7 +43,7 @@ pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Fram
         (Some(_), _) => TimeScale::UTC,
         (None, Some(scale)) => scale,
         (None, None) => {
-            // An invalid text is reported as such; only a valid time or a number lacks a scale.
+            // An invalid text is reported as invalid. The missing scale is reported only for valid times and numbers.
             if body.parse::<f64>().is_err() {
                 calendar(text, body)?;
             }
@@ -75,7 +75,7 @@ fn split_zone(text: &str) -> Result<(&str, Option<i32>), FramesError> {
     if let Some(body) = text.strip_suffix(['Z', 'z']) {
         return Ok((body.trim_end(), Some(0)));
     }
-    // The hyphens of the date are before the T.
+    // Hyphens before the T belong to the date, so a sign is searched only after the T.
     let Some(time_at) = text.find(['T', 't', ' ']) else { return Ok((text, None)) };
     let Some(sign_at) = text[time_at..].find(['+', '-']).map(|at| at + time_at) else { return Ok((text, None)) };
     let digits: String = text[sign_at + 1..].chars().filter(|c| *c != ':').collect();
@@ -152,7 +152,7 @@ fn number(text: Option<&str>, digits: usize) -> Option<u32> {
     text.filter(|text| text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit()))?.parse().ok()
 }
 
-/// Returns true for the valid times: from 1957 to the end of 2099, UTC.
+/// Returns true for times from 1957 to the end of 2099, UTC, the years that this library supports.
 pub fn is_covered(epoch: Epoch) -> bool {
     let year_start = |year| Epoch::from_gregorian_utc_at_midnight(year, 1, 1);
     (year_start(FIRST_YEAR)..year_start(LAST_YEAR + 1)).contains(&epoch)

@@ -5,25 +5,25 @@ use hifitime::Epoch;
 use super::time::{epoch_from_utc_day, mjd_utc, seconds_after, seconds_between};
 use crate::math::interpolation::cubic_weights;
 
-/// Spacing of the nodes, seconds. Precession, nutation, the Earth's orbit and the Moon's perturbations are smooth on
-/// this scale: a cubic through four nodes has an error below 3·10⁻¹⁰ of their size, and daily tables of the Earth's
-/// orientation keep their own nodes.
+/// Spacing of the nodes, seconds. Precession, nutation, the Earth's orbit and the Moon's perturbations vary slowly on
+/// this scale: a cubic through four nodes has a relative error below 3·10⁻¹⁰. Daily tables of the Earth's orientation
+/// have all their rows at nodes.
 const STEP_S: f64 = 43_200.0;
 
-/// `N` smooth functions of time.
+/// `N` smooth functions of time, given by their values at evenly spaced nodes.
 #[derive(Clone, Debug)]
 pub(crate) struct Sampled<const N: usize> {
     /// Seconds from the reference epoch to the first node.
     first_s: f64,
-    /// Values at the nodes, of which there are at least four.
+    /// Values at the nodes; there are at least four nodes.
     nodes: Vec<[f64; N]>,
 }
 
 impl<const N: usize> Sampled<N> {
     /// Samples `function` from `start` to `end` and half a day on either side; seconds count from `start`.
     ///
-    /// Nodes lie at 0h and 12h UTC (shifted by the leap seconds within the span), where tables of the Earth's
-    /// orientation have theirs.
+    /// Nodes lie at 0h and 12h UTC (shifted by the leap seconds within the interval). The rows of Earth orientation
+    /// tables are at 0h UTC.
     pub(crate) fn new(start: Epoch, end: Epoch, function: impl Fn(Epoch) -> [f64; N]) -> Self {
         let midnight = epoch_from_utc_day(mjd_utc(start).floor() as i64);
         let lead_s = seconds_between(midnight, start);
@@ -36,13 +36,13 @@ impl<const N: usize> Sampled<N> {
         Self { first_s, nodes }
     }
 
-    /// Returns the same nodes with the zero of time moved later by `seconds`.
+    /// Returns the same functions with the reference epoch moved later by `seconds`.
     pub(crate) fn counted_from(&self, seconds: f64) -> Self {
         Self { first_s: self.first_s - seconds, nodes: self.nodes.clone() }
     }
 
-    /// Returns the node before `seconds` (never the last one) and the fraction of the step after it. Outside the nodes
-    /// the fraction is outside [0, 1].
+    /// Returns the index of the node before `seconds` (never the last node) and the fraction of the step from that node
+    /// to the next. Before the first and after the last node the fraction is outside [0, 1].
     fn locate(&self, seconds: f64) -> (usize, f64) {
         let position = (seconds - self.first_s) / STEP_S;
         // A NaN or a negative position becomes 0 in the cast.
@@ -50,7 +50,7 @@ impl<const N: usize> Sampled<N> {
         (node, position - node as f64)
     }
 
-    /// Interpolates linearly between two nodes, for functions that are tables with linear interpolation.
+    /// Interpolates linearly between two nodes, for functions that are themselves tables with linear interpolation.
     pub(crate) fn linear_at(&self, seconds: f64) -> [f64; N] {
         let (node, fraction) = self.locate(seconds);
         let (left, right) = (&self.nodes[node], &self.nodes[node + 1]);

@@ -20,7 +20,7 @@ const GPS_LAG_NS: i128 = 19_000_000_000;
 const BEIDOU_LAG_NS: i128 = 33_000_000_000;
 /// Nanoseconds from 1900-01-01T00:00:00 to 2000-01-01T12:00:00.
 const J2000_NS: i128 = 36_524 * DAY_NS + DAY_NS / 2;
-/// Accepted dates, 1900-01-01 to 2199-12-31: a number outside is almost certainly in another unit.
+/// Accepted dates, 1900-01-01 to 2199-12-31. A number outside this range is almost certainly in another unit.
 const MJD_RANGE: (f64, f64) = (15_020.0, 124_593.0);
 /// Julian date of MJD 0.
 const MJD_ZERO_JD: f64 = 2_400_000.5;
@@ -42,19 +42,19 @@ pub fn utc_jd(epoch: Epoch) -> (f64, f64) {
     split_days(epoch.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds())
 }
 
-/// Returns the modified Julian date in UTC as one number; accurate to 1 µs, for tables and messages.
+/// Returns the modified Julian date in UTC as one number, accurate to 1 µs; meant for tables and messages.
 pub fn mjd_utc(epoch: Epoch) -> f64 {
     let (day, fraction) = utc_jd(epoch);
     (day - MJD_ZERO_JD) + fraction
 }
 
-/// Returns TAI - UTC, seconds: the leap seconds inserted so far. 0 before 1972.
+/// Returns TAI - UTC, seconds: the number of leap seconds inserted so far, and 0 before 1972.
 pub fn tai_minus_utc_s(epoch: Epoch) -> f64 {
     f64::from(epoch.leap_seconds_iers())
 }
 
-/// Returns the time until which the built-in leap seconds are known to be complete: IERS Bulletin C 72 of July 2026
-/// announces none for the end of that year, and the IERS table made from it expires on 28 June 2027.
+/// Returns the end of the interval for which the built-in list of leap seconds is known to be complete. IERS Bulletin C
+/// 72 of July 2026 announces no leap second for the end of 2026, and the table made from it expires on 28 June 2027.
 pub fn leap_seconds_known_until() -> Epoch {
     Epoch::from_gregorian_utc_at_midnight(2027, 6, 28)
 }
@@ -69,8 +69,8 @@ pub fn seconds_between(earlier: Epoch, later: Epoch) -> f64 {
     whole_s as f64 + rest_ns as f64 * 1e-9
 }
 
-/// Returns the epoch `seconds` (SI) after another, rounded to the nanosecond, in the same time scale; in TAI for the 36
-/// s before a leap second, where the conversion from TAI to UTC in `hifitime` is off by one second.
+/// Returns the epoch `seconds` (SI) after another one, rounded to the nanosecond, in the same time scale. In the 36 s
+/// before a leap second the result is in TAI, because hifitime's conversion from TAI to UTC is off by one second there.
 pub fn seconds_after(epoch: Epoch, seconds: f64) -> Epoch {
     let whole_s = seconds.floor();
     let rest_ns = ((seconds - whole_s) * 1e9).round();
@@ -80,8 +80,8 @@ pub fn seconds_after(epoch: Epoch, seconds: f64) -> Epoch {
     if tai_ns(back) == tai_ns(later) { back } else { later }
 }
 
-/// Returns the epoch of a modified Julian date. The scale is required: TAI read as UTC is wrong by 37 s, a satellite by
-/// 280 km.
+/// Returns the epoch of a modified Julian date. The scale must be given, because TAI read as UTC is wrong by 37 s, in
+/// which a satellite moves by 280 km.
 ///
 /// # Errors
 /// A number that is not finite or outside 1900..2200, or an unsupported time scale (TCG, TCB).
@@ -94,7 +94,7 @@ pub fn epoch_from_mjd(mjd: f64, scale: TimeScale) -> Result<Epoch, FramesError> 
         .ok_or(FramesError::UnsupportedTimeScale { scale })
 }
 
-/// Returns the epoch of a Julian date. One `f64` resolves 40 µs, 30 cm along a satellite's track.
+/// Returns the epoch of a Julian date. The resolution of one `f64` is 40 µs, or 30 cm along a satellite's track.
 ///
 /// # Errors
 /// A number that is not finite or outside 1900..2200, or an unsupported time scale (TCG, TCB).

@@ -7,7 +7,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// A set of axes. Implemented by the empty types of this file only.
+/// Reference frame as a type. Only the empty types of this file implement it.
 pub trait Frame: Copy + Clone + Debug + PartialEq + Send + Sync + 'static {
     /// Name of the frame for display.
     const NAME: &'static str;
@@ -25,11 +25,11 @@ macro_rules! frame {
 }
 
 frame!(
-    /// True equator, mean equinox of date: the frame of SGP4's output. Used inside `orbit` only.
+    /// True equator, mean equinox of date: the frame of SGP4's output. Only the module `orbit` uses it.
     Teme, "TEME"
 );
 frame!(
-    /// Geocentric celestial reference system; its axes are those of ICRS.
+    /// Geocentric celestial reference system; its axes are those of the ICRS.
     Gcrs, "GCRS"
 );
 frame!(
@@ -49,7 +49,8 @@ frame!(
     Horizontal, "horizontal"
 );
 frame!(
-    /// A satellite's body: z to its zenith, x in the half plane of the Sun, y completes it (Lu 2024, section 2.2).
+    /// Body frame of a satellite: z to the zenith, x in the half plane of z and the Sun, y = z × x (Lu 2024, section
+    /// 2.2).
     Body, "body"
 );
 
@@ -77,8 +78,8 @@ macro_rules! framed_vector {
 }
 
 framed_vector!(
-    /// A position, km, relative to the centre of the Earth (for `Horizontal` and for differences, relative to the
-    /// documented point).
+    /// Position in km relative to the Earth's centre. `Horizontal` positions and differences of positions are relative
+    /// to the point stated where they are documented.
     Position
 );
 framed_vector!(
@@ -119,7 +120,7 @@ impl<F: Frame> Velocity<F> {
         self.vector.norm()
     }
 
-    /// Returns the displacement in `seconds`.
+    /// Returns the displacement after `seconds` of motion at this velocity.
     pub fn displacement(&self, seconds: f64) -> Position<F> {
         Position::from_vector(self.vector * seconds)
     }
@@ -163,8 +164,8 @@ impl<F: Frame> Direction<F> {
         if angle >= TAU { 0.0 } else { angle }
     }
 
-    /// Returns the unit vectors towards increasing longitude and latitude at this direction; at a pole, those of
-    /// longitude 0.
+    /// Returns the unit vectors towards increasing longitude and increasing latitude at this direction. At a pole they
+    /// are those of longitude 0.
     pub fn east_north(&self) -> (Vector3<f64>, Vector3<f64>) {
         let (sin_lon, cos_lon) = self.longitude_rad().sin_cos();
         let east = Vector3::new(-sin_lon, cos_lon, 0.0);
@@ -212,7 +213,7 @@ impl<F: Frame> Neg for Direction<F> {
     }
 }
 
-/// An orthogonal transformation of components in frame `A` into components in frame `B`.
+/// Orthogonal transformation of vector components from frame `A` to frame `B`.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Rotation<A: Frame, B: Frame> {
     matrix: Matrix3<f64>,
@@ -220,12 +221,12 @@ pub struct Rotation<A: Frame, B: Frame> {
 }
 
 impl<A: Frame, B: Frame> Rotation<A, B> {
-    /// Creates a rotation from an orthogonal matrix whose rows are the axes of `B` in `A`.
+    /// Creates a rotation from an orthogonal matrix; row i holds the components in `A` of the i-th axis of `B`.
     pub fn from_matrix(matrix: Matrix3<f64>) -> Self {
         Self { matrix, frames: PhantomData }
     }
 
-    /// Returns the matrix; rows are the axes of `B` in `A`.
+    /// Returns the matrix; row i holds the components in `A` of the i-th axis of `B`.
     pub fn matrix(&self) -> &Matrix3<f64> {
         &self.matrix
     }

@@ -1,6 +1,6 @@
 //! Errors of sites.
 
-/// Errors of this module.
+/// Errors of sites: invalid coordinates and unknown names.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GeometryError {
     /// A coordinate outside its range.

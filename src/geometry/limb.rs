@@ -9,9 +9,9 @@ use crate::frames::{Direction, Gcrs, Position};
 
 /// Boundary of the region hidden by the Earth: the WGS84 ellipsoid, or a shell above it.
 ///
-/// Stretching z by 1/(1 - f) makes the ellipsoid a sphere and keeps lines straight, so that the visibility is exact for
-/// height 0 (with the Earth's axis taken as z of GCRS, 60 m in 2026). Angles from the limb are those of the stretched
-/// space, within 0.2°.
+/// Stretching z by 1/(1 - f) makes the ellipsoid a sphere and keeps lines straight, so visibility is exact for height
+/// 0. The z axis of GCRS is used as the Earth's axis (an error of 60 m in 2026). Angles from the limb are measured in
+/// the stretched space; they are within 0.2° of the true ones.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct EarthLimb {
     /// Height of the shell above the ellipsoid, km, at least 0: lines of sight that pass lower count as hidden.
@@ -23,8 +23,8 @@ impl EarthLimb {
         EARTH_EQUATORIAL_RADIUS_KM + self.height_km
     }
 
-    /// Returns the least height of the straight line between two positions above the limb's shell, km; negative where
-    /// the Earth is in between.
+    /// Returns the smallest height above the shell of the straight line between two positions, km. It is negative where
+    /// the line passes below the shell or through the Earth.
     pub fn clearance_km(&self, observer: &Position<Gcrs>, target: &Position<Gcrs>) -> f64 {
         let (from, to) = (stretch(observer.vector()), stretch(target.vector()));
         let line = to - from;
@@ -32,14 +32,14 @@ impl EarthLimb {
         (from + line * nearest).norm() - self.radius_km()
     }
 
-    /// Returns the height of a position above the ellipsoid, km, in the stretched space: over the poles too large by
-    /// 1/298 of itself.
+    /// Returns the height of a position above the ellipsoid, km, in the stretched space; above the poles it is too
+    /// large by one part in 298.
     pub fn height_of_km(&self, observer: &Position<Gcrs>) -> f64 {
         stretch(observer.vector()).norm() - EARTH_EQUATORIAL_RADIUS_KM
     }
 
-    /// Returns the angle of a direction above the limb, radians, [-π/2, π]; negative where the direction meets the
-    /// Earth. An observer below the shell sees nothing: -π/2.
+    /// Returns the angle between a direction and the limb, radians, in [-π/2, π]; negative where the line of sight
+    /// meets the Earth. For an observer below the shell every direction is hidden, and the angle is -π/2.
     pub fn altitude_rad(&self, observer: &Position<Gcrs>, direction: &Direction<Gcrs>) -> f64 {
         let (down, ahead) = (-stretch(observer.vector()), stretch(direction.vector()));
         if down.norm() < self.radius_km() {

@@ -12,7 +12,8 @@ use crate::frames::{
     Gcrs, Horizontal, Itrs, Orientation, OrientationTable, Position, Rotation, Velocity, itrs_to_horizontal,
 };
 
-/// Table of `name;aliases separated by |;MPC code;latitude;longitude;height`; the head of the file lists the sources.
+/// Table of sites. Fields: `name;aliases separated by |;MPC code;latitude;longitude;height`. The head of the file lists
+/// the sources.
 const TABLE: &str = include_str!("sites.csv");
 
 /// A position on (or above) the WGS84 ellipsoid.
@@ -30,12 +31,12 @@ pub struct Site {
     pub height_m: f64,
 }
 
-/// Number of common letters, at the beginning or as a whole name, that makes two names similar.
+/// Number of letters that two names must share, at the beginning or as a whole name, to be called similar.
 const LEAST_COMMON_LETTERS: usize = 4;
 
 struct Entry {
     site: Site,
-    /// Names and aliases in lower case without blanks and punctuation.
+    /// Names and aliases in lower case, without blanks and punctuation.
     keys: Vec<String>,
 }
 
@@ -119,7 +120,7 @@ impl Site {
         Position::new(across_km * cos_lon, across_km * sin_lon, (normal_km * (1.0 - e2) + height_km) * sin_lat)
     }
 
-    /// Returns the rotation from Earth-fixed axes to the horizon of the ellipsoid's normal.
+    /// Returns the rotation from Earth-fixed axes to north, east and zenith; the zenith is the normal of the ellipsoid.
     pub fn horizon(&self) -> Rotation<Itrs, Horizontal> {
         itrs_to_horizontal(self.longitude_rad, self.latitude_rad)
     }
@@ -153,8 +154,8 @@ fn key_of(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Returns up to four similar names: those that contain the text or are contained in it first, then by edit distance. A
-/// name with more than a third of its letters changed is not similar, unless it begins with the same letters.
+/// Returns up to four similar names: first those that contain the text or are contained in it, then by edit distance.
+/// Any other name is similar if at most a third of its letters differ, or if it begins with the same four letters.
 fn nearest_names(key: &str) -> Vec<String> {
     let mut ranked: Vec<(usize, &str)> = table()
         .iter()
@@ -180,7 +181,7 @@ fn is_within(part: &str, whole: &str) -> bool {
     part.chars().count() >= LEAST_COMMON_LETTERS && whole.contains(part)
 }
 
-/// Observer at a site, with the Earth-fixed quantities computed once.
+/// Observer at a site, with its Earth-fixed quantities computed once.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observer {
     site: Site,
@@ -216,15 +217,15 @@ impl Observer {
         self.itrs
     }
 
-    /// Returns the celestial position only.
+    /// Returns the geocentric celestial position.
     pub fn position(&self, orientation: &Orientation) -> Position<Gcrs> {
         orientation.itrs_to_gcrs * self.itrs
     }
 
-    /// Returns the celestial position, velocity and horizon.
+    /// Returns the geocentric celestial position and velocity, and the rotation to the horizon.
     ///
-    /// The velocity is ω × r about the pole of date; the length of day (10⁻⁸) and polar motion are neglected: below
-    /// 0.01 mm/s.
+    /// The velocity is ω × r about the pole of date. Changes of the length of day (10⁻⁸) and polar motion are
+    /// neglected, with an error below 0.01 mm/s.
     pub fn state(&self, orientation: &Orientation) -> ObserverState {
         let in_teme = (orientation.itrs_to_teme * self.itrs).vector().to_owned();
         let turn = Vector3::new(-in_teme.y, in_teme.x, 0.0) * EARTH_ROTATION_RAD_S;
@@ -243,21 +244,23 @@ impl Observer {
 }
 
 impl ObserverState {
-    /// Returns the altitude and azimuth (from north through east, [0, 2π)) of a position relative to the observer,
-    /// radians, without refraction; `None` for the position of the observer.
+    /// Returns the altitude and azimuth of a vector from the observer, radians, without refraction. Azimuth is measured
+    /// from north through east, in [0, 2π). `None` for a vector of length 0.
     pub fn altitude_azimuth_rad(&self, geometric: &Position<Gcrs>) -> Option<(f64, f64)> {
         let direction = (self.horizon * *geometric).direction()?;
         Some((direction.latitude_rad(), direction.longitude_rad()))
     }
 
-    /// Returns the altitude and azimuth of the Sun's centre, as [`altitude_azimuth_rad`](Self::altitude_azimuth_rad),
-    /// without aberration (20"); `None` outside the years 1900 to 2100.
+    /// Returns the altitude and azimuth of the Sun's centre, radians, as
+    /// [`altitude_azimuth_rad`](Self::altitude_azimuth_rad), without aberration (20"); `None` outside the years 1900 to
+    /// 2100.
     pub fn sun_altitude_azimuth_rad(&self, moment: Epoch) -> Option<(f64, f64)> {
         let seen = self.altitude_azimuth_rad(&(SunState::at(moment).sun - self.position));
         seen.filter(|(altitude, _)| altitude.is_finite())
     }
 
-    /// Returns the sine of the altitude, for tests without inverse functions; NaN for the position of the observer.
+    /// Returns the sine of the altitude of a vector from the observer, for comparisons that need no inverse function;
+    /// NaN for a vector of length 0.
     pub fn sine_of_altitude(&self, geometric: &Position<Gcrs>) -> f64 {
         (self.horizon.matrix() * geometric.vector()).z / geometric.norm_km()
     }

@@ -1,7 +1,7 @@
 //! Position of the Sun and velocity of the Earth.
 //!
-//! From the analytic Earth ephemeris of SOFA (epv00, VSOP2000): within 11 km of JPL's DE405 from 1900 to 2100, 0.015"
-//! in the Sun's direction. No file is needed.
+//! The source is the analytic ephemeris of the Earth in SOFA (epv00, VSOP2000). From 1900 to 2100 it agrees with JPL's
+//! DE405 within 11 km, or 0.015" in the Sun's direction. No file is needed.
 
 use hifitime::Epoch;
 
@@ -11,16 +11,18 @@ use crate::frames::{Gcrs, Position, Sampled, Velocity, seconds_between, tt_jd};
 /// Sun and Earth at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SunState {
-    /// Geocentric position of the Sun, km: geometric, both at the same instant (no light time, no aberration).
+    /// Geocentric geometric position of the Sun, km, with Sun and Earth at the same instant (no light time, no
+    /// aberration).
     pub sun: Position<Gcrs>,
     /// The Earth's velocity relative to the solar system barycentre, km/s.
     pub earth_velocity: Velocity<Gcrs>,
 }
 
 impl SunState {
-    /// Computes the exact state; about 35 µs. For many times see [`SunTable`]. NaN outside the years 1900 to 2100.
+    /// Computes the state without interpolation, in about 35 µs. For many times use [`SunTable`]. NaN outside the years
+    /// 1900 to 2100.
     ///
-    /// TT is used for TDB, which differ by less than 2 ms: 60 m of the Earth's motion, 4·10⁻¹⁰ rad.
+    /// TT is used in place of TDB. They differ by less than 2 ms, in which the Earth moves 60 m, or 4·10⁻¹⁰ rad.
     pub fn at(epoch: Epoch) -> Self {
         Self::from_numbers(&numbers(epoch))
     }
@@ -30,10 +32,10 @@ impl SunState {
     }
 }
 
-/// Sun, km, and Earth's barycentric velocity, km/s.
+/// Returns the Sun's geocentric position, km, and the Earth's barycentric velocity, km/s.
 fn numbers(epoch: Epoch) -> [f64; 6] {
     let (day, fraction) = tt_jd(epoch);
-    // None: a date outside 1900..2100, which sofars rejects.
+    // `epv00` returns `None` for a date outside 1900 to 2100.
     match sofars::eph::epv00(day, fraction) {
         Some((heliocentric, barycentric)) => {
             let [position, _] = heliocentric;
@@ -52,8 +54,8 @@ fn numbers(epoch: Epoch) -> [f64; 6] {
     }
 }
 
-/// States over an interval, sampled every half day and interpolated by cubics: within 10⁻⁹ rad and 10⁻⁶ km/s of the
-/// exact ones.
+/// States over an interval, sampled every half day and interpolated by cubics. They are within 10⁻⁹ rad and 10⁻⁶ km/s
+/// of [`SunState::at`].
 #[derive(Clone, Debug)]
 pub struct SunTable {
     reference: Epoch,
@@ -61,23 +63,23 @@ pub struct SunTable {
 }
 
 impl SunTable {
-    /// Creates a table from `start` to `end`; some 35 µs for each half day, at least four. Beyond the ends the cubics
-    /// are extrapolated, which is accurate for another half day.
+    /// Creates a table from `start` to `end`; this takes some 35 µs for each half day, at least four. Up to half a day
+    /// beyond either end, the cubics are extrapolated with the same accuracy.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self { reference: start, samples: Sampled::new(start, end, numbers) }
     }
 
-    /// Returns the same table with seconds counted from another time that it covers.
+    /// Returns the same table with seconds counted from `start`, which must be a time within the table.
     pub fn part(&self, start: Epoch) -> Self {
         Self { reference: start, samples: self.samples.counted_from(seconds_between(self.reference, start)) }
     }
 
-    /// Returns the epoch from which seconds count: `start`.
+    /// Returns the epoch from which seconds are counted: the `start` given to the constructor.
     pub fn reference(&self) -> Epoch {
         self.reference
     }
 
-    /// Returns the state `seconds_after_reference` (SI seconds) after the reference.
+    /// Returns the state at a time after the reference, in SI seconds.
     pub fn at_s(&self, seconds_after_reference: f64) -> SunState {
         SunState::from_numbers(&self.samples.cubic_at(seconds_after_reference))
     }

@@ -11,18 +11,18 @@ use crate::frames::{Direction, Gcrs, OfDate, Position, Velocity, gcrs_to_of_date
 pub struct Aspect {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,
-    /// Vector from the observer to the satellite, both at the time of reception, km; its direction in the horizontal
-    /// frame is altitude and azimuth.
+    /// Geometric vector from the observer to the satellite, both at the time of reception, km. Its components in the
+    /// horizontal frame give altitude and azimuth.
     pub geometric: Position<Gcrs>,
     /// Length of `geometric`, km.
     pub range_km: f64,
 }
 
-/// Computes the aspect of a satellite at the time of reception, from geocentric positions, the geocentric velocity of
-/// the satellite and the barycentric velocity of the Earth.
+/// Computes the aspect of a satellite at the time of reception. The arguments are the geocentric positions of satellite
+/// and observer, the geocentric velocity of the satellite and the barycentric velocity of the Earth.
 ///
-/// The light time is that of the distance at reception: an error of 3 mm at 1000 km, 40 mm in the geostationary ring,
-/// below 10⁻⁸ rad for both. The direction is NaN at the position of the observer.
+/// The light time is computed from the distance at reception. This shifts the satellite by 3 mm at 1000 km and by 40 mm
+/// in the geostationary ring, below 10⁻⁸ rad for both. If satellite and observer coincide, the direction is NaN.
 pub fn aspect(
     satellite: &Position<Gcrs>,
     satellite_velocity: &Velocity<Gcrs>,
@@ -36,11 +36,11 @@ pub fn aspect(
     Aspect { direction: Direction::from_vector(seen.vector() / seen.norm_km()), geometric, range_km }
 }
 
-/// Returns the ICRS position of an apparent position of date (true equator and equinox; "JNow" of mounts and of INDI).
+/// Converts an apparent position (true equator and equinox of date; "JNow" of mounts and of INDI) to ICRS.
 ///
-/// Precession and nutation are IAU 2006/2000A, and annual aberration (up to 20") is removed; light deflection by the
-/// Sun (1.8" at its limb, 4 mas at 90 deg), diurnal aberration (0.3") and refraction are not. In 2026 the two positions
-/// differ by 0.36 deg.
+/// Precession and nutation are IAU 2006/2000A, and annual aberration (up to 20") is removed. Light deflection by the
+/// Sun (1.8" at its limb, 4 mas at 90 deg), diurnal aberration (0.3") and refraction are not removed. In 2026 the
+/// apparent and the ICRS position differ by up to 0.4 deg.
 pub fn icrs_of_apparent(apparent: &Direction<OfDate>, epoch: Epoch) -> Direction<Gcrs> {
     let seen = gcrs_to_of_date(epoch).inverse() * *apparent;
     without_annual_aberration(&seen, &SunState::at(epoch).earth_velocity)

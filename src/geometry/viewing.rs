@@ -6,8 +6,9 @@
 //! vectors are geocentric celestial (GCRS) and geometric: light time moves a satellite by some 20 m, which is
 //! negligible here.
 //!
-//! The paper computes angles with `arccos`, which loses half the digits near 0 and π (an observer straight below, the
-//! Sun on the horizon of the zx plane); here every angle is an `atan2` of components, accurate everywhere.
+//! The paper computes angles with `arccos`, which loses half of the digits near 0 and π (an observer straight below, or
+//! the Sun in the horizon of the satellite's body frame). Here every angle is an `atan2` of components, which is
+//! accurate for all angles.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -18,20 +19,20 @@ use crate::frames::{Body, Direction, Gcrs, Position};
 
 /// Directions of the Sun and the observer from a satellite, and their distances.
 ///
-/// δ is a latitude above the chassis plane, α a longitude from the Sun's.
+/// δ is the latitude above the chassis plane, and α the longitude measured from the Sun.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ViewingGeometry {
-    /// δ of the Sun, [-π/2, π/2], radians; negative below the chassis plane.
+    /// Latitude δ of the Sun, [-π/2, π/2], radians; negative below the chassis plane.
     pub sun_latitude_rad: f64,
-    /// α of the observer, [0, 2π), radians; 0 towards the Sun, growing right-handed about the zenith.
+    /// Longitude α of the observer, [0, 2π), radians; 0 towards the Sun, increasing right-handed about the zenith.
     pub observer_longitude_rad: f64,
-    /// δ of the observer, [-π/2, π/2], radians; -π/2 straight below.
+    /// Latitude δ of the observer, [-π/2, π/2], radians; -π/2 for an observer straight below the satellite.
     pub observer_latitude_rad: f64,
-    /// Satellite to observer, km.
+    /// Distance from the satellite to the observer, km.
     pub range_km: f64,
-    /// Distance from the Earth's centre less 6378.137 km.
+    /// Distance of the satellite from the Earth's centre minus 6378.137 km, km.
     pub height_km: f64,
-    /// Satellite to Sun, au.
+    /// Distance from the satellite to the Sun, au.
     pub sun_distance_au: f64,
 }
 
@@ -55,8 +56,8 @@ impl ViewingGeometry {
         let zenith = satellite.vector() / radius_km;
         let sun_up = zenith.dot(&to_sun);
         let observer_up = zenith.dot(&to_observer);
-        // r_z × r lies in the chassis plane, a quarter turn ahead of r's own projection: the angle between two such
-        // vectors is a difference of longitudes.
+        // r_z × r lies in the chassis plane, 90° ahead of the projection of r. The angle between two such vectors is
+        // therefore a difference of longitudes.
         let sun_across = zenith.cross(&to_sun);
         let observer_across = zenith.cross(&to_observer);
         // δ = π/2 - Ang(r_z, r)                                            Lu (2024), eqs. 10, 11
@@ -75,7 +76,7 @@ impl ViewingGeometry {
         })
     }
 
-    /// Creates a geometry from angles, with the Sun at 1 au: for maps, fits and tests.
+    /// Creates a geometry from angles, with the Sun at 1 au. It is used for maps, fits and tests.
     ///
     /// The longitude may be any angle and is reduced to [0, 2π). `None` where an angle or length is not finite, a
     /// latitude is beyond ±π/2, or the range is not positive.
@@ -104,7 +105,7 @@ impl ViewingGeometry {
         })
     }
 
-    /// Returns the unit vector from the satellite to the Sun; its y is 0.
+    /// Returns the unit vector from the satellite to the Sun; its y component is 0.
     pub fn to_sun(&self) -> Direction<Body> {
         let (up, towards) = self.sun_latitude_rad.sin_cos();
         Direction::from_vector(Vector3::new(towards, 0.0, up))
@@ -128,18 +129,19 @@ impl ViewingGeometry {
         Self { observer_longitude_rad: if longitude > PI { TAU - longitude } else { longitude }, ..*self }
     }
 
-    /// Returns the altitude of the satellite above the plane through the observer perpendicular to its radius, radians.
+    /// Returns the altitude of the satellite above the plane that contains the observer and is perpendicular to the
+    /// observer's geocentric radius, radians.
     ///
-    /// Follows from the triangle Earth's centre, observer, satellite; it differs from the altitude above a site's
-    /// horizon by the angle between radius and normal, 0.19° at most. `None` for angles whose line of sight does not
-    /// reach the observer.
+    /// It follows from the triangle of Earth's centre, observer and satellite. It differs from the altitude above a
+    /// site's horizon by at most 0.19°, the angle between the radius and the normal of the ellipsoid. `None` for angles
+    /// whose line of sight does not reach the observer.
     pub fn geocentric_altitude_rad(&self) -> Option<f64> {
         let radius_km = self.height_km + EARTH_EQUATORIAL_RADIUS_KM;
         let (up, across) = self.observer_latitude_rad.sin_cos();
-        // Observer in the plane of the triangle, along and across the satellite's radius.
+        // Components of the observer's position in the plane of the triangle, along and across the satellite's radius.
         let (along_km, across_km) = (radius_km + self.range_km * up, self.range_km * across);
         let observer_km = along_km.hypot(across_km);
-        // Satellite minus observer, resolved along the observer's radius.
+        // Components of the vector from observer to satellite, along and across the observer's radius.
         let rise = -self.range_km * (up * along_km + across * across_km);
         let level = self.range_km * (up * across_km - across * along_km).abs();
         (observer_km > 0.0).then(|| rise.atan2(level))

@@ -1,20 +1,20 @@
-//! Card of a FITS header: 80 characters, kept unchanged.
+//! Card of a FITS header: 80 characters, which are kept unchanged.
 
 use std::fmt::Write;
 
 /// Characters in a card.
 pub const CARD_LENGTH: usize = 80;
 
-/// Longest quoted text on one card; a quote within it counts twice.
+/// Longest quoted text on one card, in characters; a quote within the text counts twice.
 const LONGEST_TEXT: usize = 68;
 
-/// Longest keyword, including keywords of the HIERARCH convention; longer ones are truncated.
+/// Longest keyword, including keywords of the HIERARCH convention; longer keywords are truncated.
 const LONGEST_KEYWORD: usize = 40;
 
-/// Length of text on one card of HISTORY or COMMENT.
+/// Largest number of characters of text on one HISTORY or COMMENT card.
 const LONGEST_REMARK: usize = 72;
 
-/// Last column of a number or a logical value in the standard's fixed format.
+/// Column in which a number or a logical value ends in the fixed format of the FITS standard.
 const FIXED_END: usize = 30;
 
 /// Value of a card.
@@ -22,7 +22,7 @@ const FIXED_END: usize = 30;
 pub enum CardValue {
     /// Text without trailing blanks.
     Text(String),
-    /// A whole number.
+    /// An integer.
     Integer(i64),
     /// Floating-point number; written with as many digits as needed to read the same number back (at most 17).
     Real(f64),
@@ -56,7 +56,7 @@ impl From<bool> for CardValue {
     }
 }
 
-/// One card with the 80 bytes that were read, so that cards that cannot be parsed are not lost.
+/// One header card. It stores the 80 bytes that were read, so that cards that cannot be parsed are not lost.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Card {
     image: [u8; CARD_LENGTH],
@@ -69,7 +69,7 @@ impl std::fmt::Debug for Card {
 }
 
 impl Card {
-    /// Creates a card from the bytes of a file, filled with blanks or truncated to 80.
+    /// Creates a card from the bytes of a file, padded with blanks or truncated to 80 bytes.
     pub fn from_bytes(bytes: &[u8]) -> Self {
         let mut image = [b' '; CARD_LENGTH];
         let length = bytes.len().min(CARD_LENGTH);
@@ -77,9 +77,9 @@ impl Card {
         Self { image }
     }
 
-    /// Creates the cards of a keyword with its value: several if a text is longer than a card (by CONTINUE).
+    /// Creates the cards of a keyword with its value. A text that is longer than a card is continued on CONTINUE cards.
     ///
-    /// Keywords of more than eight characters, and those with a blank, are written by the HIERARCH convention.
+    /// Keywords of more than eight characters, and keywords with a blank, are written by the HIERARCH convention.
     /// Characters that are not ASCII become `?`. A comment that does not fit is truncated.
     pub fn with_value(keyword: &str, value: &CardValue, comment: &str) -> Vec<Self> {
         let mut keyword = to_ascii(keyword).to_ascii_uppercase();
@@ -102,7 +102,7 @@ impl Card {
         if quoted.len() <= space {
             return vec![Self::with_comment(format!("{head}'{quoted:<8}'"), &comment)];
         }
-        // Long texts: each card except the last ends in an ampersand.
+        // A long text: each card except the last one ends in an ampersand.
         let mut cards = Vec::new();
         let mut rest = quoted.as_str();
         let mut start = head;
@@ -113,7 +113,7 @@ impl Card {
                 return cards;
             }
             let mut cut = space - 1;
-            // A doubled quote is not split.
+            // A doubled quote must not be split between two cards.
             if (rest[..cut].len() - rest[..cut].trim_end_matches('\'').len()) % 2 == 1 {
                 cut -= 1;
             }
@@ -123,7 +123,7 @@ impl Card {
         }
     }
 
-    /// Creates the cards of a remark: HISTORY or COMMENT, 72 characters each, broken between words if possible.
+    /// Creates HISTORY or COMMENT cards from a text, with up to 72 characters each, broken between words if possible.
     pub fn remark(keyword: &str, text: &str) -> Vec<Self> {
         let text = to_ascii(text);
         let mut cards = Vec::new();
@@ -153,17 +153,17 @@ impl Card {
         Self::from_bytes(text.as_bytes())
     }
 
-    /// The 80 bytes.
+    /// Returns the 80 bytes.
     pub fn bytes(&self) -> &[u8; CARD_LENGTH] {
         &self.image
     }
 
-    /// The 80 characters; bytes that are not ASCII are shown as `?`.
+    /// Returns the 80 characters; bytes that are not printable ASCII become `?`.
     pub fn text(&self) -> String {
         self.image.iter().map(|byte| if (b' '..=b'~').contains(byte) { char::from(*byte) } else { '?' }).collect()
     }
 
-    /// Keyword in capitals, for HIERARCH cards the keyword after HIERARCH; empty for a blank card.
+    /// Returns the keyword in capitals; for a HIERARCH card, the keyword after HIERARCH. Empty for a blank card.
     pub fn keyword(&self) -> String {
         let text = self.text();
         if let Some(rest) = text.strip_prefix("HIERARCH ")
@@ -174,22 +174,22 @@ impl Card {
         text[..8].trim_end().to_ascii_uppercase()
     }
 
-    /// Value; `None` for cards without one (remarks, CONTINUE, blank ones) or with an invalid one.
+    /// Returns the value; `None` for a card without a value (remark, CONTINUE, blank card) or with an invalid value.
     pub fn value(&self) -> Option<CardValue> {
         self.split().0
     }
 
-    /// Comment after the value; empty if there is none.
+    /// Returns the comment after the value; empty if there is none.
     pub fn comment(&self) -> String {
         self.split().1
     }
 
-    /// Text of a HISTORY, COMMENT, blank or CONTINUE card.
+    /// Returns the text of a HISTORY, COMMENT, blank or CONTINUE card.
     pub fn remark_text(&self) -> String {
         self.text()[8..].trim_end().to_owned()
     }
 
-    /// Field after the equals sign, or the text of a CONTINUE card.
+    /// Returns the field after the equals sign, or the text of a CONTINUE card.
     fn field(&self) -> Option<String> {
         let text = self.text();
         if text.starts_with("HIERARCH ") {
@@ -226,7 +226,8 @@ impl Card {
         (parse_plain(value.trim()), comment(rest))
     }
 
-    /// Quoted text with its trailing blanks, which count in texts over several keywords (WAT).
+    /// Returns the quoted text with its trailing blanks, which are significant in texts that are divided over several
+    /// keywords (IRAF's WAT).
     pub(super) fn padded_text(&self) -> Option<String> {
         let Some(CardValue::Text(text)) = self.value() else { return None };
         Some(format!("{text:<LONGEST_TEXT$}"))
@@ -247,7 +248,7 @@ fn parse_plain(text: &str) -> Option<CardValue> {
     parse_real(text).map(CardValue::Real)
 }
 
-/// Parses a FITS number: the exponent may be marked with D. `inf` and `nan` are not numbers.
+/// Parses a real number of a FITS header. The exponent may be marked with D. `inf` and `nan` are rejected.
 pub(super) fn parse_real(text: &str) -> Option<f64> {
     let text = text.trim();
     if !text.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) {

@@ -12,10 +12,10 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ImagesError {
-    /// A value of a header, of a file of settings or of a call is missing or invalid.
+    /// A value in a header, a settings file or an argument is missing or invalid.
     #[error("{what} is {given}; allowed: {allowed}")]
     Invalid {
-        /// Name of the value, after the file and HDU if there are any.
+        /// Name of the value, preceded by the file and the HDU if the value is in a file.
         what: String,
         /// Given value, or `missing`.
         given: String,
@@ -25,7 +25,7 @@ pub enum ImagesError {
     /// Settings that are not valid TOML, or a key that is missing, unknown or of the wrong type.
     #[error("{origin}: {message}")]
     Toml {
-        /// The file, or the name of the settings.
+        /// Path of the file, or the name of the settings.
         origin: String,
         /// Description and position of the error.
         message: String,
@@ -66,7 +66,7 @@ pub enum ImagesError {
         path: PathBuf,
         /// Number of the HDU, from 0.
         hdu: usize,
-        /// Cause, and a remedy.
+        /// Cause of the failure, and how to avoid it.
         problem: String,
     },
     /// The preview cannot be encoded as PNG.
@@ -80,7 +80,7 @@ impl ImagesError {
         Self::Invalid { what: what.into(), given: given.to_string(), allowed: allowed.into() }
     }
 
-    /// Rejects a number outside its range or not finite.
+    /// Rejects a number that is outside a range or not finite.
     pub(super) fn check_range(what: &str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
         if (least..=greatest).contains(&given) {
             return Ok(());
@@ -88,7 +88,7 @@ impl ImagesError {
         Err(Self::invalid(what, given, format!("{least} to {greatest}")))
     }
 
-    /// Adds the file, the HDU or the name of the settings in front of an invalid value.
+    /// Prefixes the name of an invalid value with the file, the HDU or the settings that contain it.
     pub(crate) fn at(self, place: impl Display) -> Self {
         match self {
             Self::Invalid { what, given, allowed } => {
@@ -106,12 +106,12 @@ impl ImagesError {
 
 #[cfg(all(feature = "fits", unix))]
 impl ImagesError {
-    /// Adds the file and the HDU of an invalid value.
+    /// Prefixes the name of an invalid value with its file and HDU.
     pub(crate) fn in_hdu(self, path: &Path, hdu: usize) -> Self {
         self.at(format_args!("{}: HDU {hdu}", path.display()))
     }
 
-    /// Replaces the name of the file in an error of CFITSIO: a temporary file becomes the file of the caller.
+    /// Replaces the path in an error of CFITSIO: the path of a temporary file becomes that of the user's file.
     pub(super) fn of_file(self, path: &Path) -> Self {
         match self {
             Self::Cfitsio { status, message, .. } => Self::Cfitsio { path: path.to_owned(), status, message },
@@ -119,7 +119,7 @@ impl ImagesError {
         }
     }
 
-    /// Returns a function that adds the file to an error of the operating system.
+    /// Returns a function that converts an error of the operating system to an error with the path of the file.
     pub(crate) fn io(path: &Path) -> impl Fn(std::io::Error) -> Self + '_ {
         |source| Self::Io { path: path.to_owned(), source }
     }

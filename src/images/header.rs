@@ -1,10 +1,10 @@
-//! FITS header: cards in order.
+//! FITS header: an ordered list of cards.
 
 use std::ops::Range;
 
 use super::card::{CARD_LENGTH, Card, CardValue, parse_real};
 
-/// Cards of one header in their order, without END. Cards that cannot be parsed are kept as well.
+/// Cards of one header in their order, without END, including cards that cannot be parsed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Header {
     cards: Vec<Card>,
@@ -16,7 +16,8 @@ impl Header {
         Self { cards }
     }
 
-    /// Parses text: cards of 80 characters without separators, as in a file, or one card a line. Parsing ends at END.
+    /// Parses a header from text: cards of 80 characters without separators, as in a file, or one card per line, up to
+    /// END.
     pub fn from_text(text: &str) -> Self {
         let cards: Vec<Card> = if text.contains('\n') {
             text.lines().map(|line| Card::from_bytes(line.trim_end_matches('\r').as_bytes())).collect()
@@ -27,12 +28,12 @@ impl Header {
         Self { cards: cards.into_iter().take(end).collect() }
     }
 
-    /// The cards, in order.
+    /// Returns the cards in order.
     pub fn cards(&self) -> &[Card] {
         &self.cards
     }
 
-    /// Number of cards.
+    /// Returns the number of cards.
     pub fn len(&self) -> usize {
         self.cards.len()
     }
@@ -42,22 +43,22 @@ impl Header {
         self.cards.is_empty()
     }
 
-    /// Index of the first card of a keyword with a value.
+    /// Returns the index of the first card with this keyword and a value.
     pub fn position(&self, keyword: &str) -> Option<usize> {
         self.cards.iter().position(|card| has_keyword(card, keyword))
     }
 
-    /// The first card of a keyword.
+    /// Returns the first card with this keyword and a value.
     pub fn card(&self, keyword: &str) -> Option<&Card> {
         self.position(keyword).map(|index| &self.cards[index])
     }
 
-    /// Returns true if the header has a keyword.
+    /// Returns true if the header has a card with this keyword and a value.
     pub fn contains(&self, keyword: &str) -> bool {
         self.position(keyword).is_some()
     }
 
-    /// Value of a keyword; long texts are joined with their CONTINUE cards.
+    /// Returns the value of a keyword; a long text is joined from its CONTINUE cards.
     pub fn value(&self, keyword: &str) -> Option<CardValue> {
         let index = self.position(keyword)?;
         let value = self.cards[index].value()?;
@@ -75,7 +76,7 @@ impl Header {
         Some(CardValue::Text(text))
     }
 
-    /// Trimmed text of a keyword; `None` if the value is not a text or is blank.
+    /// Returns the text of a keyword without surrounding blanks; `None` if the value is not a text or is blank.
     pub fn text(&self, keyword: &str) -> Option<String> {
         match self.value(keyword)? {
             CardValue::Text(text) => Some(text.trim().to_owned()).filter(|text| !text.is_empty()),
@@ -83,7 +84,7 @@ impl Header {
         }
     }
 
-    /// Number of a keyword, also in quotation marks, as some observatories write it.
+    /// Returns the number of a keyword. A number in quotation marks, as some observatories write it, is accepted.
     pub fn number(&self, keyword: &str) -> Option<f64> {
         match self.value(keyword)? {
             CardValue::Real(number) => Some(number),
@@ -93,7 +94,7 @@ impl Header {
         }
     }
 
-    /// Whole number of a keyword; a decimal fraction of zero is accepted.
+    /// Returns the integer of a keyword. A decimal fraction of zero is accepted.
     pub fn integer(&self, keyword: &str) -> Option<i64> {
         match self.value(keyword)? {
             CardValue::Integer(number) => Some(number),
@@ -102,7 +103,7 @@ impl Header {
         }
     }
 
-    /// Logical value of a keyword.
+    /// Returns the logical value of a keyword.
     pub fn logical(&self, keyword: &str) -> Option<bool> {
         match self.value(keyword)? {
             CardValue::Logical(value) => Some(value),
@@ -110,14 +111,14 @@ impl Header {
         }
     }
 
-    /// Comment of a keyword; empty if there is none.
+    /// Returns the comment of a keyword; empty if there is none.
     pub fn comment(&self, keyword: &str) -> String {
         // The comment of a long text is on its last card.
         self.span(keyword).and_then(|span| self.cards[span].last().map(Card::comment)).unwrap_or_default()
     }
 
-    /// Sets a keyword: replaces its card, or appends one if the header has none. An empty comment keeps the old
-    /// comment.
+    /// Sets a keyword: replaces its card, or appends a card if the keyword is missing. If the comment is empty, the old
+    /// comment is kept.
     pub fn set(&mut self, keyword: &str, value: &CardValue, comment: &str) {
         let Some(span) = self.span(keyword) else {
             self.cards.extend(Card::with_value(keyword, value, comment));
@@ -140,21 +141,22 @@ impl Header {
         self.cards.extend(cards);
     }
 
-    /// Inserts a remark after the last one of its keyword, or after all cards.
+    /// Inserts a HISTORY or COMMENT text after the last card of this keyword, or after all cards if there is none.
     pub fn add_remark(&mut self, keyword: &str, text: &str) {
         let last = self.cards.iter().rposition(|card| card.keyword() == keyword);
         let index = last.map_or(self.cards.len(), |index| index + 1);
         self.cards.splice(index..index, Card::remark(keyword, text));
     }
 
-    /// Range of a keyword's first card and its CONTINUE cards.
+    /// Returns the index range of the first card of a keyword and its CONTINUE cards.
     fn span(&self, keyword: &str) -> Option<Range<usize>> {
         let index = self.position(keyword)?;
         let continued = self.cards[index + 1..].iter().take_while(|card| card.keyword() == "CONTINUE").count();
         Some(index..index + 1 + continued)
     }
 
-    /// Joined text of numbered keywords (`WAT1_001`, `WAT1_002`, ...), with the blanks within it.
+    /// Returns the joined text of numbered keywords (`WAT1_001`, `WAT1_002`, ...), including trailing blanks of each
+    /// part.
     pub(super) fn numbered_text(&self, stem: &str) -> String {
         (1..).map_while(|number| self.card(&format!("{stem}{number:03}")).and_then(Card::padded_text)).collect()
     }

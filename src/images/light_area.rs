@@ -14,7 +14,7 @@ pub struct LightArea {
     pub columns: Range<usize>,
 }
 
-/// Keywords of bias sections. Those of single amplifiers end in the letter or number of the amplifier.
+/// Keywords of bias sections. Keywords of single amplifiers end in the letter or number of the amplifier.
 const BIAS: [&str; 5] = ["BIASSEC", "BIASSECA", "BIASSECB", "BIASSEC1", "TRIMSEC"];
 
 impl LightArea {
@@ -23,15 +23,15 @@ impl LightArea {
         Self { rows: 0..rows, columns: 0..columns }
     }
 
-    /// Reads the illuminated area of a raw frame of `rows` by `columns` from its header: DATASEC, or TRIMSEC if that is
-    /// missing.
+    /// Reads the illuminated area of a raw frame of `rows` by `columns` pixels from the keyword DATASEC, or TRIMSEC if
+    /// DATASEC is missing.
     ///
     /// Frames that were trimmed, cut or binned later often keep the sections of the raw frame. The sections are
     /// therefore used only if both the data section and a bias section (BIASSEC of the chip or of one amplifier, or
     /// TRIMSEC) lie within the frame; otherwise the whole frame is taken as illuminated. If the data section is not
-    /// within the frame, but LTV1 and LTV2 give the position of the cutout, the section is shifted by them and clipped
-    /// to the frame. Sections are written `[x1:x2,y1:y2]`, counted from 1, ends included, in either order (Valdes, NOAO
-    /// mosaic data structures, 1998).
+    /// within the frame, but LTV1 and LTV2 give the position of the cutout in the raw frame, the section is shifted by
+    /// them and clipped to the frame. Sections are written `[x1:x2,y1:y2]`, counted from 1, ends included, in either
+    /// order (Valdes, NOAO mosaic data structures, 1998).
     pub fn from_header(header: &Header, rows: usize, columns: usize) -> Self {
         let section =
             |keyword: &str| header.text(keyword).and_then(|text| Section::parse(&text)?.within(rows, columns));
@@ -44,13 +44,13 @@ impl LightArea {
         }
     }
 
-    /// Returns the illuminated part of a frame that IRAF cut out of a raw one and that has the sections of the raw
-    /// frame; `None` if no part of it is illuminated, or the header does not give its position.
+    /// Returns the illuminated area of a frame that IRAF cut out of a raw frame whose sections it still has. `None` if
+    /// no part of it is illuminated, or if the header does not give its position in the raw frame.
     ///
-    /// IRAF defines x = LTM1_1 x₀ + LTV1 for a position x₀ in the raw frame. Cutting reduces LTV1 by the columns left
-    /// of the cut, so a value below 0 indicates a cutout. Mosaic cameras use the same keywords for the transformation
-    /// from the chip to the raw frame. If CCDSEC and DATASEC begin at different pixels, x₀ is ambiguous and `None` is
-    /// returned.
+    /// IRAF defines x = LTM1_1 x₀ + LTV1 for a position x₀ in the raw frame. Cutting reduces LTV1 by the number of
+    /// columns left of the cutout, so that a negative LTV1 indicates a cutout. Mosaic cameras use the same keywords for
+    /// the transformation from the chip to the raw frame. If CCDSEC and DATASEC begin at different pixels, x₀ is
+    /// therefore ambiguous, and `None` is returned.
     fn of_cutout(header: &Header, rows: usize, columns: usize) -> Option<Self> {
         let raw = |keyword: &str| header.text(keyword).and_then(|text| Section::parse(&text));
         let data = raw("DATASEC").or_else(|| raw("TRIMSEC"))?;
@@ -64,32 +64,32 @@ impl LightArea {
         data.shifted(moved).cut(rows, columns)
     }
 
-    /// Returns the area as a section of a header.
+    /// Returns the area as text in the form of a header section, `[x1:x2,y1:y2]`.
     pub fn section(&self) -> String {
         format!("[{}:{},{}:{}]", self.columns.start + 1, self.columns.end, self.rows.start + 1, self.rows.end)
     }
 
-    /// Number of pixels.
+    /// Returns the number of pixels.
     pub fn pixels(&self) -> usize {
         self.rows.len() * self.columns.len()
     }
 
-    /// Returns true for a position on one of the pixels.
+    /// Returns true if a position is on one of the pixels.
     pub fn contains(&self, at: PixelPosition) -> bool {
         let within =
             |value: f64, range: &Range<usize>| (range.start as f64..=range.end as f64).contains(&(value + 0.5));
         within(at.x, &self.columns) && within(at.y, &self.rows)
     }
 
-    /// Returns the position at fractions of the width and height: (0, 0) is the outer corner of the first pixel, (1, 1)
-    /// that of the last.
+    /// Returns the position at fractions of the width and the height. (0, 0) is the outer corner of the first pixel,
+    /// (1, 1) the outer corner of the last pixel.
     pub fn position_at(&self, along_row: f64, along_column: f64) -> PixelPosition {
         let at = |range: &Range<usize>, share: f64| range.start as f64 - 0.5 + share * range.len() as f64;
         PixelPosition { x: at(&self.columns, along_row), y: at(&self.rows, along_column) }
     }
 }
 
-/// Pixels of a section in a header: first and last along a row and along a column, counted from 1.
+/// Pixels of a header section: first and last along a row and along a column, counted from 1.
 #[derive(Copy, Clone, Debug)]
 struct Section {
     x: [i64; 2],
@@ -114,13 +114,13 @@ impl Section {
         Self { x, y }
     }
 
-    /// Returns the pixels of the section if all are within a frame, else `None`.
+    /// Returns the pixels of the section; `None` if not all of them are within a frame of this size.
     fn within(self, rows: usize, columns: usize) -> Option<LightArea> {
         let is_within = |[first, last]: [i64; 2], count: usize| first >= 1 && last <= count as i64;
         if is_within(self.x, columns) && is_within(self.y, rows) { self.cut(rows, columns) } else { None }
     }
 
-    /// Returns the pixels of the section that are within a frame; `None` if there are none.
+    /// Returns those pixels of the section that are within a frame of this size; `None` if there are none.
     fn cut(self, rows: usize, columns: usize) -> Option<LightArea> {
         let range = |[first, last]: [i64; 2], count: usize| {
             let (start, end) = ((first.max(1) - 1) as usize, last.clamp(0, count as i64) as usize);

@@ -1,4 +1,4 @@
-//! Frames: files, headers, world coordinates, detectors and telescopes. Satellites are treated in other modules.
+//! Frames: files, headers, world coordinates, detectors and telescopes. This module does not depend on satellites.
 
 mod card;
 mod detector;

@@ -1,4 +1,4 @@
-//! Light on a part of a frame: only the pixels on which it falls.
+//! Light on a part of a frame, stored only for the pixels on which it falls.
 
 use std::ops::Range;
 
@@ -6,52 +6,53 @@ use super::light_area::LightArea;
 use super::plane::PixelPosition;
 use super::plane::Plane;
 
-/// Neighbouring pixels in one row of a patch.
+/// Adjacent pixels in one row of a patch.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PatchSpan<'a> {
     /// Row of the frame, counted from 0.
     pub row: usize,
     /// Column of the first pixel, counted from 0.
     pub first_column: usize,
-    /// Values of this pixel and of those to its right.
+    /// Values of the first pixel and of those to its right.
     pub values: &'a [f32],
 }
 
-/// Light on a part of a frame of `rows` by `columns`: one range of columns in each row, all within the frame.
+/// Light on a part of a frame of `rows` by `columns` pixels: one range of columns in each row, all within the frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Patch {
     rows: usize,
     columns: usize,
     first_row: usize,
-    /// Columns of each row from `first_row` on, and the index of the first value of the row.
+    /// Columns of each row, beginning with `first_row`, and the index of the row's first value.
     spans: Vec<(Range<usize>, usize)>,
     values: Vec<f32>,
 }
 
 impl Patch {
-    /// Rows of the frame.
+    /// Returns the number of rows of the frame.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Columns of the frame.
+    /// Returns the number of columns of the frame.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// True if the patch has no pixels.
+    /// Returns true if the patch has no pixels.
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
     }
 
-    /// Number of pixels.
+    /// Returns the number of pixels.
     pub fn len(&self) -> usize {
         self.values.len()
     }
 
-    /// Sum of all light on the frame.
+    /// Returns the sum of all light in the patch.
     pub fn sum(&self) -> f64 {
-        // Eight independent sums: the additions of a single sum would have to wait for one another.
+        // Eight independent sums are faster, because each addition to a single sum would have to wait for the previous
+        // one.
         let (blocks, rest) = self.values.as_chunks::<8>();
         let mut sums = [0.0; 8];
         for block in blocks {
@@ -62,7 +63,7 @@ impl Patch {
         sums.iter().sum::<f64>() + rest.iter().map(|value| f64::from(*value)).sum::<f64>()
     }
 
-    /// Mean position weighted by the light; `None` if the light is 0.
+    /// Returns the mean position weighted by the light, pixels; `None` if the light is 0.
     pub fn centroid(&self) -> Option<PixelPosition> {
         let mut sums = [0.0; 3];
         for span in self.iter() {
@@ -74,7 +75,7 @@ impl Patch {
         (sums[0] != 0.0).then(|| PixelPosition { x: sums[1] / sums[0], y: sums[2] / sums[0] })
     }
 
-    /// Rows with pixels, from the first.
+    /// Returns the rows that have pixels, in order.
     pub fn iter(&self) -> impl Iterator<Item = PatchSpan<'_>> {
         self.spans.iter().enumerate().filter(|(_, (columns, _))| !columns.is_empty()).map(|(number, (columns, at))| {
             PatchSpan {
@@ -85,7 +86,7 @@ impl Patch {
         })
     }
 
-    /// One row; empty if the patch has no pixels in it.
+    /// Returns the pixels of one row; empty if the patch has none in this row.
     pub fn row(&self, row: usize) -> PatchSpan<'_> {
         let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
         match span {
@@ -96,20 +97,20 @@ impl Patch {
         }
     }
 
-    /// Value of one pixel, 0 outside of the patch.
+    /// Returns the value of one pixel; 0 outside the patch.
     pub fn at(&self, row: usize, column: usize) -> f32 {
         let span = self.row(row);
         column.checked_sub(span.first_column).and_then(|index| span.values.get(index)).copied().unwrap_or(0.0)
     }
 
-    /// Sets the values row by row with a function of `(row, first_column, values)`.
+    /// Sets the values row by row by a function of `(row, first_column, values)`.
     pub fn fill(&mut self, mut set: impl FnMut(usize, usize, &mut [f32])) {
         for (number, (columns, at)) in self.spans.iter().enumerate() {
             set(self.first_row + number, columns.start, &mut self.values[*at..*at + columns.len()]);
         }
     }
 
-    /// Pixels of one row within `columns`; empty unless all of them are in the patch.
+    /// Returns the pixels of one row in the range `columns`; empty if not all of them are in the patch.
     pub fn span_mut(&mut self, row: usize, columns: Range<usize>) -> &mut [f32] {
         let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
         let range = span.and_then(|(own, at)| {
@@ -119,15 +120,15 @@ impl Patch {
         range.and_then(|range| self.values.get_mut(range)).unwrap_or(&mut [])
     }
 
-    /// Multiplies all values.
+    /// Multiplies all values by a factor.
     pub fn scale(&mut self, factor: f32) {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
 
-    /// Adds the light to a plane; pixels outside of the plane are omitted.
+    /// Adds the light to a plane; pixels outside the plane are omitted.
     pub fn add_to(&self, plane: &mut Plane) {
         for (row, (columns, at)) in (self.first_row..).zip(&self.spans) {
-            // Slices, because the compiler can vectorise them.
+            // The compiler can vectorise loops over slices.
             let values = &self.values[*at..*at + columns.len()];
             let Some(pixels) = plane.row_mut(row).get_mut(columns.start..) else { continue };
             for (pixel, value) in pixels.iter_mut().zip(values) {
@@ -136,7 +137,8 @@ impl Patch {
         }
     }
 
-    /// Sums `x` columns by `y` rows into one pixel. The size of the frame must be a multiple of these.
+    /// Returns a patch in which blocks of `x` columns by `y` rows are summed. The size of the frame must be a multiple
+    /// of both.
     pub fn summed(&self, x: usize, y: usize) -> Self {
         let mut extents = PatchRows::new(self.rows / y, self.columns / x);
         for span in self.iter() {
@@ -155,7 +157,7 @@ impl Patch {
         summed
     }
 
-    /// Part of the patch within an area of the frame.
+    /// Returns the part of the patch that lies in an area of the frame.
     pub fn within(self, area: &LightArea) -> Self {
         if *area == LightArea::whole(self.rows, self.columns) {
             return self;
@@ -178,7 +180,7 @@ impl Patch {
         patch
     }
 
-    /// Pixels with at least `threshold` as `(row, columns)`, for masks.
+    /// Returns the pixels with values of at least `threshold`, as `(row, columns)`, for masks.
     pub fn footprint(&self, threshold: f32) -> Vec<(usize, Range<usize>)> {
         let mut found = Vec::new();
         for span in self.iter() {
@@ -199,7 +201,7 @@ impl Patch {
     }
 }
 
-/// Builder of a patch: a range of columns in each row, within the frame.
+/// Builder of a patch, which collects a range of columns for each row.
 #[derive(Clone, Debug)]
 pub struct PatchRows {
     rows: usize,
@@ -209,22 +211,22 @@ pub struct PatchRows {
 }
 
 impl PatchRows {
-    /// Creates an empty builder for a frame of `rows` by `columns`.
+    /// Creates an empty builder for a frame of `rows` by `columns` pixels.
     pub fn new(rows: usize, columns: usize) -> Self {
         Self { rows, columns, first_row: 0, extents: Vec::new() }
     }
 
-    /// Rows of the frame.
+    /// Returns the number of rows of the frame.
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Columns of the frame.
+    /// Returns the number of columns of the frame.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// Adds columns of one row, and all between them and those already added.
+    /// Adds columns of one row, and all columns between them and those added before.
     pub fn add(&mut self, row: usize, columns: Range<usize>) {
         if columns.is_empty() || row >= self.rows || columns.end > self.columns {
             return;
@@ -245,7 +247,7 @@ impl PatchRows {
         *own = if own.start >= own.end { columns } else { own.start.min(columns.start)..own.end.max(columns.end) };
     }
 
-    /// Returns the patch, filled with zeros.
+    /// Returns a patch of these columns, filled with zeros.
     pub fn into_patch(self) -> Patch {
         let mut total = 0;
         let spans = self.extents.into_iter().map(|columns| {
@@ -254,8 +256,8 @@ impl PatchRows {
             (columns, at)
         });
         let spans: Vec<_> = spans.collect();
-        // Writing zeros is faster than zeroed pages, which cause a page fault at the first read and another at the
-        // first write.
+        // Writing zeros is faster than allocating zeroed memory, whose pages cause one page fault at the first read and
+        // another at the first write.
         let mut values = Vec::with_capacity(total);
         values.resize(total, 0.0);
         Patch { rows: self.rows, columns: self.columns, first_row: self.first_row, spans, values }

@@ -1,8 +1,8 @@
-//! Pixels: positions, and images as arrays of values.
+//! Images as arrays of values, and positions in a frame.
 
 use super::error::ImagesError;
 
-/// Image of shape (rows, columns), row by row; row 0 is the first row of a FITS file.
+/// Image of shape (rows, columns), stored row by row. Row 0 is the first row of a FITS file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plane {
     rows: usize,
@@ -16,10 +16,10 @@ impl Plane {
         Self { rows, columns, values: vec![0.0; rows * columns] }
     }
 
-    /// Creates an image from values row by row.
+    /// Creates an image from values, given row by row.
     ///
     /// # Errors
-    /// A number of values other than rows times columns.
+    /// The number of values is not `rows` times `columns`.
     pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, ImagesError> {
         if values.len() != rows * columns {
             let allowed = format!("{} for {rows} rows by {columns} columns", rows * columns);
@@ -28,17 +28,17 @@ impl Plane {
         Ok(Self { rows, columns, values })
     }
 
-    /// Number of rows (NAXIS2).
+    /// Returns the number of rows (NAXIS2).
     pub fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Number of columns (NAXIS1).
+    /// Returns the number of columns (NAXIS1).
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// All values, row by row.
+    /// Returns all values, row by row.
     pub fn values(&self) -> &[f32] {
         &self.values
     }
@@ -48,31 +48,31 @@ impl Plane {
         self.values
     }
 
-    /// All values, row by row, mutable.
+    /// Returns all values for modification, row by row.
     pub fn values_mut(&mut self) -> &mut [f32] {
         &mut self.values
     }
 
-    /// One row; empty if the index is out of range.
+    /// Returns one row; empty if the index is out of range.
     pub fn row(&self, row: usize) -> &[f32] {
         self.values.get(row * self.columns..(row + 1) * self.columns).unwrap_or(&[])
     }
 
-    /// One row, mutable; empty if the index is out of range.
+    /// Returns one row for modification; empty if the index is out of range.
     pub fn row_mut(&mut self, row: usize) -> &mut [f32] {
         self.values.get_mut(row * self.columns..(row + 1) * self.columns).unwrap_or(&mut [])
     }
 }
 
-/// Position in a frame, pixels, counted from 0: the centre of the first pixel of the first row is (0, 0), its corners
-/// are at ±0.5.
+/// Position in a frame, pixels, counted from 0. The centre of the first pixel of the first row is (0, 0), and its
+/// corners are at ±0.5.
 ///
-/// FITS headers and DS9 count from 1: [`PixelPosition::fits`] adds 1 to both.
+/// FITS headers and DS9 count from 1: [`PixelPosition::fits`] returns such coordinates.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct PixelPosition {
-    /// Along a row (FITS axis 1).
+    /// Coordinate along a row (FITS axis 1).
     pub x: f64,
-    /// Along a column (FITS axis 2).
+    /// Coordinate along a column (FITS axis 2).
     pub y: f64,
 }
 
@@ -82,12 +82,12 @@ impl PixelPosition {
         Self { x: x - 1.0, y: y - 1.0 }
     }
 
-    /// Coordinates counted from 1, as in FITS.
+    /// Returns the coordinates counted from 1, as in FITS.
     pub fn fits(self) -> [f64; 2] {
         [self.x + 1.0, self.y + 1.0]
     }
 
-    /// Distance to another position, pixels.
+    /// Returns the distance to another position, pixels.
     pub fn distance(self, other: Self) -> f64 {
         (self.x - other.x).hypot(self.y - other.y)
     }

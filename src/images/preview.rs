@@ -5,36 +5,37 @@ use image::{ImageFormat, Rgb, RgbImage};
 use super::error::ImagesError;
 use super::plane::{PixelPosition, Plane};
 
-/// Line drawn over a preview.
+/// Streak marked in a preview by two parallel lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Overlay {
-    /// Positions in the frame, joined in order.
+    /// Positions along the streak in the frame, joined in order.
     pub line: Vec<PixelPosition>,
-    /// Distance of the two drawn lines from the given one, pixels of the frame, so that the pixels between them stay
+    /// Distance of each of the two lines from the streak, pixels of the frame. The pixels between the lines stay
     /// visible.
     pub half_width_pix: f64,
 }
 
-/// Longest side of the picture: larger frames are reduced by a whole factor.
+/// Longest side of the picture, pixels. Larger frames are reduced by an integer factor.
 const LONGEST_SIDE: usize = 1600;
-/// Shortest side of the picture: smaller frames are enlarged by a whole factor up to it.
+/// Shortest side of the picture, pixels. Smaller frames are enlarged by an integer factor.
 const SHORTEST_SIDE: usize = 400;
-/// Fractions of the sorted values shown as black and as white.
+/// Fractions of the pixels that are darker than black and darker than white.
 const BLACK_SHARE: f64 = 0.02;
 const WHITE_SHARE: f64 = 0.997;
-/// Strength of the asinh stretch: above it, the noise of the sky is as visible as the stars.
+/// Strength of the asinh stretch, chosen so that the noise of the sky is as visible as the stars.
 const SOFTENING: f64 = 8.0;
-/// Number of pixels sampled to find black and white.
+/// Number of pixels from which the values of black and white are determined.
 const SAMPLED: usize = 200_000;
 const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
 
-/// Returns the frame as a PNG in grey with the first row at the bottom, and `overlays` in orange. The brightness is an
-/// asinh stretch between the 2nd and the 99.7th percentile.
+/// Returns the frame as a PNG in grey, with the first row at the bottom and `overlays` in orange. The brightness is an
+/// asinh stretch between the 2nd and the 99.7th percentile of the pixels.
 ///
-/// Frames beyond 1600 pixels are averaged down, those below 400 enlarged. NaN pixels are dark blue.
+/// Frames with sides above 1600 pixels are averaged down, and frames below 400 pixels are enlarged. NaN pixels are dark
+/// blue.
 ///
 /// # Errors
-/// [`ImagesError`] for a frame without pixels.
+/// The frame has no pixels.
 pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, ImagesError> {
     let (rows, columns) = (plane.rows(), plane.columns());
     if rows == 0 || columns == 0 {
@@ -60,7 +61,7 @@ pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, Image
     Ok(bytes.into_inner())
 }
 
-/// Ratio of the frame to the picture: pixels of the frame in one pixel of the picture, or the reverse.
+/// Ratio of the sizes of frame and picture: pixels of the frame per pixel of the picture, or the reverse.
 #[derive(Copy, Clone, Debug, PartialEq)]
 enum Scale {
     Down(usize),
@@ -85,7 +86,7 @@ impl Scale {
         (side(columns), side(rows))
     }
 
-    /// Returns the mean of the finite pixels of the frame in one pixel of the picture.
+    /// Returns the mean of the finite pixels of the frame that lie in one pixel of the picture.
     fn mean(self, plane: &Plane, x: usize, y: usize) -> f32 {
         match self {
             Self::Up(factor) => plane.row(y / factor).get(x / factor).copied().unwrap_or(f32::NAN),
@@ -105,7 +106,7 @@ impl Scale {
         }
     }
 
-    /// Returns the position in the picture of a position in the frame, before the picture is flipped.
+    /// Converts a position in the frame to one in the picture, before the picture is flipped.
     fn position(self, at: PixelPosition) -> (f64, f64) {
         let along = |value: f64| match self {
             Self::Down(factor) => (value + 0.5) / factor as f64 - 0.5,
@@ -122,7 +123,7 @@ impl Scale {
     }
 }
 
-/// Returns the values shown as black and as white.
+/// Returns the values of black and of white.
 fn limits(plane: &Plane) -> [f64; 2] {
     let step = (plane.values().len() / SAMPLED).max(1);
     let mut values: Vec<f32> = plane.values().iter().step_by(step).copied().filter(|value| value.is_finite()).collect();
@@ -134,7 +135,7 @@ fn limits(plane: &Plane) -> [f64; 2] {
 }
 
 fn grey(value: f64, black: f64, white: f64) -> Rgb<u8> {
-    // asinh(s x) / asinh(s), x from black (0) to white (1); a flat frame is half grey.
+    // Grey level asinh(s x) / asinh(s), where x is 0 for black and 1 for white. A frame of equal pixels is half grey.
     let share = if white > black { ((value - black) / (white - black)).clamp(0.0, 1.0) } else { 0.2 };
     let level = ((SOFTENING * share).asinh() / SOFTENING.asinh() * 255.0).round() as u8;
     Rgb([level, level, level])

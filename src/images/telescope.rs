@@ -1,8 +1,8 @@
-//! Telescopes by name and from TOML files: aperture, seeing, pixels, field, and the limits of their detectors.
+//! Telescopes by name and from TOML files: aperture, seeing, pixels, field of view, and limits of the detector.
 //!
-//! A satellite is so near that it is out of focus: the image of a point is a disk with a hole, the shape of the mirror.
-//! Widths follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles are in arcseconds and
-//! degrees, as in files.
+//! A satellite is so near that it is out of focus: the image of a point is a ring with the shape of the mirror. Widths
+//! of streaks follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles are in arcseconds
+//! and degrees, as in the TOML files.
 
 use std::collections::BTreeMap;
 
@@ -17,17 +17,17 @@ pub use super::telescope_streak::{
 /// Speed on the sky of a satellite 550 km overhead, arcsec/s: √(μ / (R + h)) / h.
 const RATE_AT_550_KM_ARCSEC_S: f64 = 2844.7;
 
-/// Telescope with its camera, from [`Telescope::by_name`] or from a TOML file with the same keys.
+/// Telescope with its camera, created by [`Telescope::by_name`] or read from a TOML file with the same keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Telescope {
-    /// Name: lower-case letters, digits, `.` and `-`.
+    /// Name, of lower-case letters, digits, `.` and `-`.
     pub name: String,
-    /// Title of one line.
+    /// Title in one line.
     pub title: String,
     /// Radius of the light-collecting aperture, m.
     pub outer_radius_m: f64,
-    /// Radius of the central obstruction, m; 0 if there is none or none is published.
+    /// Radius of the central obstruction, m; 0 if there is none or its size is not published.
     pub inner_radius_m: f64,
     /// Typical width (FWHM) of a star's image from atmosphere and optics, arcsec.
     pub seeing_arcsec: f64,
@@ -35,48 +35,49 @@ pub struct Telescope {
     pub pixel_scale_arcsec: f64,
     /// Default field of view.
     pub field: FieldOfView,
-    /// Width of a mask in streak widths. Two contain 98 % of the light of a Gaussian profile with the FWHM of the
-    /// streak width.
+    /// Width of a mask as a multiple of the width of the streak. A factor of two contains 98 % of the light of a streak
+    /// with a Gaussian profile.
     #[serde(default = "default_mask_widths")]
     pub mask_widths: f64,
-    /// Magnitude limits of the detector, by band name. They affect verdicts if a policy has the limit `"telescope"`.
+    /// Magnitude limits of the detector, by band name. They affect verdicts only if a policy has the limit
+    /// `"telescope"`.
     #[serde(default)]
     pub limits: BTreeMap<String, BandLimits>,
     /// Source of these numbers.
     pub source: String,
 }
 
-/// Default width of a mask in streak widths.
+/// Returns the default width of a mask as a multiple of the width of the streak.
 fn default_mask_widths() -> f64 {
     2.0
 }
 
-/// Magnitude limits of satellites for streaks, given for a stationary satellite at 550 km overhead.
+/// Magnitude limits for streaks, stated as the magnitude that a satellite 550 km overhead would have without motion.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BandLimits {
-    /// A moving satellite brighter than this saturates the pixels of its trail.
+    /// A moving satellite brighter than this magnitude saturates the pixels of its streak.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub trail_saturation_mag: Option<f64>,
-    /// A moving satellite brighter than this leaves crosstalk that cannot be corrected.
+    /// A moving satellite brighter than this magnitude causes crosstalk that cannot be corrected.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub crosstalk_mag: Option<f64>,
 }
 
-/// Part of the sky covered by an exposure, on the tangent plane: x to the east, y to the north, degrees.
+/// Part of the sky covered by an exposure, on the tangent plane. The x axis points east, the y axis north; degrees.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldOfView {
-    /// A circle of this full diameter.
+    /// A circle of this diameter.
     CircleDeg(f64),
-    /// A rectangle of this width and height about the centre.
+    /// A rectangle of this width and height, centred on the pointing.
     RectangleDeg([f64; 2]),
-    /// An outline of three or more corners in order.
+    /// A polygon of three or more corners in order.
     PolygonDeg(Vec<[f64; 2]>),
 }
 
 impl FieldOfView {
-    /// Area, square degrees, on the tangent plane.
+    /// Returns the area on the tangent plane, square degrees.
     pub fn area_deg2(&self) -> f64 {
         match self {
             Self::CircleDeg(diameter) => std::f64::consts::FRAC_PI_4 * diameter * diameter,
@@ -90,25 +91,25 @@ impl FieldOfView {
 }
 
 impl Telescope {
-    /// Diameter of the out-of-focus disk of a point at `range_km`, arcsec, measured at its outer rim.
+    /// Returns the diameter of the defocused image of a point at `range_km`, arcsec, measured at its outer edge.
     pub fn defocus_outer_arcsec(&self, range_km: f64) -> f64 {
         2.0 * self.outer_radius_m / (range_km * 1000.0) * ARCSEC_PER_RAD
     }
 
-    /// Width of the streak of a satellite of `satellite_size_m` at `range_km`, arcsec.
+    /// Returns the width of the streak of a satellite of the size `satellite_size_m` (m) at `range_km`, arcsec.
     pub fn width_arcsec(&self, range_km: f64, satellite_size_m: f64) -> f64 {
         // θ² = θ_atm² + (D_sat² + D_mirror²) / d²                        Tyson et al. (2020), eq. 1
         let satellite = satellite_size_m / (range_km * 1000.0) * ARCSEC_PER_RAD;
         self.seeing_arcsec.hypot(satellite).hypot(self.defocus_outer_arcsec(range_km))
     }
 
-    /// Magnitude at which a satellite 550 km overhead has a streak of the same surface brightness, for comparison with the
-    /// limits of a camera.
+    /// Returns the magnitude at which a satellite 550 km overhead would have a streak of the same surface brightness.
+    /// This can be compared with the limits of a camera.
     ///
-    /// `magnitude` is the apparent magnitude of the satellite without motion. A pixel receives light of this magnitude
-    /// for the time in which the satellite crosses it, spread over the width of the streak. A more distant satellite is
-    /// slower and more in focus, and therefore brighter per pixel at the same magnitude. Without defocus this is the rule
-    /// of SATCON1, 2.5 log10(h / 550 km).
+    /// `magnitude` is the apparent magnitude of the satellite, irrespective of its motion. A pixel receives its light,
+    /// spread over the width of the streak, during the time in which the satellite crosses the pixel. A more distant
+    /// satellite moves more slowly and is more in focus, so that at the same magnitude its streak is brighter. Without
+    /// defocus this is the rule of SATCON1, 2.5 log10(h / 550 km).
     pub fn equivalent_mag_at_550_km(
         &self,
         magnitude: f64,
@@ -121,7 +122,8 @@ impl Telescope {
         magnitude + 2.5 * (width * angular_rate_arcsec_s / RATE_AT_550_KM_ARCSEC_S).log10()
     }
 
-    /// Fraction of a field's pixels lost by masking one streak; see [`expected_lost_pixel_fraction`].
+    /// Returns the fraction of a field's pixels that are lost by masking one streak; see
+    /// [`expected_lost_pixel_fraction`].
     pub fn lost_pixel_fraction(&self, streak_length_deg: f64, width_arcsec: f64, field_area_deg2: f64) -> f64 {
         expected_lost_pixel_fraction(streak_length_deg, self.mask_widths * width_arcsec, field_area_deg2)
     }
@@ -135,11 +137,13 @@ macro_rules! presets {
 }
 presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
 
-/// Names of the bands for which limits can be given; defined here so that this module does not depend on photometry.
+/// Names of the bands for which limits can be given. They are listed here so that this module does not depend on
+/// photometry.
 const BANDS: [&str; 11] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G"];
 
 impl Telescope {
-    /// Returns a preset by name, in any case; `lsst` is Rubin, `panstarrs` and `ps1` are Pan-STARRS.
+    /// Returns a preset by its name; upper and lower case are equivalent. `lsst` is Rubin, `panstarrs` and `ps1` are
+    /// Pan-STARRS.
     ///
     /// # Errors
     /// An unknown name.
@@ -157,7 +161,7 @@ impl Telescope {
         Self::from_toml(text, preset)
     }
 
-    /// Names of the presets in alphabetical order.
+    /// Returns the names of the presets in alphabetical order.
     pub fn names() -> impl Iterator<Item = &'static str> {
         PRESETS.iter().map(|(name, _)| *name)
     }
@@ -165,8 +169,7 @@ impl Telescope {
     /// Reads a TOML file with the keys of [`Telescope`]; `origin` is the name of the file in errors.
     ///
     /// # Errors
-    /// [`ImagesError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown
-    /// bands.
+    /// The text is not TOML, a key is unknown or missing, a value is out of range, or a limit is for an unknown band.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, ImagesError> {
         let telescope: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
             origin: format!("telescope file {origin}"),

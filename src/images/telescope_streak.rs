@@ -1,49 +1,51 @@
 //! Photometric quantities of a streak: effective magnitude, surface brightness and lost pixels.
 
-/// Arcseconds in a radian.
+/// Number of arcseconds in a radian.
 pub const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
-/// Magnitude of a star with the surface brightness of the streak in the same exposure.
+/// Returns the magnitude of a star that has the surface brightness of the streak in the same exposure.
 ///
-/// `magnitude` is that of the satellite without motion, `width_arcsec` the width of its streak, `angular_rate_arcsec_s`
-/// its angular speed, `exposure_s` the exposure time. A satellite too slow for a streak longer than its width keeps its
-/// magnitude.
+/// `magnitude` is the magnitude of the satellite irrespective of its motion, `width_arcsec` the width of its streak,
+/// `angular_rate_arcsec_s` its angular speed and `exposure_s` the exposure time. If the satellite moves by less than
+/// the width of its streak, its own magnitude is returned.
 pub fn effective_magnitude(magnitude: f64, width_arcsec: f64, angular_rate_arcsec_s: f64, exposure_s: f64) -> f64 {
     // m_eff = m - 2.5 log10(θ / (ω t))
     let length_arcsec = (angular_rate_arcsec_s * exposure_s).max(width_arcsec);
     magnitude - 2.5 * (width_arcsec / length_arcsec).log10()
 }
 
-/// Surface brightness of the streak, mag per square arcsecond, averaged over the exposure: a sky of this surface
-/// brightness gives the same signal in the same pixels.
+/// Returns the surface brightness of the streak, mag per square arcsecond, averaged over the exposure. A sky of this
+/// surface brightness gives the same signal in the same pixels.
 pub fn surface_brightness_mag_arcsec2(
     magnitude: f64,
     width_arcsec: f64,
     angular_rate_arcsec_s: f64,
     exposure_s: f64,
 ) -> f64 {
-    // The light of t seconds is spread over a length ω t and a width θ: μ = m + 2.5 log10(ω t θ).
+    // The light collected in t seconds is spread over a length ω t and a width θ: μ = m + 2.5 log10(ω t θ).
     let length_arcsec = (angular_rate_arcsec_s * exposure_s).max(width_arcsec);
     magnitude + 2.5 * (length_arcsec * width_arcsec).log10()
 }
 
-/// Time in which a point of the streak crosses a pixel, seconds.
+/// Returns the time in which the satellite crosses a pixel, seconds.
 pub fn time_on_pixel_s(pixel_scale_arcsec: f64, angular_rate_arcsec_s: f64) -> f64 {
     pixel_scale_arcsec / angular_rate_arcsec_s
 }
 
-/// Fraction of a field's area covered by a band along the streak, [0, 1].
+/// Returns the fraction of a field's area that a band along the streak covers, [0, 1].
 ///
-/// The band is `streak_length_deg` long (all chords within the field) and `masked_width_arcsec` wide. Its round ends
-/// and the clipping at the edge of the field are neglected. For several streaks, add the fractions and limit the sum to
-/// 1; this counts intersections twice.
+/// The band is `masked_width_arcsec` wide and `streak_length_deg` long (the sum of all chords within the field). Its
+/// round ends and the clipping at the edge of the field are neglected. For several streaks, sum the fractions and limit
+/// the sum to 1; intersections are then counted twice.
 pub fn expected_lost_pixel_fraction(streak_length_deg: f64, masked_width_arcsec: f64, field_area_deg2: f64) -> f64 {
     (streak_length_deg * masked_width_arcsec / 3600.0 / field_area_deg2).clamp(0.0, 1.0)
 }
 
-/// Recommended brightest magnitude of satellites (V, overhead, on station) by SATCON1 (2020, recommendation 5).
+/// Returns the brightest magnitude of satellites (V, overhead, on station) that SATCON1 recommends (2020,
+/// recommendation 5).
 ///
-/// 7 mag up to 550 km; above, 7 + 2.5 log10(h / 550 km), since a higher satellite moves more slowly over the pixels.
+/// The limit is 7 mag up to 550 km and 7 + 2.5 log10(h / 550 km) above, because a higher satellite crosses pixels more
+/// slowly.
 pub fn satcon1_limit_mag(height_km: f64) -> f64 {
     7.0 + 2.5 * (height_km / 550.0).max(1.0).log10()
 }

@@ -1,4 +1,4 @@
-//! Magnitudes at 1000 km of a satellite for all directions below its chassis.
+//! Standard magnitudes of a satellite (at a range of 1000 km) for all directions below its chassis.
 
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{BodyAngles, BrightnessModel, PhotometryOptions, StandardMagnitude};
@@ -9,9 +9,10 @@ use super::light::{Fact, FactValue, MapPhotometry, STANDARD_RANGE_KM, rounded};
 
 /// Brightness of a satellite in full sunlight in any direction, as in figure 6 of Lu (2024).
 ///
-/// Directions are longitudes from the Sun's azimuth, right-handed about the satellite's zenith (0 to 2π), and latitudes
-/// above the plane of the chassis (-π/2 straight below). The Sun is at 1 au and there is no extinction. The height is
-/// used for earthshine only: directions that miss the ground are included.
+/// A direction is given by its longitude from the Sun's azimuth, right-handed about the satellite's zenith (0 to 2π),
+/// and its latitude above the plane of the chassis (-π/2 straight below). The Sun is at 1 au and there is no
+/// extinction. Directions that do not meet the ground are included. The height of the satellite affects only the
+/// earthshine.
 #[derive(Clone, Debug)]
 pub struct BodyView<'a> {
     light: MapPhotometry<'a>,
@@ -26,29 +27,29 @@ pub struct BodyPoint {
     pub observer_longitude_rad: f64,
     /// Latitude above the plane of the chassis, [-π/2, 0], radians.
     pub observer_latitude_rad: f64,
-    /// Magnitude at 1000 km; `None` where no lit surface is visible.
+    /// Magnitude at a range of 1000 km; `None` if no lit surface is visible from this direction.
     pub standard_magnitude: Option<StandardMagnitude>,
 }
 
-/// Standard magnitudes over the half sphere below a satellite.
+/// Standard magnitudes over the hemisphere below a satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyMap {
-    /// Directions.
+    /// Grid of the directions.
     pub grid: Grid,
-    /// Metadata: model, options and geometry.
+    /// Metadata of the map: model, options and geometry.
     pub facts: Vec<Fact>,
-    /// Values in the order of the grid; regular grids begin straight below.
+    /// Values in the order of the grid. Regular grids begin with the direction straight below.
     pub points: Vec<BodyPoint>,
 }
 
 impl<'a> BodyView<'a> {
-    /// Creates a view with the Sun at `sun_latitude_rad` above the plane of the chassis and the satellite `height_km`
-    /// above 6378.137 km.
+    /// Creates a view with the Sun at `sun_latitude_rad` above the plane of the chassis and the satellite at
+    /// `height_km` above the equatorial radius of the Earth, 6378.137 km.
     ///
-    /// The Sun's distance and the extinction of `options` are ignored: standard magnitudes include neither.
+    /// The Sun's distance and the extinction in `options` are ignored, because standard magnitudes include neither.
     ///
     /// # Errors
-    /// A latitude beyond ±90°, a height that is not above 0 km or is above 100,000 km.
+    /// The latitude is beyond ±90°, or the height is not above 0 km or is above 100,000 km.
     pub fn new(
         model: &'a BrightnessModel,
         sun_latitude_rad: f64,
@@ -59,7 +60,8 @@ impl<'a> BodyView<'a> {
         Ok(Self { light: MapPhotometry::new(model, options), sun_latitude_rad, height_km: height(height_km)? })
     }
 
-    /// Returns the latitude of the Earth's limb, radians: -acos(R / (R + h)). Observers on the ground are below it.
+    /// Returns the latitude of the Earth's limb, radians: -acos(R / (R + h)). Observers on the ground are at lower
+    /// latitudes.
     pub fn limb_latitude_rad(&self) -> f64 {
         let radius_km = crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
         -(radius_km / (radius_km + self.height_km)).acos()
@@ -70,12 +72,12 @@ impl<'a> BodyView<'a> {
         self.sun_latitude_rad
     }
 
-    /// Returns the satellite's height above 6378.137 km, km.
+    /// Returns the height of the satellite above 6378.137 km, in km.
     pub fn height_km(&self) -> f64 {
         self.height_km
     }
 
-    /// Returns the magnitude at 1000 km in one direction; `None` where no lit surface is visible.
+    /// Returns the magnitude at a range of 1000 km in one direction; `None` if no lit surface is visible.
     pub fn at(&self, observer_longitude_rad: f64, observer_latitude_rad: f64) -> Option<StandardMagnitude> {
         let geometry = ViewingGeometry::from_angles(
             self.sun_latitude_rad,
@@ -87,7 +89,7 @@ impl<'a> BodyView<'a> {
         self.light.standard_magnitude(&geometry, 1.0)
     }
 
-    /// Returns the metadata: model, options and geometry.
+    /// Returns the metadata of the view: model, options and geometry.
     pub fn facts(&self) -> Vec<Fact> {
         let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let mut facts = vec![
@@ -110,7 +112,8 @@ impl<'a> BodyView<'a> {
         facts
     }
 
-    /// Computes all directions of a grid at or below the plane of the chassis, on all threads of the current pool.
+    /// Computes the magnitudes for all directions of a grid at or below the plane of the chassis, on all threads of the
+    /// current pool.
     pub fn map(&self, grid: Grid) -> BodyMap {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
         let points = fill(grid.southern(), blank, |row, points| {
@@ -126,7 +129,8 @@ impl<'a> BodyView<'a> {
         BodyMap { grid, facts: self.facts(), points }
     }
 
-    /// Fills a row of one latitude at once; equal to point by point within 1e-9 mag.
+    /// Computes all directions of one latitude together; the values agree within 1e-9 mag with those of
+    /// [`at`](Self::at).
     fn fill_by_columns(&self, row: &GridRow, points: &mut [BodyPoint]) {
         let longitudes: Vec<f64> = row.longitudes_rad().collect();
         let mut magnitudes = vec![0.0; longitudes.len()];

@@ -1,4 +1,4 @@
-//! The directions of a map: steps of longitude and latitude, or the centres of HEALPix cells.
+//! Directions of a map: regular steps of longitude and latitude, or the centres of HEALPix pixels.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -11,23 +11,23 @@ use super::error::{MapError, in_range};
 /// Default step of a map, degrees.
 pub const DEFAULT_STEP_DEG: f64 = 2.0;
 
-/// Default division of a HEALPix map: cells of 0.92°.
+/// Default nside of a HEALPix map; its pixels are 0.92° wide.
 pub const DEFAULT_NSIDE: u32 = 64;
 
 /// Directions of a map: [`Grid::regular`] or [`Grid::healpix`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Grid(Division);
 
-/// Divisions that the constructors of [`Grid`] accept.
+/// Kinds of grid that the constructors of [`Grid`] create.
 #[derive(Copy, Clone, Debug, PartialEq)]
 enum Division {
-    /// Number of steps in 90°.
+    /// Regular grid with this number of steps in 90°.
     Steps(u32),
-    /// HEALPix nside, N.
+    /// HEALPix pixels with this nside.
     Cells(u32),
 }
 
-/// Directions of one latitude, equally spaced.
+/// Equally spaced directions of one latitude.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct GridRow {
     /// Latitude, radians.
@@ -38,8 +38,8 @@ pub(super) struct GridRow {
 }
 
 impl GridRow {
-    /// Returns sine and cosine of each longitude by recurrence: ten times faster than direct evaluation, with an error
-    /// of 1e-16 for each step.
+    /// Returns sine and cosine of each longitude by recurrence. This is ten times faster than direct evaluation; the
+    /// error grows by 1e-16 per step.
     pub fn sines_and_cosines(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (step_sin, step_cos) = self.step_rad.sin_cos();
         // sin(a + s) = sin a cos s + cos a sin s
@@ -48,7 +48,7 @@ impl GridRow {
         std::iter::successors(Some(self.first_rad.sin_cos()), turned).take(self.count)
     }
 
-    /// Returns the longitudes in [0, 2π), radians, in order.
+    /// Returns the longitudes in order, radians, in [0, 2π).
     pub fn longitudes_rad(&self) -> impl Iterator<Item = f64> + use<> {
         let Self { first_rad, step_rad, count, .. } = *self;
         (0..count).map(move |column| first_rad + column as f64 * step_rad)
@@ -74,11 +74,11 @@ pub(super) fn fill<T: Copy + Send>(
 }
 
 impl Grid {
-    /// Creates a grid of longitudes 0, s, 2s, ... below 360° and latitudes 0, s, ... 90° (or their negatives), s in
-    /// degrees; the pole appears once for each longitude.
+    /// Creates a regular grid with longitudes 0, s, 2s, ... below 360° and latitudes 0, s, 2s, ... up to 90° (or their
+    /// negatives), where s is `step_deg`. The pole is repeated for each longitude.
     ///
     /// # Errors
-    /// A step below 0.1 or above 5 degrees, or one that does not divide 90.
+    /// The step is below 0.1 or above 5 degrees, or does not divide 90.
     pub fn regular(step_deg: f64) -> Result<Self, MapError> {
         let allowed = "0.1 to 5 deg, in whole fractions of 90 deg";
         let steps = 90.0 / step_deg;
@@ -87,16 +87,17 @@ impl Grid {
         Ok(Self(Division::Steps(steps.round() as u32)))
     }
 
-    /// Creates a grid of the centres of HEALPix's 12 N² cells in RING order, including those on the equator.
+    /// Creates a grid of the centres of the 12 nside² HEALPix pixels, in RING order. A hemisphere includes the pixels
+    /// centred on the equator.
     ///
     /// # Errors
-    /// N below 1 or above 1024.
+    /// `nside` is below 1 or above 1024.
     pub fn healpix(nside: u32) -> Result<Self, MapError> {
         in_range("nside", f64::from(nside), "", "1 to 1024", (1..=MOST_NSIDE).contains(&nside))?;
         Ok(Self(Division::Cells(nside)))
     }
 
-    /// Returns HEALPix's N; `None` for a regular grid.
+    /// Returns the nside of a HEALPix grid; `None` for a regular grid.
     pub fn nside(&self) -> Option<u32> {
         match self.0 {
             Division::Steps(_) => None,
@@ -104,7 +105,7 @@ impl Grid {
         }
     }
 
-    /// Returns the number of directions of the half sphere from the equator to a pole.
+    /// Returns the number of directions in the hemisphere from the equator to a pole.
     pub fn half_len(&self) -> usize {
         match self.0 {
             Division::Steps(steps) => 4 * steps as usize * (steps as usize + 1),
@@ -112,7 +113,8 @@ impl Grid {
         }
     }
 
-    /// Returns the half from the equator to the north pole: regular grids from the equator up, cells in RING order.
+    /// Returns the rows of the northern hemisphere: regular grids from the equator to the pole, HEALPix pixels in RING
+    /// order.
     pub(super) fn northern(&self) -> Vec<GridRow> {
         match self.0 {
             Division::Steps(steps) => {
@@ -136,19 +138,20 @@ impl Grid {
         }
     }
 
-    /// Returns the half from the equator to the south pole: regular grids from the pole up, cells in RING order.
+    /// Returns the rows of the southern hemisphere: regular grids from the pole to the equator, HEALPix pixels in RING
+    /// order.
     pub(super) fn southern(&self) -> Vec<GridRow> {
-        // Cells are symmetric about the equator; rings in the north run towards it, in the south away from it.
+        // Rows are symmetric about the equator. HEALPix rings are ordered from north to south in both hemispheres.
         let mirrored = self.northern().into_iter().rev();
         mirrored.map(|row| GridRow { latitude_rad: -row.latitude_rad, ..row }).collect()
     }
 
-    /// Returns the HEALPix cell of point `index` of a northern half; `None` for a regular grid.
+    /// Returns the number of the HEALPix pixel at `index` in the northern hemisphere; `None` for a regular grid.
     pub fn northern_cell(&self, index: usize) -> Option<u64> {
         self.nside().map(|_| index as u64)
     }
 
-    /// Returns the HEALPix cell of point `index` of a southern half; `None` for a regular grid.
+    /// Returns the number of the HEALPix pixel at `index` in the southern hemisphere; `None` for a regular grid.
     pub fn southern_cell(&self, index: usize) -> Option<u64> {
         self.nside().map(|nside| cell_count(nside) - northern_cell_count(nside) + index as u64)
     }

@@ -1,9 +1,10 @@
-//! Maps as HEALPix tables in FITS files, readable by healpy and Aladin.
+//! Maps as HEALPix tables in FITS files, which healpy and Aladin can read.
 //!
-//! One row for each cell of the whole sphere in RING order. Cells of the other half, and those without a magnitude,
-//! contain -1.6375e30, the HEALPix value for missing data. Longitude and latitude of the cells are azimuth and
-//! altitude, or those of the observer in the satellite's frame, as given by the keyword COORDSYS; neither is celestial.
-//! Text in the header is ASCII: accents are removed, and longer text is truncated and ends in three dots.
+//! The table has one row for each pixel of the whole sphere, in RING order. Pixels of the hemisphere that is not
+//! computed, and pixels without a magnitude, contain -1.6375e30, the HEALPix value for missing data. The keyword
+//! COORDSYS states whether longitude and latitude of the pixels are azimuth and altitude, or the observer's longitude
+//! and latitude in the satellite's frame; they are not celestial coordinates. Header text is ASCII: accents are
+//! removed, and text that is too long is truncated and ends in three dots.
 
 use std::fs;
 use std::path::Path;
@@ -21,17 +22,17 @@ use super::sky::SkyMap;
 /// HEALPix value for missing data.
 const BAD_DATA: f64 = -1.6375e30;
 
-/// A column: name, unit, and value of each cell.
+/// A column of the table: name, unit, and a function that returns the value of a pixel.
 type CellColumn<'a> = (&'static str, &'static str, Box<dyn Fn(usize) -> Option<f64> + 'a>);
 
 impl BodyMap {
     /// Returns the bytes of a FITS file with the column `standard_magnitude`.
     ///
-    /// CFITSIO writes files only: one is created in the folder `scratch` and removed.
+    /// CFITSIO can only write to a file, so a temporary file is created in the folder `scratch` and deleted afterwards.
     ///
     /// # Errors
-    /// [`MapError::Fits`] for a grid without HEALPix cells, and for errors of CFITSIO; [`MapError::Scratch`] where
-    /// `scratch` cannot be written to.
+    /// [`MapError::Fits`] if the grid is not a HEALPix grid or CFITSIO fails; [`MapError::Scratch`] if files cannot be
+    /// created in `scratch`.
     pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
         let magnitude = |index: usize| self.points[index].standard_magnitude.map(|magnitude| magnitude.0);
         let columns: [CellColumn<'_>; 1] = [("standard_magnitude", "mag", Box::new(magnitude))];
@@ -74,7 +75,7 @@ fn to_fits(
 ) -> Result<Vec<u8>, MapError> {
     let no_cells = || MapError::Fits("a regular grid has no HEALPix cells; specify an nside".to_owned());
     let nside = grid.nside().ok_or_else(no_cells)?;
-    // Errors of CFITSIO contain the folder.
+    // Error texts of CFITSIO contain the path of the folder.
     let folder = ScratchFolder::new(scratch).map_err(|error| MapError::Scratch(error.to_string()))?;
     let path = folder.path().join("map.fits");
     let cells: Vec<Option<u64>> = cells.collect();
@@ -122,13 +123,13 @@ fn cards(nside: u32, facts: &[Fact]) -> Vec<Card> {
     values.iter().flat_map(|(keyword, value, comment)| Card::with_value(keyword, value, comment)).collect()
 }
 
-/// Longest text of one card, in which a quote counts twice; CFITSIO truncates longer ones silently.
+/// Longest text of one header card, in which a quote counts twice. CFITSIO truncates longer texts without an error.
 const LONGEST: usize = 68;
 
 /// End of a truncated text.
 const TRUNCATED: &str = "...";
 
-/// Letters and symbols with a substitute in ASCII.
+/// Letters and symbols, each with its substitute in ASCII.
 const ASCII_SUBSTITUTES: &[(&str, &str)] = &[
     ("ÀÁÂÃÄÅĀĂĄ", "A"),
     ("àáâãäåāăą", "a"),
@@ -179,7 +180,8 @@ const ASCII_SUBSTITUTES: &[(&str, &str)] = &[
     ("\u{a0}\u{202f}", " "),
 ];
 
-/// Returns text for a card: accents removed, `?` for other characters, three dots at the end of a truncated text.
+/// Returns text for a header card: without accents, with `?` for other non-ASCII characters, and with three dots at the
+/// end if it had to be truncated.
 fn card_text(text: &str) -> String {
     let plain: String = text.chars().map(|c| in_ascii(c).unwrap_or_else(|| c.to_string())).collect();
     let width = |c: char| if c == '\'' { 2 } else { 1 };
@@ -196,7 +198,7 @@ fn card_text(text: &str) -> String {
     cut
 }
 
-/// Returns the ASCII substitute for a character; `None` where it is ASCII already.
+/// Returns the ASCII substitute for a character; `None` if the character is ASCII.
 fn in_ascii(c: char) -> Option<String> {
     let is_combining_mark = ('\u{300}'..='\u{36f}').contains(&c);
     match c {

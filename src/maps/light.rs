@@ -1,4 +1,4 @@
-//! Magnitudes of a map in the band and system of its options, and the metadata of a map.
+//! Magnitudes of a map in the band and magnitude system of its options, and the metadata of a map.
 
 use crate::geometry::ViewingGeometry;
 use crate::output::Provenance;
@@ -7,17 +7,18 @@ use crate::photometry::{
     airmass,
 };
 
-/// Distance of standard magnitudes, km.
+/// Range to which standard magnitudes refer, km.
 pub(super) const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// A brightness model with its options.
+/// A brightness model with photometric options, as used by maps.
 ///
-/// Maps need no sigma and no source; without these a direction takes a third of the time. A test compares both.
+/// Maps use neither the uncertainty nor the source of a magnitude. Omitting both makes a direction three times faster;
+/// a test compares the magnitudes.
 #[derive(Clone, Debug)]
 pub(super) struct MapPhotometry<'a> {
     model: &'a BrightnessModel,
     options: PhotometryOptions,
-    /// Offset from the band of the model to that of the options, mag.
+    /// Colour term from the band of the model to the band of the options, mag.
     colour_mag: f64,
 }
 
@@ -26,8 +27,8 @@ impl<'a> MapPhotometry<'a> {
         Self { model, options, colour_mag: model.colour_to_mag(options.band, options.system) }
     }
 
-    /// Returns the magnitude at 1000 km in sunlight reduced to `lit_fraction` (above 0) and, unless it is off,
-    /// earthshine; the Sun is at 1 au. `None` where no lit surface is visible.
+    /// Returns the magnitude at a range of 1000 km, with sunlight reduced to the fraction `lit_fraction` (above 0) and
+    /// with earthshine unless it is switched off. The Sun is at 1 au. `None` if no lit surface is visible.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry, lit_fraction: f64) -> Option<StandardMagnitude> {
         if self.has_earthshine() {
             let geometry = ViewingGeometry { range_km: STANDARD_RANGE_KM, ..*geometry };
@@ -39,33 +40,34 @@ impl<'a> MapPhotometry<'a> {
         self.shaded(StandardMagnitude(standard.0 + self.colour_mag), lit_fraction)
     }
 
-    /// Returns true where each direction needs its own sum over the Earth; without earthshine rows are computed at
-    /// once.
+    /// Returns true if each direction needs its own integral over the Earth. Without earthshine, all directions of a
+    /// row are computed together.
     pub fn has_earthshine(&self) -> bool {
         self.options.earthshine != Earthshine::Off && self.model.is_of_panels()
     }
 
-    /// Computes magnitudes at 1000 km in full sunlight; NaN where no lit surface is visible.
+    /// Computes the magnitudes at a range of 1000 km in full sunlight; NaN where no lit surface is visible.
     pub fn sunlight_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
         self.model.standard_magnitudes_at(positions, out);
         out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
     }
 
-    /// Same as [`Self::sunlight_at`], from directions in the body frame.
+    /// Computes the same as [`Self::sunlight_at`] for directions in the body frame.
     pub fn sunlight_towards(&self, angles: &BodyAngles, out: &mut [f64]) {
         self.model.standard_magnitudes(angles, out);
         out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
     }
 
-    /// Returns the magnitude in the Earth's shadow from that in full sunlight; `None` where no light remains.
+    /// Converts a magnitude in full sunlight to one with sunlight reduced to `lit_fraction`; `None` if no light
+    /// remains.
     pub fn shaded(&self, standard: StandardMagnitude, lit_fraction: f64) -> Option<StandardMagnitude> {
         let shade = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
         let magnitude = standard.0 + shade;
         magnitude.is_finite().then_some(StandardMagnitude(magnitude))
     }
 
-    /// Returns the apparent magnitude of a standard magnitude of 0 at this range and altitude; `None` with extinction
-    /// at and below the horizon, where the airmass is undefined.
+    /// Returns the apparent magnitude that corresponds to a standard magnitude of 0, at this range (km) and altitude
+    /// (radians). `None` if extinction is applied at or below the horizon, where the airmass is undefined.
     pub fn dimming(&self, range_km: f64, altitude_rad: f64) -> Option<Magnitude> {
         let air = match self.options.extinction_mag_per_airmass {
             Some(k) => k * airmass(altitude_rad)?,
@@ -74,7 +76,7 @@ impl<'a> MapPhotometry<'a> {
         Some(StandardMagnitude(0.0).at_range(range_km).dimmed_by(air))
     }
 
-    /// Returns the metadata: model, band and zero point.
+    /// Returns the metadata of the photometry: model, band and zero point.
     pub fn facts(&self) -> Vec<Fact> {
         let text = |shown: &dyn std::fmt::Display| FactValue::Text(shown.to_string());
         let mut facts = vec![
@@ -96,31 +98,31 @@ impl<'a> MapPhotometry<'a> {
         facts
     }
 
-    /// Returns the extinction, mag per airmass.
+    /// Returns the extinction, mag per airmass; `None` if no extinction is applied.
     pub fn extinction(&self) -> Option<f64> {
         self.options.extinction_mag_per_airmass
     }
 }
 
-/// One metadata entry of a map.
+/// One entry of the metadata of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fact {
-    /// Name in the provenance of a table, snake_case with the unit last.
+    /// Name in the provenance of a table, in snake_case with the unit at the end.
     pub name: &'static str,
     /// Keyword in a FITS header.
     pub keyword: &'static str,
-    /// Value.
+    /// Value of the entry.
     pub value: FactValue,
-    /// Comment in a FITS header.
+    /// Comment on the FITS header card.
     pub comment: &'static str,
 }
 
-/// Text or a number.
+/// Value of a metadata entry.
 #[derive(Clone, Debug, PartialEq)]
 pub enum FactValue {
     /// Text.
     Text(String),
-    /// A number in the unit of the name.
+    /// A number, in the unit in which the name of the entry ends.
     Real(f64),
 }
 
@@ -144,7 +146,7 @@ impl Fact {
     }
 }
 
-/// Removes the rounding of a conversion from degrees to radians and back.
+/// Rounds away the error of a conversion from degrees to radians and back.
 pub(super) fn rounded(number: f64) -> f64 {
     (number * 1e9).round() / 1e9
 }

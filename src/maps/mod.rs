@@ -1,8 +1,8 @@
-//! Magnitude maps: all directions below a satellite, and the sky of a site.
+//! Magnitude maps: all directions below a satellite, and all directions of the sky above a site.
 //!
-//! `grid` holds the directions of a map, `body` and `sky` compute one direction or all of a grid, `light` the
-//! magnitudes, `tables` and `healpix_file` write maps, `shadow_edge` computes the edge of the Earth's shadow, and
-//! `paper` lists the panels of figures 6 to 9 of Lu (2024).
+//! `grid` holds the directions of a map; `body` and `sky` compute one direction or a whole grid, with magnitudes from
+//! `light`; `tables` and `healpix_file` write maps; `shadow_edge` computes the edge of the Earth's shadow; and `paper`
+//! lists the panels of figures 6 to 9 of Lu (2024).
 
 mod body;
 mod error;

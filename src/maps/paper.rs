@@ -3,14 +3,14 @@
 /// One panel of a figure.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum FigurePanel {
-    /// Standard magnitudes below the satellite.
+    /// Map of standard magnitudes below a satellite.
     Body {
         /// The Sun's latitude above the plane of the chassis, degrees.
         sun_latitude_deg: f64,
         /// Height of the satellite, km.
         height_km: f64,
     },
-    /// Apparent magnitudes over the sky.
+    /// Map of apparent magnitudes over the sky.
     Sky {
         /// The Sun's altitude above the horizon, degrees.
         sun_altitude_deg: f64,
@@ -19,14 +19,14 @@ pub enum FigurePanel {
     },
 }
 
-/// One figure of three panels, (a) to (c).
+/// A figure of three panels, (a) to (c).
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PaperFigure {
-    /// Number in the paper.
+    /// Number of the figure in the paper.
     pub number: u8,
-    /// Panels from high Sun to low Sun.
+    /// Panels in the order of decreasing altitude of the Sun.
     pub panels: [FigurePanel; 3],
-    /// Range of magnitudes in the paper's captions; none for figure 6.
+    /// Range of magnitudes that the caption states; `None` for figure 6, whose caption states none.
     pub stated_range_mag: Option<[f64; 2]>,
 }
 
@@ -38,7 +38,7 @@ const fn sky(height_km: f64, sun_altitude_deg: f64) -> FigurePanel {
     FigurePanel::Sky { sun_altitude_deg, height_km }
 }
 
-/// Figures 6 to 9.
+/// Figures 6 to 9 of Lu (2024).
 pub const PAPER_FIGURES: [PaperFigure; 4] = [
     PaperFigure { number: 6, panels: [body(-8.0), body(-14.0), body(-20.0)], stated_range_mag: None },
     PaperFigure {

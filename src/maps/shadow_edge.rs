@@ -6,24 +6,24 @@ use nalgebra::Vector3;
 
 use super::sky::SkyView;
 
-/// Precision of the edge, an angle at the Earth's centre, radians: a metre at 1000 km of height.
+/// Precision of the edge as an angle at the Earth's centre, radians; a metre for satellites 1000 km high.
 const CLOSE_RAD: f64 = 1e-7;
 
-/// One direction in which a satellite sees half of the Sun's light.
+/// A direction in which a satellite at the edge of the shadow receives half of the Sun's light.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ShadowEdgePoint {
     /// Azimuth from north through east, [0, 2π), radians.
     pub azimuth_rad: f64,
-    /// Altitude above the horizon, radians; negative where the edge runs below it.
+    /// Altitude above the horizon, radians; negative where the edge is below the horizon.
     pub altitude_rad: f64,
 }
 
 impl SkyView<'_> {
-    /// Returns the edge of the shadow on the sphere of the satellites, where half of the Sun's light remains: `count`
-    /// points around the axis of the shadow, a closed line. Points below the horizon are included.
+    /// Returns the edge of the Earth's shadow on the sphere of the satellites, where half of the Sun's light remains.
+    /// The result is a closed line of `count` points around the axis of the shadow, points below the horizon included.
     ///
-    /// The edge is nearly a circle about the axis; on each of `count` great circles through the axis it is found by
-    /// bisection. Empty where the shadow does not reach the satellites.
+    /// The edge is nearly a circle around the axis. On each of `count` great circles through the axis it is found by
+    /// bisection. The result is empty if the shadow does not reach the height of the satellites.
     pub fn shadow_edge(&self, count: usize) -> Vec<ShadowEdgePoint> {
         let to_sun = self.sun.vector().normalize();
         let aside = if to_sun.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
@@ -50,7 +50,7 @@ impl SkyView<'_> {
                     }
                 }
                 let sight = position(around_rad, lit_rad) - self.observer.vector();
-                // The axes are north, east, zenith: see `SkyView::row`.
+                // The axes are north, east and zenith, as in `SkyView::row`.
                 let local = self.axes.transpose() * sight / sight.norm();
                 Some(ShadowEdgePoint {
                     azimuth_rad: local.y.atan2(local.x).rem_euclid(TAU),

@@ -1,4 +1,4 @@
-//! Apparent magnitude over the sky of a site: satellites of one height, one position of the Sun.
+//! Apparent magnitude over the sky of a site, for satellites of one height and one position of the Sun.
 //!
 //! ```text
 //!            satellite ·---- ρ = -b + √(b² + r² - q²)          q  observer's distance from the Earth's centre
@@ -10,11 +10,11 @@
 //!            Earth's centre
 //! ```
 //!
-//! A direction above the horizon meets the sphere of the satellites in one point. Without a site the Earth and its
-//! shadow are those of a sphere of 6378.137 km, with the observer on its surface; with a site the observer is on the
-//! WGS84 ellipsoid, altitudes are above the plane perpendicular to its normal, and the shadow is that of the ellipsoid.
-//! Altitudes are geometric, without refraction; [`SkyView::with_shadow`] selects the model of light that grazes the
-//! Earth.
+//! A line of sight above the horizon meets the sphere of the satellites in one point. Without a site, the Earth is a
+//! sphere of 6378.137 km, and the observer is on its surface. With a site, the Earth is the WGS84 ellipsoid, and
+//! altitudes are measured from the plane perpendicular to the ellipsoid's normal. The shadow is that of the same sphere
+//! or ellipsoid. Altitudes are geometric, without refraction. [`SkyView::with_shadow`] selects the model of the
+//! sunlight that grazes the Earth.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -27,30 +27,30 @@ use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
 use super::light::{Fact, FactValue, MapPhotometry, rounded};
 
-/// Figure of the Earth.
+/// Shape of the Earth for a map of the sky.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Earth {
-    /// Sphere of 6378.137 km, the observer on its surface, as in the paper.
+    /// Sphere of radius 6378.137 km with the observer on its surface, as in Lu (2024).
     Sphere,
-    /// The WGS84 ellipsoid, the observer at this site.
+    /// WGS84 ellipsoid with the observer at this site.
     Ellipsoid(Site),
 }
 
-/// Brightness of satellites of one height in any direction of the sky of a site.
+/// Brightness of satellites of one height, in any direction of the sky of a site.
 ///
-/// Azimuths are from north through east, altitudes above the horizon. The Sun is at 1 au.
+/// Azimuths are measured from north through east, altitudes from the horizon. The Sun is at 1 au.
 #[derive(Clone, Debug)]
 pub struct SkyView<'a> {
     light: MapPhotometry<'a>,
     earth: Earth,
     shadow: ShadowModel,
-    /// Rotation from north, east, zenith to the Earth's own axes.
+    /// Rotation from north, east and zenith to the Earth-fixed axes.
     pub(super) axes: Matrix3<f64>,
     pub(super) observer: Position<Gcrs>,
     pub(super) sun: Position<Gcrs>,
     pub(super) radius_km: f64,
     per_radius_km: f64,
-    /// The difference q² - r² of the figure in the module docs, km²; negative.
+    /// The difference q² - r² of the drawing in the module documentation, km²; it is negative.
     below_km2: f64,
     sun_azimuth_rad: f64,
     sun_altitude_rad: f64,
@@ -67,27 +67,29 @@ pub struct SkyPoint {
     pub range_km: f64,
     /// Fraction of the Sun's light that reaches the satellite, [0, 1]; 0 in the umbra.
     pub lit_fraction: f64,
-    /// Apparent magnitude; `None` in the umbra, where no lit surface is visible, and with extinction on the horizon.
+    /// Apparent magnitude; `None` in the umbra, if no lit surface is visible, and on the horizon if extinction is
+    /// applied.
     pub magnitude: Option<Magnitude>,
 }
 
 /// Apparent magnitudes over the sky of a site.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyMap {
-    /// Directions.
+    /// Grid of the directions.
     pub grid: Grid,
-    /// Metadata: model, options and geometry.
+    /// Metadata of the map: model, options and geometry.
     pub facts: Vec<Fact>,
-    /// Values in the order of the grid; regular grids begin on the horizon.
+    /// Values in the order of the grid. Regular grids begin on the horizon.
     pub points: Vec<SkyPoint>,
 }
 
 impl<'a> SkyView<'a> {
-    /// Creates a view of satellites `height_km` above 6378.137 km with the Sun at a geometric azimuth and altitude,
+    /// Creates a view of satellites `height_km` above 6378.137 km, with the Sun at a geometric azimuth and altitude in
     /// radians.
     ///
     /// # Errors
-    /// An altitude of the Sun beyond ±90°, an azimuth beyond ±360°, a height outside 0 to 100,000 km or below the site.
+    /// The Sun's altitude is beyond ±90° or its azimuth beyond ±360°, or the height is not between 0 and 100,000 km or
+    /// is below the site.
     pub fn new(
         model: &'a BrightnessModel,
         earth: Earth,
@@ -101,7 +103,7 @@ impl<'a> SkyView<'a> {
         let is_angle = azimuth_deg.abs() <= 360.0 + 1e-9;
         super::error::in_range("Sun's azimuth", azimuth_deg, " deg", "-360 to 360 deg", is_angle)?;
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height(height_km)?;
-        // The rotation of the Earth is irrelevant here: terrestrial axes are used as celestial ones.
+        // The rotation of the Earth does not matter here, so that Earth-fixed axes serve as celestial axes.
         let (horizon, observer) = match &earth {
             Earth::Sphere => (itrs_to_horizontal(0.0, 0.0), Vector3::new(EARTH_EQUATORIAL_RADIUS_KM, 0.0, 0.0)),
             Earth::Ellipsoid(site) => {
@@ -130,12 +132,12 @@ impl<'a> SkyView<'a> {
         })
     }
 
-    /// Replaces the geometric shadow by another model.
+    /// Sets the model of the Earth's shadow, which is geometric by default.
     pub fn with_shadow(self, shadow: ShadowModel) -> Self {
         Self { shadow, ..self }
     }
 
-    /// Returns the figure of the Earth.
+    /// Returns the shape of the Earth.
     pub fn earth(&self) -> &Earth {
         &self.earth
     }
@@ -150,23 +152,23 @@ impl<'a> SkyView<'a> {
         self.sun_altitude_rad
     }
 
-    /// Returns the extinction, mag per airmass; `None` for magnitudes above the atmosphere.
+    /// Returns the extinction, mag per airmass; `None` if magnitudes are without extinction.
     pub fn extinction_mag_per_airmass(&self) -> Option<f64> {
         self.light.extinction()
     }
 
-    /// Returns the height of the satellites above 6378.137 km, km.
+    /// Returns the height of the satellites above 6378.137 km, in km.
     pub fn height_km(&self) -> f64 {
         self.radius_km - EARTH_EQUATORIAL_RADIUS_KM
     }
 
-    /// Computes one direction. Below the horizon the point is where the line of sight leaves the Earth on the other
-    /// side.
+    /// Computes the brightness in one direction, given in radians. For a direction below the horizon, the satellite is
+    /// where the line of sight meets the sphere of the satellites on the other side of the Earth.
     pub fn at(&self, azimuth_rad: f64, altitude_rad: f64) -> SkyPoint {
         self.point(&self.row(altitude_rad), azimuth_rad)
     }
 
-    /// Returns the metadata: model, options and geometry.
+    /// Returns the metadata of the view: model, options and geometry.
     pub fn facts(&self) -> Vec<Fact> {
         let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let earth = match &self.earth {
@@ -202,7 +204,8 @@ impl<'a> SkyView<'a> {
         facts
     }
 
-    /// Computes all directions of a grid at or above the horizon, on all threads of the current pool.
+    /// Computes the brightness for all directions of a grid at or above the horizon, on all threads of the current
+    /// pool.
     pub fn map(&self, grid: Grid) -> SkyMap {
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
         let points = fill(grid.northern(), blank, |grid_row, points| {
@@ -217,10 +220,10 @@ impl<'a> SkyView<'a> {
         SkyMap { grid, facts: self.facts(), points }
     }
 
-    /// Computes the quantities that are the same at every azimuth.
+    /// Computes the quantities that are the same at all azimuths of one altitude.
     fn row(&self, altitude_rad: f64) -> Row {
         let (sin, cos) = altitude_rad.sin_cos();
-        // On a sphere the range depends on the altitude only.
+        // On a sphere the range depends only on the altitude.
         let range_and_dimming = (self.earth == Earth::Sphere).then(|| {
             let range_km = self.range_km(EARTH_EQUATORIAL_RADIUS_KM * sin);
             (range_km, self.light.dimming(range_km, altitude_rad))
@@ -229,7 +232,8 @@ impl<'a> SkyView<'a> {
         Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, range_and_dimming }
     }
 
-    /// Fills a row of one altitude at once; equal to point by point within 1e-9 mag.
+    /// Computes all directions of one altitude together; the values agree within 1e-9 mag with those of
+    /// [`at`](Self::at).
     fn fill_by_columns(&self, row: &Row, grid_row: &GridRow, points: &mut [SkyPoint]) {
         let mut columns = [const { Vec::new() }; 3];
         columns.iter_mut().for_each(|column: &mut Vec<f64>| column.reserve(points.len()));
@@ -260,8 +264,8 @@ impl<'a> SkyView<'a> {
         }
     }
 
-    /// Returns the unit vector of a direction (from sine and cosine of its azimuth), the range of the satellite, and
-    /// the dimming by distance and air.
+    /// Returns the unit vector of a direction (given by sine and cosine of its azimuth), the range of the satellite,
+    /// and the change of its magnitude by distance and extinction.
     fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
         let (range_km, dimming) = row.range_and_dimming.unwrap_or_else(|| {
@@ -283,10 +287,10 @@ impl<'a> SkyView<'a> {
         SkyPoint { azimuth_rad, altitude_rad: row.altitude_rad, range_km, lit_fraction, magnitude }
     }
 
-    /// Returns the range of the satellites along a direction on which the observer's position has the component
-    /// `along_km` (b in the module docs).
+    /// Returns the range of the satellites in a direction. `along_km` is the component of the observer's position along
+    /// this direction (b in the module documentation).
     fn range_km(&self, along_km: f64) -> f64 {
-        // ρ = -b + √(b² - c), c = q² - r² < 0; rewritten where b > 0 to avoid cancellation.
+        // ρ = -b + √(b² - c), with c = q² - r² < 0. For b > 0 it is rewritten to avoid cancellation.
         let root = (along_km * along_km - self.below_km2).sqrt();
         if along_km > 0.0 { -self.below_km2 / (along_km + root) } else { root - along_km }
     }
@@ -303,7 +307,8 @@ impl<'a> SkyView<'a> {
                 }
                 let cos = (towards_sun * (self.per_radius_km / AU_KM)).max(-1.0);
                 let sin = (1.0 - cos * cos).sqrt();
-                // On a sphere only the angle to the Sun matters; in the plane of the equator the ellipsoid is a circle.
+                // On a sphere only the angle to the Sun matters, so the position is moved to the plane of the equator,
+                // where the ellipsoid is a circle.
                 let turned = || {
                     let position = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
                     self.shadow.illumination(&position, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
@@ -311,8 +316,8 @@ impl<'a> SkyView<'a> {
                 if self.shadow != ShadowModel::Geometric {
                     return turned();
                 }
-                // Distance from the shadow's axis, compared with the Earth's radius minus or plus the Sun's disk
-                // (0.0047 rad).
+                // Distance from the axis of the shadow, compared with the Earth's radius minus or plus the Sun's
+                // angular radius (0.0047 rad) times the distance behind the Earth.
                 let (across_km, slope_km) = (self.radius_km * sin, -0.005 * self.radius_km * cos);
                 if across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
                     return 1.0;
@@ -326,14 +331,14 @@ impl<'a> SkyView<'a> {
     }
 }
 
-/// Directions of one altitude.
+/// Quantities that all directions of one altitude have in common.
 #[derive(Copy, Clone, Debug)]
 struct Row {
     altitude_rad: f64,
-    /// A direction is up + north cos(azimuth) + east sin(azimuth).
+    /// The direction at an azimuth is up + north cos(azimuth) + east sin(azimuth).
     up: Vector3<f64>,
     north: Vector3<f64>,
     east: Vector3<f64>,
-    /// Range and dimming by distance and air, where they are the same for all azimuths.
+    /// Range, and change of magnitude by distance and extinction, if they are the same for all azimuths.
     range_and_dimming: Option<(f64, Option<Magnitude>)>,
 }

@@ -1,4 +1,4 @@
-//! Maps as tables.
+//! Conversion of maps to tables.
 
 use crate::output::{Column, Kind, Table, Value};
 
@@ -37,8 +37,9 @@ const SKY: [Column; 4] = [
 ];
 
 impl BodyMap {
-    /// Returns a table with one row for each direction: `observer_longitude_deg, observer_latitude_deg,
-    /// standard_magnitude`; a HEALPix map has `healpix_cell` before them.
+    /// Returns a table with one row for each direction and the columns `observer_longitude_deg`,
+    /// `observer_latitude_deg` and `standard_magnitude`; the table of a HEALPix map begins with the column
+    /// `healpix_cell`.
     pub fn table(&self) -> Table {
         let row = |(index, point): (usize, &super::BodyPoint)| {
             let numbers = [
@@ -53,8 +54,8 @@ impl BodyMap {
 }
 
 impl SkyMap {
-    /// Returns a table with one row for each direction: `azimuth_deg, altitude_deg, range_km, magnitude`; a HEALPix map
-    /// has `healpix_cell` before them.
+    /// Returns a table with one row for each direction and the columns `azimuth_deg`, `altitude_deg`, `range_km` and
+    /// `magnitude`; the table of a HEALPix map begins with the column `healpix_cell`.
     pub fn table(&self) -> Table {
         let row = |(index, point): (usize, &super::SkyPoint)| {
             let numbers = [

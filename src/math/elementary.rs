@@ -1,11 +1,11 @@
 //! Sine, logarithm and exponential without branches, so that loops over them can be vectorised.
 //!
-//! The error is at most 1e-13 in the stated ranges; magnitudes require 1e-10. The parameter `F` is true on machines
-//! with fused multiply-add; on other machines `mul_add` would be a slow library call.
+//! The error is at most 1e-13 in the stated ranges, while magnitudes need only 1e-10. The parameter `F` is true on
+//! machines with fused multiply-add; on other machines `mul_add` would call a slow library function.
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 
-/// 1.5 · 2⁵²: adding a number to it rounds the number to an integer in the lowest bits.
+/// 1.5 · 2⁵²: the sum of this and a smaller number is rounded to an integer, which is found in the lowest bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
 /// Returns a b + c.
@@ -36,8 +36,8 @@ fn polynomial<const F: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> 
     sum
 }
 
-/// Returns sine and cosine of an angle of at most some hundred turns, radians; the error is 5e-14 plus 1e-16 of the
-/// angle.
+/// Returns sine and cosine of an angle in radians, of at most some hundred turns. The error is 5e-14 plus 1e-16 times
+/// the angle.
 #[inline(always)]
 pub fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     // π/2 as a sum of three parts, the first two short enough that their multiples are exact.
@@ -76,14 +76,14 @@ pub fn sin_cos<const F: bool>(x: f64) -> (f64, f64) {
     )
 }
 
-/// Returns the natural logarithm of a positive normal number; the error is 1.2e-14 plus 2e-16 of the result.
+/// Returns the natural logarithm of a positive normal number. The error is 1.2e-14 plus 2e-16 times the result.
 #[inline(always)]
 pub fn ln<const F: bool>(x: f64) -> f64 {
     let (exponent, m) = exponent_and_mantissa(x);
     ln_of_parts::<F>(exponent, (m - 1.0) / (m + 1.0))
 }
 
-/// Returns k and m of x = 2ᵏ m with m from √½ to √2.
+/// Returns k and m such that x = 2ᵏ m and √½ ≤ m < √2.
 #[inline(always)]
 fn exponent_and_mantissa(x: f64) -> (f64, f64) {
     /// The bits of √½, the lower end of the range of m.
@@ -108,7 +108,7 @@ fn ln_of_parts<const F: bool>(exponent: f64, f: f64) -> f64 {
     fused::<F>(exponent, LN_2, fused::<F>(series * s, f, 2.0 * f))
 }
 
-/// Returns eˣ for x ≤ 700, 0 below -700; the error is 1e-14 of the result plus 1e-16 of x.
+/// Returns eˣ for x ≤ 700, and 0 below -700. The error is 1e-14 times the result plus 1e-16 times x.
 #[inline(always)]
 pub fn exp<const F: bool>(x: f64) -> f64 {
     // ln 2 as a sum of two parts, the first short enough that its multiples are exact.
@@ -135,7 +135,7 @@ pub fn exp<const F: bool>(x: f64) -> f64 {
             1.0,
         ],
     );
-    // The bits of 2ᵏ as an exponent; the low bits of `shifted` contain k.
+    // The bits of the number 2ᵏ: k, which is in the low bits of `shifted`, is shifted to the exponent field.
     let scale = f64::from_bits(shifted.to_bits().wrapping_add(1023) << 52);
     if x > -700.0 { value * scale } else { 0.0 }
 }

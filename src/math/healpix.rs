@@ -1,62 +1,62 @@
-//! HEALPix cells in RING order: number of cells, their centres, and the cell of a direction.
+//! HEALPix pixels in RING order: number of pixels, centre of a pixel, and the pixel that contains a direction.
 //!
-//! Górski et al. (2005, ApJ 622, 759). In RING order cells are counted along rings of equal latitude from the north
-//! pole to the south pole, so that half of the sphere is a contiguous range.
+//! Source: Górski et al. (2005, ApJ 622, 759). In RING order pixels are counted along rings of equal latitude from the
+//! north pole to the south pole, so that the northern hemisphere is a contiguous range of numbers.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Largest supported nside: 12 × 1024² cells of 3.4 arcmin.
+/// Largest supported nside, with 12 × 1024² pixels of 3.4 arcmin.
 pub const MOST_NSIDE: u32 = 1024;
 
-/// Returns the number of cells of the whole sphere, 12 N².
+/// Returns the number of pixels of the whole sphere, 12 nside².
 pub const fn cell_count(nside: u32) -> u64 {
     12 * nside as u64 * nside as u64
 }
 
-/// Returns the number of cells with centres on the equator or north of it, the first ones in RING order.
+/// Returns the number of pixels with centres on or north of the equator. These are the first pixels in RING order.
 pub const fn northern_cell_count(nside: u32) -> u64 {
-    // Half of the cells, and half of the 4 N cells of the equatorial ring.
+    // Half of all pixels, and half of the 4 nside pixels of the equatorial ring.
     cell_count(nside) / 2 + 2 * nside as u64
 }
 
-/// A ring of cells of one latitude, equally spaced.
+/// A ring of equally spaced pixels at one latitude.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Ring {
-    /// Number of cells.
+    /// Number of pixels.
     pub count: u32,
-    /// Longitude of the first cell, radians.
+    /// Longitude of the centre of the first pixel, radians.
     pub first_rad: f64,
-    /// Latitude, [0, π/2), radians.
+    /// Latitude of the centres of the pixels, [0, π/2), radians.
     pub latitude_rad: f64,
 }
 
-/// Returns the rings from the north pole to the equator, including the equatorial one, in RING order; those of the
-/// south are their mirror images.
+/// Returns the rings from the north pole to the equator, the equatorial ring included, in RING order. The southern
+/// rings are their mirror images.
 pub fn northern_rings(nside: u32) -> impl Iterator<Item = Ring> {
     let n = f64::from(nside);
     (1..=2 * nside).map(move |ring| {
         let i = f64::from(ring);
-        // Cap: 4 i cells, 1 - sin b = i² / (3 N²) = 2 sin²(θ/2).          eq. 4
-        // Belt: 4 N cells, sin b = 4/3 - 2 i / (3 N).                      eq. 8
+        // Polar cap: 4 i pixels, 1 - sin b = i² / (3 N²) = 2 sin²(θ/2).    eq. 4
+        // Equatorial belt: 4 N pixels, sin b = 4/3 - 2 i / (3 N).          eq. 8
         let (count, latitude_rad) = if ring < nside {
             (4 * ring, FRAC_PI_2 - 2.0 * (i / (n * 6_f64.sqrt())).asin())
         } else {
             (4 * nside, ((2.0 * n - i) / (1.5 * n)).asin())
         };
-        // In the cap and in every other ring of the belt the first cell is half a step off the meridian. eqs. 5, 9
+        // In the caps and in every other ring of the belt, the first pixel is half a step from longitude 0. eqs. 5, 9
         let is_half = ring < nside || (ring - nside).is_multiple_of(2);
         let first_rad = if is_half { PI / f64::from(count) } else { 0.0 };
         Ring { count, first_rad, latitude_rad }
     })
 }
 
-/// Returns longitude in [0, 2π) and latitude of a cell's centre, radians; `None` for an invalid cell.
+/// Returns longitude in [0, 2π) and latitude of the centre of a pixel, radians; `None` for an invalid pixel number.
 pub fn ring_centre_rad(nside: u32, cell: u64) -> Option<(f64, f64)> {
     ((1..=MOST_NSIDE).contains(&nside) && cell < cell_count(nside)).then(|| cdshealpix::ring::center(nside, cell))
 }
 
-/// Returns the cell of a direction, with longitude of any turn and latitude in [-π/2, π/2], radians; `None` for another
-/// latitude, an angle that is not finite, or an unsupported nside.
+/// Returns the number of the pixel that contains a direction. The longitude may be any finite angle, the latitude must
+/// be in [-π/2, π/2], radians. `None` for other angles or an unsupported nside.
 pub fn ring_cell(nside: u32, longitude_rad: f64, latitude_rad: f64) -> Option<u64> {
     let is_sound = (1..=MOST_NSIDE).contains(&nside) && longitude_rad.is_finite() && latitude_rad.abs() <= FRAC_PI_2;
     is_sound.then(|| cdshealpix::ring::hash(nside, longitude_rad.rem_euclid(TAU), latitude_rad))

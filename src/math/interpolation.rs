@@ -1,12 +1,12 @@
-//! Cubics through four evenly spaced nodes.
+//! Cubic interpolation through four evenly spaced nodes.
 
-/// Lagrange's weights of four nodes at 0, 1, 2, 3 for the value at `u`.
+/// Returns the Lagrange weights of four nodes at 0, 1, 2 and 3 for the interpolated value at `u`.
 pub fn cubic_weights(u: f64) -> [f64; 4] {
     let (a, b, c, d) = (u, u - 1.0, u - 2.0, u - 3.0);
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }
 
-/// Derivatives of [`cubic_weights`] by `u`.
+/// Returns the derivatives of [`cubic_weights`] with respect to `u`.
 pub fn cubic_slopes(u: f64) -> [f64; 4] {
     let (a, b, c, d) = (u, u - 1.0, u - 2.0, u - 3.0);
     [

@@ -1,18 +1,19 @@
-//! Minimum of a function of one number.
+//! Minimum of a function of one variable.
 
-/// Largest number of steps; this many golden sections shrink a bracket by a factor of 10¹⁰.
+/// Largest number of steps. This many golden-section steps shrink the interval by a factor of 10¹⁰.
 const MOST_STEPS: usize = 48;
 
-/// (3 - √5)/2: the smaller part of a golden section.
+/// (3 - √5)/2: the smaller part of an interval divided by the golden section.
 const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
-/// Returns position and value of a minimum between two ends, from a start between or at them with known value.
+/// Returns the position and value of a minimum in an interval. The search starts from a point in the interval, whose
+/// value is given.
 ///
-/// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5): the vertex of the parabola
-/// through the three best points if the previous steps are small enough, otherwise a golden section. The position is
-/// accurate to two tolerances if the function falls to one minimum and rises again, and its value is the lowest one
-/// evaluated; values that are not finite are treated as larger than all others. A start at an end is returned if the
-/// function rises from there.
+/// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5) goes to the vertex of the parabola
+/// through the three best points if the previous steps were small enough, otherwise it makes a golden-section step. If
+/// the function has a single minimum, the position is accurate to two tolerances, and the value is the lowest one
+/// evaluated. Values that are not finite are treated as larger than all others. If the start is an end of the interval
+/// and the function rises from there, the start is returned.
 pub fn minimum(
     mut function: impl FnMut(f64) -> f64,
     [mut low, mut high]: [f64; 2],
@@ -30,7 +31,7 @@ pub fn minimum(
         best = (inward, value);
     }
     let (mut second, mut third) = (best, best);
-    // The last step, and the one before it.
+    // The last step, and the step before it.
     let (mut step, mut earlier) = (0.0_f64, 0.0_f64);
     for _ in 0..MOST_STEPS {
         let middle = 0.5 * (low + high);

@@ -1,5 +1,5 @@
 //! Numerical routines without astronomy: elementary functions, interpolation, quadrature, minima, quantiles, HEALPix,
-//! and vector loops.
+//! and vectorised loops.
 
 pub(crate) mod elementary;
 pub mod healpix;

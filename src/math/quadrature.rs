@@ -1,13 +1,15 @@
-//! Gauss's rule for integrals of smooth functions.
+//! Gauss-Legendre quadrature for integrals of smooth functions.
 
 use std::f64::consts::PI;
 
-/// Returns nodes on (0, 1) and weights that sum to 1, `(n_node)`: exact for polynomials up to degree 2n - 1.
+/// Returns `count` pairs of a node in (0, 1) and its weight; the weights sum to 1. The rule is exact for polynomials up
+/// to degree 2 `count` - 1.
 pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)
         .map(|node| {
-            // Roots of Pₙ by Newton's method from Tricomi's estimate; Pₙ and Pₙ₋₁ by their recurrence.
+            // The nodes are the roots of Pₙ, found by Newton's method from Tricomi's estimate; Pₙ and Pₙ₋₁ follow from
+            // their recurrence.
             let mut x = (PI * (node as f64 + 0.75) / (n + 0.5)).cos();
             let mut slope = 1.0;
             for _ in 0..8 {

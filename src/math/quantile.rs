@@ -1,9 +1,9 @@
 //! Quantiles of samples.
 
-/// Returns the value below which this fraction of sorted samples lies, linear between neighbours (NumPy's default,
-/// Hyndman and Fan's type 7).
+/// Returns the value below which the fraction `share` of the sorted samples lies, interpolated linearly between
+/// neighbouring samples (NumPy's default, Hyndman and Fan's type 7).
 ///
-/// NaN without samples; `share` outside 0 to 1 is clamped.
+/// NaN if there are no samples; `share` is clamped to [0, 1].
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let at = share.clamp(0.0, 1.0) * last as f64;

@@ -1,10 +1,10 @@
-//! Loops in the widest vectors of the machine.
+//! Loops compiled for the widest vector instructions of the machine.
 
 use pulp::Arch;
 pub use pulp::NullaryFnOnce;
 
-/// Runs code in the version compiled for the vector instructions of this machine. All functions that it calls must be
-/// `#[inline(always)]`, because others are compiled for the baseline instructions only.
+/// Runs code in the version compiled for the vector instructions of this machine. All functions that the code calls
+/// must be `#[inline(always)]`, because functions that are not inlined use the baseline instructions only.
 pub fn widest<Work: NullaryFnOnce>(work: Work) -> Work::Output {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
@@ -15,7 +15,7 @@ pub fn widest<Work: NullaryFnOnce>(work: Work) -> Work::Output {
     }
 }
 
-/// A loop for [`widest_fused`]. `run` and all called functions must be `#[inline(always)]`.
+/// A loop for [`widest_fused`]. `run` and all functions that it calls must be `#[inline(always)]`.
 pub trait Kernel {
     /// Result of the loop.
     type Output;
@@ -24,7 +24,7 @@ pub trait Kernel {
     fn run<const F: bool>(self) -> Self::Output;
 }
 
-/// Runs a loop in the widest vectors of the machine, with fused multiply-add if available.
+/// Runs a loop with the widest vector instructions of the machine, and with fused multiply-add if available.
 pub fn widest_fused<K: Kernel>(kernel: K) -> K::Output {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]

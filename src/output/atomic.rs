@@ -1,4 +1,5 @@
-//! Files written completely or not at all: each is a temporary file in the folder of its target, renamed at the end.
+//! Files that are written completely or not at all. The data go to a temporary file in the folder of the target, which
+//! is renamed at the end.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -32,7 +33,7 @@ impl AtomicFile {
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = Builder::new();
         builder.prefix(".streakcast-").suffix(".part");
-        // The usual permissions of a new file. Temporary files are by default readable only by their owner.
+        // A new file gets the usual permissions; by default temporary files are readable only by their owner.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let temporary = builder.tempfile_in(folder).map_err(|error| folder_error(folder, &error))?;
@@ -57,7 +58,7 @@ impl AtomicFile {
         self.temporary.path()
     }
 
-    /// Replaces the temporary file by the file `made` of the same folder.
+    /// Replaces the temporary file by the file `made`, which is in the same folder.
     ///
     /// # Errors
     /// The file cannot be renamed or opened.
@@ -75,14 +76,14 @@ impl AtomicFile {
     /// Syncs the file to disk and renames it to its target, replacing any file there.
     ///
     /// # Errors
-    /// Any error of the system; an old file at the target is then unchanged.
+    /// Any error of the operating system; a file that existed at the target is then unchanged.
     pub fn finish(self) -> io::Result<()> {
         self.temporary.as_file().sync_all()?;
         self.rename()
     }
 
-    /// Renames the file as [`finish`](AtomicFile::finish), but syncs to disk only if it replaces another file. For
-    /// large files that can be regenerated: a power failure may leave a new file incomplete.
+    /// Renames the file as [`finish`](AtomicFile::finish) does, but syncs it to disk only if it replaces another file.
+    /// Meant for large files that can be regenerated: after a power failure a new file may be incomplete.
     ///
     /// # Errors
     /// Same as [`finish`](AtomicFile::finish).
@@ -114,7 +115,8 @@ impl ScratchFolder {
     }
 }
 
-/// Returns the error with the name of the folder instead of that of the temporary file, which the user did not choose.
+/// Returns the error with the name of the folder in place of the name of the temporary file, which the user does not
+/// know.
 fn folder_error(folder: &Path, error: &io::Error) -> io::Error {
     let text = error.to_string();
     let cause = text.split_once(" at path ").map_or(text.as_str(), |(cause, _)| cause);
@@ -129,17 +131,17 @@ pub fn check_target(target: &Path) -> io::Result<()> {
     if is_special(target) { Ok(()) } else { AtomicFile::check(target) }
 }
 
-/// Largest number of symbolic links that are followed, as on Linux (`man 7 path_resolution`).
+/// Largest number of symbolic links that are followed, the same as on Linux (`man 7 path_resolution`).
 const MOST_LINKS: usize = 40;
 
-/// Follows the symbolic links at `target`, also if the last one points to a missing file.
+/// Follows the symbolic links at `target`, even if the last link points to a missing file.
 fn behind_links(target: &Path) -> io::Result<PathBuf> {
     let mut target = target.to_owned();
     for _ in 0..=MOST_LINKS {
         if !target.is_symlink() {
             return Ok(target);
         }
-        // A relative link starts in its own folder; `join` keeps an absolute one.
+        // A relative link is relative to the folder of the link; `join` leaves an absolute path unchanged.
         let link = std::fs::read_link(&target)?;
         target = target.parent().unwrap_or(Path::new("")).join(link);
     }
@@ -148,7 +150,7 @@ fn behind_links(target: &Path) -> io::Result<PathBuf> {
     )))
 }
 
-/// Returns true for a pipe, a terminal or another device, which a rename would replace.
+/// Returns true for a pipe, a terminal or another device; renaming a file to its path would replace the device.
 fn is_special(target: &Path) -> bool {
     target.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
@@ -156,7 +158,7 @@ fn is_special(target: &Path) -> bool {
 /// Writes a file completely or not at all. Pipes, terminals and other devices are written to directly.
 ///
 /// # Errors
-/// Any error of the writer or the system; no incomplete file remains.
+/// Any error of `write` or of the operating system; no incomplete file remains.
 pub fn write_atomically(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     if is_special(target) {
         let mut out = BufWriter::new(File::options().write(true).open(target)?);

@@ -1,4 +1,4 @@
-//! CSV and ECSV: a header with provenance, a line of column names, then the rows.
+//! CSV and ECSV: a header with provenance, a line with the column names, then the rows.
 
 use std::io::{self, Write};
 
@@ -20,8 +20,8 @@ pub fn write_csv(out: &mut dyn Write, table: &Table, provenance: &Provenance) ->
 
 /// Writes the table as comma-separated ECSV that `astropy.table.Table.read` opens with units and metadata.
 ///
-/// In astropy, the provenance is `meta['provenance']`. Texts in the header are JSON strings, which are valid YAML.
-/// A missing value is an empty cell, which astropy masks.
+/// In astropy, the provenance is in `meta['provenance']`. Texts in the header are JSON strings, which are valid YAML. A
+/// missing value is an empty cell, which astropy reads as a masked one.
 ///
 /// # Errors
 /// Any error of the writer.
@@ -38,7 +38,7 @@ pub fn write_ecsv(out: &mut dyn Write, table: &Table, provenance: &Provenance) -
     write_records(out, table)
 }
 
-/// Returns one entry of the header's list `datatype`: name, unit, type and description of a column with these values.
+/// Returns the header entry of one column: its name, unit, type (which depends on the values) and description.
 ///
 /// # Errors
 /// Errors of serialization, which do not occur for text.
@@ -46,7 +46,7 @@ pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Val
     let datatype = match column.kind {
         Kind::Integer => "int64",
         Kind::Real { .. } => "float64",
-        // Astropy's parser rejects missing values in a boolean column.
+        // Astropy's reader rejects missing values in a boolean column.
         Kind::Boolean if values.all(|value| matches!(value, Value::Boolean(_))) => "bool",
         Kind::Boolean | Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "string",
     };
@@ -61,12 +61,12 @@ pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Val
     Ok(text + "}")
 }
 
-/// Returns a cell of CSV, quoted if necessary.
+/// Returns the text of one cell of CSV, quoted if necessary.
 pub(crate) fn csv_cell(text: &str) -> String {
     if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
 }
 
-/// Writes the line of names and the rows, common to CSV and ECSV.
+/// Writes the line of column names and the rows, which are the same in CSV and ECSV.
 fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(out);
     writer.write_record(table.columns.iter().map(|column| column.name)).map_err(io_error)?;
@@ -78,7 +78,7 @@ fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
     writer.flush()
 }
 
-/// Returns the error of the system with its kind, which callers check for a closed pipe.
+/// Returns the underlying system error with its kind, because callers check whether it is a closed pipe.
 fn io_error(error: csv::Error) -> io::Error {
     let text = error.to_string();
     match error.into_kind() {

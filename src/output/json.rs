@@ -1,15 +1,15 @@
-//! JSON and JSON lines: one typed object for each row, with keys in the order of the columns.
+//! JSON and JSON lines: one object with typed values for each row, with keys in the order of the columns.
 
 use std::io::{self, Write};
 
 use super::provenance::Provenance;
 use super::table::{Table, json_members, quoted};
 
-/// One array of a JSON document.
+/// One array of objects in a JSON document.
 pub struct Section<'a> {
     /// Key of the array.
     pub name: &'a str,
-    /// Rows, one object each.
+    /// Rows of the array, one object each.
     pub table: &'a Table,
 }
 

@@ -1,4 +1,5 @@
-//! Parquet: columns with types, units and descriptions in their metadata, the provenance in the metadata of the file.
+//! Parquet files: units and descriptions are in the metadata of the columns, the provenance in the metadata of the
+//! file.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -15,8 +16,9 @@ use parquet::file::properties::WriterProperties;
 use super::provenance::Provenance;
 use super::table::{Column, Kind, Table, Value};
 
-/// Writes a table. Integers, real numbers and booleans have types, other values are text; numbers are rounded to the
-/// digits of the other formats. The metadata of the file has the provenance as JSON under the key `provenance`.
+/// Writes a table. Integers, real numbers and booleans are stored as such, all other values as text. Real numbers are
+/// rounded to the same decimals as in the other formats. The metadata of the file contain the provenance as JSON under
+/// the key `provenance`.
 ///
 /// # Errors
 /// Any error of `out`.
@@ -52,7 +54,7 @@ pub(crate) fn parquet_fields(table: &Table) -> impl Iterator<Item = Field> + '_ 
     })
 }
 
-/// Returns the rows as Arrow columns, with numbers rounded to the digits of the other formats.
+/// Returns the rows as Arrow columns, with real numbers rounded to the same decimals as in the other formats.
 pub(crate) fn parquet_columns(columns: &[Column], rows: &[Vec<Value>]) -> Vec<ArrayRef> {
     let column = |(index, column): (usize, &Column)| -> ArrayRef {
         let texts =

@@ -1,10 +1,10 @@
-//! Provenance of an output: statements on program, elements, models, time scale and options.
+//! Provenance of an output: named values that describe the program, elements, models, time scale and options used.
 
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use serde_json::Value;
 
-/// Named statements on the origin of a result, in the order in which they were added, and attached lists.
+/// Named values that describe the origin of a result, in the order in which they were added, and attached lists.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     entries: Vec<(String, Value)>,
@@ -12,7 +12,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Creates a provenance that states the program's name and version.
+    /// Creates a provenance that contains the program's name and version.
     pub fn new() -> Self {
         let mut provenance = Self::default();
         provenance.state("software", "streakcast");
@@ -20,7 +20,7 @@ impl Provenance {
         provenance
     }
 
-    /// Adds a statement, or replaces the value of an existing one.
+    /// Adds an entry, or replaces the value of the existing entry with this name.
     pub fn state(&mut self, name: &str, value: impl Into<Value>) {
         let value = value.into();
         match self.entries.iter_mut().find(|(known, _)| known == name) {
@@ -29,13 +29,13 @@ impl Provenance {
         }
     }
 
-    /// Adds or replaces several statements.
+    /// Adds or replaces several entries.
     pub fn state_all(&mut self, statements: impl IntoIterator<Item = (&'static str, Value)>) {
         statements.into_iter().for_each(|(name, value)| self.state(name, value));
     }
 
-    /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain it next to the
-    /// provenance; other formats omit it.
+    /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain the list next to
+    /// the provenance; the other formats omit it.
     pub fn attach(&mut self, name: &str, value: impl Into<Value>) {
         self.attached.push((name.to_owned(), value.into()));
     }
@@ -45,12 +45,12 @@ impl Provenance {
         self.attached.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// Returns the statements in the order in which they were added.
+    /// Returns the entries in the order in which they were added.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &Value)> {
         self.entries.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// Returns the statement of this name.
+    /// Returns the value of the entry with this name.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value)
     }

@@ -37,13 +37,13 @@ pub enum Kind {
 /// One column of a table.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Column {
-    /// Name, snake_case with the unit last.
+    /// Name, in snake_case with the unit at the end.
     pub name: &'static str,
     /// Unit in the spelling of astropy (`deg`, `km`, `mag`); empty for none.
     pub unit: &'static str,
     /// Type of the cells.
     pub kind: Kind,
-    /// Description, one sentence.
+    /// Description in one sentence.
     pub description: &'static str,
 }
 
@@ -215,7 +215,7 @@ pub struct Table {
     pub rows: Vec<Vec<Value>>,
 }
 
-/// Column with the function that computes its value from a record of type `R`.
+/// Column with the function that computes its values from records of type `R`.
 pub struct TableField<R> {
     column: Column,
     value: fn(&R) -> Value,

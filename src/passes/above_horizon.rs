@@ -1,9 +1,10 @@
-//! Rise, culmination and set: intervals of one satellite above a site's horizon.
+//! Intervals in which one satellite is above a site's horizon, with rise, culmination and set.
 //!
-//! Altitudes are geometric (no refraction) relative to the WGS84 horizon of the site. The satellite is computed in
-//! steps short enough that its altitude has at most one extremum in three of them. Every maximum that could reach the
-//! lowest altitude is refined, and rise and set are found as roots on both sides of it. Steps in which a satellite
-//! cannot come near are skipped: its angle to the site changes no faster than at its perigee.
+//! Altitudes are geometric (without refraction) and relative to the WGS84 horizon of the site. The satellite's position
+//! is computed in steps so short that three successive steps contain at most one extremum of the altitude. Every
+//! maximum that could reach the lowest altitude is refined, and rise and set are found as roots on both sides of it.
+//! Steps in which the satellite cannot come near the site are skipped: its angle to the site changes at most as fast as
+//! at the perigee.
 
 use super::crossing::root;
 use super::scene::Scene;
@@ -13,31 +14,31 @@ use crate::geometry::Observer;
 use crate::math::minimum::minimum;
 use crate::orbit::{OrbitError, Propagator, State};
 
-/// Number of search steps per orbital period; steps are at most [`LONGEST_STEP_S`].
+/// Number of search steps per orbital period; a step is at most [`LONGEST_STEP_S`] long.
 const STEPS_PER_REVOLUTION: f64 = 72.0;
 /// Longest step of the search, seconds.
 const LONGEST_STEP_S: f64 = 300.0;
-/// Tolerance of a culmination's time, seconds.
+/// Tolerance of the time of a culmination, seconds.
 const TOP_S: f64 = 2.5e-4;
-/// Largest angular speed of a site by the Earth's rotation and precession, rad/s.
+/// Largest angular speed of a site due to the Earth's rotation and precession, rad/s.
 const SITE_TURNING_RAD_S: f64 = 7.3e-5;
-/// Margin of angles in the search, radians: the largest angle between geodetic and geocentric vertical (0.193°), plus
-/// the shift of a satellite by the short-period terms of SGP4.
+/// Margin of angles in the search, radians. It covers the largest angle between the geodetic and the geocentric
+/// vertical (0.193°) and the displacement of a satellite by the short-period terms of SGP4.
 const VERTICAL_SLOP_RAD: f64 = 0.0125;
-/// Margins for the short-period terms of SGP4: in the radius of the orbit, km, and in the angular speed, a factor.
+/// Margins for the short-period terms of SGP4: km for the radius of the orbit, and a factor for the angular speed.
 const RADIUS_SLOP_KM: f64 = 35.0;
 const SPEED_SLOP: f64 = 1.1;
 
-/// Search for intervals above an altitude for one satellite, with SGP4 at every step.
+/// Search for the intervals in which one satellite is above an altitude, with SGP4 at every step.
 pub(super) struct HorizonSearch<'a> {
     pub scene: &'a Scene,
     pub propagator: &'a Propagator,
-    /// Time from the element epoch to the scene's start, minutes.
+    /// Time from the epoch of the elements to the start of the scene, minutes.
     pub minutes: f64,
     pub observer: &'a Observer,
 }
 
-/// One satellite at one time.
+/// Position and altitude of one satellite at one time.
 pub(super) struct Sample {
     pub time_s: f64,
     pub sine: f64,
@@ -46,13 +47,13 @@ pub(super) struct Sample {
 }
 
 impl Sample {
-    /// Angular speed about the Earth's centre, at most, rad/s.
+    /// Returns an upper bound of the angular speed about the Earth's centre, rad/s.
     fn turning_rad_s(&self) -> f64 {
         self.state.velocity.norm_km_s() / self.state.position.norm_km()
     }
 }
 
-/// Interval above the lowest altitude, seconds of the scene.
+/// Interval in which the satellite is above the lowest altitude. Times are seconds after the start of the scene.
 pub(super) struct AboveHorizon {
     pub rise_s: Option<f64>,
     pub top_s: f64,
@@ -61,7 +62,7 @@ pub(super) struct AboveHorizon {
     pub turning_rad_s: f64,
 }
 
-/// Treatment of an interval above the lowest altitude, decided from its samples.
+/// What is done with an interval above the lowest altitude; decided from its samples.
 #[derive(Copy, Clone, PartialEq, Eq)]
 pub(super) enum Treatment {
     /// The interval is computed.
@@ -72,11 +73,11 @@ pub(super) enum Treatment {
     Skip,
 }
 
-/// Bounds on the motion of a satellite, from which follows how long it stays too low after a sample.
+/// Bounds on the motion of a satellite, from which follows how long it stays below the lowest altitude.
 struct Near {
-    /// Geocentric angle to the site within which it may be above the limit, radians.
+    /// Geocentric angle to the site within which the satellite may be above the lowest altitude, radians.
     reach_rad: f64,
-    /// Fastest change of the geocentric angle to the site, rad/s.
+    /// Upper bound of the rate of the geocentric angle to the site, rad/s.
     fastest_rad_s: f64,
 }
 
@@ -84,8 +85,8 @@ impl Near {
     fn of(propagator: &Propagator, min_altitude_rad: f64) -> Self {
         let (perigee_km, apogee_km) = propagator.perigee_apogee_km();
         let (perigee_km, apogee_km) = (perigee_km - RADIUS_SLOP_KM, apogee_km + RADIUS_SLOP_KM);
-        // In the triangle Earth's centre, site, satellite: ψ = acos(R cos h / r) - h, largest at the apogee and for the
-        // lowest site.
+        // In the triangle of Earth's centre, site and satellite: ψ = acos(R cos h / r) - h. It is largest at the apogee
+        // and for the lowest site.
         let lowest_km = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING) - 11.0;
         let share = (lowest_km * min_altitude_rad.cos() / apogee_km).min(1.0);
         let reach_rad = share.acos() - min_altitude_rad + VERTICAL_SLOP_RAD;
@@ -95,7 +96,8 @@ impl Near {
         Self { reach_rad, fastest_rad_s: at_perigee_rad_s * SPEED_SLOP + SITE_TURNING_RAD_S }
     }
 
-    /// Returns the seconds after a sample for which the altitude stays below the limit, 0 if it may be above it.
+    /// Returns the time after a sample for which the altitude stays below the limit, seconds; 0 if it may be above the
+    /// limit.
     fn free_s(&self, sample: &Sample) -> f64 {
         let (satellite, site) = (sample.state.position.vector(), sample.here.vector());
         let angle_rad = satellite.cross(site).norm().atan2(satellite.dot(site));
@@ -104,7 +106,7 @@ impl Near {
 }
 
 impl HorizonSearch<'_> {
-    /// Returns the satellite at a time, seconds of the scene: its position and altitude.
+    /// Returns position and altitude of the satellite at a time, in seconds after the start of the scene.
     fn sample(&self, time_s: f64) -> Result<Sample, OrbitError> {
         let orientation = self.scene.orientation.at_s(time_s);
         let state = self.propagator.state_at_minutes(self.minutes + time_s / 60.0, &orientation.teme_to_gcrs)?;
@@ -113,13 +115,13 @@ impl HorizonSearch<'_> {
         Ok(Sample { time_s, sine, state, here: here.position })
     }
 
-    /// Sine of the altitude at a time, seconds of the scene.
+    /// Returns the sine of the altitude at a time, in seconds after the start of the scene.
     fn sine_of_altitude(&self, time_s: f64) -> Result<f64, OrbitError> {
         Ok(self.sample(time_s)?.sine)
     }
 
-    /// Returns samples at every step at which the satellite may be above the limit. Far from the site, the steps that the
-    /// satellite needs at least to come near are skipped.
+    /// Returns samples at every step at which the satellite may be above the limit. While it is far from the site, the
+    /// steps that it needs at least to come near are skipped.
     fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), OrbitError> {
         let span_s = until_s - from_s;
         let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
@@ -137,11 +139,11 @@ impl HorizonSearch<'_> {
         Ok((samples, step_s))
     }
 
-    /// Returns the intervals above an altitude between two times, in order of time, and the number of intervals that
-    /// were only counted.
+    /// Returns the intervals between two times in which the satellite is above an altitude, in order, and the number of
+    /// intervals that were only counted.
     ///
-    /// `treatment` receives the samples of one interval, from the last sample below the limit before it to the first
-    /// one after it. An interval without a sample above the limit is always computed.
+    /// `treatment` receives the samples of one interval, from the last one below the limit before it to the first one
+    /// below the limit after it. An interval without a sample above the limit is always computed.
     pub fn intervals(
         &self,
         (from_s, until_s): (f64, f64),
@@ -157,7 +159,7 @@ impl HorizonSearch<'_> {
         for step in 0..=last {
             let Sample { time_s, sine, .. } = samples[step];
             let is_beside = |other: usize| (samples[other].time_s - time_s).abs() < 1.5 * step_s;
-            // The satellite is too low during skipped steps, and at the sample before them.
+            // In skipped steps, and at the sample before them, the satellite is below the limit.
             if step < last && !is_beside(step + 1) {
                 continue;
             }
@@ -166,7 +168,7 @@ impl HorizonSearch<'_> {
             if time_s < done_s || sine < before || sine < after || sine + reach(before, sine, after) < limit {
                 continue;
             }
-            // From the maximum outwards to the first sample below the limit.
+            // Search outwards from the maximum for the nearest samples below the limit.
             let below = |sample: &Sample| sample.sine < limit;
             let rise_step = (0..step).rev().find(|&at| below(&samples[at]));
             let set_step = (step + 1..=last).find(|&at| below(&samples[at]));
@@ -175,7 +177,7 @@ impl HorizonSearch<'_> {
             if treatment == Treatment::Skip {
                 continue;
             }
-            // A maximum between two steps near the limit must be computed to be counted.
+            // A maximum near the limit that lies between two samples must be computed before it can be counted.
             if treatment == Treatment::Count && sine >= limit {
                 counted += 1;
                 done_s = set_step.map_or(f64::INFINITY, |at| samples[at].time_s);
@@ -189,12 +191,12 @@ impl HorizonSearch<'_> {
                 continue;
             }
             let first_top_s = top_s;
-            // The maximum may lie on the other side of a sample below the limit.
+            // The refined maximum may lie on the other side of a sample below the limit.
             let rise_from = (0..=step).rev().find(|&at| samples[at].time_s < first_top_s && below(&samples[at]));
             let set_until = (step..=last).find(|&at| samples[at].time_s > first_top_s && below(&samples[at]));
             let rise_s = rise_from.map(|at| self.border(samples[at].time_s, first_top_s, limit)).transpose()?;
             let set_s = set_until.map(|at| self.border(samples[at].time_s, first_top_s, limit)).transpose()?;
-            // An interval with several maxima (a slow or eccentric orbit) culminates at the highest of them.
+            // An interval with several maxima (in a slow or eccentric orbit) culminates at the highest maximum.
             let end = set_until.unwrap_or(last + 1);
             for (at, sample) in samples.iter().enumerate().take(end).skip(step + 1) {
                 if sample.sine > top {
@@ -208,7 +210,8 @@ impl HorizonSearch<'_> {
         Ok((found, counted))
     }
 
-    /// Returns the time of the highest point between two times and its sine of altitude, from a sample between them.
+    /// Returns the time of the highest point between two times and the sine of the altitude there; `start` is between
+    /// them.
     fn highest(&self, ends_s: [f64; 2], start: &Sample) -> Result<(f64, f64), OrbitError> {
         let mut failed = None;
         let depth = |time_s: f64| match self.sine_of_altitude(time_s) {
@@ -218,14 +221,15 @@ impl HorizonSearch<'_> {
                 f64::INFINITY
             }
         };
-        // The time of a maximum is only accurate to the square root of the rounding error; its height is accurate.
+        // The time of a maximum is accurate only to the square root of the rounding error; the altitude there is
+        // accurate.
         let (top_s, depth) = minimum(depth, ends_s, (start.time_s, -start.sine), TOP_S);
         failed.map_or(Ok((top_s, -depth)), Err)
     }
 
-    /// Returns the time at which the limit is passed between a time below it and one above it.
+    /// Returns the time at which the altitude passes the limit, between a time below and a time above the limit.
     fn border(&self, below_s: f64, above_s: f64, limit: f64) -> Result<f64, OrbitError> {
-        // If SGP4 fails between two times at which it did not, the sample at the root returns the error.
+        // If SGP4 fails between two times at which it did not fail, the sample at the root returns the error.
         let height = |time_s: f64| self.sine_of_altitude(time_s).map_or(f64::NAN, |sine| sine - limit);
         let ends = [below_s, above_s].map(|time_s| (time_s, height(time_s)));
         let border_s = root(height, ends[0], ends[1]);
@@ -233,11 +237,11 @@ impl HorizonSearch<'_> {
     }
 }
 
-/// Returns the largest rise of a parabola through three samples above the middle one, with a margin for the deviation
-/// from a parabola.
+/// Returns by how much the maximum of a parabola through three samples exceeds the middle sample, with a margin for the
+/// deviation of the altitude from a parabola.
 fn reach(before: f64, sine: f64, after: f64) -> f64 {
     if !(before.is_finite() && after.is_finite()) {
-        // At the edge of the interval no bound is known.
+        // At the ends of the searched time, no bound is known.
         return 2.0;
     }
     let bend = 2.0 * sine - before - after;

@@ -16,7 +16,7 @@ pub struct AltAz {
 }
 
 impl Sky {
-    /// Computes altitude and azimuth of the Sun's centre, without refraction and aberration (20").
+    /// Computes altitude and azimuth of the Sun's centre, without refraction and without aberration (20").
     ///
     /// # Errors
     /// [`SkyError::NoHorizon`] for an observer in orbit, [`SkyError::NoEphemeris`] outside the years of the Sun's
@@ -30,16 +30,16 @@ impl Sky {
         Ok(AltAz { altitude_rad, azimuth_rad })
     }
 
-    /// Returns the first time from `from` on, within a day, at which the Sun's centre is at an altitude; `None` if that
-    /// altitude is not reached.
+    /// Returns the first time, within a day after `from`, at which the Sun's centre is at an altitude; `None` if it
+    /// does not reach this altitude.
     ///
     /// # Errors
     /// The errors of [`Sky::sun_altaz`].
     pub fn sun_reaches(&self, altitude_rad: f64, from: Epoch) -> Result<Option<Epoch>, SkyError> {
-        /// Search step, in which the Sun moves by at most 2.5°: it crosses an altitude twice only near noon and
-        /// midnight, where its altitude hardly changes.
+        /// Search step, seconds. During it the Sun moves by at most 2.5°, so that it crosses an altitude twice only
+        /// near noon and midnight, where its altitude hardly changes.
         const STEP_S: f64 = 600.0;
-        /// Tolerance, a thousandth of a degree of the Sun's motion.
+        /// Tolerance, seconds; the Sun moves by half a thousandth of a degree in this time.
         const CLOSE_S: f64 = 0.1;
         let above = |seconds: f64| -> Result<f64, SkyError> {
             Ok(self.sun_altaz(seconds_after(from, seconds))?.altitude_rad - altitude_rad)
@@ -64,7 +64,7 @@ impl Sky {
         Ok(None)
     }
 
-    /// Computes altitude and azimuth of a pointing, without aberration (25" at most).
+    /// Computes altitude and azimuth of a pointing, without refraction and without aberration (25" at most).
     ///
     /// # Errors
     /// The errors of [`Sky::sun_altaz`].

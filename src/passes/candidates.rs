@@ -1,5 +1,5 @@
-//! Candidate satellites of one exposure: the search cones of its slices, and the time interval of each satellite in
-//! them.
+//! Candidate satellites of one exposure: the exposure is divided into slices, a search cone is made for each, and each
+//! candidate gets a time interval.
 
 use std::sync::Arc;
 
@@ -13,26 +13,27 @@ use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::frames::{Direction, Gcrs, Orientation, Rotation, Teme, seconds_between};
 use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
 
-/// Longest slice for an observer on the ground, seconds: it moves by 14 km to each side.
+/// Longest slice for an observer on the ground, seconds. From its middle to its ends the observer moves by 14 km.
 const SLICE_S: f64 = 60.0;
-/// Longest slice for an observer in orbit, seconds: it moves by 40 km to each side.
+/// Longest slice for an observer in orbit, seconds. From its middle to its ends the observer moves by 40 km.
 const FLIGHT_SLICE_S: f64 = 10.0;
-/// Number of slices that are tested together before each is tested alone; the measured optimum.
+/// Number of slices that are tested together before each is tested separately; this number was measured to be the
+/// fastest.
 const GROUP: u32 = 5;
-/// Longest interruption within one pass, seconds: no orbit returns so soon.
+/// Longest interruption of one pass, seconds. No satellite returns in this time, so it is still the same pass.
 const SAME_PASS_S: f64 = 1200.0;
-/// Largest rate of the Sun relative to the stars, rad/s: 1.02 degrees a day.
+/// Largest rate of the Sun relative to the stars, rad/s (1.02 degrees a day).
 const SUN_RATE_RAD_S: f64 = 2.1e-7;
-/// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with a margin, radians.
+/// Margin for aberration (21") and light time (6") between the astrometric axis and the geometric cone, radians.
 pub(super) const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 
-/// Time interval in which one satellite may cross the field during one pass, made of whole slices of the exposure.
-/// Times are seconds of the scene.
+/// Time interval in which one satellite may cross the field during one pass. It consists of whole slices of the
+/// exposure. Times are seconds after the start of the scene.
 pub(super) struct CandidateInterval {
     pub element_index: usize,
     pub start_s: f64,
     pub end_s: f64,
-    /// Interval in which the predicted position may be in the field; it extends beyond the slices by the delays that
+    /// Interval in which the predicted position may be in the field. It extends beyond the slices by the delays that
     /// are searched.
     pub near_s: [f64; 2],
     /// True if the satellite is in the Earth's shadow during the whole interval.
@@ -40,13 +41,13 @@ pub(super) struct CandidateInterval {
 }
 
 impl CandidateInterval {
-    /// Creates the interval of a satellite that is evaluated without a search.
+    /// Creates an interval for a satellite that is evaluated without a search.
     pub fn over(element_index: usize, start_s: f64, end_s: f64) -> Self {
         Self { element_index, start_s, end_s, near_s: [start_s, end_s], is_dark: false }
     }
 }
 
-/// Search cone with its window and the Earth's orientation.
+/// Search cone with the window that contains its time, and the orientation of the Earth.
 pub(super) struct PlacedCone<'a> {
     pub window: &'a Window,
     pub cone: Cone,
@@ -54,7 +55,7 @@ pub(super) struct PlacedCone<'a> {
 }
 
 impl Sky {
-    /// Returns the search cone of a field for `half_s` before and after a time.
+    /// Returns the search cone of a field from `half_s` before to `half_s` after a time.
     pub(super) fn cone<'a>(
         &self,
         scene: &'a Scene,
@@ -79,13 +80,13 @@ impl Sky {
     pub(super) fn dark_cone(&self, scene: &Scene, exposure: &Exposure) -> ShadowCone {
         let (radius_km, narrowing) = self.shadow().dark_core();
         let sun = scene.sun.at_s(seconds_between(scene.start, exposure.start) + 0.5 * exposure.duration_s).sun;
-        // Motion of the Sun during the exposure, as a fraction of the depth.
+        // The Sun moves during the exposure, which narrows the dark cone by a fraction of the depth.
         let narrowing = narrowing + SUN_RATE_RAD_S * exposure.duration_s;
         ShadowCone { away_from_sun: Direction::from_vector(-sun.vector()), radius_km, narrowing }
     }
 
-    /// Returns the satellites that may be in the field during an exposure, with their intervals; dark ones only with
-    /// `include_dark`. `seen` is a buffer.
+    /// Returns the satellites that may be in the field during an exposure, with their time intervals. Satellites in
+    /// shadow are included only with `include_dark`. `seen` is a buffer that is reused.
     pub(super) fn candidate_intervals(
         &self,
         scene: &Scene,
@@ -107,7 +108,7 @@ impl Sky {
         let shadow = (!include_dark).then(|| self.dark_cone(scene, exposure));
         let shadow = shadow.as_ref();
         seen.clear();
-        // A telescope in orbit moves too far for groups of slices.
+        // A telescope in orbit moves too far during several slices, so its slices are not grouped.
         let most = if flight.is_some() { 1 } else { GROUP };
         let mut first = 0;
         while first < slices as u32 {
@@ -172,7 +173,8 @@ impl Sky {
         intervals
     }
 
-    /// Returns true if a part of the field may lie below the lowest altitude during the exposure; always in orbit.
+    /// Returns true if a part of the field may be below the lowest altitude during the exposure; always true for an
+    /// observer in orbit.
     pub(super) fn reaches_the_ground(
         &self,
         exposure: &Exposure,
@@ -180,19 +182,19 @@ impl Sky {
         orientation: &Orientation,
     ) -> bool {
         let Some(altitude_rad) = self.pointing_altitude_rad(exposure, orientation) else { return true };
-        // Largest rotation of the sky, whatever the length of the exposure.
+        // Largest rotation of the sky during the exposure.
         let turn_rad = (EARTH_ROTATION_RAD_S * exposure.duration_s).min(std::f64::consts::PI);
         altitude_rad - field.bounding_radius_rad() - turn_rad < LOWEST_ALTITUDE_RAD
     }
 
-    /// Returns true if the whole field lies below the lowest altitude for `half_s` before and after a time.
+    /// Returns true if the whole field is below the lowest altitude from `half_s` before to `half_s` after a time.
     fn is_below_ground(&self, scene: &Scene, exposure: &Exposure, field: &FieldOnSky, mid_s: f64, half_s: f64) -> bool {
         let reach_rad = field.bounding_radius_rad() + ABERRATION_MARGIN_RAD + EARTH_ROTATION_RAD_S * half_s;
         self.pointing_altitude_rad(exposure, &scene.orientation.at_s(mid_s))
             .is_some_and(|altitude_rad| altitude_rad + reach_rad < LOWEST_ALTITUDE_RAD)
     }
 
-    /// Returns the altitude of the pointing; `None` in orbit.
+    /// Returns the altitude of the pointing, radians; `None` for an observer in orbit.
     fn pointing_altitude_rad(&self, exposure: &Exposure, orientation: &Orientation) -> Option<f64> {
         let observer = self.viewpoint().site()?;
         Some((observer.state(orientation).horizon * exposure.pointing).latitude_rad())

@@ -1,9 +1,10 @@
-//! Entry and exit: times at which a track crosses the borders of a field, to well under a millisecond.
+//! Crossing of a field: the times at which a track enters and leaves the field, accurate to well under a millisecond.
 //!
 //! The track is any smooth function of time. It is divided into steps in which the line of sight turns by at most two
-//! degrees. In each step, the angle to the centre of a circle has at most one extremum, which is found from the sign of
-//! its derivative. The step is divided there, so that the angle is monotonic and crosses the radius at most once.
-//! Crossings of polygons are computed on the tangent plane, where the track is nearly straight.
+//! degrees. In each step, the angle between the line of sight and the centre of a circle has at most one extremum,
+//! which is found from the sign of the angle's derivative. The step is divided at the extremum, so that in each part
+//! the angle is monotonic and equals the radius at most once. Crossings of polygons are computed on the tangent plane,
+//! where the track is nearly straight.
 
 use nalgebra::Vector3;
 
@@ -11,12 +12,13 @@ use super::field::{Border, FieldOnSky, polygon_contains, sides};
 use super::track::{Chord, Sight};
 
 impl Sight {
-    /// Angle to an axis, radians.
+    /// Returns the angle between the line of sight and an axis, radians.
     fn angle_rad(&self, axis: &Vector3<f64>) -> f64 {
         axis.cross(&self.vector).norm().atan2(axis.dot(&self.vector))
     }
 
-    /// Derivative of the cosine of the angle to an axis: positive while the satellite approaches it.
+    /// Returns a number with the sign of the derivative of the cosine of the angle to an axis: positive while the
+    /// satellite approaches the axis.
     fn approach(&self, axis: &Vector3<f64>) -> f64 {
         let square = self.vector.norm_squared();
         (axis.dot(&self.rate_s) * square - axis.dot(&self.vector) * self.vector.dot(&self.rate_s)) / square.powf(1.5)
@@ -28,31 +30,32 @@ impl Sight {
     }
 }
 
-/// Chords of a track through a field, and its closest approach.
+/// Parts of a track inside a field, and the closest approach to the centre of the field.
 #[derive(Clone, Debug)]
 pub(super) struct Crossing {
     /// Parts of the track inside the field, in time order, without overlaps.
     pub chords: Vec<Chord>,
-    /// Least angle to the centre of the field, radians.
+    /// Smallest angle to the centre of the field, radians.
     pub min_separation_rad: f64,
-    /// Time of the least angle, seconds.
+    /// Time of the smallest angle, seconds.
     pub closest_s: f64,
 }
 
-/// Longest step, seconds, at any speed: the parallax changes the direction of a distant satellite within hours.
+/// Longest step at any speed, seconds. It is limited because parallax changes the direction of a distant satellite
+/// within hours.
 const LONGEST_STEP_S: f64 = 60.0;
-/// Largest turn of the line of sight in a step, approximately, radians.
+/// Approximate largest turn of the line of sight in a step, radians.
 const LARGEST_TURN_RAD: f64 = 0.03;
-/// Largest motion of the satellite in a step as a fraction of its distance. The line of sight to a satellite that
-/// approaches the observer directly turns suddenly as it passes.
+/// Largest motion of the satellite in a step as a fraction of its distance. If a satellite comes straight towards the
+/// observer, the line of sight turns suddenly as it passes.
 const LARGEST_APPROACH: f64 = 0.25;
 /// Tolerance of roots, seconds.
 const ROOT_S: f64 = 1e-7;
-/// Largest turn in a step inside the bounding circle of a polygon, radians: the arc deviates from its chord by at most
-/// 0.01 arcsec.
+/// Largest turn in a step inside the bounding circle of a polygon, radians. The arc then deviates from its chord by at
+/// most 0.01 arcsec.
 const POLYGON_TURN_RAD: f64 = 5e-4;
 
-/// Returns the chords of a track through a field over [`start_s`, `end_s`].
+/// Returns the parts of a track inside a field from `start_s` to `end_s`, and the closest approach.
 pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, field: &FieldOnSky) -> Crossing {
     cross_samples(track, &sample(track, start_s, end_s), field)
 }
@@ -84,7 +87,7 @@ pub(super) fn cross_samples(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sigh
     Crossing { chords: merge(chords), min_separation_rad, closest_s }
 }
 
-/// Returns the time and the angle of the sample nearest to the centre of a field.
+/// Returns the time and the angle of the sample that is nearest to the centre of a field.
 fn nearest(samples: &[(f64, Sight)], field: &FieldOnSky) -> (f64, f64) {
     let first_s = samples.first().map_or(0.0, |(time_s, _)| *time_s);
     samples
@@ -93,7 +96,8 @@ fn nearest(samples: &[(f64, Sight)], field: &FieldOnSky) -> (f64, f64) {
         .fold((first_s, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
 }
 
-/// Returns times and sights from start to end, in steps short enough for one extremum each.
+/// Returns times and lines of sight from start to end, in steps so short that each contains at most one extremum of an
+/// angle.
 pub(super) fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) -> Vec<(f64, Sight)> {
     let mut samples = Vec::with_capacity(16);
     let (mut time_s, mut sight) = (start_s, track(start_s));
@@ -114,7 +118,8 @@ pub(super) fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) ->
     samples
 }
 
-/// Returns the samples with the closest and farthest points to an axis inserted, so that every interval is monotonic.
+/// Returns the samples with the points added at which the track is nearest to or farthest from an axis, so that the
+/// angle is monotonic in every interval.
 fn extremes(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], axis: &Vector3<f64>) -> Vec<(f64, Sight)> {
     let mut all = Vec::with_capacity(samples.len() + 2);
     for pair in samples.windows(2) {
@@ -155,7 +160,7 @@ fn inside_circle(
     chords.extend(enter_s.map(|enter_s| Chord { enter_s, exit_s: before.0 }));
 }
 
-/// Part of the track inside the bounding circle, finely sampled on the tangent plane.
+/// Part of a track inside the bounding circle, finely sampled on the tangent plane: times and positions.
 type Part = Vec<(f64, [f64; 2])>;
 
 fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Vec<Part> {
@@ -190,7 +195,7 @@ fn inside_polygon(
     for pair in part.windows(2) {
         let ((a_s, a), (b_s, b)) = (pair[0], pair[1]);
         for (from, to) in sides(corners) {
-            // Side of the edge's line on which a point lies.
+            // Positive on one side of the line through the edge, negative on the other.
             let side =
                 |point: [f64; 2]| (to[0] - from[0]) * (point[1] - from[1]) - (to[1] - from[1]) * (point[0] - from[0]);
             let (side_a, side_b) = (side(a), side(b));
@@ -228,12 +233,12 @@ pub(super) fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
     merged
 }
 
-/// Returns a root between two times at which the function has opposite signs, to [`ROOT_S`], by inverse quadratic
-/// interpolation if it is safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
+/// Returns a root between two times at which the function has opposite signs, to [`ROOT_S`]. The method is inverse
+/// quadratic interpolation where that is safe, otherwise bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
 pub(super) fn root(function: impl Fn(f64) -> f64, one: (f64, f64), other: (f64, f64)) -> f64 {
     let ((mut a, mut fa), (mut b, mut fb)) = (one, other);
     let mut share = 0.5;
-    // Bisection halves the bracket: 100 steps are more than any bracket needs.
+    // Bisection halves the bracket at each step, so 100 steps suffice for any bracket.
     for _ in 0..100 {
         let x = a + share * (b - a);
         let fx = function(x);

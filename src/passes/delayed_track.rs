@@ -1,8 +1,8 @@
-//! Tracks of delayed satellites over one exposure, for comparison with a measurement.
+//! Tracks of delayed satellites during one exposure, for comparison with a measured streak.
 //!
-//! A satellite delayed by δ is at time t where its element set predicts it for t - δ. The observer moves in the
-//! meantime, so the delayed satellite takes a different path relative to the stars: for a delay of 10 s and a height of
-//! 550 km, up to 0.5° from the predicted path.
+//! A satellite that is delayed by δ is at time t where its element set predicts it for t - δ. The observer moves during
+//! the delay, so the delayed satellite takes a different path relative to the stars. For a delay of 10 s and a height
+//! of 550 km, this path is up to 0.5° from the predicted path.
 
 use nalgebra::Vector3;
 
@@ -18,10 +18,10 @@ use crate::geometry::aspect;
 use crate::orbit::{OrbitArc, OrbitError, OrbitUncertainty, Propagator, State};
 use crate::photometry::PhotometryOptions;
 
-/// Extension of tracks before and after the exposure, seconds.
+/// Time by which tracks extend beyond both ends of the exposure, seconds.
 const MARGIN_S: f64 = 60.0;
 
-/// Sky over one exposure and a minute before and after it. Times are seconds after shutter opening.
+/// A sky during one exposure and a minute before and after it. Times are seconds after the shutter opened.
 pub struct ExposureInterval<'s> {
     sky: &'s Sky,
     scene: Scene,
@@ -30,18 +30,19 @@ pub struct ExposureInterval<'s> {
     duration_s: f64,
 }
 
-/// Satellite at one time as seen by the observer.
+/// Direction and distance of a satellite at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Sighting {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,
-    /// Rate of the direction due to the satellite's motion only (observer at rest), perpendicular to the direction, rad/s.
+    /// Rate of the direction due to the satellite's motion alone (for an observer at rest), perpendicular to the
+    /// direction, rad/s.
     pub own_rate: Vector3<f64>,
     /// Distance from the observer, km.
     pub range_km: f64,
 }
 
-/// Track of a satellite with a given delay.
+/// Track of a satellite that is late by a given delay.
 pub struct DelayedTrack<'s> {
     interval: &'s ExposureInterval<'s>,
     element_index: usize,
@@ -49,7 +50,7 @@ pub struct DelayedTrack<'s> {
 }
 
 impl Sky {
-    /// Computes the shared data of the tracks of delayed satellites over one exposure.
+    /// Computes the data that the tracks of all delayed satellites in one exposure share.
     ///
     /// # Errors
     /// [`SkyError`] if the exposure has no finite length or direction, or lies outside the years of the Sun's
@@ -68,18 +69,18 @@ impl Sky {
 }
 
 impl ExposureInterval<'_> {
-    /// Sky of the exposure.
+    /// Returns the sky.
     pub fn sky(&self) -> &Sky {
         self.sky
     }
 
-    /// Length of the exposure, seconds.
+    /// Returns the exposure time, seconds.
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
-    /// Propagator of an element set, with its ephemeris if that covers the exposure; `None` if SGP4 cannot be
-    /// initialised, and for the telescope itself.
+    /// Returns the propagator of an element set: its ephemeris if that covers the exposure, otherwise SGP4. `None` if
+    /// SGP4 cannot be initialised, and for the observing telescope itself.
     pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
         if self.sky.is_observer(element_index) {
             return None;
@@ -87,29 +88,30 @@ impl ExposureInterval<'_> {
         self.sky.propagator_over(self.scene.start, element_index, [MARGIN_S, MARGIN_S + self.duration_s])
     }
 
-    /// Epoch of a time.
+    /// Returns the epoch of a time, which is in seconds after the shutter opened.
     pub fn epoch(&self, time_s: f64) -> hifitime::Epoch {
         seconds_after(self.scene.start, MARGIN_S + time_s)
     }
 
-    /// Geocentric position of the observer.
+    /// Returns the geocentric position of the observer at a time.
     pub fn observer(&self, time_s: f64) -> Position<Gcrs> {
         self.motion.position(MARGIN_S + time_s)
     }
 
-    /// Geocentric state of a delayed satellite, computed directly by SGP4.
+    /// Returns the geocentric state of a satellite that is late by `late_s` seconds, computed directly by SGP4.
     ///
     /// # Errors
-    /// [`OrbitError`].
+    /// [`OrbitError`] if the propagation fails.
     pub fn state(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<State<Gcrs>, OrbitError> {
         let minutes = propagator.minutes_since_epoch(self.scene.start) + (MARGIN_S + time_s - late_s) / 60.0;
         propagator.state_at_minutes(minutes, &self.orientation.teme_to_gcrs)
     }
 
-    /// Direction and distance of a delayed satellite, computed directly by SGP4.
+    /// Returns the direction and the distance of a satellite that is late by `late_s` seconds, computed directly by
+    /// SGP4.
     ///
     /// # Errors
-    /// [`OrbitError`].
+    /// [`OrbitError`] if the propagation fails.
     pub fn sighting(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<Sighting, OrbitError> {
         let state = self.state(propagator, time_s, late_s)?;
         let earth_velocity = self.scene.sun.at_s(MARGIN_S + time_s).earth_velocity;
@@ -120,20 +122,21 @@ impl ExposureInterval<'_> {
         Ok(Sighting { direction: seen.direction, own_rate, range_km: seen.range_km })
     }
 
-    /// Days from the epoch of an element set to a time.
+    /// Returns the days from the epoch of an element set to a time.
     pub fn element_age_days(&self, propagator: &Propagator, time_s: f64) -> f64 {
         seconds_between(propagator.epoch(), self.epoch(time_s)) / DAY_S
     }
 
-    /// One-sigma errors of the prediction of a satellite.
+    /// Returns the uncertainty (one sigma) of the predicted position of a satellite at a time.
     pub fn uncertainty(&self, element_index: usize, propagator: &Propagator, time_s: f64) -> OrbitUncertainty {
         self.sky.uncertainty_of(element_index, propagator, self.epoch(time_s))
     }
 
-    /// Computes the whole track of a delayed satellite, from a minute before the exposure to a minute after it.
+    /// Computes the track of a satellite that is late by `late_s` seconds, from a minute before to a minute after the
+    /// exposure.
     ///
     /// # Errors
-    /// [`OrbitError`] of the propagation; [`OrbitError::Elements`] for the element set of the observer itself.
+    /// [`OrbitError`] if the propagation fails; [`OrbitError::Elements`] for the element set of the observer itself.
     pub fn track(&self, element_index: usize, late_s: f64) -> Result<DelayedTrack<'_>, OrbitError> {
         let propagator = self.propagator(element_index).ok_or_else(|| OrbitError::Elements {
             norad_id: self.sky.elements()[element_index].norad_id,
@@ -147,30 +150,32 @@ impl ExposureInterval<'_> {
 }
 
 impl DelayedTrack<'_> {
-    /// Extension of tracks before and after the exposure, seconds.
+    /// Time by which tracks extend beyond both ends of the exposure, seconds.
     pub const MARGIN_S: f64 = MARGIN_S;
 
     fn line(&self) -> SightLine<'_> {
         SightLine { arc: &self.arc, observer: self.interval.motion.clone() }
     }
 
-    /// Earliest and latest time of the track, seconds after shutter opening.
+    /// Returns the earliest and the latest time of the track, seconds after the shutter opened.
     pub fn times_s(&self) -> [f64; 2] {
         [-MARGIN_S, self.interval.duration_s + MARGIN_S]
     }
 
-    /// Direction, and its rate due to the motions of satellite and observer, perpendicular to it, rad/s.
+    /// Returns the direction at a time, and its rate due to the motions of satellite and observer, perpendicular to it,
+    /// rad/s.
     pub fn direction(&self, time_s: f64) -> (Direction<Gcrs>, Vector3<f64>) {
         let sight = self.line().sight(MARGIN_S + time_s);
         let along = sight.vector * sight.vector.dot(&sight.rate_s);
         (Direction::from_vector(sight.vector), sight.rate_s - along)
     }
 
-    /// Time at which the track is nearest to a direction, from an initial value; within [`DelayedTrack::times_s`].
+    /// Returns the time at which the track is nearest to a direction, starting from `guess_s`; it is within
+    /// [`DelayedTrack::times_s`].
     pub fn nearest_s(&self, direction: &Direction<Gcrs>, guess_s: f64) -> f64 {
         let [first_s, last_s] = self.times_s();
         let mut time_s = guess_s.clamp(first_s, last_s);
-        // Newton's method for the distance along the track: the remaining distance over the rate.
+        // Newton's method for the time of closest approach: the distance along the track is divided by the rate.
         for _ in 0..8 {
             let (_, rate) = self.direction(time_s);
             let step_s = direction.vector().dot(&rate) / rate.norm_squared().max(1e-18);
@@ -183,13 +188,14 @@ impl DelayedTrack<'_> {
         time_s
     }
 
-    /// Position and brightness at a time; `None` only if observer and satellite coincide.
+    /// Returns position and brightness at a time; `None` only if observer and satellite coincide.
     pub fn point(&self, time_s: f64, photometry: &PhotometryOptions) -> Option<TrackPoint> {
         let line = self.line();
         self.evaluator(&line, Some(photometry), time_s).point(MARGIN_S + time_s)
     }
 
-    /// Returns true if the satellite is above the ground (for an observer in orbit, not hidden by the Earth) at a time.
+    /// Returns true if the satellite is above the horizon at a time; for an observer in orbit, if the Earth does not
+    /// hide it.
     pub fn is_up(&self, time_s: f64) -> bool {
         let line = self.line();
         let at_s = MARGIN_S + time_s;

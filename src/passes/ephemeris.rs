@@ -1,4 +1,4 @@
-//! Ephemeris: places, rates and brightness of chosen satellites at given times.
+//! Ephemeris: positions, rates and brightness of selected satellites at given times.
 
 use hifitime::Epoch;
 use rayon::prelude::*;
@@ -15,20 +15,20 @@ use crate::geometry::ObserverState;
 use crate::orbit::{LeftOut, OrbitArc, OrbitError, OrbitUncertainty, PositionSource};
 use crate::photometry::PhotometryOptions;
 
-/// Half of the arc that is propagated around each time, seconds.
+/// Half of the length of the arc that is propagated around each time, seconds.
 const HALF_ARC_S: f64 = 1.0;
-/// Half of the step of the central differences for rates, seconds. Their error is (ω h)²/6 of a rate: 10⁻⁷ at
-/// 0.5 deg/s.
+/// Half of the step of the central differences that give rates, seconds. The relative error of a rate is (ω h)²/6,
+/// which is 10⁻⁷ at 0.5 deg/s.
 const RATE_STEP_S: f64 = 0.1;
-/// Largest number of points in one request.
+/// Largest number of points (satellites times times) in one request.
 const MOST_POINTS: usize = 1_000_000;
 
-/// One satellite at one time.
+/// Position, rates and brightness of one satellite at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EphemerisPoint {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Index of its element set in the sky's catalogue.
+    /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
     /// Index of the time in the request.
     pub time_index: usize,
@@ -42,38 +42,38 @@ pub struct EphemerisPoint {
     pub azimuth_cos_altitude_rate_rad_s: Option<f64>,
     /// Rate of the altitude, rad/s; `None` for an observer in orbit.
     pub altitude_rate_rad_s: Option<f64>,
-    /// Rate of the distance, km/s; negative while the satellite comes nearer.
+    /// Rate of the distance, km/s; negative while the satellite approaches.
     pub range_rate_km_s: f64,
-    /// Angle between Sun and satellite at the observer, radians.
+    /// Angle between Sun and satellite as seen by the observer, radians.
     pub elongation_rad: f64,
     /// Source of the positions.
     pub position_source: PositionSource,
     /// Time less element epoch, days; negative if the elements are newer.
     pub element_age_days: f64,
-    /// Error of the position at this age.
+    /// Uncertainty of the predicted position at this age.
     pub uncertainty: OrbitUncertainty,
 }
 
 impl EphemerisPoint {
-    /// Error across the track as an angle seen from the observer, one sigma, radians.
+    /// Returns the uncertainty across the track as an angle seen from the observer, one sigma, radians.
     pub fn cross_track_sigma_rad(&self) -> f64 {
         (self.uncertainty.cross_track_km / self.point.range_km).atan()
     }
 }
 
-/// Observer, Sun and Earth at one time, for all satellites.
+/// Observer, Sun and Earth at one time, which all satellites share.
 struct Moment {
     scene: Scene,
     orientation: Orientation,
     motion: ObserverMotion,
-    /// The site a rate step before the time, at it, and a step after it; `None` for an observer in orbit.
+    /// State of the site one step before the time, at the time, and one step after it; `None` for an observer in orbit.
     site: Option<[ObserverState; 3]>,
 }
 
 impl Sky {
-    /// Computes the places of satellites, given by the indices of their element sets, at any times: satellite by
-    /// satellite, in the order of the times, also below the horizon. The second value lists satellites without a place
-    /// at one of the times; `photometry` of `None` omits brightness.
+    /// Computes positions of the satellites with the given element indices at any times, also below the horizon. The
+    /// points are ordered by satellite, then by time. The second value lists the satellites without a position at one
+    /// of the times. If `photometry` is `None`, brightness is omitted.
     ///
     /// # Errors
     /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::Observer`] if the elements of a
@@ -139,7 +139,8 @@ impl Sky {
         Ok(Moment { scene, orientation, motion, site })
     }
 
-    /// Returns one satellite at one time; `None` for the telescope itself, and if SGP4 cannot be initialised.
+    /// Returns the point of one satellite at one time; `None` for the observing telescope itself and if SGP4 cannot be
+    /// initialised.
     fn place(
         &self,
         element_index: usize,

@@ -8,13 +8,13 @@ use thiserror::Error;
 use crate::frames::FramesError;
 use crate::orbit::OrbitError;
 
-/// First and last year of the ephemeris of Sun and Earth.
+/// First and last year for which the positions of Sun and Earth are computed.
 const YEARS: (i32, i32) = (1957, 2099);
 
-/// Error that makes a whole request fail.
+/// Error for which a whole request fails.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum SkyError {
-    /// The time is outside the ephemeris of Sun and Earth.
+    /// The time is outside the years of the ephemeris of Sun and Earth.
     #[error("{epoch} is outside the years of the ephemeris of Sun and Earth; allowed: {} to {}", YEARS.0, YEARS.1)]
     NoEphemeris {
         /// The requested time.
@@ -34,10 +34,10 @@ pub enum SkyError {
         /// Name of the observer.
         observer: String,
     },
-    /// A value of an exposure, of a field or of a request is missing or invalid.
+    /// A value of an exposure, a field or a request is missing or invalid.
     #[error("{what} is {given}; allowed: {allowed}")]
     Invalid {
-        /// Name of the value, after the exposure or shape if there is one.
+        /// Name of the value, preceded by the exposure or the shape to which it belongs.
         what: String,
         /// Given value, or `missing`.
         given: String,
@@ -58,7 +58,7 @@ impl SkyError {
     }
 }
 
-/// Rejects times outside the years of the Sun's ephemeris.
+/// Rejects times outside the years of the ephemeris of Sun and Earth.
 pub(super) fn check_epoch(epoch: Epoch) -> Result<(), SkyError> {
     let (year, ..) = epoch.to_gregorian_utc();
     if year < YEARS.0 || year > YEARS.1 { Err(SkyError::NoEphemeris { epoch }) } else { Ok(()) }

@@ -1,4 +1,4 @@
-//! Evaluation of one satellite along its line of sight: positions, brightness, motion.
+//! Evaluation of one satellite along its line of sight: position, brightness and motion.
 
 use nalgebra::Vector3;
 
@@ -13,47 +13,49 @@ use crate::math::minimum::minimum;
 use crate::orbit::OrbitUncertainty;
 use crate::photometry::{Brightness, PhotometryOptions};
 
-/// Steps along a pass in the first search for shadow and peak.
+/// Number of steps along a pass in the first search for shadow and peak.
 const LIGHT_STEPS: usize = 24;
-/// Tolerance of the peak's time, as a fraction of the step between two points.
+/// Tolerance of the time of the peak, as a fraction of the step between two points.
 const PEAK_TOLERANCE: f64 = 1e-4;
 
-/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction, and the dip of a
-/// mountain's horizon. Only used for fields that extend below the horizon.
+/// Geometric altitude below which the ground hides a satellite, radians. It allows for 0.57° of refraction and the dip
+/// of the horizon on a mountain. Used only for fields that extend below the horizon.
 pub(super) const LOWEST_ALTITUDE_RAD: f64 = -0.035;
-/// Step of the search for rise and set within a chord, seconds: no satellite sets and rises again in it.
+/// Step of the search for rise and set within a chord, seconds. No satellite sets and rises again in this time.
 const HORIZON_STEP_S: f64 = 30.0;
-/// Step of the search for the Earth's limb from an orbit, seconds.
+/// Step of the search for the Earth's limb as seen from an orbit, seconds.
 const LIMB_STEP_S: f64 = 5.0;
 
-/// Longest delay for which an error along the track is taken along the tangent of the orbit, seconds: the orbit deviates
-/// from the tangent by ½ g t², here 0.4 km. Longer delays are extrapolated from the slope at this one.
+/// Longest delay, seconds, for which an error along the track is replaced by a displacement along the tangent of the
+/// orbit. The orbit deviates from the tangent by ½ g t², here 0.4 km. Longer delays are extrapolated linearly from this
+/// one.
 const LONGEST_GEOMETRY_STEP_S: f64 = 10.0;
-/// Largest sigma of a magnitude due to the error of the position, mag. It applies to satellites that may be in the
-/// Earth's shadow, where the magnitude is unlimited.
+/// Largest uncertainty of a magnitude due to the error of the position, mag. It applies to satellites that may be in
+/// the Earth's shadow, where the magnitude has no limit.
 const MOST_GEOMETRY_SIGMA_MAG: f64 = 3.0;
 
-/// Line of sight to one satellite, with the data that its brightness requires. Times are seconds of the scene.
+/// Line of sight to one satellite, with the data needed for its brightness. Times are seconds after the start of the
+/// scene.
 pub(super) struct PassEvaluator<'a> {
     pub sky: &'a Sky,
     pub scene: &'a Scene,
     pub line: &'a SightLine<'a>,
     pub element_index: usize,
-    /// Band, system, extinction; `None` for points without brightness.
+    /// Band, magnitude system and extinction; `None` for points without brightness.
     pub photometry: Option<&'a PhotometryOptions>,
-    /// Errors of the satellite's position at the age of its elements.
+    /// Uncertainty of the satellite's position at the age of its elements.
     pub uncertainty: OrbitUncertainty,
 }
 
 impl PassEvaluator<'_> {
-    /// Returns the satellite at one time; `None` only if observer and satellite coincide.
+    /// Returns position and brightness at one time; `None` only if observer and satellite coincide.
     pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
         let here = self.sky.viewpoint().site().map(|observer| observer.state(&self.scene.orientation.at_s(time_s)));
         self.point_over(time_s, here.as_ref())
     }
 
-    /// Returns the point of [`PassEvaluator::point`] for the state of the site at that time; `None` for an observer in
-    /// orbit.
+    /// Returns the same as [`PassEvaluator::point`], given the state of the site at that time (`None` for an observer
+    /// in orbit).
     pub fn point_over(&self, time_s: f64, here: Option<&ObserverState>) -> Option<TrackPoint> {
         let (_, _, aspect) = self.line.aspect_at(time_s);
         let (geometry, illumination, brightness) = self.light(time_s)?;
@@ -79,7 +81,7 @@ impl PassEvaluator<'_> {
         self.light_at(time_s, &state.position, &observer)
     }
 
-    /// Returns geometry, illumination and brightness of a satellite at a position.
+    /// Returns viewing geometry, illumination and brightness of a satellite at a position.
     fn light_at(
         &self,
         time_s: f64,
@@ -94,13 +96,13 @@ impl PassEvaluator<'_> {
         Some((geometry, illumination, brightness))
     }
 
-    /// Returns the brightness with a sigma that includes the error of the prediction: in range, in viewing geometry,
-    /// and in the Earth's shadow.
+    /// Returns the brightness with an uncertainty that includes the error of the predicted position, which affects the
+    /// range, the viewing geometry, and whether the satellite is in the Earth's shadow.
     fn widened(&self, time_s: f64, light: Brightness) -> Brightness {
         let (state, observer, _) = self.line.aspect_at(time_s);
         let (position, velocity) = (state.position.vector(), state.velocity.vector());
         let Some(across) = position.cross(velocity).try_normalize(0.0) else { return light };
-        // Magnitude at a displaced position; in the dark, the faintest magnitude considered.
+        // Magnitude at a displaced position; in the shadow, the faintest magnitude that is considered.
         let faintest = light.magnitude.0 + MOST_GEOMETRY_SIGMA_MAG;
         let magnitude = |moved_km: Vector3<f64>| {
             let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), &observer);
@@ -114,13 +116,13 @@ impl PassEvaluator<'_> {
         Brightness { sigma_mag: light.sigma_mag.hypot(geometry), ..light }
     }
 
-    /// Returns true if any part of the Sun illuminates the satellite at any of the steps.
+    /// Returns true if at any of the steps any part of the Sun illuminates the satellite.
     pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
         times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| self.illumination(time_s).lit_fraction() > 0.0)
     }
 
-    /// Returns the parts of a chord in which the satellite is above the ground, or for an observer in orbit not hidden
-    /// by the Earth.
+    /// Returns the parts of a chord in which the satellite is above the ground; for an observer in orbit, the parts in
+    /// which the Earth does not hide it.
     pub fn above_ground(&self, chord: &Chord) -> Vec<Chord> {
         let height = |time_s: f64| match self.sky.viewpoint() {
             Viewpoint::Site(observer) => {
@@ -150,8 +152,8 @@ impl PassEvaluator<'_> {
             .collect()
     }
 
-    /// Removes the parts of a crossing below the ground, and returns the interval of the rest; for a near miss, the
-    /// time of its closest approach. `None` if nothing is left. Needed only for fields near the ground.
+    /// Removes the parts of a crossing that are below the ground, and returns the time interval of the rest. For a near
+    /// miss it is the time of the closest approach. `None` if nothing is left. Needed only for fields near the ground.
     pub fn keep_above_ground(&self, crossing: &mut Crossing, near_the_ground: bool) -> Option<(f64, f64)> {
         if near_the_ground {
             let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
@@ -171,12 +173,12 @@ impl PassEvaluator<'_> {
         self.sky.shadow().illumination(&self.line.arc.state_at(time_s).position, &self.scene.sun.at_s(time_s).sun)
     }
 
-    /// Returns the brightest point; `None` if the satellite is not visible at any, and without photometry.
+    /// Returns the brightest point; `None` if the satellite is dark at all points, or without photometry.
     pub fn peak(&self, enter_s: f64, exit_s: f64) -> Option<TrackPoint> {
         self.peak_in_steps(enter_s, exit_s, LIGHT_STEPS)
     }
 
-    /// Returns the peak with this number of steps in the first search.
+    /// Returns the brightest point, with a given number of steps in the first search.
     pub fn peak_in_steps(&self, enter_s: f64, exit_s: f64, steps: usize) -> Option<TrackPoint> {
         self.photometry?;
         let magnitude = |time_s: f64| {
@@ -194,7 +196,7 @@ impl PassEvaluator<'_> {
         self.point(peak_s)
     }
 
-    /// Returns evenly spaced points from entry to exit, both included; a single point is in the middle.
+    /// Returns evenly spaced points from entry to exit, both included; a single point is in the middle of the interval.
     pub fn samples(&self, enter_s: f64, exit_s: f64, count: usize) -> Vec<TrackPoint> {
         match count {
             0 => Vec::new(),
@@ -203,9 +205,10 @@ impl PassEvaluator<'_> {
         }
     }
 
-    /// Returns the position angle of the motion and the angular speed, radians and rad/s.
+    /// Returns the position angle of the motion, radians, and the angular speed, rad/s.
     pub fn motion(&self, time_s: f64) -> (f64, f64) {
-        // Long compared with rounding (1e-16 / 1e-3), short compared with curvature.
+        // This step is long enough that rounding (1e-16 / 1e-3) is negligible, and short enough that the path is
+        // straight.
         const HALF_S: f64 = 0.05;
         let (_, _, before) = self.line.aspect_at(time_s - HALF_S);
         let (_, _, now) = self.line.aspect_at(time_s);
@@ -214,7 +217,7 @@ impl PassEvaluator<'_> {
         (now.direction.position_angle_rad(&after.direction), rate_rad_s)
     }
 
-    /// Returns the length of one chord on the sky, radians.
+    /// Returns the length of a chord on the sky, radians.
     pub fn length_rad(&self, chord: &Chord) -> f64 {
         let directions: Vec<_> = times(chord.enter_s, chord.exit_s, LIGHT_STEPS)
             .map(|time_s| self.line.aspect_at(time_s).2.direction)

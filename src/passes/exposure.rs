@@ -7,34 +7,34 @@ use crate::constants::DAY_S;
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
 
-/// Longest exposure of a query, seconds. Clear start times are searched in one exposure over the whole time of a request,
-/// which may have 31 days.
+/// Longest exposure of a query, seconds. It exceeds 31 days because the search for clear start times treats the whole
+/// time of a request, which may last 31 days, as one exposure.
 const LONGEST_S: f64 = 32.0 * DAY_S;
 
 /// Exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction
 /// relative to the stars.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exposure {
-    /// Name in the schedule.
+    /// Identifier of the exposure in the schedule.
     pub id: String,
-    /// Shutter opening.
+    /// Time at which the shutter opens.
     pub start: Epoch,
-    /// Length, seconds, from 0 to 32 days.
+    /// Exposure time, seconds, from 0 to 32 days.
     pub duration_s: f64,
-    /// Centre of the field, ICRS astrometric.
+    /// Centre of the field, ICRS astrometric direction.
     pub pointing: Direction<Gcrs>,
     /// Position angle of the field's y axis, from north through east, radians.
     pub rotation_rad: f64,
 }
 
 impl Exposure {
-    /// Parses an exposure: the start as ISO 8601 with `Z` or an offset, right ascension (`14h53m36s`, `14:53:36` or
-    /// degrees) and declination (`-08d54m`, `-08:54:00` or degrees) as ICRS astrometric. The rotation is 0, the
-    /// identifier empty.
+    /// Creates an exposure from texts. The start is ISO 8601 with `Z` or an offset. Right ascension (`14h53m36s`,
+    /// `14:53:36` or degrees) and declination (`-08d54m`, `-08:54:00` or degrees) are ICRS astrometric. The rotation is
+    /// 0 and the identifier is empty.
     ///
     /// # Errors
-    /// [`SkyError`] for a text of another form or out of range. A length out of range is rejected when the exposure
-    /// is used.
+    /// [`SkyError`] if a text has another form or a value is out of range. An exposure time out of range is rejected
+    /// only when the exposure is used.
     pub fn new(start: &str, duration_s: f64, ra: &str, dec: &str) -> Result<Self, SkyError> {
         let pointing = parse_direction(ra, dec).map_err(SkyError::Direction)?;
         Ok(Self {
@@ -46,7 +46,8 @@ impl Exposure {
         })
     }
 
-    /// Rejects numbers that are not finite, lengths below 0 or above 32 days, and times outside the years of the Sun's ephemeris.
+    /// Rejects numbers that are not finite, exposure times below 0 or above 32 days, and times outside the years of the
+    /// ephemeris of Sun and Earth.
     pub(super) fn check(&self) -> Result<(), SkyError> {
         let id = &self.id;
         if !(0.0..=LONGEST_S).contains(&self.duration_s) {
@@ -62,14 +63,14 @@ impl Exposure {
         check_epoch(self.start)
     }
 
-    /// Shutter closing, seconds after `start`.
+    /// Returns the time at which the shutter closes, seconds after `start`.
     pub(super) fn end_s(&self, start: Epoch) -> f64 {
         seconds_between(start, self.start) + self.duration_s
     }
 }
 
-/// Returns the indices of the exposures in order of time, in groups that fit into one search window. An exposure longer
-/// than a window is a group of its own.
+/// Returns the indices of the exposures in order of time, in groups that fit into one search window. An exposure that
+/// is longer than a window forms a group of its own.
 pub(super) fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&one| exposures[one].start);

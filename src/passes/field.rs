@@ -6,18 +6,18 @@ use serde::Deserialize;
 use super::error::SkyError;
 use crate::frames::{Direction, Gcrs};
 
-/// Form of a field file, for errors.
+/// Form of a field file, used in error messages.
 const FIELD_FORM: &str =
     r#"{"shapes": [{"circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x, y], ...]}], "unit": "deg"}"#;
 
-/// Largest distance of a point of a rectangle or polygon from the field's centre on the tangent plane, degrees (45° on
-/// the sky).
+/// Largest distance of a point of a rectangle or polygon from the centre of the field, in degrees of the tangent plane
+/// (45° on the sky).
 const LARGEST_TANGENT_DEG: f64 = 57.3;
 
-/// Field of view relative to a pointing.
+/// Shape of the field of view, relative to the pointing.
 ///
-/// Rectangles and polygons are given on the tangent plane at the pointing (gnomonic projection), in degrees: x to the
-/// east and y to the north at rotation 0. A circle is exact on the sphere.
+/// Rectangles and polygons are given in degrees on the tangent plane at the pointing (gnomonic projection), with x to
+/// the east and y to the north at rotation 0. A circle is exact on the sphere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     shapes: Vec<NamedShape>,
@@ -31,9 +31,9 @@ struct NamedShape {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Shape {
-    /// Radius, and the centre on the tangent plane (radians of the plane).
+    /// Circle with its radius and its centre on the tangent plane, in radians of the plane.
     Circle { centre: [f64; 2], radius_rad: f64 },
-    /// Corners on the tangent plane (radians of the plane).
+    /// Polygon given by its corners on the tangent plane, in radians of the plane.
     Polygon(Vec<[f64; 2]>),
 }
 
@@ -61,10 +61,10 @@ struct ShapeFile {
 }
 
 impl Field {
-    /// Creates a circle of this full diameter, radians, centred on the pointing.
+    /// Creates a circle of this diameter, radians, centred on the pointing.
     ///
     /// # Errors
-    /// A diameter that is not above 0 and at most 180°.
+    /// The diameter is not above 0 or exceeds 180°.
     pub fn circle(diameter_rad: f64) -> Result<Self, SkyError> {
         let diameter_deg = diameter_rad.to_degrees();
         if !(diameter_deg > 0.0 && diameter_deg <= 180.0) {
@@ -74,7 +74,7 @@ impl Field {
         Ok(Self { shapes: vec![NamedShape { name: "field".to_owned(), shape }] })
     }
 
-    /// Creates a circle of this full diameter, degrees, centred on the pointing.
+    /// Creates a circle of this diameter, degrees, centred on the pointing.
     ///
     /// # Errors
     /// The errors of [`Field::circle`].
@@ -82,28 +82,29 @@ impl Field {
         Self::circle(diameter_deg.to_radians())
     }
 
-    /// Creates a rectangle of this full width (x) and height (y) on the tangent plane, degrees.
+    /// Creates a rectangle of this width (x) and height (y), degrees on the tangent plane, centred on the pointing.
     ///
     /// # Errors
-    /// A side that is not above 0, and a corner more than 45° from the pointing.
+    /// A side is not above 0, or a corner is more than 45° from the pointing.
     pub fn rectangle_deg(width_deg: f64, height_deg: f64) -> Result<Self, SkyError> {
         Ok(Self { shapes: vec![rectangle("field".to_owned(), [width_deg, height_deg], [0.0, 0.0])?] })
     }
 
-    /// Creates a polygon with these corners on the tangent plane, degrees, in either orientation, convex or not.
+    /// Creates a polygon from its corners in degrees on the tangent plane. The corners may be in either sense of
+    /// rotation, and the polygon need not be convex.
     ///
     /// # Errors
-    /// Fewer than three corners, no area, or a corner more than 45° from the pointing.
+    /// There are fewer than three corners, the area is 0, or a corner is more than 45° from the pointing.
     pub fn polygon_deg(corners_deg: &[[f64; 2]]) -> Result<Self, SkyError> {
         Ok(Self { shapes: vec![polygon("field".to_owned(), corners_deg, [0.0, 0.0])?] })
     }
 
-    /// Reads the JSON form: `{"shapes": [{"name", "circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x,
-    /// y], …]}], "unit": "deg"}`. Each shape may have `"center_deg": [x, y]` on the tangent plane. Several shapes form
-    /// a mosaic.
+    /// Reads a field in JSON form: `{"shapes": [{"name", "circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg":
+    /// [[x, y], …]}], "unit": "deg"}`. Each shape may have a centre `"center_deg": [x, y]` on the tangent plane.
+    /// Several shapes form a mosaic.
     ///
     /// # Errors
-    /// Invalid JSON, a unit other than degrees, no shapes, and the errors of each shape.
+    /// The JSON is invalid, the unit is not degrees, there are no shapes, or a shape is invalid.
     pub fn from_json(text: &str) -> Result<Self, SkyError> {
         let file: FieldFile = serde_json::from_str(text)
             .map_err(|error| SkyError::invalid("field", format!("invalid ({error})"), FIELD_FORM))?;
@@ -134,12 +135,13 @@ impl Field {
         Ok(Self { shapes })
     }
 
-    /// Names of the shapes in order.
+    /// Returns the names of the shapes in order.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.shapes.iter().map(|shape| shape.name.as_str())
     }
 
-    /// Area on the sky, square degrees: exact for circles, on the tangent plane for other shapes. Overlaps count twice.
+    /// Returns the area, square degrees: on the sky for circles, on the tangent plane for other shapes. Overlaps count
+    /// twice.
     pub fn area_deg2(&self) -> f64 {
         let area_rad2: f64 = self
             .shapes
@@ -153,7 +155,7 @@ impl Field {
         area_rad2 * 1f64.to_degrees().powi(2)
     }
 
-    /// Radius of the smallest circle about the pointing that contains every shape, radians.
+    /// Returns the radius of the smallest circle around the pointing that contains every shape, radians.
     pub fn bounding_radius_rad(&self) -> f64 {
         self.shapes
             .iter()
@@ -166,10 +168,10 @@ impl Field {
             .fold(0.0, f64::max)
     }
 
-    /// Returns the shapes in order as closed lines on the tangent plane, degrees of the plane: x to the east and y to
-    /// the north at rotation 0.
+    /// Returns the shapes in order as closed lines in degrees of the tangent plane, with x to the east and y to the
+    /// north at rotation 0.
     ///
-    /// Circles have `points` points, at least 3; points 90° or more from the pointing have no position on the plane and
+    /// Circles have `points` points, at least 3. Points 90° or more from the pointing have no position on the plane and
     /// are omitted.
     pub fn outlines_deg(&self, points: usize) -> Vec<Vec<[f64; 2]>> {
         let degrees = |point: [f64; 2]| point.map(f64::to_degrees);
@@ -184,8 +186,8 @@ impl Field {
         self.shapes.iter().map(outline).collect()
     }
 
-    /// Places the field on the sky, centred on `pointing`, with its y axis at position angle `rotation_rad` (from north
-    /// through east).
+    /// Places the field on the sky with its centre at `pointing`. `rotation_rad` is the position angle of its y axis,
+    /// from north through east.
     pub fn on_sky(&self, pointing: &Direction<Gcrs>, rotation_rad: f64) -> FieldOnSky<'_> {
         let (east, north) = pointing.east_north();
         let (sin, cos) = rotation_rad.sin_cos();
@@ -199,7 +201,7 @@ impl Field {
     }
 }
 
-/// Returns unit vectors evenly around a circle about an axis, at least 3.
+/// Returns unit vectors at equal distances on a circle around an axis; at least 3.
 fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item = Vector3<f64>> {
     let points = points.max(3);
     let (east, north) = Direction::<Gcrs>::from_vector(axis).east_north();
@@ -212,7 +214,7 @@ fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item
 
 fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, SkyError> {
     let offset_deg = centre_deg[0].hypot(centre_deg[1]);
-    // Off-centre circles are limited by the gnomonic plane, like polygons.
+    // Circles whose centre is not the pointing are limited by the gnomonic plane, like polygons.
     let allowed_deg = if offset_deg == 0.0 { 180.0 } else { 90.0 };
     if !(diameter_deg > 0.0 && diameter_deg <= allowed_deg) {
         return Err(invalid_diameter(&name, diameter_deg, allowed_deg));
@@ -259,7 +261,7 @@ fn invalid_diameter(shape: &str, diameter_deg: f64, allowed_deg: f64) -> SkyErro
     SkyError::invalid(format!("field shape {shape}: diameter"), format!("{diameter_deg} deg"), allowed)
 }
 
-/// Returns the area by the shoelace formula; positive for anticlockwise corners.
+/// Returns the area by the shoelace formula; positive if the corners are anticlockwise.
 fn signed_area(corners: &[[f64; 2]]) -> f64 {
     0.5 * edges(corners).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>()
 }
@@ -269,7 +271,7 @@ fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| (*a, *b))
 }
 
-/// Field placed on the sky.
+/// Field of view placed on the sky at a pointing.
 #[derive(Clone, Debug)]
 pub struct FieldOnSky<'a> {
     field: &'a Field,
@@ -279,22 +281,22 @@ pub struct FieldOnSky<'a> {
     bounding_radius_rad: f64,
 }
 
-/// Border of a shape that a track can cross.
+/// Border of a shape, which a track can cross.
 #[derive(Clone, Debug)]
 pub(super) enum Border<'a> {
-    /// Rim of a circle: its centre and radius.
+    /// Circle on the sky with its centre and its radius in radians.
     Rim(Vector3<f64>, f64),
-    /// Polygon on the tangent plane.
+    /// Polygon on the tangent plane, by its corners.
     Outline(&'a [[f64; 2]]),
 }
 
 impl FieldOnSky<'_> {
-    /// Centre as a unit vector.
+    /// Returns the centre as a unit vector.
     pub(super) fn centre(&self) -> &Vector3<f64> {
         &self.centre
     }
 
-    /// Radius around the centre that contains every shape, radians.
+    /// Returns the radius around the centre that contains every shape, radians.
     pub(super) fn bounding_radius_rad(&self) -> f64 {
         self.bounding_radius_rad
     }
@@ -310,14 +312,15 @@ impl FieldOnSky<'_> {
         })
     }
 
-    /// Returns the position of a vector on the tangent plane, radians of the plane; `None` at 90° and beyond.
+    /// Returns the position of a vector on the tangent plane, radians of the plane; `None` for 90° or more from the
+    /// centre.
     pub(super) fn project(&self, sight: &Vector3<f64>) -> Option<[f64; 2]> {
         let depth = sight.dot(&self.centre);
         (depth > 0.0).then(|| [sight.dot(&self.x_axis) / depth, sight.dot(&self.y_axis) / depth])
     }
 
-    /// Returns the border of every shape as directions: the corners of a polygon, `round` points (at least 3) of a
-    /// circle, without repeating the first.
+    /// Returns the border of every shape as directions: the corners of a polygon, or `round` points (at least 3) of a
+    /// circle. The first point is not repeated at the end.
     pub fn outlines(&self, round: usize) -> Vec<Vec<Direction<Gcrs>>> {
         let corner =
             |[x, y]: &[f64; 2]| Direction::from_vector((self.centre + self.x_axis * *x + self.y_axis * *y).normalize());
@@ -338,7 +341,7 @@ impl FieldOnSky<'_> {
     }
 }
 
-/// Returns true if the point lies inside the polygon (even-odd rule).
+/// Returns true if a point is inside a polygon (even-odd rule).
 pub(super) fn polygon_contains(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     edges(corners)
         .filter(|([ax, ay], [bx, by])| (*ay > y) != (*by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax)
@@ -347,7 +350,7 @@ pub(super) fn polygon_contains(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
         == 1
 }
 
-/// Returns the sides of an outline.
+/// Returns the sides of a closed polygon.
 pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
     edges(corners)
 }

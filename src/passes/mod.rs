@@ -1,10 +1,12 @@
-//! Satellites that cross a field while the shutter is open, that pass over a site, or that are above it at a time.
+//! Satellites that cross a field while the shutter is open, that pass over a site, or that are above a site at a given
+//! time.
 //!
-//! [`Sky`] is the entry type: a catalogue with a viewpoint. `field_passes` computes crossings, their probability and
-//! brightness, `visible_passes` the visible passes of a night (`above_horizon` their intervals), `snapshots` all
-//! satellites at given times, `ephemeris` chosen satellites at given times, `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search
-//! windows), `candidates` (the search), `track` (lines of sight), `crossing` (chords through a field), `probability`,
-//! and `evaluator` (positions and brightness along a line of sight).
+//! [`Sky`] is the main type: a catalogue of satellites with an observer. `field_passes` computes crossings of a field
+//! with their probability and brightness, `visible_passes` the visible passes of a night (from the intervals of
+//! `above_horizon`), `snapshots` all satellites at given times, `ephemeris` selected satellites at given times, and
+//! `delayed_track` tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the
+//! search), `track` (lines of sight), `crossing` (parts of a track inside a field), `probability`, and `evaluator`
+//! (position and brightness along a line of sight).
 
 mod above_horizon;
 mod altaz;

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::photometry::{BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
-/// Choice of the brightness model of an element set: by generation, else by the object's standard magnitude, else a
-/// prior for rocket bodies or for any object.
+/// Rule by which each element set gets a brightness model. The first that applies is used: the model of its generation,
+/// the object's standard magnitude, a prior for rocket bodies, a prior for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
@@ -16,7 +16,7 @@ pub struct ModelChoice {
     unknown: Arc<BrightnessModel>,
 }
 
-/// Returns the default model of a generation.
+/// Returns the name of the default model of a generation; `None` if the generation has no default.
 fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),
@@ -34,14 +34,14 @@ fn default_model(generation: Generation) -> Option<&'static str> {
 }
 
 impl Default for ModelChoice {
-    /// Returns the embedded models.
+    /// Returns the choice with the embedded models.
     fn default() -> Self {
         Self::new(&ModelLibrary::embedded()).expect("the embedded library has every default model, by a test below")
     }
 }
 
 impl ModelChoice {
-    /// Creates the choice of the default models of a library.
+    /// Creates the choice with the default models of a library.
     ///
     /// # Errors
     /// [`PhotometryError`] if the library lacks one of them; the embedded library has all.
@@ -67,19 +67,19 @@ impl ModelChoice {
         self
     }
 
-    /// Sets standard magnitudes for objects without a generation.
+    /// Sets the standard magnitudes that are used for objects without a generation.
     pub fn with_standard_magnitudes(mut self, standard_magnitudes: StandardMagnitudes) -> Self {
         self.standard_magnitudes = standard_magnitudes;
         self
     }
 
-    /// Returns true if a satellite's brightness is unknown: no generation, no standard magnitude, and not a rocket
-    /// body.
+    /// Returns true if the brightness of a satellite is unknown: it has no generation and no standard magnitude and is
+    /// not a rocket body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {
         Arc::ptr_eq(&self.model_of(elements), &self.unknown)
     }
 
-    /// Returns the model of one satellite.
+    /// Returns the brightness model of one satellite.
     pub fn model_of(&self, elements: &ElementSet) -> Arc<BrightnessModel> {
         let generation = GenerationTable::embedded().of(elements);
         if let Some(model) = self.by_generation.get(&generation) {

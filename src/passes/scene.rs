@@ -1,9 +1,9 @@
-//! State shared by all satellites of a request: observer, Sun and orientation at sampled times, and search windows.
+//! Data that all satellites of a request share: Sun and Earth orientation at sampled times, and search windows.
 //!
 //! A scheduler computes one visit after another. Without caches, most of the time would be spent on precession and
 //! nutation at the same few times. Windows lie on a fixed grid of six hours, so that all searches of a night use the
-//! same two or three windows. Results do not depend on the caches except for rounding: a window only selects the
-//! satellites for which SGP4 is evaluated.
+//! same two or three windows. Except for rounding, results do not depend on the caches, because a window only selects
+//! the satellites for which SGP4 is evaluated.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -14,17 +14,18 @@ use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_
 use crate::geometry::SunTable;
 use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
 
-/// Sun, Earth and orbits over the time of one group of exposures. Times are seconds after its start.
+/// Sun, Earth orientation and orbits during one group of exposures. Times are seconds after its start.
 pub(in crate::passes) struct Scene {
     pub start: Epoch,
     pub orientation: OrientationTable,
     pub sun: SunTable,
-    /// Windows in order of time, without gaps; empty if no satellites are searched.
+    /// Search windows in order of time, without gaps; empty if no satellites are searched.
     pub windows: Vec<Arc<Window>>,
 }
 
 impl Scene {
-    /// Returns the window that contains a time, and its start, both in seconds of the scene.
+    /// Returns the window that contains a time, and the start of the window, both in seconds after the start of the
+    /// scene.
     pub fn window_at(&self, time_s: f64) -> Option<(&Window, f64)> {
         let start_s = |window: &Window| seconds_between(self.start, window.start());
         let window = self.windows.iter().rfind(|window| start_s(window) <= time_s).or(self.windows.first())?;
@@ -32,28 +33,28 @@ impl Scene {
     }
 }
 
-/// Number of cached days, 2 kB each: a schedule uses its days several times.
+/// Number of cached days, of 2 kB each. They are cached because a schedule uses its days several times.
 const CACHED_DAYS: usize = 64;
-/// Length of the tables of a day, seconds.
+/// Length of the tables that begin with a day, seconds.
 const REACH_S: f64 = 3.0 * DAY_S;
-/// Time after the end needed for interpolation, seconds.
+/// Time after the end of a request that interpolation needs, seconds.
 const BEYOND_S: f64 = DAY_S;
 
-/// Orientation and Sun from the beginning of a UTC day.
+/// Earth orientation and Sun from the beginning of a UTC day on.
 #[derive(Debug)]
 struct Day {
     orientation: OrientationTable,
     sun: SunTable,
 }
 
-/// Cache of the most recently used days, newest last.
+/// Cache of the most recently used days, the newest last.
 #[derive(Debug, Default)]
 pub(in crate::passes) struct Almanac {
     kept: Mutex<Vec<(i64, Arc<Day>)>>,
 }
 
 impl Almanac {
-    /// Returns Earth orientation and Sun from `start` to `end`; `eop` must always be the same.
+    /// Returns Earth orientation and Sun from `start` to `end`. `eop` must be the same in every call.
     pub fn over(&self, start: Epoch, end: Epoch, eop: &EopTable) -> (OrientationTable, SunTable) {
         let day = self.day(start, eop);
         if seconds_between(day.sun.reference(), end) + BEYOND_S > REACH_S {
@@ -80,13 +81,13 @@ impl Almanac {
     }
 }
 
-/// Least number of cached windows: three of a night, for both scopes, and two more.
+/// Smallest number of cached windows: three windows of a night for both scopes, and two more.
 const LEAST_CACHED_WINDOWS: usize = 8;
-/// Number of satellites in all cached windows, 140 bytes each: a schedule uses its nights several times, and computing
-/// the three windows of a night takes as long as the crossings of 700 exposures.
+/// Number of satellites in all cached windows together, of 140 bytes each. A schedule uses its nights several times,
+/// and computing the three windows of a night takes as long as the crossings of 700 exposures.
 const CACHED_SATELLITES: usize = 500_000;
 
-/// Scope of the search of a window.
+/// Which satellites a window must find.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(in crate::passes) enum SearchScope {
     /// Satellites that cross at their predicted positions.
@@ -95,21 +96,21 @@ pub(in crate::passes) enum SearchScope {
     Delayed,
 }
 
-/// Number of a window on the grid, and its scope.
+/// Number of a window on the grid of six hours, and its scope.
 type Key = (i64, SearchScope);
 
-/// Cache of the most recently used windows, newest last.
+/// Cache of the most recently used windows, the newest last.
 #[derive(Debug, Default)]
 pub(in crate::passes) struct WindowCache {
     kept: Mutex<Vec<(Key, Arc<Window>)>>,
 }
 
 impl WindowCache {
-    /// Returns the windows that contain the time from `start` to `end`, in order; missing ones are computed on all
+    /// Returns the windows that contain the time from `start` to `end`, in order. Missing windows are computed on all
     /// threads.
     ///
-    /// `reach` returns the distance from its predicted position within which a satellite is searched, from its element
-    /// index and the two ends of a window. It must be the same function for the same `scope`.
+    /// `reach` returns the distance from the predicted position within which a satellite is searched for; its arguments
+    /// are the element index and the two ends of a window. It must be the same function for the same `scope`.
     pub fn over(
         &self,
         index: &SatelliteIndex,
@@ -127,7 +128,7 @@ impl WindowCache {
                 if let Some(window) = self.kept(key) {
                     return window;
                 }
-                // Computed without the lock, because the threads that compute it may use the cache.
+                // Computed while the lock is not held, because the threads that compute the window may use the cache.
                 let from = seconds_after(grid, MAX_WINDOW_S * number as f64);
                 let ends = [from, seconds_after(from, MAX_WINDOW_S)];
                 let window =

@@ -1,4 +1,4 @@
-//! A catalogue of satellites seen from one site, or from one telescope in orbit: the entry type of all queries.
+//! A catalogue of satellites seen by an observer at a site or by a telescope in orbit; all queries start from it.
 
 use std::sync::Arc;
 
@@ -21,9 +21,9 @@ use crate::orbit::{
 };
 use crate::photometry::BrightnessModel;
 
-/// Satellites, an observer and brightness models: the starting point of all queries.
+/// Satellites, an observer and brightness models, from which all queries start.
 ///
-/// Queries may be made from any thread. A clone shares the satellites and the caches, and is cheap.
+/// Queries may be made from any thread. A clone shares the satellites and the caches, so cloning is fast.
 #[derive(Clone, Debug)]
 pub struct Sky {
     elements: Arc<Vec<ElementSet>>,
@@ -40,15 +40,15 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// Prepares satellites for an observer, with the embedded brightness models and Earth orientation.
+    /// Creates a sky from satellites and an observer, with the embedded brightness models and Earth orientation table.
     ///
-    /// This takes about 2 µs of processor time for each satellite. The Earth's shadow is the geometric one.
+    /// This takes about 2 µs of processor time per satellite. The model of the Earth's shadow is the geometric one.
     pub fn new(satellites: Satellites, viewpoint: impl Into<Viewpoint>) -> Self {
         Self::with_models(satellites.element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default())
             .with_ephemerides(satellites.ephemerides)
     }
 
-    /// Creates a sky like [`Sky::new`], with other brightness models and another table of the Earth's orientation.
+    /// Creates a sky as [`Sky::new`], with other brightness models and another Earth orientation table.
     pub fn with_models(
         elements: Vec<ElementSet>,
         viewpoint: impl Into<Viewpoint>,
@@ -74,7 +74,7 @@ impl Sky {
         }
     }
 
-    /// Returns a sky with the same satellites from another viewpoint. Both skies share their caches.
+    /// Returns a sky with the same satellites for another observer. Both skies share their caches.
     pub fn seen_from(&self, viewpoint: impl Into<Viewpoint>) -> Self {
         Self { viewpoint: viewpoint.into(), ..self.clone() }
     }
@@ -84,7 +84,8 @@ impl Sky {
         Self { shadow, ..self }
     }
 
-    /// Returns the sky with another treatment of atmospheric drag. Satellites for which it differs are prepared again.
+    /// Returns the sky with another treatment of atmospheric drag. Satellites whose treatment changes are initialised
+    /// again.
     pub fn with_drag(self, drag: DragModel) -> Self {
         if drag == self.drag {
             return self;
@@ -99,10 +100,10 @@ impl Sky {
         }
     }
 
-    /// The same sky with ephemerides, which are used for exposures that they cover, and SGP4 for others.
+    /// Returns the sky with ephemerides. They are used for the exposures that they cover; SGP4 is used for all others.
     ///
-    /// An ephemeris of a satellite without an element set is ignored: the class and the brightness model of a satellite
-    /// are those of its element set.
+    /// An ephemeris of a satellite without an element set is ignored, because the element set determines the class and
+    /// the brightness model of a satellite.
     pub fn with_ephemerides(self, ephemerides: Vec<Arc<Ephemeris>>) -> Self {
         let index = SatelliteIndex::new(&self.elements, self.drag);
         Self {
@@ -113,8 +114,8 @@ impl Sky {
         }
     }
 
-    /// Satellites with ephemerides by the index of their element sets, and the part of the time between two epochs for
-    /// which these are used.
+    /// Returns the satellites with ephemerides, by the index of their element sets, and the part of the time between
+    /// two epochs for which the ephemerides are used.
     pub fn ephemeris_coverage(
         &self,
         first: Epoch,
@@ -123,22 +124,23 @@ impl Sky {
         self.index.ephemeris_coverage([first, last])
     }
 
-    /// Treatment of atmospheric drag in SGP4.
+    /// Returns the treatment of atmospheric drag in SGP4.
     pub fn drag(&self) -> DragModel {
         self.drag
     }
 
-    /// Element sets of the catalogue; [`Pass::element_index`](super::Pass::element_index) is an index into them.
+    /// Returns the element sets of the catalogue; [`Pass::element_index`](super::Pass::element_index) is an index into
+    /// them.
     pub fn elements(&self) -> &[ElementSet] {
         &self.elements
     }
 
-    /// Model of the Earth's shadow.
+    /// Returns the model of the Earth's shadow.
     pub fn shadow(&self) -> ShadowModel {
         self.shadow
     }
 
-    /// Site, or telescope in orbit.
+    /// Returns the observer: a site or a telescope in orbit.
     pub fn viewpoint(&self) -> &Viewpoint {
         &self.viewpoint
     }
@@ -151,17 +153,17 @@ impl Sky {
         &self.models[element_index]
     }
 
-    /// Satellites with elements that SGP4 cannot initialise.
+    /// Returns the satellites whose elements SGP4 cannot initialise.
     pub fn left_out(&self) -> &[LeftOut] {
         self.index.left_out()
     }
 
-    /// Returns the Earth's orientation from `start` to `end`, as used by all queries of this sky.
+    /// Returns the table of the Earth's orientation from `start` to `end` that all queries of this sky use.
     pub fn orientation_over(&self, start: Epoch, end: Epoch) -> OrientationTable {
         self.almanac.over(start, end, &self.eop).0
     }
 
-    /// Returns the one-sigma errors of a satellite's predicted position at an age of its elements.
+    /// Returns the uncertainty (one sigma) of a satellite's predicted position when its elements have this age.
     pub fn uncertainty(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
         uncertainty(self.classes[element_index], age_days)
     }
@@ -171,27 +173,27 @@ impl Sky {
         seconds_between(self.elements[element_index].epoch, epoch) / DAY_S
     }
 
-    /// Returns the one-sigma errors of a satellite's predicted position at a time.
+    /// Returns the uncertainty (one sigma) of a satellite's predicted position at a time.
     pub(super) fn uncertainty_at(&self, element_index: usize, epoch: Epoch) -> OrbitUncertainty {
         self.uncertainty(element_index, self.element_age_days(element_index, epoch))
     }
 
-    /// Propagator of a satellite between two times, seconds after `start`: its ephemeris if it covers them, otherwise
-    /// SGP4.
+    /// Returns the propagator of a satellite between two times, in seconds after `start`: its ephemeris if that covers
+    /// both times, otherwise SGP4.
     pub(super) fn propagator_over(
         &self,
         start: Epoch,
         element_index: usize,
         [from_s, to_s]: [f64; 2],
     ) -> Option<&Propagator> {
-        // The search has windows with ephemerides for exposures up to this length.
+        // The search prepares ephemerides only for exposures up to this length.
         if !self.index.has_ephemerides() || to_s - from_s > MAX_WINDOW_S {
             return self.index.propagator(element_index);
         }
         self.index.propagator_over(element_index, [from_s, to_s].map(|time_s| seconds_after(start, time_s)))
     }
 
-    /// One-sigma errors of the prediction of a propagator of this satellite.
+    /// Returns the uncertainty (one sigma) of the prediction by a propagator of this satellite.
     pub(super) fn uncertainty_of(
         &self,
         element_index: usize,
@@ -210,19 +212,19 @@ impl Sky {
         &self.index
     }
 
-    /// Returns the report of a satellite without a position.
+    /// Returns an entry for the list of satellites without a position.
     pub(super) fn failed(&self, element_index: usize, reason: crate::orbit::OrbitError) -> LeftOut {
         LeftOut { norad_id: self.elements[element_index].norad_id, element_index, reason }
     }
 
-    /// Returns true for the element set of the observing telescope itself, which is never searched.
+    /// Returns true for the element set of the observing telescope itself, which is never searched for.
     pub(super) fn is_observer(&self, element_index: usize) -> bool {
         let own = self.viewpoint.orbit().map(OrbitingObserver::norad_id);
         own == Some(self.elements[element_index].norad_id)
     }
 
-    /// Returns the arc of a telescope in orbit over an exposure, extended on both sides by the longest delay for which
-    /// satellites are searched; `None` for a site.
+    /// Returns the orbital arc of a telescope in orbit during an exposure, extended on both sides by the longest delay
+    /// for which satellites are searched. `None` for a site.
     pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, SkyError> {
         let Some(observer) = self.viewpoint.orbit() else { return Ok(None) };
         let failed = |reason| SkyError::Observer { observer: observer.name(), reason };
@@ -255,20 +257,21 @@ impl Sky {
         }
     }
 
-    /// Returns a scene with Sun and Earth, without search windows.
+    /// Returns a scene with Sun and Earth orientation but without search windows.
     pub(super) fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
         let end = seconds_after(start, span_s);
         let (orientation, sun) = self.almanac.over(start, end, &self.eop);
         Scene { start, orientation, sun, windows: Vec::new() }
     }
 
-    /// Returns a scene with Sun, Earth and the windows for a search.
+    /// Returns a scene with Sun, Earth orientation and search windows.
     pub(super) fn scene(&self, start: Epoch, span_s: f64, scope: SearchScope) -> Scene {
         let mut scene = self.scene_without_windows(start, span_s);
         let reach = |element_index: usize, ends: [Epoch; 2]| match scope {
             SearchScope::Nominal => Reach::default(),
             SearchScope::Delayed => {
-                // Errors grow with the time from the epoch, so the larger ones are those at one of the window's ends.
+                // Errors grow with the distance in time from the epoch, so that the larger error is at one of the ends
+                // of the window.
                 let class = &self.classes[element_index];
                 let [first, last] = ends.map(|epoch| self.element_age_days(element_index, epoch).abs());
                 let age_days = first.max(last);

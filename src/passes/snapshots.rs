@@ -18,45 +18,45 @@ use crate::geometry::{Illumination, ObserverState, ViewingGeometry};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError};
 use crate::photometry::{Brightness, PhotometryOptions};
 
-/// Latest time after the start, seconds: it limits the motion of the site under the search cone.
+/// Largest time after the start, seconds. It limits the motion of the site during the search.
 const LONGEST_S: f64 = 3600.0;
 /// Largest number of times in one query.
 const MOST_TIMES: usize = 10_000;
-/// Least number of satellites per thread.
+/// Smallest number of satellites per thread.
 const TOGETHER: usize = 16;
 
-/// Options of a snapshot.
+/// Options of a query for snapshots.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SnapshotOptions {
     /// Lowest altitude, geometric, radians, 0 to π/2.
     pub min_altitude_rad: f64,
-    /// Include satellites in the umbra.
+    /// If true, satellites in the umbra are included.
     pub include_dark: bool,
-    /// Include all times of a satellite that is above the altitude and lit at one of them.
+    /// If true, a satellite that is above the altitude and lit at one of the times is included at all times.
     pub whole_tracks: bool,
-    /// Band, system, extinction; `None` omits the brightness of all points, which is several times faster.
+    /// Band, magnitude system and extinction. `None` omits the brightness of all points, which is several times faster.
     pub photometry: Option<PhotometryOptions>,
 }
 
 impl SnapshotOptions {
-    /// Options for all satellites above an altitude, lit or not, without brightness.
+    /// Returns options for all satellites above an altitude (radians), lit or not, without brightness.
     pub fn all_above(min_altitude_rad: f64) -> Self {
         Self { min_altitude_rad, include_dark: true, whole_tracks: false, photometry: None }
     }
 }
 
-/// Track of one satellite above a site.
+/// Track of one satellite above a site, as a list of snapshots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SatelliteTrack {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Index of its element set in the sky's catalogue.
+    /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
     /// Snapshots in order of time, at least one.
     pub snapshots: Vec<SatelliteSnapshot>,
 }
 
-/// One satellite at one time.
+/// Position and brightness of one satellite at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SatelliteSnapshot {
     /// Index of the time in the query.
@@ -68,7 +68,7 @@ pub struct SatelliteSnapshot {
 }
 
 impl SatelliteTrack {
-    /// Returns the snapshot in the middle.
+    /// Returns the snapshot in the middle of the list.
     pub fn middle(&self) -> Option<&SatelliteSnapshot> {
         self.snapshots.get(self.snapshots.len() / 2)
     }
@@ -81,15 +81,16 @@ impl SatelliteSnapshot {
     }
 }
 
-/// State of the site at one of the times.
+/// State of the site at one of the times of a query.
 struct SiteAt {
     time_s: f64,
     here: ObserverState,
 }
 
 impl Sky {
-    /// Finds all satellites above an altitude at any of `times_s` (seconds after `start`, 0 to an hour, in order of
-    /// time), in catalogue order, on all threads; and the satellites without a position.
+    /// Finds all satellites that are above an altitude at any of the times `times_s` (seconds after `start`, from 0 to
+    /// an hour, in increasing order), on all threads. Returns their tracks in catalogue order, and the satellites
+    /// without a position.
     ///
     /// # Errors
     /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
@@ -110,8 +111,8 @@ impl Sky {
         let scene = self.scene(start, last_s, SearchScope::Nominal);
         let site_at = |&time_s: &f64| SiteAt { time_s, here: observer.state(&scene.orientation.at_s(time_s)) };
         let times: Vec<SiteAt> = times_s.iter().map(site_at).collect();
-        // The sky above the altitude is searched as one circular field about the zenith at the middle time, wide enough
-        // for the motion of the zenith.
+        // The sky above the altitude is searched as one circular field around the zenith at the middle time. Its radius
+        // includes the motion of the zenith.
         let half_s = 0.5 * (last_s - first_s);
         let to_gcrs = observer.state(&scene.orientation.at_s(first_s + half_s)).horizon.inverse();
         let zenith = to_gcrs * Direction::from_lon_lat_rad(0.0, std::f64::consts::FRAC_PI_2);
@@ -149,8 +150,8 @@ impl Sky {
         Ok((tracks, left_out))
     }
 
-    /// Returns the brightness of a satellite at a point; its sigma is that of the model, without the error of the
-    /// elements. `None` in the umbra and if the model gives no light.
+    /// Returns the brightness of a satellite at a point. Its uncertainty is that of the brightness model, without the
+    /// error of the elements. `None` in the umbra and if the model gives no light.
     pub fn brightness(
         &self,
         element_index: usize,

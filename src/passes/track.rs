@@ -1,4 +1,5 @@
-//! Track of a satellite as seen by an observer: the line of sight at a time, and the reported points.
+//! Track of a satellite as seen by an observer: the line of sight as a function of time, and the points that are
+//! reported.
 
 use std::sync::Arc;
 
@@ -12,31 +13,32 @@ use crate::geometry::{Aspect, Illumination, Observer, ViewingGeometry, aspect};
 use crate::orbit::{OrbitArc, PositionSource, State};
 use crate::photometry::Brightness;
 
-/// Largest acceleration of an orbit, km/s²: gravity at the ground.
+/// Largest acceleration in an orbit, km/s²: gravity at the ground.
 const GRAVITY_KM_S2: f64 = 0.009_83;
 
-/// Line of sight and its rate of change. Its length has no meaning.
+/// Line of sight and its rate of change. The length of the vector is irrelevant.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::passes) struct Sight {
     pub vector: Vector3<f64>,
     pub rate_s: Vector3<f64>,
 }
 
-/// Motion of an observer: a site near one time, or a telescope in orbit over its arc.
+/// Motion of an observer: of a site near one time, or of a telescope in orbit along its arc.
 #[derive(Clone, Debug)]
 pub(in crate::passes) struct ObserverMotion {
     path: Path,
-    /// Earth's barycentric velocity, for the aberration.
+    /// Barycentric velocity of the Earth, for the aberration.
     earth_velocity: Velocity<Gcrs>,
-    /// Interval outside which the observer is at rest, seconds.
+    /// Interval outside which the observer is taken to be at rest, seconds.
     moving_s: (f64, f64),
 }
 
 #[derive(Clone, Debug)]
 enum Path {
-    /// A site that rotates about the pole of date at the Earth's rate.
+    /// Site that rotates about the pole of date with the Earth.
     ///
-    /// Exact to a millimetre over ten minutes: only the rates of precession, polar motion and UT1 are neglected.
+    /// The position is accurate to a millimetre over ten minutes, because only the rates of precession, polar motion
+    /// and UT1 are neglected.
     Turning { at_s: f64, fixed: Vector3<f64>, turning: Vector3<f64>, ahead: Vector3<f64> },
     /// A telescope in orbit.
     Flying(Arc<OrbitArc>),
@@ -52,12 +54,12 @@ impl ObserverMotion {
         Self { path, earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
-    /// Creates the motion of a telescope on its arc.
+    /// Creates the motion of a telescope in orbit along its arc.
     pub fn of_flight(arc: Arc<OrbitArc>, earth_velocity: Velocity<Gcrs>) -> Self {
         Self { path: Path::Flying(arc), earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
-    /// Returns the same motion, at rest before the first and after the second of two times.
+    /// Returns the same motion, but at rest before `from_s` and after `to_s`.
     pub fn still_outside(&self, from_s: f64, to_s: f64) -> Self {
         Self { moving_s: (from_s, to_s), ..self.clone() }
     }
@@ -66,7 +68,7 @@ impl ObserverMotion {
         time_s.max(self.moving_s.0).min(self.moving_s.1)
     }
 
-    /// Geocentric position of the observer.
+    /// Returns the geocentric position of the observer at a time.
     pub fn position(&self, time_s: f64) -> Position<Gcrs> {
         let time_s = self.own_time_s(time_s);
         match &self.path {
@@ -78,7 +80,8 @@ impl ObserverMotion {
         }
     }
 
-    /// Velocity, km/s; while the observer is at rest, that of the nearest time at which it moves.
+    /// Returns the velocity, km/s. While the observer is at rest, it is the velocity at the nearest time at which the
+    /// observer moves.
     pub fn velocity(&self, time_s: f64) -> Vector3<f64> {
         let time_s = self.own_time_s(time_s);
         match &self.path {
@@ -90,7 +93,7 @@ impl ObserverMotion {
         }
     }
 
-    /// Upper bound of the mean speed between `mid_s` and any time within `half_s` of it, km/s.
+    /// Returns an upper bound of the mean speed between `mid_s` and any time within `half_s` of it, km/s.
     pub fn fastest_km_s(&self, mid_s: f64, half_s: f64) -> f64 {
         match &self.path {
             Path::Turning { ahead, .. } => ahead.norm() * EARTH_ROTATION_RAD_S,
@@ -107,12 +110,12 @@ pub(in crate::passes) struct SightLine<'a> {
 }
 
 impl SightLine<'_> {
-    /// Returns satellite state, observer and aspect at one time.
+    /// Returns the state of the satellite, the position of the observer and the aspect at one time.
     pub fn aspect_at(&self, time_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
         self.delayed_aspect(time_s, 0.0)
     }
 
-    /// Returns the values of [`SightLine::aspect_at`] for a satellite at the position predicted for `late_s` earlier.
+    /// Returns the values of [`SightLine::aspect_at`] for a satellite that is where it was predicted `late_s` earlier.
     fn delayed_aspect(&self, time_s: f64, late_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
         let state = self.arc.state_at(time_s - late_s);
         let observer = self.observer.position(time_s);
@@ -120,13 +123,13 @@ impl SightLine<'_> {
         (state, observer, aspect)
     }
 
-    /// Returns the astrometric line of sight and its rate. The rate neglects the change of light time (10⁻⁴ of the
-    /// rate), which shifts no border or extremum by more than the tolerance of a root.
+    /// Returns the astrometric line of sight and its rate. The rate neglects the change of the light time (10⁻⁴ of the
+    /// rate). This shifts no border or extremum by more than the tolerance of a root.
     pub fn sight(&self, time_s: f64) -> Sight {
         self.delayed_sight(time_s, 0.0)
     }
 
-    /// Returns the line of sight of [`SightLine::sight`] for a satellite delayed by `late_s`.
+    /// Returns the line of sight of [`SightLine::sight`] for a satellite that is late by `late_s`.
     pub fn delayed_sight(&self, time_s: f64, late_s: f64) -> Sight {
         let (state, _, aspect) = self.delayed_aspect(time_s, late_s);
         let relative = state.velocity.vector() - self.observer.velocity(time_s);
@@ -134,7 +137,7 @@ impl SightLine<'_> {
     }
 }
 
-/// Satellite at one time as seen by the telescope.
+/// Position and brightness of a satellite at one time, as seen by the observer.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackPoint {
     /// Time of reception.
@@ -149,14 +152,14 @@ pub struct TrackPoint {
     pub range_km: f64,
     /// Geometry of Sun, satellite and observer.
     pub geometry: ViewingGeometry,
-    /// Sunlit, in penumbra or in umbra, with the lit fraction of the solar disk.
+    /// Illumination: sunlit, in penumbra with the fraction of sunlight that arrives, or in umbra.
     pub illumination: Illumination,
-    /// Apparent magnitude with its sigma and source, including dimming by the Earth's shadow. `None` in the umbra, and
-    /// if the model gives no light.
+    /// Apparent magnitude, dimmed by the Earth's shadow, with its uncertainty and source. `None` in the umbra and if
+    /// the model gives no light.
     pub brightness: Option<Brightness>,
 }
 
-/// Part of the track inside the field, from entry (or shutter opening) to exit (or shutter closing).
+/// Part of a track inside the field, from entry (or shutter opening) to exit (or shutter closing).
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Chord {
     /// Entry, seconds after the shutter opened.
@@ -165,25 +168,26 @@ pub struct Chord {
     pub exit_s: f64,
 }
 
-/// Satellite that crosses the field of one exposure, or passes near it.
+/// Satellite that crosses the field during one exposure, or passes near it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Pass {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Index of its element set in the sky's catalogue.
+    /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
-    /// Parts of the track inside the field in time order, one per chip or arm of the shape; empty for a near miss.
+    /// Parts of the track inside the field, in order of time. There may be several for mosaics and concave shapes, and
+    /// none for a near miss.
     pub chords: Vec<Chord>,
-    /// Start of the first chord; for a near miss, the closest point.
+    /// Point at the start of the first chord; for a near miss, the closest point.
     pub enter: TrackPoint,
     /// Point midway in time between `enter` and `exit`; for a near miss, the closest point.
     pub mid: TrackPoint,
-    /// End of the last chord; for a near miss, the closest point.
+    /// Point at the end of the last chord; for a near miss, the closest point.
     pub exit: TrackPoint,
-    /// Brightest point between `enter` and `exit`; `None` if the satellite is not visible in between, or without
-    /// brightness in the options.
+    /// Brightest point between `enter` and `exit`; `None` if the satellite is not visible in between, or if the options
+    /// omit brightness.
     pub peak: Option<TrackPoint>,
-    /// Least angle between track and field centre while the shutter is open, radians.
+    /// Smallest angle between the track and the centre of the field while the shutter is open, radians.
     pub min_separation_rad: f64,
     /// Length of the track inside the field, radians: the sum over all chords.
     pub streak_length_rad: f64,
@@ -195,15 +199,15 @@ pub struct Pass {
     pub position_source: PositionSource,
     /// Time from the epoch of the elements to `mid`, days; negative if the elements are newer.
     pub element_age_days: f64,
-    /// One-sigma error along the track as a time, seconds.
+    /// Uncertainty (one sigma) of the position along the track as a time, seconds.
     pub along_track_sigma_s: f64,
-    /// One-sigma error across the track as an angle seen from the observer, radians.
+    /// Uncertainty (one sigma) of the position across the track as an angle seen from the observer, radians.
     pub cross_track_sigma_rad: f64,
-    /// Probability that the satellite is in the field at any time of the exposure, given these errors.
+    /// Probability that the satellite is in the field at any time of the exposure, given these uncertainties.
     pub probability: f64,
     /// True if the satellite is lit at any time between `enter` and `exit`.
     pub lit: bool,
-    /// Points along the track; empty without samples in the options.
+    /// Points along the track; empty if [`samples`](super::PassOptions::samples) is 0.
     pub samples: Vec<TrackPoint>,
 }
 

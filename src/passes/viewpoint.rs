@@ -1,4 +1,4 @@
-//! Viewpoint of a sky: a site, or a telescope in orbit.
+//! Observer of a sky: a site, or a telescope in orbit.
 
 use hifitime::Epoch;
 
@@ -7,10 +7,10 @@ use crate::frames::{Direction, Gcrs, Orientation};
 use crate::geometry::{EarthLimb, Observer, Site};
 use crate::orbit::{OrbitError, Propagator};
 
-/// Telescope in orbit, given by an element set. It has no horizon; the Earth's limb limits its view.
+/// Telescope in orbit, given by an element set. It has no horizon; the limb of the Earth bounds its view.
 ///
-/// Its predicted position is taken as exact: an error of its elements (about a kilometre) shifts every satellite at
-/// 1000 km by about 0.06°.
+/// Its predicted position is taken as exact. An error of its elements, which is typically about a kilometre, shifts
+/// every satellite at a range of 1000 km by about 0.06°.
 #[derive(Clone, Debug)]
 pub struct OrbitingObserver {
     name: String,
@@ -19,7 +19,7 @@ pub struct OrbitingObserver {
 }
 
 impl OrbitingObserver {
-    /// Creates an observer from the element set of an object; `limb` is the limb of the Earth.
+    /// Creates an observer from the element set of an object; `limb` bounds its view.
     ///
     /// # Errors
     /// [`OrbitError::Elements`] if SGP4 cannot be initialised.
@@ -27,22 +27,22 @@ impl OrbitingObserver {
         Ok(Self { name: elements.name.to_string(), propagator: Propagator::new(elements)?, limb })
     }
 
-    /// Name in the element set, or the catalogue number.
+    /// Returns the name in the element set, or the catalogue number if it has no name.
     pub fn name(&self) -> String {
         if self.name.is_empty() { self.norad_id().to_string() } else { self.name.clone() }
     }
 
-    /// NORAD catalogue number; an object of this number is not searched.
+    /// Returns the NORAD catalogue number. The object with this number is not searched for.
     pub fn norad_id(&self) -> NoradId {
         self.propagator.norad_id()
     }
 
-    /// Epoch of the elements.
+    /// Returns the epoch of the elements.
     pub fn elements_epoch(&self) -> Epoch {
         self.propagator.epoch()
     }
 
-    /// Limb of the Earth.
+    /// Returns the limb of the Earth that bounds the view.
     pub fn limb(&self) -> EarthLimb {
         self.limb
     }
@@ -52,7 +52,7 @@ impl OrbitingObserver {
     }
 }
 
-/// Viewpoint of a sky.
+/// Observer: a site or a telescope in orbit.
 #[derive(Clone, Debug)]
 pub enum Viewpoint {
     /// A site on the Earth.
@@ -80,7 +80,7 @@ impl From<OrbitingObserver> for Viewpoint {
 }
 
 impl Viewpoint {
-    /// Returns the site; `None` in orbit.
+    /// Returns the site; `None` for a telescope in orbit.
     pub fn site(&self) -> Option<&Observer> {
         match self {
             Self::Site(observer) => Some(observer),
@@ -96,7 +96,7 @@ impl Viewpoint {
         }
     }
 
-    /// Name of the site or telescope.
+    /// Returns the name of the site or of the telescope.
     pub fn name(&self) -> String {
         match self {
             Self::Site(observer) => observer.site().name.clone(),
@@ -104,7 +104,7 @@ impl Viewpoint {
         }
     }
 
-    /// Name of the border below which no pointing is visible: `the horizon` or `the Earth's limb`.
+    /// Returns the name of the border below which nothing is visible: `the horizon` or `the Earth's limb`.
     pub fn border_name(&self) -> &'static str {
         match self {
             Self::Site(_) => "the horizon",
@@ -112,8 +112,8 @@ impl Viewpoint {
         }
     }
 
-    /// Returns the altitude of a pointing above the horizon, or in orbit above the Earth's limb, radians, without
-    /// refraction and aberration (25" at most).
+    /// Returns the altitude of a pointing, radians, without refraction and aberration (25" at most). It is measured
+    /// from the horizon, or from the Earth's limb for an observer in orbit.
     ///
     /// # Errors
     /// [`OrbitError`] if the observer's own elements give no position.

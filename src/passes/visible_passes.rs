@@ -1,8 +1,9 @@
-//! Visible passes: above a site's horizon at night and in sunlight, with the Earth's shadow and the brightest point.
+//! Visible passes: satellites above a site's horizon, at night and in sunlight, with shadow entry and exit and
+//! brightest point.
 //!
-//! Intervals above the horizon that lie in daylight or in the shadow as a whole are excluded by their samples. In the
-//! others, the ends of the sunlit intervals are computed to a millisecond, and the brightest point is searched in steps
-//! of at most ten seconds and refined.
+//! The samples of an interval above the horizon show whether all of it lies in daylight or in the Earth's shadow; such
+//! intervals are excluded. In the others, the ends of the sunlit intervals are computed to a millisecond, and the
+//! brightest point is searched in steps of at most ten seconds and then refined.
 
 use hifitime::Epoch;
 use rayon::prelude::*;
@@ -19,15 +20,15 @@ use crate::geometry::{Illumination, Observer};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError, PositionSource};
 use crate::photometry::{MagnitudeSource, PhotometryOptions};
 
-/// Extension of the search before and after the night, seconds, for passes that began before it or end after it: low
-/// satellites rise and set within this time.
+/// Time by which the search extends before and after the night, seconds, for passes that began before it or end after
+/// it. Low satellites rise and set within this time.
 const TWILIGHT_REACH_S: f64 = 1800.0;
-/// Step of the first search for shadow and brightness, seconds, and the largest number of steps.
+/// Step in the first search for shadow and brightness, seconds, and the largest number of steps.
 const LIGHT_STEP_S: f64 = 10.0;
 const MOST_LIGHT_STEPS: f64 = 360.0;
-/// Least number of satellites per thread.
+/// Smallest number of satellites per thread.
 const TOGETHER: usize = 8;
-/// Tolerance of the borders of illuminated intervals, seconds.
+/// Tolerance of the ends of sunlit intervals, seconds.
 const BORDER_S: f64 = 1e-3;
 
 /// Request for visible passes.
@@ -37,30 +38,30 @@ pub struct VisibleRequest {
     pub start: Epoch,
     /// End of the search.
     pub end: Epoch,
-    /// Intervals in which the site is dark, in order of time, between start and end.
+    /// Intervals between start and end in which the site is dark, in order of time.
     pub dark: Vec<(Epoch, Epoch)>,
-    /// Altitude of rise and set, radians.
+    /// Altitude that defines rise and set, radians.
     pub min_altitude_rad: f64,
-    /// Lowest culmination, radians.
+    /// Lowest altitude of the culmination, radians.
     pub min_culmination_rad: f64,
-    /// Faintest peak magnitude; if it is set, passes without a magnitude are excluded.
+    /// Faintest peak magnitude; `None` for no limit. With a limit, passes without a magnitude are excluded.
     pub max_magnitude: Option<f64>,
-    /// Include passes in the Earth's shadow and in daylight.
+    /// If true, passes in the Earth's shadow and in daylight are included.
     pub include_dark: bool,
     /// Number of points from rise to set, evenly spaced in time; 0 for none.
     pub samples: usize,
-    /// Band, system, extinction.
+    /// Band, magnitude system and extinction.
     pub photometry: PhotometryOptions,
 }
 
-/// Visible part of a pass.
+/// Part of a pass in which the satellite is visible.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Visibility {
-    /// Start: at the rise, at the end of the shadow (full sunlight) or at nightfall.
+    /// Start of the visible part: the rise, the return of full sunlight, or nightfall.
     pub begin: TrackPoint,
-    /// Highest point.
+    /// Highest point of the visible part.
     pub highest: TrackPoint,
-    /// End: at the set, at the start of the penumbra, or at dawn.
+    /// End of the visible part: the set, the start of the penumbra, or dawn.
     pub end: TrackPoint,
     /// Brightest point, including the penumbra; `None` if the model gives no light.
     pub peak: Option<TrackPoint>,
@@ -71,18 +72,19 @@ pub struct Visibility {
 pub struct VisiblePass {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Index of its element set in the sky's catalogue.
+    /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
-    /// Point at which the satellite rises above the lowest altitude; `None` if it was above when the search began, half an
-    /// hour before the night.
+    /// Point at which the satellite rises above the lowest altitude; `None` if it was above it when the search began,
+    /// half an hour before the night.
     pub rise: Option<TrackPoint>,
     /// Highest point of the pass.
     pub culmination: TrackPoint,
-    /// Point at which the satellite sets below the lowest altitude; `None` if it is above when the search ends.
+    /// Point at which the satellite sets below the lowest altitude; `None` if it is still above it when the search
+    /// ends.
     pub set: Option<TrackPoint>,
-    /// First point of the penumbra as the satellite enters the Earth's shadow.
+    /// First point in the penumbra when the satellite enters the Earth's shadow; `None` if it does not.
     pub shadow_entry: Option<TrackPoint>,
-    /// Point at which full sunlight first returns.
+    /// Point at which the satellite is first in full sunlight again; `None` if it does not leave the shadow.
     pub shadow_exit: Option<TrackPoint>,
     /// Visible part; `None` if no part is visible.
     pub visible: Option<Visibility>,
@@ -90,7 +92,7 @@ pub struct VisiblePass {
     pub position_source: PositionSource,
     /// Time from the epoch of the elements to the culmination, days.
     pub element_age_days: f64,
-    /// Points from rise to set; empty without samples in the request.
+    /// Points from rise to set; empty if [`VisibleRequest::samples`] is 0.
     pub samples: Vec<TrackPoint>,
 }
 
@@ -107,21 +109,21 @@ impl VisiblePass {
 /// Numbers of excluded passes by reason.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct NotShown {
-    /// Passes above the lowest altitude while the site is dark, but in the Earth's shadow during that time. Passes that
-    /// end before the site is dark or begin after are not counted.
+    /// Passes that are above the lowest altitude while the site is dark, but are in the Earth's shadow during that
+    /// time. Passes that end before the site is dark or begin after are not counted.
     pub in_shadow: usize,
     /// Passes fainter than the limit, or without a magnitude.
     pub too_faint: usize,
-    /// Passes in `too_faint` with a magnitude from a prior only: the satellite's brightness is unknown.
+    /// Passes in `too_faint` whose magnitude comes only from a prior, because the satellite's brightness is unknown.
     pub too_faint_by_prior: usize,
-    /// Passes above the lowest altitude while the site is dark, with too low a culmination.
+    /// Passes that are above the lowest altitude while the site is dark, but whose culmination is too low.
     pub too_low: usize,
 }
 
-/// Visible passes and numbers of excluded ones.
+/// Visible passes, and numbers of excluded passes.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct VisiblePasses {
-    /// Passes in order of the time at which they are first visible (of culmination if they are not visible).
+    /// Passes in the order in which they become visible; a pass that is not visible is ordered by its culmination.
     pub passes: Vec<VisiblePass>,
     /// Numbers of excluded passes.
     pub not_shown: NotShown,
@@ -134,7 +136,7 @@ pub struct VisiblePasses {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Outcome of one pass.
+/// Result of evaluating one pass.
 enum Outcome {
     Pass(Box<VisiblePass>),
     InShadow,
@@ -142,7 +144,7 @@ enum Outcome {
     TooLow,
 }
 
-/// A search interval, and the dark intervals in it; seconds of the scene.
+/// A search interval and the dark intervals within it, in seconds after the start of the scene.
 struct Span {
     from_s: f64,
     until_s: f64,
@@ -150,8 +152,8 @@ struct Span {
 }
 
 impl Sky {
-    /// Finds all visible passes over the site, on all threads, of the satellites selected by `is_selected` by element
-    /// index.
+    /// Finds all visible passes over the site on all threads. Only satellites whose element index `is_selected` accepts
+    /// are searched.
     ///
     /// Altitudes are geometric, without refraction. The result does not depend on the number of threads.
     ///
@@ -173,7 +175,7 @@ impl Sky {
         let search = Search { sky: self, scene: &scene, observer, request };
         let selected: Vec<usize> = (0..self.index().len()).filter(|&one| is_selected(one)).collect();
         let of_one = |&element_index: &usize| {
-            // Passes found before SGP4 fails are kept.
+            // Passes that were found before SGP4 fails are kept.
             let mut kept = Vec::new();
             let failed = spans.iter().try_for_each(|span| search.passes(element_index, span, &mut kept)).err();
             (kept, failed.map(|reason| self.failed(element_index, reason)))
@@ -215,7 +217,8 @@ impl Sky {
     }
 }
 
-/// Returns one search interval for each dark interval, or one for the whole time; overlapping ones are joined.
+/// Returns one search interval for each dark interval, or one for the whole time if passes in daylight are included.
+/// Overlapping intervals are joined.
 fn spans(request: &VisibleRequest, scene_start: Epoch) -> Vec<Span> {
     let at = |epoch: Epoch| seconds_between(scene_start, epoch);
     let dark_s: Vec<(f64, f64)> = request.dark.iter().map(|(from, until)| (at(*from), at(*until))).collect();
@@ -252,9 +255,9 @@ impl Search<'_> {
         let Some(propagator) = self.sky.index().propagator_over(element_index, ends) else { return Ok(()) };
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let horizon = HorizonSearch { scene: self.scene, propagator, minutes, observer: self.observer };
-        // The shadow is convex: a satellite that is dark at its rise and its set is dark in between, and one that stays
-        // up for hours is lit at some sample. For a satellite that rises or sets near dusk or dawn the samples are not
-        // sufficient to decide whether it is up in the dark.
+        // The shadow is convex: a satellite that is dark at its rise and at its set is dark in between, and a satellite
+        // that stays up for hours is lit at some sample. For a satellite that rises or sets near dusk or dawn, the
+        // samples do not suffice to decide whether it is above the horizon while the site is dark.
         let treatment = |samples: &[Sample]| {
             let (first_s, last_s) = (samples[0].time_s, samples[samples.len() - 1].time_s);
             let is_in_umbra = |sample: &Sample| {
@@ -289,8 +292,8 @@ impl Search<'_> {
         ObserverMotion::of_site(self.observer, &orientation, earth_velocity, time_s)
     }
 
-    /// Evaluates one interval above the horizon; `None` if it ends before the dark or begins after it, or if observer
-    /// and satellite coincide.
+    /// Evaluates one interval above the horizon. `None` if it ends before the site is dark or begins after, or if
+    /// observer and satellite coincide.
     fn pass(
         &self,
         element_index: usize,
@@ -349,7 +352,7 @@ impl Search<'_> {
             return Ok(Some(Outcome::TooFaint { by_prior, p_brighter }));
         }
         let point = |time_s: Option<f64>| time_s.and_then(|time_s| evaluator.point(time_s));
-        // First end of full sunlight within the pass, and first begin of it.
+        // First end, and first beginning, of full sunlight within the pass.
         let entry_s = full.iter().map(|interval| interval.1).find(|&time_s| time_s < end_s);
         let exit_s = full.iter().map(|interval| interval.0).find(|&time_s| time_s > begin_s);
         Ok(Some(Outcome::Pass(Box::new(VisiblePass {
@@ -368,7 +371,7 @@ impl Search<'_> {
     }
 }
 
-/// Returns the visible part in intervals of full sunlight, and the brightest point in any light.
+/// Returns the visible part, which lies in the intervals of full sunlight, and the brightest point in any light.
 fn visibility(
     evaluator: &PassEvaluator<'_>,
     seen: &[(f64, f64)],
@@ -392,8 +395,8 @@ fn visibility(
     Some(Visibility { begin: evaluator.point(seen.first()?.0)?, highest, end: evaluator.point(seen.last()?.1)?, peak })
 }
 
-/// Returns the intervals between two times, seconds, in which a condition holds: it is tested in even steps, and the
-/// borders are found by bisection to a millisecond, inside the intervals.
+/// Returns the intervals between two times, seconds, in which a condition holds. The condition is tested at even steps,
+/// and the ends of the intervals are found by bisection to a millisecond, on the inside of the intervals.
 pub fn intervals_where(begin_s: f64, end_s: f64, steps: usize, holds: impl Fn(f64) -> bool) -> Vec<(f64, f64)> {
     let time_s = |step: usize| begin_s + (end_s - begin_s) * step as f64 / steps as f64;
     let border = |mut in_s: f64, mut out_s: f64| {

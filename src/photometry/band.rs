@@ -1,7 +1,7 @@
 //! Passbands, zero points, and the Sun's magnitude in each.
 //!
-//! The reflectance of a satellite is usually measured in one band only. Other bands follow from the Sun's colour as if
-//! the satellite were grey; such magnitudes are marked.
+//! The reflectance of a satellite is usually measured in only one band. Magnitudes in other bands are computed from the
+//! Sun's colour as if the satellite were grey, and are marked as such.
 
 use std::fmt;
 use std::str::FromStr;
@@ -45,7 +45,7 @@ pub enum MagSystem {
 }
 
 impl Band {
-    /// All bands, blue to red within each family.
+    /// All bands, from blue to red within each photometric system.
     pub const ALL: [Band; 11] = [
         Band::B,
         Band::V,
@@ -129,7 +129,7 @@ impl fmt::Display for MagSystem {
 impl FromStr for Band {
     type Err = PhotometryError;
 
-    /// Parses a name; case matters (`R` is Cousins, `r` LSST; `G` is Gaia, `g` LSST).
+    /// Parses the name of a band. Case matters (`R` is Cousins, `r` is LSST; `G` is Gaia, `g` is LSST).
     fn from_str(text: &str) -> Result<Self, PhotometryError> {
         Band::ALL
             .into_iter()
@@ -141,7 +141,7 @@ impl FromStr for Band {
 impl FromStr for MagSystem {
     type Err = PhotometryError;
 
-    /// Parses a name, in any case.
+    /// Parses the name of a magnitude system; upper and lower case are equivalent.
     fn from_str(text: &str) -> Result<Self, PhotometryError> {
         match text.trim().to_ascii_lowercase().as_str() {
             "vega" => Ok(MagSystem::Vega),

@@ -1,4 +1,4 @@
-//! Predicted magnitudes with sigma and source, and the options of a prediction.
+//! Predicted magnitudes with uncertainty and source, and the options of a prediction.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,21 +7,21 @@ use super::band::{Band, MagSystem};
 use super::error_distribution::ErrorDistribution;
 use super::magnitude::Magnitude;
 
-/// Source of a magnitude. Cheap to clone.
+/// Source of a magnitude; cloning it is fast.
 ///
-/// Displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or class)
-/// or `prior` (unknown satellite).
+/// It is displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or of
+/// a class of objects) or `prior` (unknown satellite).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagnitudeSource {
-    /// A reflection model, by name.
+    /// A model with reflection laws, by name.
     Brdf(Arc<str>),
     /// A phase function, by name.
     Phase(Arc<str>),
-    /// A diffuse sphere scaled to the standard magnitude of this object.
+    /// A diffuse sphere that is scaled to the standard magnitude of this object.
     StandardMagnitude,
     /// The mean of a constellation or class of objects, by name.
     Mean(Arc<str>),
-    /// An assumed mean for unknown satellites, with a sigma that covers most of them.
+    /// An assumed mean for unknown satellites, with an uncertainty that covers most of them.
     Prior,
 }
 
@@ -37,10 +37,10 @@ impl fmt::Display for MagnitudeSource {
     }
 }
 
-/// A predicted apparent magnitude.
+/// Predicted apparent magnitude of a satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brightness {
-    /// Magnitude at the observer, including dimming in the Earth's shadow.
+    /// Magnitude at the observer, dimmed by the Earth's shadow.
     pub magnitude: Magnitude,
     /// One sigma of a single measurement about the prediction, mag: the scatter about the model, and in quadrature the
     /// errors of its parameters, of colour, position and, outside the fitted geometry, of the model itself.
@@ -51,9 +51,9 @@ pub struct Brightness {
     pub error_distribution: ErrorDistribution,
     /// Source of the magnitude.
     pub source: MagnitudeSource,
-    /// False outside the geometry of the fit; the sigma is then larger.
+    /// True if the geometry is within that of the fitted measurements; outside it the uncertainty is larger.
     pub in_fitted_range: bool,
-    /// True for a model of another band, converted with the Sun's colour.
+    /// True if the model is for another band and the magnitude was converted with the Sun's colour.
     pub grey_reflectance: bool,
 }
 
@@ -71,14 +71,15 @@ impl Brightness {
 
 /// Earthshine on the chassis of two-panel models, and on panels that receive it.
 ///
-/// The paper is inconsistent on whether its final model includes it (section 4.3 against 4.4). Phase functions and
-/// means are based on measured magnitudes, which include it, and ignore this option. The coefficients of panel models
-/// that were fitted with sunlight only absorb some of it, as noted in their files.
+/// Lu (2024) is inconsistent as to whether its final model includes earthshine (section 4.3 against 4.4). Phase
+/// functions and means are based on measured magnitudes, which include earthshine; they ignore this option. The
+/// coefficients of panel models that were fitted with sunlight alone absorb some of the earthshine, as noted in their
+/// files.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Earthshine {
     /// Sunlight only.
     Off,
-    /// A spherical Lambertian Earth of albedo 0.3, summed for each geometry to 0.001 mag.
+    /// A spherical Lambertian Earth of albedo 0.3, integrated for each geometry to 0.001 mag.
     #[default]
     Computed,
 }
@@ -95,19 +96,19 @@ impl Earthshine {
 
 /// Options of a predicted magnitude.
 ///
-/// The default is that of the paper: V in the Vega system, the Sun at 1 au, no atmosphere, with earthshine.
+/// The defaults are those of Lu (2024): V in the Vega system, the Sun at 1 au, no atmosphere, with earthshine.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PhotometryOptions {
     /// Passband.
     pub band: Band,
-    /// Zero point.
+    /// Zero point system of the magnitudes.
     pub system: MagSystem,
-    /// Adds 5 log10 R for the Sun's distance R in au (at most ±0.037 mag), which the paper omits.
+    /// If true, 5 log10 R is added for the Sun's distance R in au (at most ±0.037 mag), which Lu (2024) neglects.
     pub sun_distance: bool,
     /// Extinction coefficient k of the site, mag per airmass; `None` for magnitudes above the atmosphere. With
-    /// extinction a satellite at or below the observer's horizon has no magnitude.
+    /// extinction, a satellite on or below the observer's horizon has no magnitude.
     pub extinction_mag_per_airmass: Option<f64>,
-    /// Earthshine on panel models.
+    /// Model of earthshine for panel models.
     pub earthshine: Earthshine,
 }
 
@@ -124,12 +125,12 @@ impl Default for PhotometryOptions {
 }
 
 impl PhotometryOptions {
-    /// Returns default options in another band and system.
+    /// Returns the default options with another band and magnitude system.
     pub fn in_band(band: Band, system: MagSystem) -> Self {
         Self { band, system, ..Self::default() }
     }
 
-    /// Returns names and values of the options for the provenance of results.
+    /// Returns the names and values of the options for the provenance of a result.
     pub fn statements(&self) -> Vec<(&'static str, serde_json::Value)> {
         let mut statements = vec![
             ("band", self.band.name().into()),

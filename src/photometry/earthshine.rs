@@ -1,16 +1,16 @@
-//! Earthshine: the sunlit part of the Earth that a satellite sees, and the product rule that sums its light.
+//! Earthshine: the sunlit part of the Earth that a satellite sees, and the quadrature rule that integrates its light.
 //!
 //! Every part of the Earth that is lit by the Sun and visible from the satellite is a Lambertian source of albedo 0.3.
-//! The paper sums over HEALPix pixels (as tests do); here a product rule places fewer and better nodes on the lit
-//! ground in view. The paper lights the chassis only, and so do two-panel models; in lists of panels any panel may be
-//! lit, with any law. Light between satellite parts, refraction, twilight airglow and the size of the Sun's disk are
-//! neglected.
+//! Lu (2024) sums over HEALPix pixels, as the tests do. Here a product rule with fewer and better placed nodes covers
+//! the lit ground in view. In Lu (2024) and in two-panel models, earthshine falls on the chassis only; in lists of
+//! panels it may fall on any panel, with any reflection law. Light reflected between parts of the satellite,
+//! refraction, twilight airglow and the size of the Sun's disk are neglected.
 //!
-//! Convergence, as the largest error of diffuse light and of the magnitude of a chassis lit by the Earth only (c4 0.19,
-//! c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). HEALPix with its pole at the nadir, n =
-//! 22, 550 km, Sun -12° to 40°, against the rule:
+//! The tables show the convergence: the largest error of the diffuse light, and of the magnitude of a chassis lit by
+//! the Earth only (c4 0.19, c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). First, HEALPix
+//! sums with the pole at the nadir compared with the rule, for n = 22, 550 km and the Sun at -12° to 40°:
 //!
-//! | nside | lit cells | diffuse | total, mag |
+//! | nside | lit pixels | diffuse | total, mag |
 //! |---|---|---|---|
 //! | 32 | 480 | 2.1e-2 | 0.15 |
 //! | 64 | 1,984 | 4.4e-3 | 0.032 |
@@ -18,7 +18,7 @@
 //! | 256 | 31,000 | 2.7e-4 | 0.0019 |
 //! | 512 | 124,500 | 6.8e-5 | 0.0005 |
 //!
-//! The rule against a much finer one, 200 km to 36,000 km, all positions of the Sun:
+//! Second, the rule compared with a much finer one, for 200 km to 36,000 km and all positions of the Sun:
 //!
 //! | exponent | nodes at 550 km, at most | total, mag |
 //! |---|---|---|
@@ -29,31 +29,34 @@
 //! | 60 | 724 | 0.0006 |
 //! | 200 | 2,056 | 0.0007 |
 //!
-//! Below exponent 1 the lobe ends with a step at 90° and the error is some hundredths; exponents above 200 are not
-//! tested.
+//! Below an exponent of 1 the lobe ends with a step at 90°, and the error is some hundredths of a magnitude. Exponents
+//! above 200 are not tested.
 //!
-//! Seen from the height h, a spherical Earth fills a cap about the nadir. A point of it at the nadir angle η (at the
-//! satellite), the angle γ (at the Earth's centre) and the longitude φ about the nadir from the Sun's contributes an
-//! irradiance, relative to that of the Sun on a plate perpendicular to the direction, of
+//! Seen from the height h, a spherical Earth fills a cap around the nadir. A point of the Earth is given by its nadir
+//! angle η (at the satellite), its angle γ from the nadir point (at the Earth's centre) and its longitude φ about the
+//! nadir from the Sun. It contributes the following irradiance, relative to that of the Sun, on a plate that is
+//! perpendicular to the direction of the point:
 //!
 //! ```text
 //! dE = (albedo/π) cos(Sun) cos(view) dA / d² = (albedo/π) cos(Sun) sin η dη dφ
 //! cos(Sun) = cos γ sin δ + sin γ cos δ cos φ                     δ the Sun's latitude above the chassis plane
 //! ```
 //!
-//! Neither γ nor η is a suitable variable: η has a square root at the limb, and γ is crowded below a low satellite. The
-//! zenith angle e of the satellite at the ground, 0 to π/2, is regular at both ends:
+//! Neither γ nor η is a suitable variable of integration: η has a square root at the limb, and below a low satellite
+//! the points crowd in γ. The zenith angle e of the satellite as seen from the ground, 0 to π/2, is regular at both
+//! ends:
 //!
 //! ```text
 //! sin η = R/(R+h) sin e        γ = e - η
 //! ```
 //!
 //! If the Sun is below the height at which the whole cap is lit, φ is limited by the terminator, cos φ = -tan δ / tan
-//! γ. The limit begins with a square root at γ = |δ|, which the substitution e = e₀ + (π/2 - e₀) s² (2 - s) removes. A
-//! Sun above the chassis plane, but lower than that, lights full circles up to γ = δ and partial ones beyond, as two
-//! pieces. Gauss-Legendre rules in e (or s) and φ; equal steps on full circles.
+//! γ. This limit begins with a square root at γ = |δ|, which the substitution e = e₀ + (π/2 - e₀) s² (2 - s) removes.
+//! If the Sun is above the chassis plane but below that height, full circles are lit up to γ = δ and partial circles
+//! beyond; the two are integrated separately. The rules are Gauss-Legendre in e (or s) and φ, with equal steps in φ on
+//! full circles.
 //!
-//! No light below δ = -acos(R/(R+h)): -23.0° at 550 km.
+//! No ground in view is lit if δ is below -acos(R/(R+h)), which is -23.0° at 550 km.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 use std::sync::LazyLock;
@@ -65,46 +68,46 @@ use crate::math::elementary::{exp, fused, greater, ln, sin_cos};
 use crate::math::quadrature::gauss_legendre;
 use crate::math::vectors::{Kernel, widest_fused};
 
-/// Albedo of the Earth, the same everywhere (Lu 2024, section 2.4).
+/// Albedo of the Earth, taken as the same everywhere (Lu 2024, section 2.4).
 pub const EARTH_ALBEDO: f64 = 0.3;
 
 /// Number of nodes evaluated together.
 const LANES: usize = 8;
 
-/// Earthshine on a panel, relative to the Sun's irradiance on a plate perpendicular to it.
+/// Earthshine on a panel, relative to the Sun's irradiance on a plate perpendicular to the direction of the Sun.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct PanelEarthshine {
     /// Irradiance on the panel: Σ dE cos φ_i, dimensionless.
     pub irradiance: f64,
-    /// The sum Σ dE cos φ_i cosⁿθ, with θ between the mirror direction of each source and the observer.
+    /// Sum Σ dE cos φ_i cosⁿθ, where θ is the angle between the mirror direction of each source and the observer.
     pub lobe: f64,
 }
 
-/// The lit ground visible from a satellite, for one Sun and one height.
+/// The lit ground that is visible from a satellite, for one position of the Sun and one height.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LitEarth {
     sin_sun: f64,
     cos_sun: f64,
     sun_latitude_rad: f64,
-    /// R/(R+h).
+    /// Ratio R/(R+h) of the Earth's radius to that of the orbit.
     ratio: f64,
 }
 
-/// Number of nodes, by the width of the lobe that they resolve.
+/// Numbers of nodes, which depend on the width of the lobe that they must resolve.
 #[derive(Copy, Clone)]
 struct Resolution {
-    /// Least number of rings, and number per radian of nadir angle.
+    /// Smallest number of rings, and number of rings per radian of nadir angle.
     rings: [f64; 2],
-    /// Least number of nodes on half a ring, and number per radian of arc on the sky.
+    /// Smallest number of nodes on half a ring, and number of nodes per radian of arc on the sky.
     arc: [f64; 2],
 }
 
 impl Resolution {
-    /// Returns the resolution for a lobe cosⁿθ; the errors are in the docs of [`super`].
+    /// Returns the resolution for a lobe cosⁿθ; the documentation of this module states the errors.
     fn for_exponent(exponent: f64) -> Self {
         // The lobe is exp(-n θ²/2) near its axis: 1/√n is its scale in radians.
         let narrowness = exponent.max(0.0).sqrt();
-        // A broad lobe ends with a kink at 90°, which such rules resolve only by the number of nodes.
+        // A broad lobe ends with a kink at 90°. Gauss rules resolve a kink only by a large number of nodes.
         let kink = 1.0 / exponent.max(1.0).powi(2);
         Self {
             rings: [4.3 + 0.4 * narrowness + 16.0 * kink, 0.65 * narrowness + 0.014 * narrowness * narrowness],
@@ -129,11 +132,13 @@ impl LitEarth {
         Some(Self { sin_sun, cos_sun, sun_latitude_rad, ratio })
     }
 
-    /// Returns the light on a panel with this unit normal (body frame) for one observer and one exponent (0 to 10,000).
+    /// Returns the light on a panel with this unit normal in the body frame, for one observer and an exponent from 0 to
+    /// 10,000.
     ///
-    /// No allocation; 1 to 5 µs at an exponent of 22.
+    /// Takes 1 to 5 µs for an exponent of 22, and allocates nothing.
     pub fn shine(&self, normal: &Vector3<f64>, to_observer: &Vector3<f64>, exponent: f64) -> PanelEarthshine {
-        // cos θ of a source is its cosine with the direction mirrored onto the observer, 2 (n · o) n - o.
+        // The lobe cosine of a source is the cosine between the source and the mirror image of the observer, 2 (n · o)
+        // n - o.
         let mirror = normal * (2.0 * normal.dot(to_observer)) - to_observer;
         let shine = PanelEarthshineSums {
             normal: (*normal).into(),
@@ -146,15 +151,15 @@ impl LitEarth {
         PanelEarthshine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
     }
 
-    /// Returns point sources equivalent to the lit ground: unit vectors from the satellite in the body frame, and
-    /// irradiances on a plate perpendicular to them, relative to that of the Sun.
+    /// Returns point sources that are equivalent to the lit ground: unit vectors from the satellite in the body frame,
+    /// each with its irradiance on a plate perpendicular to it, relative to that of the Sun.
     ///
-    /// Their number suffices for lobes up to `exponent` (see [`crate::photometry::brdf::Law::equivalent_exponent`]).
+    /// There are enough sources for lobes up to `exponent` (see [`crate::photometry::brdf::Law::equivalent_exponent`]).
     pub fn sources(&self, exponent: f64) -> Vec<(Vector3<f64>, f64)> {
         widest_fused(Sum { earth: *self, resolution: Resolution::for_exponent(exponent), sink: Sources(Vec::new()) }).0
     }
 
-    /// Returns e of a point at γ, within the cap.
+    /// Returns the zenith angle e at the ground point with the angle γ, which must be within the cap.
     fn ground_zenith_rad(&self, gamma_rad: f64) -> f64 {
         let (sin, cos) = gamma_rad.sin_cos();
         // tan e = r sin γ / (r cos γ - R)
@@ -180,7 +185,7 @@ impl LitEarth {
     }
 }
 
-/// Points of one nadir angle.
+/// Ground points that have the same nadir angle.
 struct Ring {
     sin_nadir: f64,
     cos_nadir: f64,
@@ -189,7 +194,7 @@ struct Ring {
     weight: f64,
 }
 
-/// Sources at y ≥ 0; each has a mirror image at -y of the same irradiance.
+/// Sources at y ≥ 0. Each of them stands for a second source of the same irradiance at -y.
 struct Group {
     x: [f64; LANES],
     y: [f64; LANES],
@@ -197,12 +202,12 @@ struct Group {
     irradiance: [f64; LANES],
 }
 
-/// A sum over sources.
+/// Receiver of sources, which sums their light.
 trait Sink {
     fn take<const F: bool>(&mut self, group: &Group);
 }
 
-/// The product rule, which passes all its groups to a sink.
+/// The product rule, which passes its sources in groups to a receiver.
 struct Sum<S> {
     earth: LitEarth,
     resolution: Resolution,
@@ -255,7 +260,7 @@ fn each_group<const F: bool, S: Sink>(ring: &Ring, reach: f64, de: f64, rule: Ru
             let (sin, cos) = sin_cos::<F>(reach * at[lane]);
             group.x[lane] = ring.sin_nadir * cos;
             group.y[lane] = ring.sin_nadir * sin;
-            // Lanes beyond the last point have zero weight.
+            // Elements beyond the last point have zero weight.
             let cos_sun = greater(fused::<F>(ring.swing, cos, ring.level), 0.0);
             group.irradiance[lane] = ring.weight * reach * de * weight[lane] * cos_sun;
         }
@@ -263,7 +268,7 @@ fn each_group<const F: bool, S: Sink>(ring: &Ring, reach: f64, de: f64, rule: Ru
     }
 }
 
-/// Sums of [`PanelEarthshine`], lane by lane.
+/// Sums for [`PanelEarthshine`], kept separately for each element of a group.
 struct PanelEarthshineSums {
     normal: [f64; 3],
     mirror: [f64; 3],
@@ -294,7 +299,7 @@ impl Sink for PanelEarthshineSums {
     }
 }
 
-/// Sources one by one.
+/// Receiver that collects the sources in a list.
 struct Sources(Vec<(Vector3<f64>, f64)>);
 
 impl Sink for Sources {
@@ -308,19 +313,19 @@ impl Sink for Sources {
     }
 }
 
-/// Number of points of the longest single rule; longer ones are composed of panels.
+/// Number of points of the longest single rule. Longer rules are composed of several panels.
 const LONGEST: usize = 32;
 
 /// Gauss-Legendre rules of 0 to [`LONGEST`] points on (0, 1).
 static GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (0..=LONGEST).map(gauss_legendre).collect());
 
-/// Positive half of Gauss-Legendre rules of 0, 2, 4 ... points on (-1, 1).
+/// Positive halves of the Gauss-Legendre rules with 0, 2, 4 ... points on (-1, 1).
 static HALF_GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| {
     let half = |n: usize| gauss_legendre(2 * n)[n..].iter().map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect();
     (0..=LONGEST).map(half).collect()
 });
 
-/// Equal panels of one short rule.
+/// Quadrature rule that consists of equal panels with the same short rule.
 #[derive(Copy, Clone)]
 pub(super) struct Rule {
     panels: usize,
@@ -335,17 +340,18 @@ impl Rule {
         Self { panels, points: &GAUSS[n.div_ceil(panels)] }
     }
 
-    /// Returns about `n` points for the half (0, 1) of an integral over (-1, 1); each represents its mirror image too.
+    /// Returns about `n` points in the half (0, 1) of an integral over (-1, 1); each of them also stands for its mirror
+    /// image.
     pub fn half_gauss(n: usize) -> Self {
         if n <= LONGEST { Self { panels: 1, points: &HALF_GAUSS[n.max(1)] } } else { Self::gauss(n) }
     }
 
-    /// Returns the midpoints of `n` equal steps, for periodic functions.
+    /// Returns the midpoints of `n` equal steps, which suit periodic functions.
     pub fn midpoints(n: usize) -> Self {
         Self { panels: n.max(1), points: &GAUSS[1] }
     }
 
-    /// Returns abscissae and weights; the weights sum to 1.
+    /// Returns the abscissae and weights; the weights sum to 1.
     #[inline(always)]
     pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
         let length = 1.0 / self.panels as f64;

@@ -1,8 +1,8 @@
-//! Errors of model files, bands and tables of standard magnitudes, and the checks of model files that raise them.
+//! Errors of model files, bands and tables of standard magnitudes, and the checks of model files that return them.
 
 use thiserror::Error;
 
-/// Supported version of the schema.
+/// Version of the model file schema that is supported.
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// Errors of model files, bands and tables of standard magnitudes. `origin` is the name of a model file.
@@ -19,95 +19,95 @@ pub enum PhotometryError {
     /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains key, line and column.
     #[error("model file {origin}: {source}")]
     ModelJson {
-        /// The file.
+        /// Name of the file.
         origin: String,
         /// Cause and position.
         source: serde_json::Error,
     },
-    /// Unsupported version of the schema.
+    /// The version of the schema is not supported.
     #[error("model file {origin}: schema is {given}; allowed: {SCHEMA_VERSION}")]
     ModelSchema {
-        /// The file.
+        /// Name of the file.
         origin: String,
         /// Value in the file.
         given: u32,
     },
-    /// A number out of range, or not finite.
+    /// A number is out of range or not finite.
     #[error("model file {origin}: {key} is {given}; allowed: {least} to {greatest}")]
     ModelOutOfRange {
-        /// The file.
+        /// Name of the file.
         origin: String,
-        /// The key, with its path.
+        /// Key with its path in the file.
         key: String,
         /// Value in the file.
         given: f64,
-        /// Least allowed value.
+        /// Smallest allowed value.
         least: f64,
-        /// Greatest allowed value.
+        /// Largest allowed value.
         greatest: f64,
     },
-    /// A text outside the allowed ones.
+    /// A text is not one of the allowed ones.
     #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}")]
     ModelText {
-        /// The file.
+        /// Name of the file.
         origin: String,
-        /// The key.
+        /// Key in the file.
         key: &'static str,
         /// Value in the file.
         given: String,
         /// Accepted values.
         allowed: &'static str,
     },
-    /// A missing key that the kind requires, or a key that the kind does not use.
+    /// A key that the kind of model requires is missing, or the kind does not use the key.
     #[error("model file {origin}: kind {kind} {problem} the key {key:?}")]
     ModelKey {
-        /// The file.
+        /// Name of the file.
         origin: String,
         /// Kind of the model, as in files.
         kind: &'static str,
         /// `requires` or `does not use`.
         problem: &'static str,
-        /// The key.
+        /// Key in the file.
         key: &'static str,
     },
-    /// A reference to a name that is not defined in this file.
+    /// A name refers to something that is not defined in the file.
     #[error("model file {origin}: {key} is {given:?}; allowed: {allowed}")]
     ModelReference {
-        /// The file.
+        /// Name of the file.
         origin: String,
-        /// The key, with its path.
+        /// Key with its path in the file.
         key: String,
         /// Value in the file.
         given: String,
         /// Accepted values.
         allowed: String,
     },
-    /// A covariance that is not a symmetric matrix of the parameters with a non-negative diagonal.
+    /// The covariance is not a symmetric matrix of the parameters with a non-negative diagonal.
     #[error(
         "model file {origin}: invalid covariance ({problem}); allowed: a finite, symmetric matrix of {size} x {size} \
          (the parameters in their order) with a diagonal of at least 0"
     )]
     ModelCovariance {
-        /// The file.
+        /// Name of the file.
         origin: String,
         /// Number of parameters.
         size: usize,
         /// Description of the defect.
         problem: String,
     },
-    /// An unknown band.
+    /// The name of a band is unknown.
     #[error("unknown band {given:?}; allowed: B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
     UnknownBand {
         /// Given name.
         given: String,
     },
-    /// An unknown magnitude system.
+    /// The name of a magnitude system is unknown.
     #[error("unknown magnitude system {given:?}; allowed: Vega and AB")]
     UnknownSystem {
         /// Given name.
         given: String,
     },
-    /// No line with an id and a magnitude in their columns.
+    /// No line of a qs.mag table has a NORAD number and a magnitude in their columns.
     #[error(
         "none of {lines} lines is a row of a qs.mag table; allowed: a NORAD id in columns 1-5 and a magnitude in columns 34-37"
     )]
@@ -117,7 +117,7 @@ pub enum PhotometryError {
     },
 }
 
-/// Checks of the values of one file.
+/// Checks of the values in one model file.
 pub(super) struct Check<'a> {
     /// Name of the file.
     pub origin: &'a str,
@@ -138,12 +138,12 @@ impl Check<'_> {
         })
     }
 
-    /// Checks the range of a number of items.
+    /// Checks that a number of items is within a range.
     pub fn count(&self, key: &str, given: usize, least: usize, greatest: usize) -> Result<(), PhotometryError> {
         self.range(&format!("{key}: number"), given as f64, least as f64, greatest as f64)
     }
 
-    /// Returns the error for an undefined name.
+    /// Returns the error for a name that is not defined.
     pub fn reference(&self, key: &str, given: &str, allowed: String) -> PhotometryError {
         PhotometryError::ModelReference {
             origin: self.origin.to_owned(),

@@ -1,4 +1,4 @@
-//! Brightness models by name: the shipped ones and those of the user.
+//! Brightness models by name: the models that are part of the program, and those of the user.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -33,7 +33,7 @@ shipped!(
     "visorsat.json",
 );
 
-/// A set of models with their names and aliases.
+/// Set of models that can be found by their names and aliases.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModelLibrary {
     models: BTreeMap<String, Arc<BrightnessModel>>,
@@ -41,7 +41,7 @@ pub struct ModelLibrary {
 }
 
 impl ModelLibrary {
-    /// Returns the shipped models.
+    /// Returns a library of the models that are part of the program.
     pub fn embedded() -> Self {
         let mut library = Self::default();
         for (origin, text) in SHIPPED {
@@ -53,7 +53,7 @@ impl ModelLibrary {
         library
     }
 
-    /// Adds a model from the text of a file, replacing one of the same name; returns its name.
+    /// Adds a model from the text of a file and returns its name. A model of the same name is replaced.
     ///
     /// # Errors
     /// The errors of [`BrightnessModel::from_json`]; the library is then unchanged.
@@ -62,7 +62,7 @@ impl ModelLibrary {
         Ok(self.add(model))
     }
 
-    /// Returns the model with this name or alias, in any case.
+    /// Returns the model with this name or alias; upper and lower case are equivalent.
     pub fn get(&self, name: &str) -> Option<Arc<BrightnessModel>> {
         let name = name.trim().to_ascii_lowercase();
         let name = self.aliases.get(&name).filter(|_| !self.models.contains_key(&name)).unwrap_or(&name);
@@ -90,7 +90,7 @@ impl ModelLibrary {
         self.models.keys().map(String::as_str)
     }
 
-    /// Returns name and text of every shipped file.
+    /// Returns the name and the text of every model file that is part of the program.
     pub fn shipped_files() -> &'static [(&'static str, &'static str)] {
         SHIPPED
     }

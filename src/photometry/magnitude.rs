@@ -1,43 +1,45 @@
-//! Apparent magnitudes and magnitudes at 1000 km, as separate types.
+//! Apparent magnitudes, and magnitudes at a range of 1000 km, as separate types.
 
 use std::fmt;
 
-/// Distance of standard magnitudes, km (the paper's d).
+/// Range to which standard magnitudes refer, km (d in Lu 2024).
 pub const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// Largest reflection that is only the rounding of a cosine of 0 (1e-16 on a square metre, with a margin), m² sr⁻¹.
+/// Largest reflection, m² sr⁻¹, that may be the rounding error of a cosine of 0 (1e-16 on a square metre, with a
+/// margin).
 const LEAST_REFLECTION_M2_SR: f64 = 1e-12;
 
 /// Apparent magnitude at the observer; smaller is brighter.
 #[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]
 pub struct Magnitude(pub f64);
 
-/// Magnitude of the same satellite at a distance of 1000 km; smaller is brighter.
+/// Magnitude that the same satellite would have at a range of 1000 km; smaller is brighter.
 #[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]
 pub struct StandardMagnitude(pub f64);
 
 impl Magnitude {
-    /// Converts from `range_km` (positive) to 1000 km.
+    /// Converts a magnitude at `range_km` (positive) to one at 1000 km.
     pub fn to_standard(self, range_km: f64) -> StandardMagnitude {
         StandardMagnitude(self.0 - range_modulus_mag(range_km))
     }
 
-    /// Returns the magnitude dimmed by `mag` (brightened if negative).
+    /// Returns the magnitude dimmed by `mag`; a negative value brightens it.
     pub fn dimmed_by(self, mag: f64) -> Self {
         Self(self.0 + mag)
     }
 }
 
 impl StandardMagnitude {
-    /// Returns the magnitude at `range_km` (positive).
+    /// Returns the apparent magnitude at `range_km` (positive).
     pub fn at_range(self, range_km: f64) -> Magnitude {
         Magnitude(self.0 + range_modulus_mag(range_km))
     }
 
-    /// Converts an integrated reflection function B (m² sr⁻¹, cosines and areas included) and the Sun's magnitude.
+    /// Returns the magnitude of a reflection B (m² sr⁻¹, cosines and areas included), given the apparent magnitude of
+    /// the Sun.
     ///
-    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): no lit surface is visible, and the rest is
-    /// rounding of a cosine that should be 0.
+    /// `None` if B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km). No lit surface is then visible, and B is a rounding
+    /// error of a cosine that should be 0.
     pub fn from_reflection(b_total_m2_sr: f64, sun_magnitude: f64) -> Option<Self> {
         // m(1000 km) = -2.5 log10(B_total / d²) + m_sun, d = 10⁶ m       Lu (2024), eqs. 19-21
         let range_m = STANDARD_RANGE_KM * 1000.0;
@@ -58,15 +60,16 @@ impl fmt::Display for StandardMagnitude {
     }
 }
 
-/// Returns the difference between the magnitudes at another range and at 1000 km.
+/// Returns the magnitude at a range minus the magnitude at 1000 km.
 fn range_modulus_mag(range_km: f64) -> f64 {
     // m = m(1000 km) + 5 log10(r / 1000 km)                              Lu (2024), eq. 14
     5.0 * (range_km / STANDARD_RANGE_KM).log10()
 }
 
-/// Returns the relative airmass at a true (unrefracted) altitude, 1 in the zenith; `None` at and below the horizon.
+/// Returns the relative airmass at a true (unrefracted) altitude, 1 at the zenith; `None` on and below the horizon.
 ///
-/// Young (1994, Applied Optics 33, 1108); within 0.0037 airmasses of the standard atmosphere down to the horizon.
+/// Young (1994, Applied Optics 33, 1108). It agrees with the standard atmosphere within 0.0037 airmasses down to the
+/// horizon.
 pub fn airmass(altitude_rad: f64) -> Option<f64> {
     let c = altitude_rad.sin();
     // X = (1.002432 cos²z + 0.148386 cos z + 0.0096467) / (cos³z + 0.149864 cos²z + 0.0102963 cos z + 0.000303978)

@@ -1,4 +1,4 @@
-//! From geometry to magnitude: reflection laws, panels, phase functions, and models of satellites by name.
+//! From viewing geometry to magnitude: reflection laws, panels, phase functions, and brightness models by name.
 
 mod band;
 pub mod brdf;

@@ -1,4 +1,4 @@
-//! Brightness models of all kinds.
+//! Brightness models of all kinds, with a common interface.
 
 use std::sync::Arc;
 
@@ -17,29 +17,32 @@ use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, 
 use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::ViewingGeometry;
 
-/// Sigma added in quadrature for a conversion from the model's band to another with the Sun's colour, mag. Assumed:
-/// satellites are up to a few tenths redder or bluer than the Sun, and no survey by type is public.
+/// Uncertainty that is added in quadrature if a magnitude is converted from the model's band to another one with the
+/// Sun's colour, mag. The value is assumed: satellites are up to a few tenths redder or bluer than the Sun, and no
+/// survey by type is public.
 const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
-/// One sigma of a diffuse sphere scaled to a standard magnitude, mag. Assumed, for other shapes, aspects, and
-/// magnitudes estimated by eye; authors of such lists state an accuracy of a magnitude.
+/// Uncertainty (one sigma) of a diffuse sphere that is scaled to a standard magnitude, mag. The value is assumed; it
+/// covers other shapes and aspects, and magnitudes estimated by eye. Authors of lists of standard magnitudes state an
+/// accuracy of a magnitude.
 const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
 
-/// Assumed extent of an unknown object, m.
+/// Assumed size of an unknown object, m.
 const UNKNOWN_SIZE_M: f64 = 3.0;
 
-/// Geometry of the points that a model was fitted to; radians, each as [least, greatest].
+/// Ranges of the geometry of the points to which a model was fitted, each as [least, greatest], radians.
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct FittedRange {
     /// Latitude of the Sun above the chassis plane.
     sun_latitude_rad: [f64; 2],
     /// Latitude of the observer above the chassis plane.
     observer_latitude_rad: [f64; 2],
-    /// Cosines of the greatest and least phase angle, with slack; avoids an arc cosine for each point of a track.
+    /// Cosines of the largest and the smallest phase angle, with some slack. They avoid an arc cosine for each point of
+    /// a track.
     cos_phase: [f64; 2],
 }
 
-/// Slack at the ends of a fitted range, radians (and in cosines), for the rounding of a conversion from degrees.
+/// Slack at the ends of a fitted range, radians (and in cosines), for the rounding in the conversion from degrees.
 const RANGE_SLACK: f64 = 1e-9;
 
 impl FittedRange {
@@ -71,24 +74,24 @@ enum Law {
     Mean(StandardMagnitude),
 }
 
-/// Step of panel offsets for derivatives, degrees.
+/// Step of the panel offset for numerical derivatives, degrees.
 const OFFSET_STEP_DEG: f64 = 1e-3;
 
-/// Uncertainty of the parameters.
+/// How the uncertainty of the parameters of a model is known.
 #[derive(Clone, Debug, PartialEq)]
 enum ParameterUncertainty {
-    /// Unknown.
+    /// The uncertainty is unknown.
     None,
-    /// Derivatives by the coefficients of two panels; if the panel offset was fitted too, models at offsets on both
-    /// sides.
+    /// By derivatives with respect to the coefficients of two panels. If the panel offset was fitted, too, with models
+    /// at a smaller and a larger offset.
     Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
-    /// Pairs of assemblies, with parameters below and above the fitted ones along each axis of the covariance.
+    /// By pairs of assemblies, whose parameters are below and above the fitted ones along each axis of the covariance.
     Pairs(Vec<[PanelAssembly; 2]>),
 }
 
-/// A brightness model: two panels, a list of panels, a phase function, a diffuse sphere or a mean.
+/// Brightness model: two panels, a list of panels, a phase function, a diffuse sphere or a mean.
 ///
-/// Magnitudes are computed without allocation, except for earthshine on lists of panels.
+/// Computing a magnitude allocates nothing, except for earthshine on lists of panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightnessModel {
     law: Law,
@@ -105,7 +108,7 @@ pub struct BrightnessModel {
 }
 
 impl BrightnessModel {
-    /// Reads the text of a model file; errors contain `origin` (a file name).
+    /// Creates a model from the text of a model file; errors contain `origin` (the name of the file).
     ///
     /// # Errors
     /// The errors of [`ModelFile::from_json`].
@@ -183,8 +186,8 @@ impl BrightnessModel {
         })
     }
 
-    /// Returns a diffuse sphere for one object with known standard magnitude (visual, taken as V Vega; 1000 km, phase
-    /// angle 90°).
+    /// Returns a diffuse sphere for one object with a known standard magnitude (visual, taken as V Vega; at 1000 km and
+    /// a phase angle of 90°).
     pub fn from_standard_magnitude(half_lit: StandardMagnitude) -> Self {
         Self {
             law: Law::Sphere(DiffuseSphere { half_lit }),
@@ -201,13 +204,13 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns the magnitude at 1000 km in full sunlight only, in the model's own band and system; `None` where no lit
-    /// surface is visible.
+    /// Returns the magnitude at 1000 km in full sunlight without earthshine, in the model's own band and system. `None`
+    /// if no lit surface is visible.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), 0.0)
     }
 
-    /// Returns the magnitude at 1000 km in full sunlight and, unless it is off, earthshine.
+    /// Returns the magnitude at 1000 km in full sunlight, with earthshine unless that is off.
     pub fn standard_magnitude_with(
         &self,
         geometry: &ViewingGeometry,
@@ -217,7 +220,7 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), earth_m2_sr)
     }
 
-    /// Returns the earthshine; 0 for models without panels.
+    /// Returns the earthshine, m² sr⁻¹; 0 for models without panels.
     fn earthshine_m2_sr(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> f64 {
         match (&self.law, earthshine) {
             (Law::TwoPanel(model), Earthshine::Computed) => {
@@ -229,11 +232,11 @@ impl BrightnessModel {
         }
     }
 
-    /// Writes magnitudes at 1000 km in full sunlight only for many directions into `out`; NaN where no lit surface is
-    /// visible. The shortest column determines the number of values; the rest of `out` is unchanged.
+    /// Writes magnitudes at 1000 km in full sunlight without earthshine for many directions into `out`; NaN where no
+    /// lit surface is visible. The shortest column determines the number of values; the rest of `out` is unchanged.
     ///
-    /// Agrees with [`Self::standard_magnitude`] to 1e-9 mag. Two-panel models are vectorised, at some 10 ns per value
-    /// on one core; other models are evaluated one by one.
+    /// The values agree with [`Self::standard_magnitude`] to 1e-9 mag. Two-panel models are vectorised and take some 10
+    /// ns per value on one core; other models are evaluated one direction at a time.
     pub fn standard_magnitudes(&self, angles: &BodyAngles, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
             return standard_magnitudes(model, self.zero_mag(), Columns::Angles(angles), out);
@@ -246,7 +249,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Writes the magnitudes of [`Self::standard_magnitudes`] for satellites at many positions above one observer.
+    /// Writes the magnitudes of [`Self::standard_magnitudes`] for satellites at many positions seen by one observer.
     ///
     /// NaN for a satellite at the observer's position or at the Earth's centre.
     pub fn standard_magnitudes_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
@@ -263,7 +266,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns the magnitude at 1000 km of a reflection of 1 m² sr⁻¹.
+    /// Returns the magnitude at 1000 km for a reflection of 1 m² sr⁻¹.
     fn zero_mag(&self) -> f64 {
         let unit = StandardMagnitude::from_reflection(1.0, self.band.sun_magnitude(self.system));
         unit.map_or(f64::NAN, |unit| unit.0)
@@ -290,11 +293,11 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns the apparent magnitude with its sigma, source and range flag.
+    /// Returns the apparent magnitude with its uncertainty, its source, and whether the geometry is within the fitted
+    /// range.
     ///
-    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` where it is 0 or NaN,
-    /// where no lit surface is visible, and, with extinction, where the satellite is at or below the observer's
-    /// horizon.
+    /// `lit_fraction` is the fraction of the Sun's light that reaches the satellite. `None` if it is 0 or NaN, if no
+    /// lit surface is visible, or if extinction is applied and the satellite is on or below the observer's horizon.
     pub fn brightness(
         &self,
         geometry: &ViewingGeometry,
@@ -305,7 +308,8 @@ impl BrightnessModel {
             return None;
         }
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
-        // The Earth's shadow dims sunlight but not earthshine, so the dimming below is undone for the latter.
+        // The Earth's shadow dims sunlight but not earthshine, so earthshine is divided by the factor that is applied
+        // below.
         let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
         let standard = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr)?;
         let grey_reflectance = options.band != self.band;
@@ -332,10 +336,11 @@ impl BrightnessModel {
         })
     }
 
-    /// Returns one sigma of the magnitude from the uncertainty of the fitted parameters only, mag: √(J Σ Jᵀ).
+    /// Returns the uncertainty (one sigma) of the magnitude due to that of the fitted parameters alone, mag: √(J Σ Jᵀ).
     ///
-    /// For sunlight: earthshine (`earth_m2_sr`, 0 without) dilutes it and is taken as exact, although it has the same
-    /// coefficients. `None` if the model has no covariance, and where no lit surface is visible.
+    /// The uncertainty is that of the sunlight. Earthshine (`earth_m2_sr`, 0 without) is taken as exact and only
+    /// reduces it, although it depends on the same coefficients. `None` if the model has no covariance, or if no lit
+    /// surface is visible.
     pub fn parameter_sigma_mag(
         &self,
         to_sun: &Direction<Body>,
@@ -380,7 +385,7 @@ impl BrightnessModel {
         self.fitted_range.is_none_or(|range| range.holds(geometry, cos_phase))
     }
 
-    /// Returns chassis and sail of a two-panel model.
+    /// Returns the chassis and sail (solar array) of a two-panel model.
     pub fn satellite(&self) -> Option<&SatelliteModel> {
         match &self.law {
             Law::TwoPanel(model) => Some(model),
@@ -388,7 +393,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns the panels of a model of kind `panels`.
+    /// Returns the panels of a model of the kind `panels`.
     pub fn assembly(&self) -> Option<&PanelAssembly> {
         match &self.law {
             Law::Panels(assembly) => Some(assembly),
@@ -396,7 +401,7 @@ impl BrightnessModel {
         }
     }
 
-    /// Returns true for panel models, the only ones with earthshine.
+    /// Returns true for models with panels, which are the only ones with earthshine.
     pub fn is_of_panels(&self) -> bool {
         matches!(self.law, Law::TwoPanel(_) | Law::Panels(_))
     }
@@ -406,12 +411,13 @@ impl BrightnessModel {
         &self.source
     }
 
-    /// Returns band and system of the model.
+    /// Returns the band and the magnitude system of the model.
     pub fn band(&self) -> (Band, MagSystem) {
         (self.band, self.system)
     }
 
-    /// Returns the offset of the model's magnitudes in another band and system, mag, for a grey satellite.
+    /// Returns the difference between magnitudes in another band and system and the model's magnitudes, mag, for a grey
+    /// satellite.
     pub fn colour_to_mag(&self, band: Band, system: MagSystem) -> f64 {
         // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
         band.sun_magnitude(system) - self.band.sun_magnitude(self.system)

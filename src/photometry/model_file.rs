@@ -1,7 +1,7 @@
-//! Content of model files, and the accepted ranges of values.
+//! Content of model files, and the ranges of values that are accepted.
 //!
-//! Files are JSON, one model each; the schema for editors and other programs is in the same folder as the shipped
-//! models (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is not ignored.
+//! A model file is a JSON file with one model. The schema for editors and other programs is in the folder of the
+//! embedded models (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is not ignored.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,22 +10,22 @@ use super::error::{Check, PhotometryError, SCHEMA_VERSION};
 use super::error_distribution::ErrorDistribution;
 use super::panels::PanelsSpec;
 
-/// The panel offset of chassis and sail, which may be fitted together with the coefficients.
+/// Name of the panel offset of chassis and sail, a parameter that may be fitted together with the coefficients.
 pub const PANEL_OFFSET: &str = "panel_offset_deg";
 
 /// Kind of a model.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelKind {
-    /// Chassis and sail with five terms: `shape`, `coefficients`, `covariance`.
+    /// Chassis and sail (solar array) with five terms: `shape`, `coefficients`, `covariance`.
     TwoPanel,
     /// Any number of flat panels: `panels`, `covariance`.
     Panels,
     /// A polynomial in the phase angle: `phase_function`.
     PhaseFunction,
-    /// The mean at 1000 km of a constellation or class of objects, used for every geometry: `mean_mag`.
+    /// Mean at 1000 km of a constellation or of a class of objects, used for every geometry: `mean_mag`.
     Mean,
-    /// Same as `mean`, but a guess for unknown satellites.
+    /// As `mean`, but an assumed value for unknown satellites.
     Prior,
 }
 
@@ -35,21 +35,21 @@ pub enum ModelKind {
 pub struct ModelFile {
     /// Version of the schema; 1.
     pub schema: u32,
-    /// Lower-case letters, digits, `.` and `-`.
+    /// Name, of lower-case letters, digits, `.` and `-`.
     pub name: String,
     /// Other names of the model.
     #[serde(default)]
     pub aliases: Vec<String>,
-    /// One line of description.
+    /// Title in one line.
     pub title: String,
-    /// Kind, which determines the required optional keys.
+    /// Kind of the model, which determines which optional keys are required.
     pub kind: ModelKind,
-    /// Band of the magnitudes: `V`, `g`, …
+    /// Name of the band of the magnitudes, for example `V` or `g`.
     pub band: String,
-    /// `Vega` or `AB`.
+    /// Magnitude system, `Vega` or `AB`.
     pub mag_system: String,
-    /// Typical size of the satellite's bright part, m; the streak is wider by its angular size. Assumed for all shipped
-    /// models.
+    /// Typical size of the bright part of the satellite, m. Its angular size widens the streak. It is assumed for all
+    /// embedded models.
     pub size_m: f64,
     /// Sizes of the panels (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -60,8 +60,8 @@ pub struct ModelFile {
     /// Panels, their laws and attitudes (`panels`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panels: Option<PanelsSpec>,
-    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, and panel_offset_deg as the eighth if it was
-    /// fitted; or of the parameters of `panels` in their order; null if unknown.
+    /// Covariance of the coefficients c1, c2, c3, c4, c5, n_sail, n_base, and of panel_offset_deg as the eighth if it
+    /// was fitted; or of the parameters of `panels` in their order. Null if unknown.
     #[serde(default)]
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Polynomial in the phase angle (`phase_function`).
@@ -72,12 +72,12 @@ pub struct ModelFile {
     pub mean_mag: Option<f64>,
     /// Root mean square of the residuals of the fitted points, mag; null if not published.
     pub rms_mag: Option<f64>,
-    /// One sigma of a single measurement about the model inside the fitted range, mag, without the contribution of the
-    /// covariance of the parameters.
+    /// Uncertainty (one sigma) of a single measurement about the model inside the fitted range, mag, without the
+    /// contribution of the covariance of the parameters.
     pub sigma_mag: f64,
-    /// One sigma outside the fitted range, mag; at least `sigma_mag`.
+    /// Uncertainty (one sigma) outside the fitted range, mag; at least `sigma_mag`.
     pub sigma_outside_mag: f64,
-    /// Origin of the two sigmas.
+    /// How the two uncertainties were determined.
     pub sigma_origin: String,
     /// Distribution of single measurements about the model, in units of `sigma_mag`; null or omitted for
     /// [`ErrorDistribution::default`].
@@ -89,23 +89,23 @@ pub struct ModelFile {
     pub provenance: Provenance,
 }
 
-/// Sizes of chassis and sail.
+/// Sizes of chassis and sail (solar array).
 #[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SatelliteShape {
-    /// Sail, from the hinge up, m.
+    /// Length of the sail, from the hinge up, m.
     pub sail_length_m: f64,
-    /// Sail, along the hinge, m.
+    /// Width of the sail, along the hinge, m.
     pub sail_width_m: f64,
-    /// Chassis, from the hinge towards the Sun, m.
+    /// Length of the chassis, from the hinge towards the Sun, m.
     pub base_length_m: f64,
-    /// Chassis, along the hinge, m.
+    /// Width of the chassis, along the hinge, m.
     pub base_width_m: f64,
-    /// Panel offset angle, degrees; positive leans the sail away from the Sun.
+    /// Panel offset angle, degrees; a positive offset leans the sail away from the Sun.
     pub panel_offset_deg: f64,
 }
 
-/// Coefficients of Lu (2024), eqs. 2-6.
+/// Coefficients of the two-panel model, Lu (2024), eqs. 2-6.
 #[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Coefficients {
@@ -113,7 +113,7 @@ pub struct Coefficients {
     pub c1: f64,
     /// Diffuse albedo of the sail's front.
     pub c2: f64,
-    /// Diffuse leak to the sail's back.
+    /// Diffuse light that leaks to the sail's back.
     pub c3: f64,
     /// Weight of the chassis' glossy lobe.
     pub c4: f64,
@@ -131,13 +131,13 @@ pub struct Coefficients {
 pub struct PhasePolynomial {
     /// Coefficients of φ⁰, φ¹, …
     pub coefficients: Vec<f64>,
-    /// Lower limit of the phase, degrees; smaller phases are clamped to it.
+    /// Smallest phase angle of the fit, degrees; for smaller phase angles this value is used.
     pub min_phase_deg: f64,
-    /// Upper limit of the phase, degrees; larger phases are clamped to it.
+    /// Largest phase angle of the fit, degrees; for larger phase angles this value is used.
     pub max_phase_deg: f64,
 }
 
-/// Geometry of the fitted points, each as [least, greatest], degrees; null if irrelevant.
+/// Ranges of the geometry of the fitted points, each as [least, greatest], degrees; null if the angle is irrelevant.
 #[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeometryRange {
@@ -158,11 +158,11 @@ pub struct GeometryRange {
 pub struct Provenance {
     /// Publication or author of the fit.
     pub source: String,
-    /// The measurements.
+    /// Description of the measurements.
     pub data: String,
     /// Number of fitted points; null if not published.
     pub n_points: Option<u64>,
-    /// Date of the fit or its publication: `2026-11`, `2022-10`.
+    /// Date of the fit or of its publication, for example `2026-11`.
     pub date: String,
     /// True if a better fit is expected.
     pub provisional: bool,
@@ -187,8 +187,8 @@ impl ModelFile {
     /// Reads and validates one model; errors contain `origin` (a file name).
     ///
     /// # Errors
-    /// [`PhotometryError`]: text that is not JSON, unknown or missing keys, another schema version, values out of
-    /// range, keys that do not fit the kind, an invalid covariance.
+    /// [`PhotometryError`] if the text is not JSON, a key is unknown, missing or does not fit the kind, the schema
+    /// version differs, a value is out of range, or the covariance is invalid.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
         let file: Self = serde_json::from_str(text)
             .map_err(|source| PhotometryError::ModelJson { origin: origin.to_owned(), source })?;
@@ -222,7 +222,7 @@ impl ModelFile {
         panels.map(|parameter| (parameter.name.as_str(), parameter.value)).collect()
     }
 
-    /// Returns band and system of the magnitudes, if they are known.
+    /// Returns the band and the system of the magnitudes; `None` if one of them is unknown.
     pub fn band_and_system(&self) -> Option<(Band, MagSystem)> {
         Some((self.band.parse().ok()?, self.mag_system.parse().ok()?))
     }
@@ -232,7 +232,7 @@ impl ModelFile {
     /// Checks every value against its range and every key against the kind.
     ///
     /// # Errors
-    /// The first [`PhotometryError`].
+    /// The first [`PhotometryError`] that is found.
     pub fn validate(&self, origin: &str) -> Result<(), PhotometryError> {
         let check = Check { origin };
         if self.schema != SCHEMA_VERSION {
@@ -282,7 +282,7 @@ impl ModelFile {
         self.geometry_range.map_or(Ok(()), |range| range.validate(&check))
     }
 
-    /// Checks that the keys required by the kind are given, and no others.
+    /// Checks that the keys that the kind requires are given, and no others.
     fn validate_keys(&self, check: &Check) -> Result<(), PhotometryError> {
         let two_panel = self.kind == ModelKind::TwoPanel;
         let panels = self.kind == ModelKind::Panels;
@@ -345,7 +345,7 @@ impl PhasePolynomial {
             check.range(&format!("phase_function.coefficients[{i}]"), value, -100.0, 100.0)?;
         }
         check.range("phase_function.max_phase_deg", self.max_phase_deg, 0.0, 180.0)?;
-        // Equal ends are an error too.
+        // The two ends must differ.
         let below = self.max_phase_deg - 1e-6;
         check.range("phase_function.min_phase_deg", self.min_phase_deg, 0.0, below)
     }

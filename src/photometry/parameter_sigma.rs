@@ -1,19 +1,20 @@
-//! Uncertainty of a magnitude from the covariance of the parameters of a model.
+//! Uncertainty of a magnitude that follows from the covariance of the parameters of a model.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Step along each axis of the covariance, in sigmas: well above rounding (1e-16), and small enough to be linear.
+/// Step along each axis of the covariance, in sigmas. It is far above rounding (1e-16) and small enough for a linear
+/// response.
 const STEP_SIGMAS: f64 = 1e-3;
 
-/// Covariance of parameters, decomposed into independent directions, each one sigma long.
+/// Covariance of parameters, decomposed into independent directions, each with a length of one sigma.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ParameterSigmas {
-    /// Vectors `(n_directions)` of `(n_parameters)`; directions without variance are omitted.
+    /// Vectors of length `n_parameter`, one per direction; directions without variance are omitted.
     directions: Vec<Vec<f64>>,
 }
 
 impl ParameterSigmas {
-    /// Decomposes a symmetric matrix, given row by row.
+    /// Decomposes a symmetric matrix that is given row by row.
     pub fn new(covariance: &[Vec<f64>]) -> Self {
         let n = covariance.len();
         let matrix = DMatrix::from_fn(n, n, |row, column| covariance[row].get(column).copied().unwrap_or(0.0));
@@ -29,14 +30,14 @@ impl ParameterSigmas {
         Self { directions }
     }
 
-    /// Returns the variance of a quantity from its derivatives by the parameters: J Σ Jᵀ.
+    /// Returns the variance of a quantity, J Σ Jᵀ, from its derivatives with respect to the parameters.
     pub fn variance_of_gradient(&self, gradient: &[f64]) -> f64 {
         // Σ = Σ_k d_k d_kᵀ, so J Σ Jᵀ = Σ_k (J · d_k)²
         let along = |direction: &Vec<f64>| direction.iter().zip(gradient).map(|(d, g)| d * g).sum::<f64>();
         self.directions.iter().map(|direction| along(direction).powi(2)).sum()
     }
 
-    /// Returns pairs of parameters, below and above the given ones along each direction, for
+    /// Returns pairs of sets of parameters, below and above the given ones along each direction, for
     /// [`Self::variance_of_pairs`].
     pub fn pairs(&self, parameters: &[f64]) -> Vec<[Vec<f64>; 2]> {
         let moved = |direction: &[f64], by: f64| {
@@ -45,7 +46,7 @@ impl ParameterSigmas {
         self.directions.iter().map(|direction| [STEP_SIGMAS, -STEP_SIGMAS].map(|by| moved(direction, by))).collect()
     }
 
-    /// Returns the variance of a quantity from its values at each of [`Self::pairs`].
+    /// Returns the variance of a quantity from its values for each pair of [`Self::pairs`].
     pub fn variance_of_pairs(values: impl Iterator<Item = [f64; 2]>) -> f64 {
         values.map(|[plus, minus]| ((plus - minus) / (2.0 * STEP_SIGMAS)).powi(2)).sum()
     }

@@ -1,14 +1,14 @@
-//! Brightness as a function of the phase angle only: published polynomials, and diffuse spheres.
+//! Brightness as a function of only the phase angle: published polynomials, and diffuse spheres.
 //!
-//! m(1000 km) = a0 + a1 φ + a2 φ² + …, φ in degrees. Such fits are invalid outside their phases (that of V1.5 gives 3.9
-//! mag at 0° and 3.1 at 180°), so φ is clamped to the fitted range.
+//! The polynomials are m(1000 km) = a0 + a1 φ + a2 φ² + …, with φ in degrees. They are invalid outside the phase angles
+//! of the fit (that of Starlink V1.5 gives 3.9 mag at 0° and 3.1 mag at 180°), so φ is clamped to the fitted range.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::magnitude::StandardMagnitude;
 
-/// A polynomial in the phase angle, held constant outside its range.
+/// Polynomial in the phase angle, constant outside the fitted range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PhaseFunction {
     coefficients: Arc<[f64]>,
@@ -19,7 +19,7 @@ pub struct PhaseFunction {
 impl PhaseFunction {
     /// Creates a function from coefficients of φ⁰, φ¹, … (φ in degrees) and the fitted range of φ, degrees.
     ///
-    /// `None` without a coefficient, for a value that is not finite, or unless 0 ≤ min < max ≤ 180.
+    /// `None` if there is no coefficient, if a value is not finite, or unless 0 ≤ min < max ≤ 180.
     pub fn new(coefficients: &[f64], min_phase_deg: f64, max_phase_deg: f64) -> Option<Self> {
         let sound = !coefficients.is_empty()
             && coefficients.iter().all(|c| c.is_finite())
@@ -29,17 +29,18 @@ impl PhaseFunction {
         sound.then(|| Self { coefficients: coefficients.into(), min_phase_deg, max_phase_deg })
     }
 
-    /// Returns the magnitude at 1000 km, with the phase clamped to the fitted range.
+    /// Returns the magnitude at 1000 km. The phase angle is clamped to the fitted range.
     pub fn standard_magnitude(&self, phase_angle_rad: f64) -> StandardMagnitude {
         let phase_deg = phase_angle_rad.to_degrees().clamp(self.min_phase_deg, self.max_phase_deg);
         StandardMagnitude(self.coefficients.iter().rev().fold(0.0, |sum, c| sum * phase_deg + c))
     }
 }
 
-/// A diffuse sphere scaled to a standard magnitude: assumed for objects with no other data than their brightness.
+/// Diffuse sphere that is scaled to a standard magnitude. It is assumed for objects of which only the brightness is
+/// known.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct DiffuseSphere {
-    /// Magnitude at 1000 km and phase angle 90°.
+    /// Magnitude at 1000 km and a phase angle of 90°.
     pub half_lit: StandardMagnitude,
 }
 

@@ -1,9 +1,10 @@
-//! Standard magnitudes by object, from the table for QuickSat (`qs.mag`).
+//! Standard magnitudes by object, read from the table for the program QuickSat (`qs.mag`).
 //!
 //! Mike McCants' intrinsic magnitude is for 1000 km, *full* phase, and the brightest likely aspect. Here it is
-//! converted to a mean at half phase (Molczan's convention), which is 1.45 mag fainter: 2.5 log10 2 for the phase, and
-//! about 0.7 mag from the brightest to the average aspect (McCants' page on the two definitions). Other programs read
-//! the column as half phase, and merged lists in circulation add a round 1.0. Rows without a magnitude are skipped.
+//! converted to the mean at half phase (Molczan's convention), which is 1.45 mag fainter: 2.5 log10 2 for the phase,
+//! and about 0.7 mag from the brightest to the average aspect (McCants' page on the two definitions). Other programs
+//! read the column as if it were for half phase, and merged lists in circulation add 1.0 mag. Rows without a magnitude
+//! are skipped.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
@@ -16,7 +17,7 @@ use super::magnitude::StandardMagnitude;
 /// "Intrinsic magnitude definitions").
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
 
-/// Magnitudes at 1000 km and phase angle 90°, by NORAD id.
+/// Magnitudes at 1000 km and a phase angle of 90°, by NORAD catalogue number.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StandardMagnitudes {
     half_lit: BTreeMap<u32, StandardMagnitude>,
@@ -26,7 +27,7 @@ impl StandardMagnitudes {
     /// Reads a `qs.mag` table; magnitudes are converted to half phase and mean aspect.
     ///
     /// # Errors
-    /// [`PhotometryError::NoStandardMagnitudes`] where no line has an id and a magnitude.
+    /// [`PhotometryError::NoStandardMagnitudes`] if no line has a NORAD number and a magnitude.
     pub fn from_qs_mag(text: &str) -> Result<Self, PhotometryError> {
         let half_lit: BTreeMap<u32, StandardMagnitude> = text
             .lines()
@@ -34,7 +35,7 @@ impl StandardMagnitudes {
                 let id: u32 = line.get(0..5)?.trim().parse().ok()?;
                 let end = line.len().min(37);
                 let intrinsic: f64 = line.get(33..end)?.trim().parse().ok()?;
-                // The first and last lines are headers (00001 and 99999) without a number here.
+                // The first and the last line are headers (00001 and 99999) that have no number in this column.
                 (id > 0 && intrinsic.is_finite())
                     .then_some((id, StandardMagnitude(intrinsic + QUICKSAT_TO_HALF_LIT_MAG)))
             })
@@ -45,7 +46,7 @@ impl StandardMagnitudes {
         Ok(Self { half_lit })
     }
 
-    /// Returns the magnitude at 1000 km and phase angle 90°, if the object is listed.
+    /// Returns the magnitude at 1000 km and a phase angle of 90°; `None` if the object is not listed.
     pub fn get(&self, norad_id: u32) -> Option<StandardMagnitude> {
         self.half_lit.get(&norad_id).copied()
     }

@@ -1,4 +1,4 @@
-//! Frames with axes, ticks and labels, and colour bars.
+//! Boxes with axes, ticks and labels, and colour bars.
 
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
@@ -11,10 +11,10 @@ use super::scale::ColourScale;
 pub(super) const TICK_SIZE: f64 = 16.0;
 pub(super) const NAME_SIZE: f64 = 18.0;
 
-/// Least gap between two tick labels, pixels.
+/// Smallest gap between two tick labels, pixels.
 const LABEL_GAP: f64 = 12.0;
 
-/// Range of values along one side.
+/// Range of values along one side of a box.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Axis {
     /// Value at the left or lower end.
@@ -25,10 +25,10 @@ pub(super) struct Axis {
     pub is_log: bool,
 }
 
-/// Box of a picture with two axes.
+/// Box in a picture with two axes.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Frame {
-    /// Left, top, right and bottom.
+    /// Positions of the left, top, right and bottom sides, pixels.
     pub sides: [f64; 4],
     /// Axis along the bottom.
     pub x: Axis,
@@ -37,9 +37,9 @@ pub(super) struct Frame {
 }
 
 impl Axis {
-    /// Creates a linear axis, widened if both ends are equal.
+    /// Creates a linear axis; it is widened if both ends are equal.
     pub fn linear(from: f64, to: f64) -> Self {
-        // Closer than a few bits, all ticks would coincide.
+        // If the ends differ by only a few bits, all ticks would coincide.
         if (to - from).abs() > 1e-12 * from.abs().max(to.abs()) {
             return Self { from, to, is_log: false };
         }
@@ -53,7 +53,7 @@ impl Axis {
         Self { from, to, is_log: true }
     }
 
-    /// Returns the position of a value: 0 at the start, 1 at the end.
+    /// Returns the position of a value on the axis: 0 at the start, 1 at the end.
     pub fn share(&self, value: f64) -> f64 {
         if self.is_log {
             (value / self.from).ln() / (self.to / self.from).ln()
@@ -62,7 +62,7 @@ impl Axis {
         }
     }
 
-    /// Returns the value at a position.
+    /// Returns the value at a position on the axis.
     pub fn value(&self, share: f64) -> f64 {
         if self.is_log {
             self.from * (self.to / self.from).powf(share)
@@ -76,8 +76,8 @@ impl Axis {
         (0.0..=1.0).contains(&self.share(value))
     }
 
-    /// Returns round values with their labels, as many as fit on an axis of `length` pixels without overlap; labels
-    /// that do not fit are empty. `across` is true for labels side by side.
+    /// Returns round values with their labels, as many as fit without overlap on an axis of `length` pixels. Labels
+    /// that do not fit are empty. `across` is true if labels are side by side, false if they are above one another.
     pub fn ticks(&self, length: f64, across: bool) -> Vec<(f64, String)> {
         if self.is_log {
             return self.decades();
@@ -91,7 +91,7 @@ impl Axis {
         if let Some(ticks) = (2..=8).rev().map(|most| self.multiples(most)).find(|ticks| fits(ticks)) {
             return ticks;
         }
-        // On a short axis some ticks are kept, with only those labels that fit.
+        // A short axis keeps some ticks, with only those labels that fit.
         let mut ticks = self.multiples(4);
         let mut last: Option<(f64, f64)> = None;
         for (value, label) in &mut ticks {
@@ -103,8 +103,8 @@ impl Axis {
         ticks
     }
 
-    /// Same as [`Self::ticks`], without the labels that extend more than `beyond` pixels past an end of the axis; all
-    /// labels if none would remain.
+    /// Returns the ticks of [`Self::ticks`] without the labels that extend more than `beyond` pixels past an end of the
+    /// axis. If no label would remain, all are kept.
     pub fn ticks_within(&self, length: f64, across: bool, beyond: f64) -> Vec<(f64, String)> {
         let ticks = self.ticks(length, across);
         let is_within = |(value, label): &(f64, String)| {
@@ -140,7 +140,7 @@ impl Axis {
 }
 
 impl Frame {
-    /// Returns the position of a pair of values in the picture, clamped to the border.
+    /// Returns the position of a pair of values in the picture, clamped to the border of the box.
     pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
         let [left, top, right, bottom] = self.sides;
         let (across, up) = (self.x.share(x).clamp(0.0, 1.0), self.y.share(y).clamp(0.0, 1.0));
@@ -160,12 +160,13 @@ impl Frame {
         self.sides[3] - self.sides[1]
     }
 
-    /// Draws border and ticks, with labels below and at the left if requested.
+    /// Draws the border and the ticks; if requested, with labels below the box and to its left.
     pub fn draw(&self, picture: &mut Picture, labels: [bool; 2]) {
         self.draw_within(picture, labels, f64::INFINITY);
     }
 
-    /// Same as [`Self::draw`] next to other frames: no label extends more than `beyond` pixels past the border.
+    /// Draws the same as [`Self::draw`] for a box next to others: no label extends more than `beyond` pixels past the
+    /// border.
     pub fn draw_within(&self, picture: &mut Picture, [has_x_labels, has_y_labels]: [bool; 2], beyond: f64) {
         let [left, top, _, bottom] = self.sides;
         for (value, label) in self.y.ticks_within(bottom - top, false, beyond) {
@@ -178,7 +179,7 @@ impl Frame {
         self.draw_without_y(picture, has_x_labels, beyond);
     }
 
-    /// Draws border and ticks of the left side with labels, for frames with another x axis.
+    /// Draws the border, and the ticks of the left side with labels, for a box with another x axis.
     pub fn draw_y(&self, picture: &mut Picture) {
         let [left, top, _, bottom] = self.sides;
         for (value, label) in self.y.ticks(bottom - top, false) {
@@ -191,7 +192,7 @@ impl Frame {
         picture.border(self.sides, 1.4);
     }
 
-    /// Same as [`Self::draw_within`], without anything at the left.
+    /// Draws the same as [`Self::draw_within`], without ticks and labels at the left.
     pub fn draw_without_y(&self, picture: &mut Picture, has_x_labels: bool, beyond: f64) {
         let [left, _, right, bottom] = self.sides;
         for (value, label) in self.x.ticks_within(right - left, true, beyond) {
@@ -204,7 +205,7 @@ impl Frame {
         picture.border(self.sides, 1.4);
     }
 
-    /// Returns the width of the labels at the left, pixels.
+    /// Returns the width of the labels to the left of the box, pixels.
     pub fn y_label_width(&self) -> f64 {
         self.y.ticks(self.height(), false).iter().map(|(_, label)| width_of(label, TICK_SIZE)).fold(0.0, f64::max)
     }
@@ -215,18 +216,18 @@ impl Frame {
         picture.text(name, ((left + right) / 2.0, bottom + 42.0), NAME_SIZE, HPos::Center);
     }
 
-    /// Draws the name of the y axis, `away` pixels from it.
+    /// Draws the name of the y axis, `away` pixels to the left of the axis.
     pub fn name_y(&self, picture: &mut Picture, name: &str, away: f64) {
         let [left, top, _, bottom] = self.sides;
         picture.upright(name, (left - away, (top + bottom) / 2.0), NAME_SIZE);
     }
 }
 
-/// Colour steps per pixel.
+/// Number of colour steps per pixel.
 const STEPS_PER_PIXEL: f64 = 2.0;
 const BAR_TEXT_SIZE: f64 = 19.0;
 
-/// Draws a bar with this left, top, right and bottom, ticks at its right, and a label above.
+/// Draws a colour bar with the given left, top, right and bottom, with ticks at its right side and a label above.
 pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64; 4], text: &str) {
     let [left, top, right, bottom] = sides;
     let steps = ((bottom - top) * STEPS_PER_PIXEL).max(1.0) as usize;

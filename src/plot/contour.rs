@@ -2,13 +2,13 @@
 
 use std::collections::HashMap;
 
-/// A side of a square: column and row of its upper left corner, and whether it runs down.
+/// A side of a square: column and row of its upper left corner, and true if the side runs down.
 type Side = (usize, usize, bool);
 
 /// Returns the lines on which `value`, a function of column and row of a grid of `columns` by `rows` points, equals
-/// `level`; in columns and rows from the first point.
+/// `level`. Positions are in columns and rows from the first point.
 ///
-/// Squares are `step` points wide. Each line is closed, or ends at the grid's border or at missing values.
+/// Squares are `step` points wide. A line is closed, or it ends at the border of the grid or at missing values.
 pub(super) fn contours(
     (columns, rows): (usize, usize),
     step: usize,
@@ -25,7 +25,7 @@ pub(super) fn contours(
             }
         }
     }
-    // Open lines are followed from their ends; the remaining ones are closed.
+    // Open lines are followed from their ends; lines that remain afterwards are closed.
     let mut starts: Vec<Side> = neighbours.keys().copied().collect();
     starts.sort_unstable_by_key(|side| (neighbours[side].len() != 1, *side));
     let mut lines = Vec::new();
@@ -49,7 +49,7 @@ pub(super) fn contours(
     lines
 }
 
-/// Returns the sides of a square between which a line runs.
+/// Returns the pairs of sides of a square between which a line runs.
 fn cuts(
     value: impl Fn(usize, usize) -> Option<f64>,
     (column, row): (usize, usize),
@@ -80,7 +80,7 @@ fn cuts(
     }
     match crossed[..] {
         [a, b] => vec![[a, b]],
-        // A saddle: the mean of the corners determines which two are joined.
+        // At a saddle point, the mean of the four corners determines which two corners are connected.
         [a, b, c, d] => {
             let is_joined = (values.iter().sum::<f64>() / 4.0 < level) == (values[0] < level);
             if is_joined { vec![[a, b], [c, d]] } else { vec![[d, a], [b, c]] }

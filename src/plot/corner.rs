@@ -1,4 +1,4 @@
-//! Corner plots: posterior distributions of each parameter and of each pair.
+//! Corner plots: posterior distributions of each parameter and of each pair of parameters.
 
 use colorous::BLUES;
 use plotters::prelude::RGBColor;
@@ -13,7 +13,8 @@ use super::picture::{INK, Picture, width_of};
 use super::statistics::{ONE_SIGMA, check, check_length, histogram, sorted};
 use crate::math::quantile::quantile;
 
-/// Fractions of a two-dimensional normal distribution within one and two sigma, 1 − exp(−1/2) and 1 − exp(−2).
+/// Fractions of a two-dimensional normal distribution within one sigma and within two sigma, 1 − exp(−1/2) and 1 −
+/// exp(−2).
 const CONTAINED: [f64; 2] = [0.393, 0.865];
 /// Fraction of the samples that an axis may omit at each end.
 const OMITTED: f64 = 0.001;
@@ -25,11 +26,12 @@ const LEGEND: &str = "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 3
 const LEGEND_WITH_TRUTHS: &str =
     "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 39.3 and 86.5 % of the samples. Orange: true values.";
 const GAP: f64 = 12.0;
-/// Largest overhang of labels past the border of their panel, pixels, so that neighbouring labels do not overlap.
+/// Largest distance, pixels, by which labels may extend past the border of their panel, so that labels of neighbouring
+/// panels do not overlap.
 const BEYOND_PANEL: f64 = 0.5 * GAP - 2.0;
 const BELOW: f64 = 66.0;
 const RIGHT: f64 = 22.0;
-/// Largest width of the picture, and of a panel, pixels.
+/// Largest width of the picture and largest width of a panel, pixels.
 const WIDEST: f64 = 1560.0;
 const WIDEST_PANEL: f64 = 230.0;
 
@@ -38,29 +40,30 @@ const WIDEST_PANEL: f64 = 230.0;
 pub struct Corner<'a> {
     /// Title; may be empty.
     pub title: &'a str,
-    /// Name of each of the 2 to 9 parameters, with its unit, if any; shape `(n_param)`.
+    /// Name of each of the 2 to 9 parameters, including the unit if there is one; shape `(n_param)`.
     pub names: &'a [String],
-    /// Columns of equal length, finite, in the parameters' units; shape `(n_param)`.
+    /// Samples of each parameter in its unit, finite; columns of equal length; shape `(n_param)`.
     pub samples: &'a [Vec<f64>],
     /// True values, if known; drawn as orange lines; shape `(n_param)`.
     pub truths: Option<&'a [f64]>,
-    /// Lower and upper bounds of the samples, if any: no axis extends past them; shape `(n_param)`.
+    /// Lower and upper bounds of each parameter, past which its axis does not extend; shape `(n_param)`.
     pub bounds: Option<&'a [[f64; 2]]>,
 }
 
-/// Draws histograms on the diagonal, with dashed lines at the quantiles 0.16, 0.5 and 0.84 and their numbers above, and
-/// below it each pair of parameters: darker for more samples, with lines around the densest 39.3 and 86.5 %.
+/// Draws histograms on the diagonal, with dashed lines at the quantiles 0.16, 0.5 and 0.84 and their values above.
+/// Below the diagonal, each pair of parameters is drawn with darker colours for more samples and with lines around the
+/// densest 39.3 and 86.5 % of the samples.
 ///
-/// Axes contain at least 99.8 % of the samples, and the true values; axes and lines end at bounds.
+/// Axes contain at least 99.8 % of the samples and the true values. Axes and lines end at the bounds.
 ///
 /// # Errors
-/// Fewer than 2 or more than 9 parameters; columns, names, true values or bounds of different length; samples that are
-/// missing or not finite.
+/// There are fewer than 2 or more than 9 parameters; columns, names, true values or bounds differ in length; or samples
+/// are missing or not finite.
 pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     let axes = axes(input)?;
     let count = axes.len();
     let titles: Vec<Vec<String>> = (0..count).map(|i| title(&input.names[i], &input.samples[i])).collect();
-    // A first estimate of the panel size determines the width of the labels at the left.
+    // A first estimate of the panel size determines the width of the labels at the left of the picture.
     let guess = (WIDEST / (count as f64 + 1.0)).min(WIDEST_PANEL);
     let frame_of = |sides, x: usize, y: usize| Frame { sides, x: axes[x], y: axes[y] };
     let widest_label = (1..count).map(|i| frame_of([0.0, 0.0, guess, guess], 0, i).y_label_width()).fold(0.0, f64::max);
@@ -79,7 +82,7 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     if is_titled {
         picture.text(input.title, (left, 26.0), 23.0, HPos::Left);
     }
-    // The title is placed above the diagonal.
+    // The title is placed in the free area above the diagonal.
     let first = left + count.div_ceil(2) as f64 * (panel + GAP);
     let legend = if input.truths.is_some() { LEGEND_WITH_TRUTHS } else { LEGEND };
     picture.paragraph(legend, [first, left + side + beyond(panel) - 8.0], top + 12.0, 16.0);
@@ -136,13 +139,13 @@ fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, PlotError> {
         let (low, high) = (truth.map_or(low, |truth| low.min(truth)), truth.map_or(high, |truth| high.max(truth)));
         let margin = MARGIN * (high - low);
         let [least, greatest] = input.bounds.map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| bounds[index]);
-        // Samples and true values are always shown, even outside the bounds.
+        // The axis always contains the samples and the true values, even those outside the bounds.
         Ok(Axis::linear((low - margin).max(least.min(low)), (high + margin).min(greatest.max(high))))
     };
     input.names.iter().zip(input.samples).enumerate().map(axis).collect()
 }
 
-/// Returns `c1 = 0.0123 +0.0004 −0.0003`, with a long name on its own line.
+/// Returns a title such as `c1 = 0.0123 +0.0004 −0.0003`; a long name is on its own line.
 fn title(name: &str, samples: &[f64]) -> Vec<String> {
     let sorted = sorted(samples);
     let [low, middle, high] = ONE_SIGMA.map(|share| quantile(&sorted, share));
@@ -150,7 +153,7 @@ fn title(name: &str, samples: &[f64]) -> Vec<String> {
     if name.chars().count() <= 8 { vec![format!("{name} = {value}")] } else { vec![format!("{name} ="), value] }
 }
 
-/// Returns a name, truncated to the available width.
+/// Returns a name, truncated to a width in pixels.
 fn truncated(name: &str, width: f64) -> String {
     let mut cut = name.to_owned();
     let mut shown = cut.clone();
@@ -160,7 +163,7 @@ fn truncated(name: &str, width: f64) -> String {
     shown
 }
 
-/// Returns the number of bins for this many samples, from 16 to 44.
+/// Returns the number of bins for a number of samples, from 16 to 44.
 fn bins(samples: usize) -> usize {
     (2.5 * (samples as f64).powf(0.25)).clamp(16.0, 44.0) as usize
 }
@@ -189,7 +192,7 @@ fn histogram_panel(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, ind
     if let Some(truths) = input.truths {
         picture.line(&[frame.at(truths[index], 0.0), frame.at(truths[index], frame.y.to)], TRUTH.to_rgba(), 2.0);
     }
-    // Counts have no labels: only the shape of the histogram matters.
+    // The counts have no labels, because only the shape of the histogram matters.
     frame.draw_without_y(picture, is_below, BEYOND_PANEL);
 }
 

@@ -1,4 +1,5 @@
-//! Number of samples of cells against their spread, with the thresholds of the fit: figure 3 of Lu (2024).
+//! Number of samples in cells of viewing geometry against the spread of their magnitudes, with the thresholds of the
+//! fit: figure 3 of Lu (2024).
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -17,30 +18,30 @@ const LINE: RGBColor = RGBColor(0, 114, 178);
 const THRESHOLD: RGBColor = RGBColor(213, 94, 0);
 /// Number of density bins along each side.
 const BINS: usize = 48;
-/// Fraction of the cells whose spread may exceed the axis.
+/// Fraction of the cells whose spread may be beyond the end of the axis.
 const BEYOND: f64 = 0.005;
 
-/// Samples of cells, and the thresholds for them.
+/// Numbers of samples and spreads of cells, and the thresholds for both.
 #[derive(Clone, Debug)]
 pub struct CountsAndSpread<'a> {
     /// Title.
     pub title: &'a str,
-    /// Samples of each cell, 1 or more; shape `(n_cell)`.
+    /// Number of samples in each cell, 1 or more; shape `(n_cell)`.
     pub counts: &'a [f64],
     /// Interquartile range of each cell's magnitudes, 0 or more, mag; shape `(n_cell)`.
     pub iqr_mag: &'a [f64],
-    /// Least number of samples of a kept cell, 1 or more; 80 in the paper.
+    /// Smallest number of samples with which a cell is kept, 1 or more; 80 in the paper.
     pub least_count: f64,
-    /// Largest spread of a kept cell, above 0; 0.4 mag in the paper.
+    /// Largest spread with which a cell is kept, mag, above 0; 0.4 mag in the paper.
     pub most_iqr_mag: f64,
 }
 
-/// Draws the density of cells by number of samples and spread, the cumulative fractions of cells above and to the
-/// right, and both thresholds with the fraction of cells that is kept.
+/// Draws the density of cells by number of samples and spread, the cumulative fractions of cells above it and to its
+/// right, and both thresholds with the fraction of cells that are kept.
 ///
 /// # Errors
-/// No cell, columns of unequal length, a value that is not finite, a count below 1, a spread below 0, or invalid
-/// thresholds (fewer than 1 sample, 0 mag).
+/// There is no cell; columns differ in length; a value is not finite; a count is below 1 or a spread below 0; or a
+/// threshold is invalid (fewer than 1 sample, 0 mag).
 pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotError> {
     check("samples of cells", input.counts)?;
     check_length("spreads of cells", input.iqr_mag, input.counts.len())?;
@@ -116,7 +117,7 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     Ok(picture)
 }
 
-/// Draws dashed lines, with their values where they meet the outer frames.
+/// Draws the thresholds as dashed lines, with their values where they meet the outer boxes.
 fn thresholds(picture: &mut Picture, input: &CountsAndSpread<'_>, frame: &Frame, [has_count, has_spread]: [bool; 2]) {
     let is_main = has_count && has_spread;
     if has_count {

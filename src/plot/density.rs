@@ -1,5 +1,5 @@
-//! Many points in a frame: as transparent dots, as a two-dimensional histogram, and as contours that enclose a fraction
-//! of them.
+//! Many points in a box: drawn as transparent dots, as a two-dimensional histogram, or by lines that enclose a fraction
+//! of the points.
 
 use plotters::prelude::RGBColor;
 
@@ -7,22 +7,22 @@ use super::axes::Frame;
 use super::contour::contours;
 use super::picture::{PAPER, Pixels};
 
-/// Number of empty cells around the counted ones, so that every line is closed.
+/// Number of empty bins around the counted ones, so that every line is closed.
 const BORDER: usize = 3;
 
 /// Number of smoothing passes before lines are drawn.
 const SMOOTHINGS: usize = 2;
 
-/// Counts in equal cells of a frame.
+/// Numbers of points in equal bins of a box.
 pub(super) struct Density {
-    /// Cells along each side.
+    /// Number of bins along each side.
     pub bins: usize,
-    /// Counts row by row, from the frame's lower left corner.
+    /// Counts row by row, from the lower left corner of the box.
     pub counts: Vec<f64>,
 }
 
 impl Density {
-    /// Counts points in cells; points outside the frame are ignored.
+    /// Counts the points in each bin; points outside the box are ignored.
     pub fn of(x: &[f64], y: &[f64], frame: &Frame, bins: usize) -> Self {
         let mut counts = vec![0.0; bins * bins];
         for (&x, &y) in x.iter().zip(y).filter(|(x, y)| frame.holds(**x, **y)) {
@@ -37,7 +37,7 @@ impl Density {
         self.counts.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Returns the cells as coloured rectangles that fill the frame; `colour` returns the colour of a count above 0.
+    /// Returns the bins as coloured rectangles that fill the box. `colour` returns the colour of a count above 0.
     pub fn pixels(&self, frame: &Frame, colour: impl Fn(f64) -> [u8; 3]) -> Pixels {
         let bins = self.bins;
         let one = |cell: usize| {
@@ -49,10 +49,10 @@ impl Density {
         Pixels { corner: (left, top), each, columns: bins, colours: (0..bins * bins).map(one).collect(), within: None }
     }
 
-    /// Returns the lines that enclose the densest cells with these fractions of all points, in pixels of the picture;
-    /// line by line, fraction by fraction.
+    /// Returns, for each of the fractions `shares`, the lines that enclose the densest bins with this fraction of all
+    /// points. Positions are in pixels of the picture.
     ///
-    /// `walls` is true for the ends (left and right, lower and upper) at which the points have a bound; smoothing moves
+    /// `walls` is true for each end (left and right, lower and upper) at which the values have a bound. Smoothing moves
     /// no counts past a bound.
     pub fn lines_around(&self, frame: &Frame, shares: &[f64], walls: [[bool; 2]; 2]) -> Vec<Vec<(f64, f64)>> {
         let side = self.bins + 2 * BORDER;
@@ -62,8 +62,8 @@ impl Density {
         let all: f64 = falling.iter().sum();
         let [left, top, ..] = frame.sides;
         let (wide, high) = (frame.width() / self.bins as f64, frame.height() / self.bins as f64);
-        // Centres of cells, right and up from the frame's lower left corner; points in the border are moved back to the
-        // frame.
+        // Centre of a bin, to the right of and above the lower left corner of the box. Points in the border of empty
+        // bins are moved back into the box.
         let position = |(x, y): (f64, f64)| {
             let across = ((x - BORDER as f64 + 0.5) * wide).clamp(0.0, frame.width());
             let up = ((y - BORDER as f64 + 0.5) * high).clamp(0.0, frame.height());
@@ -83,8 +83,8 @@ impl Density {
             .collect()
     }
 
-    /// Returns the counts with a border, smoothed with weights 1 : 2 : 1 along both sides; counts that would be moved
-    /// past a wall remain in their cells.
+    /// Returns the counts with a border, smoothed with the weights 1 : 2 : 1 along both axes. Counts that would be
+    /// moved past a bound remain in their bins.
     fn smooth(&self, side: usize, walls: [[bool; 2]; 2]) -> Vec<f64> {
         let mut grid = vec![0.0; side * side];
         for (cell, count) in self.counts.iter().enumerate() {
@@ -112,13 +112,13 @@ impl Density {
     }
 }
 
-/// Number of cells per pixel along each side.
+/// Number of cells of the dot raster per pixel, along each side.
 const CELLS_PER_PIXEL: usize = 2;
 
 /// Radius of a dot, pixels.
 const DOT_RADIUS: f64 = 1.7;
 
-/// Returns the points inside a frame as painted dots; those outside are ignored.
+/// Returns the points inside a box as painted dots; points outside are ignored.
 pub(super) fn dots(frame: &Frame, x: &[f64], y: &[f64], colour: RGBColor) -> Pixels {
     let columns = (frame.width() * CELLS_PER_PIXEL as f64) as usize;
     let rows = (frame.height() * CELLS_PER_PIXEL as f64) as usize;
@@ -138,8 +138,8 @@ pub(super) fn dots(frame: &Frame, x: &[f64], y: &[f64], colour: RGBColor) -> Pix
             }
         }
     }
-    // Dots are more transparent for many points: 60 % opacity for a few, 10 % where a cell in the dense parts has
-    // dozens.
+    // Dots are more transparent if there are many points: their opacity is 60 % for a few points, and 10 % where a
+    // raster cell in the dense parts has dozens.
     let painted: Vec<u32> = layers.iter().copied().filter(|count| *count > 0).collect();
     let mean = painted.iter().sum::<u32>() as f64 / painted.len().max(1) as f64;
     let thin = 1.0 - (0.6 / mean.max(1.0).sqrt()).max(0.06);
@@ -181,7 +181,7 @@ mod tests {
         };
         let all: f64 = density.counts.iter().sum();
         assert!((within(walls) - all).abs() < 1e-9 * all && within(OPEN) < 0.99 * all);
-        /// Size of a cell in the picture, pixels.
+        /// Size of a bin in the picture, pixels.
         const CELL: f64 = 10.0;
         // Half a circle of one sigma: 100 pixels wide, and as high at the wall as without it.
         let highest_at_wall = |walls| {

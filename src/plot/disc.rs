@@ -1,8 +1,8 @@
-//! Projection of a half sphere onto a disc: the pole in the middle, the equator at the rim, equal angles at equal
-//! distances.
+//! Projection of a hemisphere onto a disc: the pole is in the middle, the equator at the rim, and the distance from the
+//! middle is proportional to the angle from the pole.
 //!
-//! Longitude 0 is up and longitudes increase anticlockwise: for azimuths that is the sky as seen from below, north up
-//! and east left; for longitudes of a satellite's frame it is the view from above.
+//! Longitude 0 is up and longitudes increase anticlockwise. For azimuths this is the sky as seen from below, with north
+//! up and east left. For longitudes in a satellite's frame it is the view from above.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -19,17 +19,17 @@ use super::scale::{ColourScale, Quantity};
 /// Side of the squares of the contour lines, pixels.
 const SQUARE: usize = 2;
 
-/// Magnitude assumed in the shadow, relative to the contour level, mag.
+/// Magnitude by which directions in the Earth's shadow are taken to be fainter than the level of a contour line, mag.
 const SHADOW_BELOW_MAG: f64 = 2.0;
 
-/// Content of one direction.
+/// What is shown in one direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum DiscContent {
-    /// A satellite of this magnitude, or the value of another quantity.
+    /// Magnitude of a satellite, or the value of another quantity.
     Value(f64),
     /// A satellite in the Earth's shadow.
     Shadow,
-    /// No lit surface.
+    /// No lit surface, or no value.
     Empty,
 }
 
@@ -37,21 +37,21 @@ pub enum DiscContent {
 pub struct Disc<'a> {
     /// Title above the disc.
     pub title: String,
-    /// Quantity of the values.
+    /// Quantity that the values represent.
     pub quantity: Quantity,
-    /// Draws only the half of longitudes 0 to π, the left one.
+    /// If true, only the left half of the disc is drawn, with longitudes 0 to π.
     pub is_half: bool,
-    /// Content as a function of longitude and angle from the middle in [0, π/2], radians.
+    /// Content as a function of the longitude and of the angle from the middle in [0, π/2], radians.
     pub content: Box<dyn Fn(f64, f64) -> DiscContent + Sync + 'a>,
-    /// Largest angle from the middle, radians, of values that determine the colour scale.
+    /// Values within this angle from the middle, radians, determine the colour scale.
     pub scaled_within_rad: f64,
-    /// Longitude of the Sun, radians; `None` without a unique position.
+    /// Longitude of the Sun, radians; `None` if the Sun has no single position.
     pub sun_longitude_rad: Option<f64>,
-    /// Labels outside the rim, at longitudes in degrees.
+    /// Labels outside the rim, with their longitudes in degrees.
     pub rim: Vec<(f64, &'static str)>,
-    /// Thin circles with labels, at angles from the middle in degrees.
+    /// Thin circles with labels, with their angles from the middle in degrees.
     pub circles: Vec<(f64, String)>,
-    /// Angle from the middle of a dashed circle, radians: the Earth's limb.
+    /// Angle of the Earth's limb from the middle, radians, drawn as a dashed circle.
     pub limb_rad: Option<f64>,
 }
 
@@ -65,19 +65,19 @@ pub(super) struct Raster {
 }
 
 impl Disc<'_> {
-    /// Evaluates every pixel of a disc of this radius, in pixels; the raster is a pixel wider on every side, so that
-    /// the rim is smooth.
+    /// Evaluates every pixel of a disc of this radius (pixels). The raster extends one pixel beyond the rim on every
+    /// side, so that the rim is smooth.
     pub(super) fn raster(&self, radius: usize) -> Raster {
         let side = 2 * radius + 2;
         let middle = side as f64 / 2.0;
         let pixels = (0..side * side)
             .into_par_iter()
             .map(|index| {
-                // Pixel centres, right and up from the middle.
+                // Centre of the pixel, to the right of and above the middle.
                 let right = (index % side) as f64 + 0.5 - middle;
                 let up = middle - (index / side) as f64 - 0.5;
                 let distance = right.hypot(up) / radius as f64;
-                // A pixel cut by the rim gets the content at the rim.
+                // A pixel that is cut by the rim gets the content at the rim.
                 let is_in = distance <= 1.0 + 1.0 / radius as f64 && !(self.is_half && right > 0.0);
                 is_in.then(|| {
                     let longitude = (-right).atan2(up).rem_euclid(TAU);
@@ -89,7 +89,7 @@ impl Disc<'_> {
     }
 }
 
-/// Returns the position of a direction, right of and below the middle of a disc of radius 1.
+/// Returns the position of a direction, to the right of and below the middle of a disc of radius 1.
 pub(super) fn disc_position(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
     let (sin, cos) = longitude_rad.sin_cos();
     let distance = from_middle_rad / FRAC_PI_2;
@@ -102,7 +102,7 @@ impl Raster {
         let middle = self.side as f64 / 2.0;
         let angle = move |index: usize| {
             let (right, below) = ((index % self.side) as f64 + 0.5 - middle, (index / self.side) as f64 + 0.5 - middle);
-            // The raster is a pixel wider than the disc on every side.
+            // The raster extends one pixel beyond the disc on every side.
             FRAC_PI_2 * right.hypot(below) / (middle - 1.0)
         };
         self.pixels.iter().enumerate().filter_map(move |(index, pixel)| match pixel {
@@ -111,18 +111,18 @@ impl Raster {
         })
     }
 
-    /// Returns the lines on which the value is `level`, in pixels right of and below the upper left corner. The Earth's
-    /// shadow counts as fainter than any level.
+    /// Returns the lines on which the value equals `level`, in pixels right of and below the upper left corner.
+    /// Directions in the Earth's shadow count as fainter than any level.
     pub fn contours(&self, level: f64) -> Vec<Vec<(f64, f64)>> {
         let value = |column: usize, row: usize| match self.pixels.get(row * self.side + column)? {
             Some(DiscContent::Value(value)) => Some(*value),
-            // Fainter than any level, so that brighter regions are enclosed along the shadow, with an edge of one
-            // pixel.
+            // Shadow counts as fainter than any level, so that lines enclose bright regions also along the edge of the
+            // shadow.
             Some(DiscContent::Shadow) => Some(level + SHADOW_BELOW_MAG),
             _ => None,
         };
         let mut lines = contours((self.side, self.side), SQUARE, level, value);
-        // The grid of the contours counts from the centre of the first pixel, which is half a pixel inside.
+        // Contours count from the centre of the first pixel, which is half a pixel from the corner.
         lines.iter_mut().flatten().for_each(|(x, y)| (*x, *y) = (*x + 0.5, *y + 0.5));
         lines
     }
@@ -138,7 +138,7 @@ const SHADOW: [u8; 3] = [150, 150, 150];
 const UNKNOWN: [u8; 3] = [205, 205, 205];
 const WHITE: RGBColor = RGBColor(255, 255, 255);
 
-/// Margin between the rim of a disc and the border of its part of the picture.
+/// Margin between the rim of a disc and the border of its part of the picture, pixels.
 const MARGIN: usize = 66;
 const TITLE: usize = 46;
 const DISC_TITLE: usize = 32;
@@ -153,16 +153,16 @@ pub struct DiscSheet<'a> {
     pub title: String,
     /// Caption below all discs.
     pub caption: String,
-    /// Discs side by side, evaluated on all threads of the current pool. Discs of one quantity share one colour bar;
-    /// otherwise each disc has its own bar, with one scale for each quantity.
+    /// Discs, evaluated on all threads of the current pool. If all discs show the same quantity they share one colour
+    /// bar; otherwise each disc has its own bar, with the same scale for discs of the same quantity.
     pub discs: Vec<Disc<'a>>,
     /// Radius of each disc, pixels.
     pub radius: usize,
     /// Number of discs in a row, 1 or more.
     pub discs_per_row: usize,
-    /// Magnitude of a contour line in every disc, and its label in the legend.
+    /// Magnitude of the contour line in every disc, and its label in the legend.
     pub contour_mag: Option<(f64, String)>,
-    /// Label of the legend for directions without content.
+    /// Label in the legend for directions without content.
     pub nothing: &'static str,
 }
 
@@ -174,7 +174,7 @@ struct Layout<'a> {
 }
 
 impl DiscSheet<'_> {
-    /// Returns the laid out and drawn picture.
+    /// Evaluates the discs, lays them out and returns the picture.
     pub fn picture(self) -> Picture {
         let rasters: Vec<Raster> = self.discs.iter().map(|disc| disc.raster(self.radius)).collect();
         let mut scales: Vec<ColourScale> = Vec::new();
@@ -222,7 +222,7 @@ impl Layout<'_> {
         self.scales.len() > 1
     }
 
-    /// Returns the number of columns and rows.
+    /// Returns the numbers of columns and rows of discs.
     fn grid(&self) -> (usize, usize) {
         let columns = self.sheet.discs_per_row.clamp(1, self.sheet.discs.len().max(1));
         (columns, self.sheet.discs.len().div_ceil(columns).max(1))
@@ -232,17 +232,17 @@ impl Layout<'_> {
         self.sheet.discs.iter().all(|disc| disc.is_half)
     }
 
-    /// Returns the width of a disc with its margins.
+    /// Returns the width of a disc with its margins, pixels.
     fn share(&self) -> usize {
         2 * MARGIN + self.sheet.radius * if self.has_halves() { 1 } else { 2 }
     }
 
-    /// Returns the height of a row.
+    /// Returns the height of a row of discs, pixels.
     fn row(&self) -> usize {
         DISC_TITLE + 2 * (self.sheet.radius + MARGIN)
     }
 
-    /// Returns the middle of a disc; for a half disc, the middle of its straight side.
+    /// Returns the position of the middle of a disc; for a half disc, the middle of its straight side.
     fn middle(&self, index: usize) -> (f64, f64) {
         let (columns, _) = self.grid();
         let step = self.share() + if self.is_mixed() { BAR_SHARE } else { 0 };
@@ -283,7 +283,7 @@ impl Layout<'_> {
                 picture.line(&(0..=4).map(part).collect::<Vec<_>>(), INK.mix(0.8), 1.5);
             }
         }
-        // A circle about the middle, or half of it.
+        // Draws a circle about the middle, or half of it.
         let round = |picture: &mut Picture, angle: f64, colour, width| {
             if disc.is_half {
                 let arc: Vec<_> =
@@ -296,7 +296,7 @@ impl Layout<'_> {
         for (angle_deg, text) in &disc.circles {
             let angle = angle_deg.to_radians();
             round(picture, angle, INK.mix(0.45), 1.0);
-            // Labels at a longitude away from the Sun and from other labels.
+            // Labels are at a longitude away from the Sun and from other labels.
             let sun_rad = disc.sun_longitude_rad.unwrap_or(0.0);
             picture.note(text, at(disc_position(sun_rad + 112.5_f64.to_radians(), angle)));
         }
@@ -318,7 +318,7 @@ impl Layout<'_> {
         picture.text(&disc.title, (across, above), 20.0, HPos::Center);
     }
 
-    /// Draws a colour bar in a part of the picture that begins at `left`.
+    /// Draws a colour bar in the part of the picture that begins at `left`.
     fn draw_bar(&self, picture: &mut Picture, scale: &ColourScale, left: f64, middle: f64) {
         let half = 0.85 * self.sheet.radius as f64;
         // Bars of half discs are next to the straight side.

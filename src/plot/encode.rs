@@ -12,10 +12,10 @@ use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 use super::error::PlotError;
 use super::picture::{Picture, Underlay, font_style_sheet};
 
-/// Supersampling factor of PNGs, for smooth lines and letters.
+/// Supersampling factor of PNGs, which makes lines and letters smooth.
 const FINE: usize = 2;
 
-/// Subdivision of a pixel for the coordinates of an SVG.
+/// Number of steps into which the coordinates of an SVG divide a pixel.
 const MESH: usize = 8;
 
 /// Format of a picture.
@@ -23,12 +23,12 @@ const MESH: usize = 8;
 pub enum PictureFormat {
     /// Pixels only.
     Png,
-    /// Scalable lines and text over pixels.
+    /// Scalable lines and text over an embedded pixel image.
     Svg,
 }
 
 impl PictureFormat {
-    /// Returns the format for the extension of a file name.
+    /// Returns the format that the extension of a file name indicates.
     ///
     /// # Errors
     /// The name ends in neither `.png` nor `.svg`.
@@ -42,16 +42,16 @@ impl PictureFormat {
     }
 }
 
-/// Returns a PNG as a data URL.
+/// Returns a PNG as the text of a data URL.
 pub fn data_url(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
 
 impl Picture {
-    /// Returns the bytes of a file.
+    /// Returns the picture as the bytes of a file in a format.
     ///
     /// # Errors
-    /// Error of the drawing or encoding crate.
+    /// The drawing or encoding crate fails.
     pub fn to_bytes(&self, format: PictureFormat) -> Result<Vec<u8>, PlotError> {
         match format {
             PictureFormat::Png => self.to_png(),
@@ -59,10 +59,10 @@ impl Picture {
         }
     }
 
-    /// Returns a PNG of [`size`](Picture::size).
+    /// Returns a PNG of the size [`size`](Picture::size).
     ///
     /// # Errors
-    /// Error of the drawing or encoding crate.
+    /// The drawing or encoding crate fails.
     pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
         let Underlay { width, height, mut rgb } = self.underlay(FINE);
         let area = BitMapBackend::with_buffer(&mut rgb, (width as u32, height as u32)).into_drawing_area();
@@ -72,10 +72,10 @@ impl Picture {
         png(&averaged(&rgb, width), width / FINE, height / FINE)
     }
 
-    /// Returns a self-contained SVG of [`size`](Picture::size) with an embedded font.
+    /// Returns a self-contained SVG of the size [`size`](Picture::size), with an embedded font.
     ///
     /// # Errors
-    /// Error of the drawing or encoding crate.
+    /// The drawing or encoding crate fails.
     pub fn to_svg(&self) -> Result<String, PlotError> {
         let (width, height) = self.size();
         let (across, down) = (width * MESH, height * MESH);
@@ -87,7 +87,8 @@ impl Picture {
         }
         let underlay = self.underlay(FINE);
         let pixels = STANDARD.encode(png(&underlay.rgb, underlay.width, underlay.height)?);
-        // The pixels come first, below everything: right after the opening tag, which contains the size in pixels.
+        // The pixel image must come first, so that it is below everything: immediately after the opening tag, which
+        // contains the size.
         let broken = || PlotError::Drawing("the SVG has no opening tag".to_owned());
         let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
         Ok(format!(

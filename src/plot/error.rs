@@ -8,22 +8,22 @@ use crate::maps::MapError;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// A file name that ends in neither `.png` nor `.svg`.
+    /// The extension of a file name is neither `.png` nor `.svg`.
     #[error("invalid picture name {name}; allowed: a name that ends in .png or .svg")]
     UnknownFormat {
         /// Given name.
         name: String,
     },
-    /// A panel that cannot be computed as a map.
+    /// A panel of a figure cannot be computed as a map.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// Missing data.
+    /// There is nothing to draw.
     #[error("nothing to draw: no {what}")]
     Empty {
-        /// Missing data.
+        /// Name of the missing data.
         what: String,
     },
-    /// Columns of different length.
+    /// Columns differ in length.
     #[error("{what}: {given} values; allowed: {expected}, as in the other columns")]
     Length {
         /// Name of the column.
@@ -33,17 +33,17 @@ pub enum PlotError {
         /// Number of values of the other columns.
         expected: usize,
     },
-    /// A value that is not finite.
+    /// A value is not finite.
     #[error("{what}: value {index} (counted from 0) is {value}; allowed: a finite number")]
     NotFinite {
         /// Name of the column.
         what: String,
         /// Index in the column.
         index: usize,
-        /// NaN or infinite.
+        /// The value, NaN or infinite.
         value: f64,
     },
-    /// A number out of range.
+    /// A number is out of range.
     #[error("{what} is {given}; allowed: {allowed}")]
     OutOfRange {
         /// Name of the number.
@@ -53,7 +53,7 @@ pub enum PlotError {
         /// Allowed range with unit.
         allowed: &'static str,
     },
-    /// Error of the drawing or encoding crate.
+    /// The drawing or encoding crate fails.
     #[error("drawing failed: {0}")]
     Drawing(String),
 }

@@ -1,4 +1,4 @@
-//! A field with the streaks that cross it: gnomonic, north up, east left.
+//! Chart of a field with the streaks that cross it, in gnomonic projection with north up and east left.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -15,7 +15,7 @@ const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
 const BAR_LEFT: f64 = 796.0;
 const LIST_LEFT: f64 = 912.0;
-/// Largest distance of points from the centre, degrees; the tangent plane diverges at 90.
+/// Largest distance of points from the centre, degrees. Positions on the tangent plane diverge at 90 degrees.
 const FARTHEST_DEG: f64 = 75.0;
 const OUTLINE: RGBColor = RGBColor(60, 60, 60);
 const DARK: RGBColor = RGBColor(150, 150, 150);
@@ -26,46 +26,46 @@ const INSIDE: RGBColor = RGBColor(240, 240, 240);
 pub struct FieldChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// Text after the caption of the chart.
+    /// Text that follows the caption of the chart.
     pub caption: &'a str,
     /// Right ascension of the centre, degrees.
     pub ra_deg: f64,
     /// Declination of the centre, degrees.
     pub dec_deg: f64,
-    /// Outlines of the field, each closed implicitly: corners as right ascension and declination, degrees, close enough
-    /// for straight lines.
+    /// Outlines of the field, each closed implicitly. Corners are right ascension and declination, degrees, so close
+    /// that they can be joined by straight lines.
     pub outlines: &'a [Vec<[f64; 2]>],
     /// Streaks in the field.
     pub streaks: &'a [FieldStreak],
 }
 
-/// One streak in the field.
+/// One streak of a field chart.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldStreak {
-    /// The satellite's name.
+    /// Name of the satellite.
     pub name: String,
-    /// Points from entry to exit, two or more: right ascension and declination, degrees.
+    /// Two or more points from entry to exit: right ascension and declination, degrees.
     pub track_deg: Vec<[f64; 2]>,
     /// Entry, MJD (UTC); NaN if unknown.
     pub enter_mjd: f64,
     /// Exit, MJD (UTC); NaN if unknown.
     pub exit_mjd: f64,
-    /// Brightest magnitude along the streak; NaN without one.
+    /// Brightest magnitude along the streak; NaN if unknown.
     pub magnitude: f64,
-    /// One sigma of the magnitude, mag; NaN without one.
+    /// Uncertainty of the magnitude (one sigma), mag; NaN if unknown.
     pub sigma_mag: f64,
 }
 
-/// Draws the field on the tangent plane with its outlines, every streak in the colour of its magnitude with an arrow at
-/// its exit, and a list with entry, exit and magnitude, the brightest first. The streaks in the list are numbered in
-/// the chart; the caption gives the number of the others.
+/// Draws the outlines of the field on the tangent plane, and every streak in the colour of its magnitude with an arrow
+/// at its exit. A list gives entry, exit and magnitude of the streaks, the brightest first; listed streaks are numbered
+/// in the chart. If there are too many for the list, the caption gives the number of the others.
 ///
-/// A field without streaks is drawn with a note; its size is then that of its outlines, of which at least one is
+/// A field without streaks is drawn with a note. Its size is then that of its outlines, of which at least one is
 /// required.
 ///
 /// # Errors
-/// Neither outlines nor streaks, a streak of fewer than two points, or positions that are invalid or more than 75° from
-/// the centre.
+/// There are neither outlines nor streaks; a streak has fewer than two points; or a position is invalid or more than
+/// 75° from the centre.
 pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     let out = |what: &str, given: String, allowed| PlotError::OutOfRange { what: what.to_owned(), given, allowed };
     let is_position = |[ra, dec]: [f64; 2]| ra.is_finite() && (-90.0..=90.0).contains(&dec);
@@ -167,7 +167,8 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Returns the position on the tangent plane, degrees, x to the east and y to the north; `None` far away.
+/// Returns the position on the tangent plane, degrees, x to the east and y to the north; `None` if the direction is too
+/// far from the centre.
 ///
 /// cos c = sin δ₀ sin δ + cos δ₀ cos δ cos Δα; ξ = cos δ sin Δα / cos c;
 /// η = (cos δ₀ sin δ − sin δ₀ cos δ cos Δα) / cos c (Calabretta & Greisen 2002, A&A 395, 1077, section 5.1.3,
@@ -192,7 +193,7 @@ fn compass(picture: &mut Picture) {
     }
 }
 
-/// Draws a scale bar of round length in the lower left corner, exact in the middle of the chart.
+/// Draws a scale bar of a round length in the lower left corner. Its length is exact in the middle of the chart.
 fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
     let whole = (frame.x.from - frame.x.to).abs();
     let decade = 10_f64.powf((0.3 * whole).log10().floor());

@@ -1,4 +1,4 @@
-//! Magnitude along a track with its error, and the intervals inside the field.
+//! Light curve: magnitude along a track with its uncertainty, and the intervals in which the satellite is in the field.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -20,7 +20,7 @@ const SHUTTER: RGBColor = RGBColor(240, 228, 66);
 const DARK: RGBColor = RGBColor(150, 150, 150);
 const LIMIT: RGBColor = RGBColor(90, 90, 90);
 
-/// One satellite along its track.
+/// Magnitudes of one satellite along its track.
 #[derive(Clone, Debug)]
 pub struct LightCurve<'a> {
     /// Title.
@@ -31,24 +31,24 @@ pub struct LightCurve<'a> {
     pub time_mjd: &'a [f64],
     /// Magnitudes; NaN in the Earth's shadow; shape `(n_point)`.
     pub magnitude: &'a [f64],
-    /// One sigma of the magnitudes, mag; NaN without one; shape `(n_point)`.
+    /// Uncertainties (one sigma) of the magnitudes, mag; NaN if unknown; shape `(n_point)`.
     pub sigma_mag: &'a [f64],
-    /// Intervals inside the field: entry and exit, MJD (UTC).
+    /// Intervals in which the satellite is in the field: entry and exit, MJD (UTC).
     pub in_field: &'a [[f64; 2]],
     /// Opening and closing of the shutter, MJD (UTC).
     pub shutter: Option<[f64; 2]>,
     /// Magnitude limit, drawn as a dashed line.
     pub limit_mag: Option<f64>,
-    /// Clock of the upper axis.
+    /// Clock of the upper axis; `None` for no upper axis.
     pub local: Option<LocalClock<'a>>,
 }
 
-/// Draws magnitudes against time, bright up, within the band of one sigma; vertical lines with times mark entry into
-/// the field and exit from it, grey marks intervals without light.
+/// Draws magnitudes against time, with brighter magnitudes higher, and a band of one sigma. Vertical lines with times
+/// mark entry into and exit from the field; grey marks intervals in which the satellite is dark.
 ///
 /// # Errors
-/// Fewer than two points, none of them with a magnitude, columns of unequal length, times that are not finite or do not
-/// increase.
+/// There are fewer than two points, or none of them has a magnitude; columns differ in length; or times are not finite
+/// or do not increase.
 pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     check("points along the track", input.time_mjd)?;
     let n = input.time_mjd.len();
@@ -115,7 +115,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         for x in [x0, x1] {
             picture.line(&[(x, top), (x, bottom)], FIELD.to_rgba(), 2.0);
         }
-        // The label of a single interval always fits.
+        // Only the first interval is labelled; its labels always fit.
         if number == 0 {
             let fits = x0 - left > 60.0 && right - x1 > 60.0;
             let (enter_side, exit_side) = if fits { (HPos::Right, HPos::Left) } else { (HPos::Left, HPos::Right) };
@@ -158,7 +158,8 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Returns the intervals without light: from half way after the last lit point to half way before the next.
+/// Returns the intervals in which the satellite is dark: from half way after the last lit point to half way before the
+/// next.
 fn dark_intervals(input: &LightCurve<'_>) -> Vec<[f64; 2]> {
     let n = input.time_mjd.len();
     let points: Vec<usize> = (0..n).collect();

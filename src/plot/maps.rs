@@ -1,5 +1,5 @@
-//! Pictures of magnitude maps, of figures 6 to 9 of the paper, and of HEALPix cells in the frame of a satellite, in
-//! panels (figures 2 and 4 of Lu 2024).
+//! Pictures of magnitude maps, of figures 6 to 9 of Lu (2024), and of HEALPix maps in the frame of a satellite with
+//! several panels (as figures 2 and 4 of Lu 2024).
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -12,18 +12,18 @@ use crate::maps::{BodyView, Earth, Fact, FactValue, FigurePanel, PaperFigure, Sk
 use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 use crate::photometry::{BrightnessModel, PhotometryOptions};
 
-/// Radius of a single disc, and of one of three, pixels.
+/// Radius of a single disc, and of each of three discs, pixels.
 const ALONE: usize = 270;
 const OF_THREE: usize = 210;
 
-/// Limit of apparent magnitude that the IAU recommends to operators, mag.
+/// Limit of apparent magnitude that the IAU recommends to satellite operators, mag.
 const LIMIT_MAG: f64 = 7.0;
 
-/// Altitude below which values do not determine the colour scale with extinction, degrees: there the air dims by whole
-/// magnitudes.
+/// Altitude, degrees, below which magnitudes with extinction do not determine the colour scale, because extinction
+/// there amounts to whole magnitudes.
 const LOW_DEG: f64 = 10.0;
 
-/// Altitude at which the rim is evaluated, radians: on the horizon itself satellites have set and the airmass is
+/// Altitude at which the rim is evaluated, radians. On the horizon itself satellites have set and the airmass is
 /// undefined.
 const RIM_RAD: f64 = 1e-6;
 
@@ -53,10 +53,10 @@ pub fn body_picture(view: &BodyView<'_>) -> Picture {
     drawn(title, caption, vec![disc], ALONE, body_limit(view.height_km()))
 }
 
-/// Draws a figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
+/// Draws a figure of Lu (2024): three maps with a common colour scale, the Sun in the north, and a spherical Earth.
 ///
 /// # Errors
-/// A panel that cannot be computed as a map.
+/// A panel cannot be computed as a map.
 pub fn paper_picture(
     figure: &PaperFigure,
     model: &BrightnessModel,
@@ -90,19 +90,19 @@ pub fn paper_picture(
     Ok(drawn(title, caption, discs, OF_THREE, limit))
 }
 
-/// Draws discs with a contour line at the magnitude limit.
+/// Draws discs with a contour line at a magnitude limit.
 fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize, limit: (f64, String)) -> Picture {
     DiscSheet { title, caption, discs, radius, discs_per_row: 3, contour_mag: Some(limit), nothing: "not lit" }
         .picture()
 }
 
-/// Returns the contour line of a map of apparent magnitudes and its label.
+/// Returns the magnitude of the contour line of a map of apparent magnitudes, and its label.
 fn sky_limit() -> (f64, String) {
     (LIMIT_MAG, format!("{LIMIT_MAG} mag"))
 }
 
-/// Returns the contour line of a map of magnitudes at 1000 km: the limit for an observer straight below, at the
-/// satellite's height.
+/// Returns the magnitude of the contour line of a map of magnitudes at 1000 km, and its label. It corresponds to the
+/// limit of apparent magnitude for an observer straight below, at a range of the satellite's height.
 fn body_limit(height_km: f64) -> (f64, String) {
     // m₁₀₀₀ = m + 5 log₁₀(1000 km / h)
     let at_1000_km = LIMIT_MAG + 5.0 * (1000.0 / height_km).log10();
@@ -150,7 +150,7 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
     }
 }
 
-/// Returns caption text on extinction, light and model where they differ from the defaults.
+/// Returns text for the caption on extinction, earthshine, shadow and model, where they differ from the defaults.
 fn conditions(facts: &[Fact]) -> String {
     let text = |name: &str| text_of(facts, name);
     let mut sentences = String::new();
@@ -171,12 +171,12 @@ fn conditions(facts: &[Fact]) -> String {
     sentences
 }
 
-/// Returns the quantity of a sky map.
+/// Returns the label of the quantity of a sky map.
 fn apparent(facts: &[Fact]) -> String {
     format!("Apparent magnitude {} ({})", text_of(facts, "band"), text_of(facts, "mag_system"))
 }
 
-/// Returns the quantity of a body map.
+/// Returns the label of the quantity of a body map.
 fn standard(facts: &[Fact]) -> String {
     format!("Magnitude {} ({}) at 1000 km", text_of(facts, "band"), text_of(facts, "mag_system"))
 }
@@ -190,7 +190,7 @@ fn text_of(facts: &[Fact], name: &str) -> String {
     }
 }
 
-/// Formats degrees with a true minus sign and as many decimals as needed.
+/// Formats an angle in degrees with a true minus sign and as many decimals as needed.
 fn degrees(angle_rad: f64) -> String {
     tidy(angle_rad.to_degrees()).replace('-', "−")
 }
@@ -200,42 +200,43 @@ fn tidy(number: f64) -> String {
     ((number * 1e3).round() / 1e3).to_string()
 }
 
-/// Largest number of panels of one picture.
+/// Largest number of panels in one picture.
 const MOST_PANELS: usize = 12;
 
-/// Cells of a satellite's frame in one or more panels.
+/// HEALPix maps in a satellite's frame, in one or more panels.
 #[derive(Clone, Debug)]
 pub struct Layers<'a> {
     /// Title.
     pub title: &'a str,
-    /// Caption below all panels; an explanation of the projection follows it.
+    /// Caption below all panels; an explanation of the projection is added to it.
     pub caption: &'a str,
-    /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
+    /// HEALPix nside, 1 to 1024; the 12 nside² pixels are in RING order.
     pub nside: u32,
-    /// True for longitudes folded to 0 to 180°: half discs are drawn.
+    /// If true, longitudes are folded to 0 to 180° and half discs are drawn.
     pub is_folded: bool,
     /// Panels, 1 to 12, in rows of four half discs or three discs.
     pub panels: Vec<LayerPanel<'a>>,
 }
 
-/// One disc: a layer of one latitude of the Sun, or one quantity.
+/// One disc, for one latitude of the Sun or for one quantity.
 #[derive(Clone, Debug)]
 pub struct LayerPanel<'a> {
-    /// Title: `(a) Sun at latitude −14°`.
+    /// Title, for example `(a) Sun at latitude −14°`.
     pub title: &'a str,
     /// Quantity of the values, which determines the colours.
     pub quantity: Quantity,
-    /// RING cell of the observer's direction (longitude from the Sun's azimuth, latitude above the plane of the
-    /// chassis) and its value, finite; counts are 1 or more. Cells above the plane are not drawn.
+    /// HEALPix pixels (RING number) and their values, which must be finite; counts must be 1 or more. A pixel is a
+    /// direction of the observer: longitude from the Sun's azimuth and latitude above the plane of the chassis. Pixels
+    /// above the plane are not drawn.
     pub cells: &'a [(u64, f64)],
 }
 
-/// Draws every panel in the projection of body maps: nadir in the middle, the plane of the chassis at the rim, the Sun
-/// marked at longitude 0. Panels of one quantity have one scale; grey marks missing cells.
+/// Draws every panel in the projection of body maps: the nadir in the middle, the plane of the chassis at the rim, and
+/// the Sun marked at longitude 0. Panels of the same quantity have the same colour scale; grey marks missing pixels.
 ///
 /// # Errors
-/// No panel or more than 12, no cell in any of them, an invalid nside or cell number, a cell twice in a panel, a value
-/// that is not finite, a count below 1.
+/// There is no panel or more than 12; no panel has a pixel; nside or a pixel number is invalid; a pixel occurs twice in
+/// a panel; a value is not finite; or a count is below 1.
 pub fn layers(input: &Layers<'_>) -> Result<Picture, PlotError> {
     let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
     if !(1..=MOST_PANELS).contains(&input.panels.len()) {

@@ -1,10 +1,11 @@
-//! Maps and charts as pictures, PNG and SVG.
+//! Maps and charts as PNG and SVG pictures.
 //!
-//! A [`Picture`] is a list of lines, texts and pixels, and `encode` writes it. `scale` assigns colours to values,
-//! `contour` computes lines of equal value, `disc` projects a hemisphere. `maps` draws the maps of
-//! [`maps`](crate::maps), `sky_rate` expected streaks. Charts are drawn in the frames of `axes` and `time_axis`, with
-//! `numbers`, `statistics` and `density`: `corner`, `counts_and_spread` and `residuals` for fits; `night`,
-//! `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and `sun_altitude` for observers.
+//! A [`Picture`] is a list of lines, texts and pixels, which `encode` converts to a file. `scale` assigns colours to
+//! values, `contour` computes lines of equal value, and `disc` projects a hemisphere. `maps` draws the maps of
+//! [`maps`](crate::maps), and `sky_rate` maps of expected streaks. Charts are drawn in the boxes of `axes` and
+//! `time_axis` with the help of `numbers`, `statistics` and `density`: `corner`, `counts_and_spread` and `residuals`
+//! for fits; `night`, `light_curve`, `field_chart`, `sky_chart` (with the lists of `tracks`) and `sun_altitude` for
+//! observers.
 
 mod axes;
 mod contour;

@@ -1,4 +1,4 @@
-//! Timeline of a night: exposures with streaks, their brightest magnitudes and numbers.
+//! Timeline of a night: exposures with streaks, the brightest magnitude and the number of streaks in each.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -15,12 +15,12 @@ use super::time_axis::{LocalClock, bands_in_time, draw_local, draw_utc, legend};
 const WIDTH: f64 = 1180.0;
 const LEFT: f64 = 92.0;
 const RIGHT: f64 = 1040.0;
-/// Top and bottom of the panels of magnitudes and of numbers, and of the strip of all exposures.
+/// Top and bottom of the panel of magnitudes, of the panel of numbers, and of the strip of all exposures, pixels.
 const MAGNITUDES: [f64; 2] = [112.0, 430.0];
 const NUMBERS: [f64; 2] = [438.0, 528.0];
 const STRIP: [f64; 2] = [536.0, 566.0];
 const CLEAR: RGBColor = RGBColor(208, 208, 208);
-/// Colour of exposures with streaks without a magnitude, and of rows that could not be judged.
+/// Colour of exposures whose streaks have no magnitude, and of exposures that could not be evaluated.
 const UNKNOWN: RGBColor = RGBColor(90, 90, 90);
 const LIMIT: RGBColor = RGBColor(213, 94, 0);
 const DAY_S: f64 = 86_400.0;
@@ -30,32 +30,32 @@ const DAY_S: f64 = 86_400.0;
 pub struct NightTimeline<'a> {
     /// Title.
     pub title: &'a str,
-    /// Text after the number of exposures in the caption.
+    /// Text that follows the number of exposures in the caption.
     pub caption: &'a str,
-    /// Shutter openings, MJD (UTC), within two days; shape `(n_exposure)`.
+    /// Times of shutter opening, MJD (UTC), within two days; shape `(n_exposure)`.
     pub start_mjd: &'a [f64],
-    /// Lengths, seconds, 0 or more; shape `(n_exposure)`.
+    /// Exposure times, seconds, 0 or more; shape `(n_exposure)`.
     pub duration_s: &'a [f64],
-    /// Number of lit satellites that cross, 0 or more; shape `(n_exposure)`.
+    /// Number of sunlit satellites that cross the field, 0 or more; shape `(n_exposure)`.
     pub n_streaks: &'a [f64],
-    /// Brightest magnitude, mag; NaN without a streak or without a magnitude; shape `(n_exposure)`.
+    /// Magnitude of the brightest streak, mag; NaN if there is no streak or no magnitude; shape `(n_exposure)`.
     pub brightest_mag: &'a [f64],
     /// Magnitude limit, drawn as a dashed line.
     pub limit_mag: Option<f64>,
-    /// Times, MJD (UTC), and the Sun's altitude, degrees, for the bands of day and twilight, in order of time; empty
-    /// without a site.
+    /// Times, MJD (UTC), in order, each with the Sun's altitude, degrees, from which the bands of day and twilight are
+    /// drawn. Empty without a site.
     pub sun: &'a [(f64, f64)],
-    /// Clock of the upper axis.
+    /// Clock of the upper axis; `None` for no upper axis.
     pub local: Option<LocalClock<'a>>,
 }
 
-/// Draws a night: at the top the brightest magnitude of each exposure with streaks, bright up, in its colour; below it
-/// the number of satellites that cross; at the bottom every exposure as a bar, grey if clear.
+/// Draws three panels: at the top the brightest magnitude of each exposure with streaks (brighter is higher); below it
+/// the number of satellites that cross; at the bottom every exposure as a bar, grey if no satellite crosses.
 ///
 /// A night without streaks is drawn with a note.
 ///
 /// # Errors
-/// No exposure, columns of unequal length, a time that is not finite, exposures more than two days apart.
+/// There is no exposure; columns differ in length; a time is not finite; or exposures are more than two days apart.
 pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
     check("exposures", input.start_mjd)?;
     let n = input.start_mjd.len();
@@ -102,7 +102,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
         picture.dashed(&line, [9.0, 6.0], LIMIT.to_rgba(), 2.0);
     }
     let mut order: Vec<usize> = (0..n).collect();
-    // The brightest are drawn last, over all others.
+    // Exposures are drawn in order of brightness, so that the brightest are on top.
     let key = |k: usize| input.brightest_mag[k];
     order.sort_by(|a, b| key(*b).total_cmp(&key(*a)));
     for k in order {

@@ -1,6 +1,6 @@
-//! Formatting of numbers: digits from a step or an error, with a minus sign.
+//! Formatting of numbers: the digits follow from a step or an error, and negative numbers get a true minus sign.
 
-/// Formats with this number of decimals, without a sign on zero.
+/// Formats a number with `decimals` decimals, without a sign on zero.
 pub(super) fn fixed(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
@@ -10,7 +10,8 @@ pub(super) fn fixed(value: f64, decimals: usize) -> String {
     }
 }
 
-/// Returns labels of ticks `step` apart, in one format, with a power of ten for very large or very small values.
+/// Returns labels of ticks that are `step` apart, all in the same format, with a power of ten if values are very large
+/// or small.
 pub(super) fn labels(values: &[f64], step: f64) -> Vec<String> {
     let largest = values.iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     let digits = decimals_of(step);
@@ -25,11 +26,11 @@ pub(super) fn labels(values: &[f64], step: f64) -> Vec<String> {
     }
 }
 
-/// Formats `0.0123 +0.0004 −0.0003`: a value and the differences to its upper and lower quantile, with one digit of the
-/// smaller error, or two if that begins with 1.
+/// Formats a value with its errors, for example `0.0123 +0.0004 −0.0003`, where the errors are the distances to the
+/// upper and the lower quantile. The smaller error has one digit, or two if its first digit is 1.
 pub(super) fn with_errors(value: f64, above: f64, below: f64) -> String {
     let error = if below > 0.0 && above > 0.0 { below.min(above) } else { below.max(above) };
-    // Without an error, six digits of the value itself.
+    // Without an error, the value gets six digits.
     let least = if error > 0.0 { error } else { value.abs().max(1e-300) * 2.001e-6 };
     let power = least.log10().floor() as i32;
     let begins_with_one = error > 0.0 && least / 10_f64.powi(power) < 1.95;

@@ -1,7 +1,7 @@
-//! Pictures: lists of marks drawn by any backend, and their font.
+//! Pictures: lists of marks that any drawing backend can draw, and their font.
 //!
-//! Pixels are painted into an [`Underlay`]; lines and text are drawn over it. Lengths are in pixels of the picture;
-//! `scale` is the number of pixels of the backend for one of them.
+//! Pixels are painted into an [`Underlay`], over which lines and text are drawn. Lengths are in pixels of the picture;
+//! `scale` is the number of pixels of the backend per pixel of the picture.
 
 use std::f64::consts::TAU;
 use std::sync::OnceLock;
@@ -23,7 +23,7 @@ pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
 pub(super) const PAPER: [u8; 3] = [255, 255, 255];
 const SUN: RGBColor = RGBColor(255, 190, 0);
 
-/// Picture of maps or charts, for PNG or SVG.
+/// Picture of a map or a chart, which can be encoded as PNG or SVG.
 pub struct Picture {
     width: usize,
     height: usize,
@@ -34,25 +34,25 @@ pub struct Picture {
 
 /// Grid of coloured rectangles.
 pub(super) struct Pixels {
-    /// Upper left corner.
+    /// Position of the upper left corner.
     pub corner: (f64, f64),
-    /// Width and height of one.
+    /// Width and height of one rectangle.
     pub each: (f64, f64),
     /// Number of columns.
     pub columns: usize,
     /// Colours row by row from the top; `None` is transparent.
     pub colours: Vec<Option<[u8; 3]>>,
-    /// Circle (middle and radius) outside which nothing is painted.
+    /// Circle (middle and radius) outside which nothing is painted; `None` for no limit.
     pub within: Option<((f64, f64), f64)>,
 }
 
-/// Pixels below the lines: red, green, blue, row by row.
+/// Pixels below the lines, row by row.
 pub(super) struct Underlay {
-    /// Pixels across.
+    /// Number of columns.
     pub width: usize,
-    /// Pixels down.
+    /// Number of rows.
     pub height: usize,
-    /// Three bytes per pixel.
+    /// Red, green and blue of each pixel, one byte each.
     pub rgb: Vec<u8>,
 }
 
@@ -74,7 +74,7 @@ impl Picture {
         (self.width, self.height)
     }
 
-    /// Returns the colour scales, one for each quantity with a colour bar; none for charts of lines and points.
+    /// Returns the colour scales, one for each quantity that has a colour bar; empty for charts of lines and points.
     pub fn scales(&self) -> &[ColourScale] {
         &self.scales
     }
@@ -91,7 +91,7 @@ impl Picture {
         self.marks.push(Mark::Line { points: points.to_vec(), colour, width });
     }
 
-    /// Draws a dashed line with strokes and gaps of these lengths.
+    /// Draws a dashed line; `stroke` and `gap` are the lengths of strokes and gaps.
     pub(super) fn dashed(&mut self, points: &[(f64, f64)], [stroke, gap]: [f64; 2], colour: RGBAColor, width: f64) {
         let mut dash = Vec::new();
         let (mut is_stroke, mut left) = (true, stroke);
@@ -110,7 +110,7 @@ impl Picture {
                 }
                 left -= next - gone;
                 gone = next;
-                // A smaller remainder is a rounding error, which would never be used up.
+                // A smaller remainder is due to rounding and would never be used up.
                 if left <= 1e-6 {
                     if is_stroke {
                         self.line(&dash, colour, width);
@@ -140,37 +140,37 @@ impl Picture {
         self.patch(corners(sides).to_vec(), colour);
     }
 
-    /// Draws the border of a rectangle, from its left, top, right and bottom.
+    /// Draws the border of a rectangle given by its left, top, right and bottom.
     pub(super) fn border(&mut self, sides: [f64; 4], width: f64) {
         let [a, b, c, d] = corners(sides);
         self.line(&[a, b, c, d, a], INK.to_rgba(), width);
     }
 
-    /// Draws text with its vertical middle at `position`.
+    /// Draws text whose vertical middle is at `position`.
     pub(super) fn text(&mut self, text: &str, position: (f64, f64), size: f64, horizontal: HPos) {
         self.marks.push(Mark::Text { text: text.to_owned(), position, size, horizontal, is_upright: false });
     }
 
-    /// Draws text upwards with its middle at `position`.
+    /// Draws text that runs upwards, with its middle at `position`.
     pub(super) fn upright(&mut self, text: &str, position: (f64, f64), size: f64) {
         let text = text.to_owned();
         self.marks.push(Mark::Text { text, position, size, horizontal: HPos::Center, is_upright: true });
     }
 
-    /// Draws text of a legend; returns the x position of the next entry.
+    /// Draws the text of a legend entry; returns the x position of the next entry.
     pub(super) fn legend_text(&mut self, text: &str, x: f64, y: f64) -> f64 {
         self.text(text, (x, y), 17.0, HPos::Left);
         x + width_of(text, 17.0) + 28.0
     }
 
-    /// Draws small text on a light background, readable on any colour.
+    /// Draws small text on a light background, so that it is readable on any colour.
     pub(super) fn note(&mut self, text: &str, (x, y): (f64, f64)) {
         let half = width_of(text, 16.0) / 2.0 + 4.0;
         self.rectangle([x - half, y - 11.0, x + half, y + 11.0], RGBColor(255, 255, 255).mix(0.72));
         self.text(text, (x, y), 16.0, HPos::Center);
     }
 
-    /// Draws text wrapped between two x positions, the middle of its first line at `y`.
+    /// Draws text that is wrapped between two x positions; the middle of the first line is at `y`.
     pub(super) fn paragraph(&mut self, text: &str, [left, right]: [f64; 2], y: f64, size: f64) {
         for (index, line) in lines_of(text, right - left, size).iter().enumerate() {
             self.text(line, (left, y + 1.4 * size * index as f64), size, HPos::Left);
@@ -204,7 +204,7 @@ impl Picture {
         self.line(&corners, INK.to_rgba(), 1.2);
     }
 
-    /// Returns all pixels, each enlarged to `fine` by `fine`.
+    /// Returns all pixels; each pixel of the picture becomes a block of `fine` by `fine` pixels.
     pub(super) fn underlay(&self, fine: usize) -> Underlay {
         let (width, height) = (self.width * fine, self.height * fine);
         let mut rgb = PAPER.repeat(width * height);
@@ -212,7 +212,7 @@ impl Picture {
             let rows = field.colours.len() / field.columns.max(1);
             let (left, top) = field.corner;
             let (right, bottom) = (left + field.columns as f64 * field.each.0, top + rows as f64 * field.each.1);
-            // Pixels with their centres inside.
+            // Pixels whose centres are inside the rectangle.
             let first = |side: f64| (side * fine as f64 - 0.5).ceil().max(0.0) as usize;
             for row in first(top)..first(bottom).min(height) {
                 for column in first(left)..first(right).min(width) {
@@ -277,16 +277,16 @@ fn corners([left, top, right, bottom]: [f64; 4]) -> [(f64, f64); 4] {
 
 /// Returns the width of a text, pixels.
 pub(super) fn width_of(text: &str, size: f64) -> f64 {
-    // Measured enlarged, because the font crate returns whole pixels.
+    // The text is measured at a larger size, because the font crate returns whole pixels.
     const LARGE: f64 = 8.0;
-    // Drawing returns the error of a font that cannot be measured.
+    // If the font cannot be loaded, drawing returns the error.
     if register_embedded_font().is_err() {
         return 0.0;
     }
     (FONT_FAMILY, size * LARGE).into_font().box_size(text).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
 }
 
-/// Wraps text at spaces into lines of at most this width, unless a single word is wider.
+/// Wraps text at spaces into lines of at most this width, pixels. A line with a single word may be wider.
 pub(super) fn lines_of(text: &str, width: f64, size: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in text.split_whitespace() {
@@ -317,7 +317,7 @@ pub(super) fn font_style_sheet() -> String {
     )
 }
 
-/// Registers the font once in a process.
+/// Registers the font once per process.
 fn register_embedded_font() -> Result<(), PlotError> {
     static READY: OnceLock<bool> = OnceLock::new();
     let is_ready = READY.get_or_init(|| register_font(FONT_FAMILY, FontStyle::Normal, DEJAVU_SANS).is_ok());

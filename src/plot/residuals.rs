@@ -1,5 +1,5 @@
 //! Charts of a fit: histogram of residuals (figure 5 of Lu 2024), magnitudes against phase angle, and residuals against
-//! each angle of the geometry.
+//! each angle of the viewing geometry.
 
 use std::f64::consts::TAU;
 
@@ -25,20 +25,20 @@ const HISTOGRAM_BEYOND: f64 = 0.003;
 pub struct ResidualHistogram<'a> {
     /// Title.
     pub title: &'a str,
-    /// Observed less computed magnitudes, finite, mag.
+    /// Observed minus computed magnitudes, finite, mag.
     pub residuals_mag: &'a [f64],
-    /// Standard deviation of the normal curve drawn over the bars, mag, above 0: the sigma of the fit, or its RMSE.
+    /// Standard deviation of the normal curve drawn over the bars, mag, above 0: the sigma of the fit or its RMSE.
     pub sigma_mag: f64,
 }
 
-/// Draws the density of residuals as bars, the normal curve of the given sigma over them, and mean, standard deviation
-/// and 1.4826 MAD below.
+/// Draws the density of residuals as bars, over them the normal curve of the given sigma, and below them the mean, the
+/// standard deviation and 1.4826 MAD.
 ///
-/// The axis is symmetric about 0 and contains at least 99.4 % of the residuals and three sigma; the caption gives the
-/// number beyond.
+/// The axis is symmetric about 0 and contains at least 99.4 % of the residuals and three sigma. The caption gives the
+/// number of residuals beyond the axis.
 ///
 /// # Errors
-/// No residual, one that is not finite, or a sigma that is not above 0.
+/// There is no residual, a residual is not finite, or sigma is not above 0.
 pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, PlotError> {
     let (values, sigma) = (input.residuals_mag, input.sigma_mag);
     check("residuals", values)?;
@@ -89,8 +89,8 @@ pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, Plot
     Ok(picture)
 }
 
-/// Returns the number of bins by Freedman and Diaconis (1981), 2 IQR n^(−1/3) wide, between 11 and 81, and odd, so that
-/// one is centred on 0.
+/// Returns the number of bins by the rule of Freedman and Diaconis (1981), with bins 2 IQR n^(−1/3) wide. The number is
+/// between 11 and 81 and odd, so that one bin is centred on 0.
 fn bins(sorted: &[f64], range: f64) -> usize {
     let iqr = quantile(sorted, 0.75) - quantile(sorted, 0.25);
     let width = 2.0 * iqr / (sorted.len() as f64).cbrt();
@@ -100,7 +100,7 @@ fn bins(sorted: &[f64], range: f64) -> usize {
 
 const MEASURED: RGBColor = RGBColor(0, 114, 178);
 const MODEL: RGBColor = RGBColor(213, 94, 0);
-/// Bins of the running medians.
+/// Number of bins of the running medians.
 const PHASE_BINS: usize = 36;
 /// Fraction of the magnitudes that the axis may omit at each end.
 const PHASE_BEYOND: f64 = 0.002;
@@ -110,24 +110,25 @@ const PHASE_BEYOND: f64 = 0.002;
 pub struct PhaseCurve<'a> {
     /// Title.
     pub title: &'a str,
-    /// Name of the magnitudes: `magnitude V at 1000 km`.
+    /// Name of the magnitudes, for example `magnitude V at 1000 km`.
     pub magnitude_name: &'a str,
     /// Sun-satellite-observer angle, 0 to π, radians; shape `(n_point)`.
     pub phase_angle_rad: &'a [f64],
     /// Measured magnitudes, finite; shape `(n_point)`.
     pub measured_mag: &'a [f64],
-    /// Magnitudes of the model in the same geometry, finite; empty without a model, for a single panel; shape
-    /// `(n_point)`.
+    /// Magnitudes of the model in the same geometry, finite; empty if there is no model, in which case a single panel
+    /// is drawn; shape `(n_point)`.
     pub model_mag: &'a [f64],
 }
 
-/// Draws measured magnitudes against phase angle and, next to them on the same axes, the magnitudes of the model, with
-/// the running medians of both in both panels; bright is up.
+/// Draws measured magnitudes against phase angle and, next to them on the same axes, the magnitudes of the model. Both
+/// panels contain the running medians of both. Brighter magnitudes are higher.
 ///
-/// The axis of magnitudes contains at least 99.6 % of either; the caption gives the number beyond.
+/// The axis of magnitudes contains at least 99.6 % of the measured and of the computed ones. The caption gives the
+/// number beyond the axis.
 ///
 /// # Errors
-/// No point, columns of unequal length, a value that is not finite, an invalid phase angle.
+/// There is no point; columns differ in length; a value is not finite; or a phase angle is invalid.
 pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     check("phase angles", input.phase_angle_rad)?;
     check_length("measured magnitudes", input.measured_mag, input.phase_angle_rad.len())?;
@@ -148,7 +149,7 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     let (bright, faint) =
         ends.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)));
     let margin = 0.05 * (faint - bright);
-    // The axis runs down to the faint end; a single value gets a reversed margin as well.
+    // The axis is reversed, with the faint end at the bottom. The margin widens it even if all values are equal.
     let up = Axis::linear(bright - margin, faint + margin);
     let y = Axis { from: up.to, to: up.from, is_log: false };
     let (least, greatest) = phase.iter().fold((180.0_f64, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
@@ -171,8 +172,8 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
             .flat_map(|(of, all)| all.iter().map(move |segment| (of, segment)))
             .map(|(of, segment)| (of, segment.iter().map(|(x, [_, median, _])| frame.at(*x, *median)).collect()))
             .collect();
-        // Light lines below separate the curves from the points; they are drawn below all curves, so that no curve is
-        // interrupted.
+        // Light lines separate the curves from the points. They are drawn before all curves, so that they do not
+        // interrupt a curve.
         lines.iter().for_each(|(_, line)| picture.line(line, RGBColor(255, 255, 255).to_rgba(), 5.5));
         for (of, line) in &lines {
             match of {
@@ -201,7 +202,7 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Returns a colour half way to white, for dots below lines.
+/// Returns a colour half way to white, for dots under lines.
 fn mixed(colour: RGBColor) -> RGBColor {
     let half = |channel: u8| channel / 2 + 127;
     RGBColor(half(colour.0), half(colour.1), half(colour.2))
@@ -210,17 +211,17 @@ fn mixed(colour: RGBColor) -> RGBColor {
 const DOT: RGBColor = RGBColor(120, 120, 120);
 const BAND: RGBColor = RGBColor(86, 180, 233);
 const MEDIAN: RGBColor = RGBColor(0, 114, 178);
-/// Bins of the running median.
+/// Number of bins of the running median.
 const PANEL_BINS: usize = 24;
 /// Fraction of the residuals that the axis may omit at each end.
 const PANEL_BEYOND: f64 = 0.01;
 
-/// Residuals and their geometry.
+/// Residuals of a fit with their viewing geometry.
 #[derive(Clone, Debug)]
 pub struct ResidualPanels<'a> {
     /// Title.
     pub title: &'a str,
-    /// Observed less computed magnitudes, finite, mag; shape `(n_point)`.
+    /// Observed minus computed magnitudes, finite, mag; shape `(n_point)`.
     pub residuals_mag: &'a [f64],
     /// Latitude of the Sun above the plane of the chassis, radians; shape `(n_point)`.
     pub sun_latitude_rad: &'a [f64],
@@ -232,14 +233,14 @@ pub struct ResidualPanels<'a> {
     pub phase_angle_rad: &'a [f64],
 }
 
-/// Draws residuals against each of the four angles: points, running median, and the band from the quantile 0.16 to
-/// 0.84.
+/// Draws residuals against each of the four angles, as points with a running median and a band from the quantile 0.16
+/// to the quantile 0.84.
 ///
-/// The axis of residuals is symmetric about 0 and contains at least 98 % of them; the caption gives the number beyond.
-/// Bins of fewer than eight points have no median, and the line is interrupted there.
+/// The axis of residuals is symmetric about 0 and contains at least 98 % of the residuals. The caption gives the number
+/// beyond the axis. Bins with fewer than eight points have no median, which interrupts the line.
 ///
 /// # Errors
-/// No residual, columns of unequal length, a value that is not finite.
+/// There is no residual, columns differ in length, or a value is not finite.
 pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, PlotError> {
     let residuals = input.residuals_mag;
     check("residuals", residuals)?;

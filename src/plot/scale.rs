@@ -1,19 +1,19 @@
-//! Colour scales and the labels of their bars. All colours are ordered for colour-blind readers.
+//! Colour scales and the labels of their bars. All scales are readable with colour blindness.
 
 use colorous::{CIVIDIS, RED_BLUE, VIRIDIS};
 
 /// Quantity shown by colours.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Quantity {
-    /// Magnitudes: viridis, bright colours for bright satellites.
+    /// Magnitudes, in viridis, with bright colours for bright satellites.
     Magnitude,
-    /// Numbers of samples, 1 or more: viridis, on a logarithmic scale.
+    /// Numbers of samples, 1 or more, in viridis on a logarithmic scale.
     Count,
-    /// Interquartile ranges of magnitudes, mag: cividis, from 0.
+    /// Interquartile ranges of magnitudes, mag, in cividis, from 0.
     Spread,
-    /// Observed less computed magnitude, mag: blue below 0, red above, symmetric about 0.
+    /// Observed minus computed magnitudes, mag: blue below 0, red above 0, symmetric about 0.
     Residual,
-    /// Streaks per exposure, 0 or more: viridis, from 0.
+    /// Streaks per exposure, 0 or more, in viridis, from 0.
     Rate,
 }
 
@@ -22,24 +22,24 @@ pub enum Quantity {
 pub struct ColourScale {
     /// Quantity shown.
     pub quantity: Quantity,
-    /// Lower end; smaller values have its colour.
+    /// Value at the lower end of the scale; smaller values get its colour.
     pub least: f64,
-    /// Upper end; larger values have its colour.
+    /// Value at the upper end of the scale; larger values get its colour.
     pub greatest: f64,
-    /// True if smaller values are shown.
+    /// True if the picture shows values below the lower end.
     pub has_lower: bool,
-    /// True if larger values are shown.
+    /// True if the picture shows values above the upper end.
     pub has_higher: bool,
 }
 
-/// Length of a magnitude bar above which ticks are at whole magnitudes instead of halves.
+/// Length of a bar, mag, above which ticks are at whole instead of half magnitudes.
 const LONG_MAG: f64 = 3.0;
 
-/// Fraction of the values that may lie beyond each end.
+/// Fraction of the values that may lie beyond each end of the scale.
 const BEYOND: f64 = 0.01;
 
 impl Quantity {
-    /// Returns the short label above the bar.
+    /// Returns the short label that is drawn above the bar.
     pub(super) fn label(self) -> &'static str {
         match self {
             Self::Magnitude => "mag",
@@ -50,7 +50,7 @@ impl Quantity {
         }
     }
 
-    /// Returns the step on whose multiples the ends of a bar lie.
+    /// Returns the step by whose multiples the ends of a bar are rounded.
     fn round(self) -> f64 {
         match self {
             Self::Magnitude => 0.5,
@@ -59,7 +59,7 @@ impl Quantity {
         }
     }
 
-    /// Returns the scale of a picture without any value.
+    /// Returns the ends of the scale for a picture without values.
     fn usual(self) -> [f64; 2] {
         match self {
             Self::Magnitude => [4.0, 9.0],
@@ -72,8 +72,7 @@ impl Quantity {
 }
 
 impl ColourScale {
-    /// Creates a scale for values: 98 % of them are within it, and the ends are round numbers. Values that are not
-    /// finite are ignored.
+    /// Creates a scale with round ends that contains 98 % of the values. Values that are not finite are ignored.
     pub fn of(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
         let mut all: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
         all.sort_unstable_by(f64::total_cmp);
@@ -88,7 +87,7 @@ impl ColourScale {
             Quantity::Magnitude => {
                 let ends = |round: f64| ((low / round).floor() * round, (high / round).ceil() * round);
                 let (least, greatest) = ends(round);
-                // Both ends have labels, so they are ticks.
+                // Both ends have labels, so that both must be ticks.
                 if greatest - least > LONG_MAG { ends(1.0) } else { (least, greatest) }
             }
             Quantity::Count => (round_count(low, f64::floor), round_count(high, f64::ceil)),
@@ -99,13 +98,13 @@ impl ColourScale {
                 (-end, end)
             }
         };
-        // A single value also gets a bar.
+        // If there is only one value, the scale is widened.
         let greatest = if greatest > least { greatest } else { least + round };
         Self { quantity, least, greatest, has_lower: first < least, has_higher: last > greatest }
     }
 
-    /// Returns the same scale for a picture that shows these values as well: its ends are marked if some values lie
-    /// beyond.
+    /// Returns the same scale for a picture that also shows `values`: the ends beyond which some of the values lie are
+    /// marked.
     pub fn showing(self, values: impl IntoIterator<Item = f64>) -> Self {
         values.into_iter().fold(self, |scale, value| Self {
             has_lower: scale.has_lower || value < scale.least,
@@ -114,8 +113,8 @@ impl ColourScale {
         })
     }
 
-    /// Returns 0 at the lower end of the bar and 1 at the upper: bright satellites, many samples, wide spread and
-    /// observed fainter than computed are at the top.
+    /// Returns the height of a value on the bar, 0 at the lower end and 1 at the upper end. At the top are bright
+    /// satellites, many samples, a wide spread, and residuals observed fainter than computed.
     pub fn share(&self, value: f64) -> f64 {
         let share = match self.quantity {
             Quantity::Magnitude => (self.greatest - value) / (self.greatest - self.least),
@@ -127,12 +126,12 @@ impl ColourScale {
         share.clamp(0.0, 1.0)
     }
 
-    /// Returns red, green, blue.
+    /// Returns the colour of a value as red, green and blue.
     pub fn colour(&self, value: f64) -> [u8; 3] {
         self.colour_at(self.share(value))
     }
 
-    /// Returns red, green, blue at a height of the bar between 0 and 1.
+    /// Returns the colour at a height of the bar between 0 and 1 as red, green and blue.
     pub(super) fn colour_at(&self, share: f64) -> [u8; 3] {
         let colour = match self.quantity {
             Quantity::Magnitude | Quantity::Count | Quantity::Rate => VIRIDIS.eval_continuous(share),
@@ -142,7 +141,7 @@ impl ColourScale {
         [colour.r, colour.g, colour.b]
     }
 
-    /// Returns round values on the bar with their labels; an end beyond which values lie is marked.
+    /// Returns round values with their labels. An end of the bar beyond which values lie is marked.
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.greatest - self.least;
         let values = match self.quantity {
@@ -153,7 +152,7 @@ impl ColourScale {
                 let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0];
                 let step = steps.into_iter().find(|step| span / step <= 8.0).unwrap_or(span / 4.0);
                 let mut values = multiples(step, self.least, self.greatest);
-                // The ends have ticks of their own, unless another is near.
+                // The ends have ticks of their own; other ticks near an end are omitted.
                 for end in [self.least, self.greatest] {
                     values.retain(|value| *value == end || (value - end).abs() > 0.6 * step);
                     if !values.contains(&end) {
@@ -179,7 +178,7 @@ impl ColourScale {
                 ""
             };
             let places = if self.quantity == Quantity::Magnitude { decimals(value) } else { places };
-            // No sign on zero.
+            // Zero is written without a sign.
             let number = format!("{:.places$}", if value.abs() < 1e-9 { 0.0 } else { value });
             (value, format!("{beyond}{}", number.replace('-', "−")))
         };
@@ -193,7 +192,7 @@ fn multiples(step: f64, least: f64, greatest: f64) -> Vec<f64> {
     (first..=last).map(|count| count as f64 * step).collect()
 }
 
-/// Returns the next 1, 2, 4 or 8 times a power of ten, so that its quarters are round.
+/// Returns the next larger 1, 2, 4 or 8 times a power of ten, of which a quarter is a round number.
 fn round_rate(value: f64) -> f64 {
     if value <= 0.0 {
         return Quantity::Rate.usual()[1];
@@ -203,7 +202,7 @@ fn round_rate(value: f64) -> f64 {
     steps.into_iter().find(|step| *step >= value * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
 }
 
-/// Returns the next 1, 2 or 5 times a power of ten, 1 or more.
+/// Returns the next 1, 2 or 5 times a power of ten, at least 1, in the direction given by `end`.
 fn round_count(value: f64, end: fn(f64) -> f64) -> f64 {
     let value = value.max(1.0);
     let is_up = end(0.5) > 0.0;
@@ -213,7 +212,7 @@ fn round_count(value: f64, end: fn(f64) -> f64) -> f64 {
     found.unwrap_or(value)
 }
 
-/// Returns 1, 2 and 5 times powers of ten between two values, or only the powers if there are many.
+/// Returns the values 1, 2 and 5 times powers of ten between two values, or only the powers of ten if there are many.
 fn counts(least: f64, greatest: f64) -> Vec<f64> {
     let (first, last) = (least.log10().floor() as i32, greatest.log10().ceil() as i32);
     let steps: &[f64] = if last - first > 2 { &[1.0] } else { &[1.0, 2.0, 5.0] };

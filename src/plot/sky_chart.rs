@@ -1,4 +1,4 @@
-//! Passes over the sky of a site: tracks from rise to set, magnitudes and times.
+//! Chart of passes over the sky of a site: tracks from rise to set, with magnitudes and times.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -24,12 +24,12 @@ const LIST_LEFT: f64 = 912.0;
 const TOP: f64 = 82.0;
 /// Altitudes of the circles, degrees.
 const CIRCLES_DEG: [f64; 2] = [30.0, 60.0];
-/// Largest number of passes with times along them; more would overlap.
+/// Largest number of passes that have times along them; the times of more passes would overlap.
 const MOST_TIMED: usize = 3;
 const DAY_MIN: f64 = 1440.0;
-/// Lowest accepted altitude, degrees: a rise at the horizon may be below it by rounding.
+/// Lowest accepted altitude, degrees. A rise at the horizon may be slightly below it because of rounding.
 const LEAST_DEG: f64 = -0.01;
-/// Least distance between two times along a pass, pixels.
+/// Smallest distance between two times along a pass, pixels.
 const LABEL_GAP: f64 = 62.0;
 const DARK: RGBColor = RGBColor(150, 150, 150);
 const GROUND: RGBColor = RGBColor(240, 240, 240);
@@ -39,18 +39,18 @@ const GROUND: RGBColor = RGBColor(240, 240, 240);
 pub struct SkyChart<'a> {
     /// Title.
     pub title: &'a str,
-    /// Text after the caption of the chart.
+    /// Text that follows the caption of the chart.
     pub caption: &'a str,
-    /// Passes; the brightest are drawn, as many as fit into the list, in this order.
+    /// Passes. The brightest are drawn, as many as fit into the list, in the order given.
     pub tracks: &'a [SkyTrack],
-    /// Clock of all times; UTC without one.
+    /// Clock of all times; `None` for UTC.
     pub local: Option<LocalClock<'a>>,
 }
 
-/// One pass: columns of equal length, two points or more.
+/// One pass, with columns of equal length, of two points or more.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyTrack {
-    /// The satellite's name.
+    /// Name of the satellite.
     pub name: String,
     /// Times, MJD (UTC), increasing; shape `(n_point)`.
     pub time_mjd: Vec<f64>,
@@ -60,16 +60,16 @@ pub struct SkyTrack {
     pub altitude_deg: Vec<f64>,
     /// Magnitudes; NaN in the Earth's shadow; shape `(n_point)`.
     pub magnitude: Vec<f64>,
-    /// One sigma of the magnitudes, mag; NaN without one; shape `(n_point)`.
+    /// Uncertainties (one sigma) of the magnitudes, mag; NaN if unknown; shape `(n_point)`.
     pub sigma_mag: Vec<f64>,
 }
 
-/// Draws the sky as seen from below, north up and east left: every pass in the colours of its magnitudes, grey without
-/// light, with an arrow where it sets, and a list with the times of its ends and its brightest magnitude. Up to three
-/// passes have times along them. A sky without a pass gets a note.
+/// Draws the sky as seen from below, north up and east left. Every pass is drawn in the colours of its magnitudes, grey
+/// where it is dark, with an arrow where it sets. A list gives the times of its ends and its brightest magnitude. If
+/// there are at most three passes, times are written along them. A sky without a pass gets a note.
 ///
 /// # Errors
-/// Fewer than two points, columns of unequal length, times that do not increase, invalid altitudes.
+/// A pass has fewer than two points; columns differ in length; times do not increase; or an altitude is invalid.
 pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     input.tracks.iter().try_for_each(check_track)?;
     let mut drawn = by_brightness(input.tracks.iter().map(SkyTrack::brightest_magnitude));
@@ -93,12 +93,12 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     for (track, line) in tracks.iter().zip(&lines) {
         picture.line(line, INK.to_rgba(), 5.0);
         for (step, pair) in line.windows(2).enumerate() {
-            // A step with an end in the shadow has no magnitude and is drawn dark.
+            // A step of which one end is in the shadow has no magnitude and is drawn dark.
             picture.line(pair, colour(0.5 * (track.magnitude[step] + track.magnitude[step + 1])).to_rgba(), 3.4);
         }
         arrow(&mut picture, line, colour(track.magnitude[line.len() - 1]));
     }
-    // Numbers are drawn over the tracks to stay readable.
+    // Labels of the circles are drawn over the tracks, so that they are readable.
     CIRCLES_DEG.iter().for_each(|altitude| picture.note(&format!("{altitude:.0}°"), at(112.5, *altitude)));
     if tracks.is_empty() {
         picture.note("no pass", at(180.0, 80.0));
@@ -154,13 +154,13 @@ impl SkyTrack {
         lit.min_by(|a, b| self.magnitude[*a].total_cmp(&self.magnitude[*b]))
     }
 
-    /// Returns the brightest magnitude; NaN without one.
+    /// Returns the brightest magnitude; NaN if the track has none.
     fn brightest_magnitude(&self) -> f64 {
         self.brightest().map_or(f64::NAN, |point| self.magnitude[point])
     }
 }
 
-/// Returns the position in the picture, right and down.
+/// Returns the position of a direction in the picture, right and down.
 fn at(azimuth_deg: f64, altitude_deg: f64) -> (f64, f64) {
     let (right, below) = disc_position(azimuth_deg.to_radians(), FRAC_PI_2 - altitude_deg.to_radians());
     (MIDDLE.0 + RADIUS * right, MIDDLE.1 + RADIUS * below)
@@ -211,7 +211,8 @@ fn draw_empty_sky(picture: &mut Picture) {
     }
 }
 
-/// Draws a dot at every full minute of a pass, with the time, `ahead_days` of UTC, if the label fits.
+/// Draws a dot at every full minute of a pass, with the time if its label fits. `ahead_days` is the clock's difference
+/// to UTC.
 fn times_along(picture: &mut Picture, track: &SkyTrack, ahead_days: f64) {
     let (first, last) = (track.time_mjd[0], track.time_mjd[track.time_mjd.len() - 1]);
     let line = track.line();
@@ -226,7 +227,7 @@ fn times_along(picture: &mut Picture, track: &SkyTrack, ahead_days: f64) {
         let (x, y) = (x0 + part * (x1 - x0), y0 + part * (y1 - y0));
         picture.circle((x, y), 4.0, INK.to_rgba(), 2.0);
         if labelled.is_none_or(|(x_before, y_before): (f64, f64)| (x - x_before).hypot(y - y_before) > LABEL_GAP) {
-            // Next to the track, away from it.
+            // The label is next to the track, at a right angle to it.
             let length = (x1 - x0).hypot(y1 - y0).max(1e-9);
             let (across, up) = ((y1 - y0) / length, -(x1 - x0) / length);
             picture.note(&time_of_day(mjd + ahead_days, 0)[..5], (x + 34.0 * across, y + 22.0 * up));

@@ -1,4 +1,4 @@
-//! Expected streaks per exposure, over the sky of a site and over right ascension and declination.
+//! Maps of expected streaks per exposure, over the sky of a site and in right ascension and declination.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
@@ -11,31 +11,32 @@ use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 
 const SKY_RADIUS: usize = 270;
 
-/// Streaks per exposure, by direction.
+/// Expected streaks per exposure, by horizontal direction.
 #[derive(Clone, Debug)]
 pub struct SkyRate<'a> {
     /// Title.
     pub title: &'a str,
-    /// Subtitle above the disc: the position of the Sun.
+    /// Subtitle above the disc, which states the position of the Sun.
     pub subtitle: &'a str,
     /// Caption below the disc.
     pub caption: &'a str,
-    /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
+    /// HEALPix nside, 1 to 1024; the 12 nside² pixels are in RING order.
     pub nside: u32,
-    /// RING cells of azimuth (from north through east, as longitude) and altitude (as latitude), each once; shape
-    /// `(n_cell)`.
+    /// Numbers of HEALPix pixels, each once, with azimuth (from north through east) as longitude and altitude as
+    /// latitude; shape `(n_cell)`.
     pub cells: &'a [u64],
     /// Expected streaks per exposure, 0 or more; shape `(n_cell)`.
     pub rate: &'a [f64],
-    /// Azimuth of the Sun mark, degrees from north through east.
+    /// Azimuth of the mark of the Sun, degrees from north through east.
     pub sun_azimuth_deg: f64,
 }
 
-/// Draws the sky as seen from below, north up and east left: zenith in the middle, horizon at the rim; grey for
-/// directions that were not computed.
+/// Draws the sky as seen from below, north up and east left, with the zenith in the middle and the horizon at the rim.
+/// Directions that were not computed are grey.
 ///
 /// # Errors
-/// No cell, columns of unequal length, an invalid nside or cell number, a rate that is negative or not finite.
+/// There is no pixel; columns differ in length; nside or a pixel number is invalid; or a rate is negative or not
+/// finite.
 pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
     if !input.sun_azimuth_deg.is_finite() {
         let what = "the Sun's azimuth".to_owned();
@@ -72,7 +73,7 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
     Ok(sheet.picture())
 }
 
-/// Returns the rates by cell number.
+/// Returns the rate of each pixel of the sphere, by its number; `None` for a pixel without a rate.
 pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<Vec<Option<f64>>, PlotError> {
     let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
     check("rates", rate)?;
@@ -99,23 +100,24 @@ pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<V
 
 const EQUATORIAL_RADIUS: usize = 230;
 
-/// Streaks per exposure, by equatorial position.
+/// Expected streaks per exposure, by equatorial direction.
 #[derive(Clone, Debug)]
 pub struct EquatorialRate<'a> {
     /// Title.
     pub title: &'a str,
     /// Caption below the discs.
     pub caption: &'a str,
-    /// HEALPix nside N: 12 N² cells in RING order, 1 to 1024.
+    /// HEALPix nside, 1 to 1024; the 12 nside² pixels are in RING order.
     pub nside: u32,
-    /// RING cells of right ascension (as longitude) and declination (as latitude), ICRS, each once; shape `(n_cell)`.
+    /// Numbers of HEALPix pixels, each once, with right ascension as longitude and declination as latitude (ICRS);
+    /// shape `(n_cell)`.
     pub cells: &'a [u64],
     /// Expected streaks per exposure, 0 or more; shape `(n_cell)`.
     pub rate: &'a [f64],
 }
 
-/// Draws both halves of the sky as seen from within, the poles in the middle, right ascension 0h up, the equator at the
-/// rims; grey for directions that were not computed.
+/// Draws both hemispheres as seen from within, with the poles in the middle, the equator at the rims and right
+/// ascension 0h up. Directions that were not computed are grey.
 ///
 /// # Errors
 /// The errors of [`super::sky_rate()`].
@@ -123,7 +125,8 @@ pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError>
     let nside = input.nside;
     let by_cell = rates_by_cell(nside, input.cells, input.rate)?;
     let by_cell = &by_cell;
-    // From within, right ascension increases anticlockwise about the north pole and clockwise about the south pole.
+    // Seen from within, right ascension increases anticlockwise around the north pole and clockwise around the south
+    // pole.
     let half = |pole: f64, title: &str| {
         let content = move |angle_rad: f64, from_pole_rad: f64| {
             let right_ascension_rad = (pole * angle_rad).rem_euclid(TAU);

@@ -1,16 +1,16 @@
-//! Statistics of columns for charts: quantiles, spread, histograms, and running bands.
+//! Statistics of columns for charts: quantiles, spread, histograms, and running medians with bands.
 
 use super::axes::Axis;
 use super::error::PlotError;
 use crate::math::quantile::quantile;
 
-/// Quantiles of the dashed lines and of bands: one standard deviation on each side of the median.
+/// Quantiles for the dashed lines and the bands. In a normal distribution they are one standard deviation apart.
 pub(super) const ONE_SIGMA: [f64; 3] = [0.16, 0.5, 0.84];
 
 /// Factor from the median absolute deviation to the standard deviation of a normal distribution, 1 / Φ⁻¹(3/4).
 const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
 
-/// Least number of points in a bin of a running band.
+/// Smallest number of points in a bin of a running band.
 const LEAST_IN_BAND: usize = 8;
 
 /// Rejects columns that are empty or contain values that are not finite.
@@ -24,7 +24,7 @@ pub(super) fn check(what: &str, values: &[f64]) -> Result<(), PlotError> {
     }
 }
 
-/// Rejects a column of unexpected length.
+/// Rejects a column whose length differs from the expected one.
 pub(super) fn check_length(what: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
     if values.len() == expected {
         return check(what, values);
@@ -39,21 +39,21 @@ pub(super) fn sorted(values: &[f64]) -> Vec<f64> {
     values
 }
 
-/// Returns mean and standard deviation (divisor n − 1; 0 for one value).
+/// Returns the mean and the standard deviation (with the divisor n − 1; 0 for a single value).
 pub(super) fn mean_and_sd(values: &[f64]) -> (f64, f64) {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
     (mean, (squares / values.len().saturating_sub(1).max(1) as f64).sqrt())
 }
 
-/// Returns 1.4826 times the median distance from the median.
+/// Returns 1.4826 times the median absolute deviation from the median.
 pub(super) fn mad_sigma(values: &[f64]) -> f64 {
     let median = quantile(&sorted(values), 0.5);
     let distances: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
     SIGMA_OF_MAD * quantile(&sorted(&distances), 0.5)
 }
 
-/// Counts the values in each of `bins` equal parts of an axis; the last part includes the end of the axis.
+/// Counts the values in each of `bins` equal parts of an axis. The last part includes the end of the axis.
 pub(super) fn histogram(values: &[f64], axis: &Axis, bins: usize) -> Vec<usize> {
     let mut counts = vec![0; bins];
     for value in values.iter().filter(|value| axis.holds(**value)) {
@@ -62,11 +62,11 @@ pub(super) fn histogram(values: &[f64], axis: &Axis, bins: usize) -> Vec<usize> 
     counts
 }
 
-/// Neighbouring bins of a running band: mean of x, and the quantiles of [`ONE_SIGMA`].
+/// Adjacent bins of a running band, each with the mean of x and the quantiles [`ONE_SIGMA`] of y.
 pub(super) type BandSegment = Vec<(f64, [f64; 3])>;
 
-/// Returns median and band of `y` along `x`, bin by bin. Bins with few points are omitted and split the band into
-/// segments.
+/// Returns the median and the band of `y` along `x`, bin by bin. Bins with few points are omitted, which splits the
+/// band into segments.
 pub(super) fn running_band(x: &[f64], y: &[f64], axis: &Axis, bins: usize) -> Vec<BandSegment> {
     let mut parts: Vec<(f64, Vec<f64>)> = vec![(0.0, Vec::new()); bins];
     for (&x, &y) in x.iter().zip(y).filter(|(x, _)| axis.holds(**x)) {

@@ -1,4 +1,4 @@
-//! Trails per exposure against the Sun's altitude.
+//! Chart of the number of trails per exposure against the Sun's altitude.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -20,28 +20,30 @@ const DOT: RGBColor = RGBColor(150, 150, 150);
 const ALL: RGBColor = RGBColor(0, 114, 178);
 const BRIGHT: RGBColor = RGBColor(213, 94, 0);
 
-/// Exposures with the altitude of the Sun.
+/// Exposures, each with the altitude of the Sun.
 #[derive(Clone, Debug)]
 pub struct SunAltitude<'a> {
     /// Title.
     pub title: &'a str,
-    /// Text after the number of exposures in the caption.
+    /// Text that follows the number of exposures in the caption.
     pub caption: &'a str,
-    /// Altitude of the Sun in the middle of the exposure, degrees; shape `(n_exposure)`.
+    /// Altitude of the Sun at the middle of the exposure, degrees; shape `(n_exposure)`.
     pub sun_altitude_deg: &'a [f64],
-    /// Number of lit satellites that cross, 0 or more; shape `(n_exposure)`.
+    /// Number of sunlit satellites that cross the field, 0 or more; shape `(n_exposure)`.
     pub n_trails: &'a [f64],
-    /// Number of those brighter than the limit, and the limit, mag; shape `(n_exposure)`.
+    /// Number of these satellites that are brighter than a limit, and the limit, mag; shape `(n_exposure)`.
     pub n_bright: Option<(&'a [f64], f64)>,
     /// Width of the bins, degrees, 0.1 to 30.
     pub bin_deg: f64,
 }
 
-/// Draws the mean number of trails per exposure in bins of the Sun's altitude, with the standard error of each mean;
-/// every exposure as a point behind; below, the number of exposures of each bin. The Sun sinks from left to right.
+/// Draws the mean number of trails per exposure in bins of the Sun's altitude, with the standard error of each mean,
+/// over points for the single exposures. A panel below shows the number of exposures in each bin. The altitude
+/// decreases from left to right.
 ///
 /// # Errors
-/// No exposure, columns of unequal length, values that are not finite, invalid altitudes, bins out of range.
+/// There is no exposure; columns differ in length; values are not finite; an altitude is invalid; or the bin width is
+/// out of range.
 pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
     check("exposures", input.sun_altitude_deg)?;
@@ -64,7 +66,8 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let all = means(input.sun_altitude_deg, input.n_trails, &x, input.bin_deg);
     let bright = input.n_bright.map(|(bright, _)| means(input.sun_altitude_deg, bright, &x, input.bin_deg));
     let highest = all.iter().map(|bin| bin.mean + bin.error).fold(0.0, f64::max);
-    // The axis is set by the means: single exposures, whole numbers of trails, would compress rates of a hundredth.
+    // The means determine the range of the axis. The integer numbers of trails of single exposures would compress mean
+    // rates of a hundredth.
     let top = (1.3 * highest).max(0.02);
     let rates = Frame { sides: [LEFT, RATES[0], RIGHT, RATES[1]], x, y: Axis::linear(-0.03 * top, top) };
     let most = all.iter().map(|bin| bin.count).max().unwrap_or(1);
@@ -74,7 +77,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     bands_in_altitude(&mut picture, &numbers);
     let bands = bands_in_altitude(&mut picture, &rates);
-    // Bands hide pixels, so with bands every point is drawn as a mark instead.
+    // The coloured bands hide pixels, so with bands every point is drawn as a mark over them.
     for (&altitude, &trails) in input.sun_altitude_deg.iter().zip(input.n_trails) {
         if rates.holds(altitude, trails) {
             let (x, y) = rates.at(altitude, trails);
@@ -120,7 +123,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     Ok(picture)
 }
 
-/// Exposures of one bin.
+/// Exposures in one bin of the Sun's altitude.
 struct Bin {
     from: f64,
     to: f64,
@@ -129,7 +132,7 @@ struct Bin {
     error: f64,
 }
 
-/// Returns the bins from the high Sun down, without empty ones.
+/// Returns the bins in order of decreasing altitude, without the empty ones.
 fn means(altitudes: &[f64], trails: &[f64], x: &Axis, width: f64) -> Vec<Bin> {
     let bins = ((x.from - x.to) / width).round().max(1.0) as usize;
     let mut held = vec![Vec::new(); bins];
@@ -139,13 +142,13 @@ fn means(altitudes: &[f64], trails: &[f64], x: &Axis, width: f64) -> Vec<Bin> {
     let bin = |(index, trails): (usize, Vec<f64>)| {
         let (mean, sd) = mean_and_sd(&trails);
         let from = x.from - width * index as f64;
-        // The error of a mean, s / √n.
+        // Standard error of the mean, s / √n.
         Bin { from, to: from - width, count: trails.len(), mean, error: sd / (trails.len() as f64).sqrt() }
     };
     held.into_iter().enumerate().filter(|(_, trails)| !trails.is_empty()).map(bin).collect()
 }
 
-/// Draws a line through the means of neighbouring bins, each with its error.
+/// Draws a line through the means of neighbouring bins, each mean with its error.
 fn series(picture: &mut Picture, frame: &Frame, bins: &[Bin], colour: RGBColor, is_dashed: bool) {
     let middle = |bin: &Bin| (bin.from + bin.to) / 2.0;
     for run in bins.chunk_by(|one, next| (one.to - next.from).abs() < 1e-9) {
@@ -160,7 +163,7 @@ fn series(picture: &mut Picture, frame: &Frame, bins: &[Bin], colour: RGBColor, 
         let (low, high) =
             (frame.at(middle(bin), bin.mean - bin.error).1, frame.at(middle(bin), bin.mean + bin.error).1);
         picture.line(&[(x, low), (x, high)], colour.to_rgba(), 2.0);
-        // Open for a dashed line: both series stay visible where they coincide.
+        // Dots of the dashed line are open, so that both lines remain visible where they coincide.
         picture.dot((x, y), if is_dashed { RGBColor(255, 255, 255) } else { colour });
     }
 }

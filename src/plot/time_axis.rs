@@ -1,4 +1,5 @@
-//! Time axes with UTC below and local time above, and bands for day, the three twilights and night behind a chart.
+//! Time axes with UTC below and local time above, and coloured bands behind a chart for day, the three twilights and
+//! night.
 
 use hifitime::Epoch;
 use plotters::prelude::RGBColor;
@@ -9,13 +10,13 @@ use super::axes::{Axis, Frame, NAME_SIZE, TICK_SIZE};
 use super::picture::{INK, Picture, width_of};
 
 const DAY_S: f64 = 86_400.0;
-/// Steps between two ticks, seconds.
+/// Possible steps between two ticks, seconds.
 const STEPS_S: [f64; 18] = [
     0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0, 15.0, 30.0, 60.0, 120.0, 300.0, 600.0, 1200.0, 1800.0, 3600.0, 7200.0, 10_800.0,
 ];
-/// Least gap between two labels, pixels.
+/// Smallest gap between two labels, pixels.
 const LABEL_GAP: f64 = 16.0;
-/// Decimals of seconds where ticks are closer than a second.
+/// Decimals of seconds if ticks are less than a second apart.
 const FINE_DECIMALS: usize = 1;
 
 /// Clock of the upper axis.
@@ -23,11 +24,11 @@ const FINE_DECIMALS: usize = 1;
 pub struct LocalClock<'a> {
     /// Hours ahead of UTC, -24 to 24.
     pub ahead_of_utc_h: f64,
-    /// Name: `local mean solar time`, `UTC−4`.
+    /// Name, for example `local mean solar time` or `UTC−4`.
     pub name: &'a str,
 }
 
-/// Draws ticks, labels and name of the lower side of a frame whose x axis is in days of MJD (UTC).
+/// Draws the ticks, the labels and the name of the lower side of a box whose x axis is MJD (UTC), days.
 pub(super) fn draw_utc(picture: &mut Picture, frame: &Frame) {
     let [left, _, right, bottom] = frame.sides;
     for (mjd, label) in ticks(&frame.x, frame.width(), 0.0) {
@@ -39,7 +40,7 @@ pub(super) fn draw_utc(picture: &mut Picture, frame: &Frame) {
     picture.text(&text, ((left + right) / 2.0, bottom + 42.0), NAME_SIZE, HPos::Center);
 }
 
-/// Draws the upper side in the time of another clock; without labels if there is none.
+/// Draws the upper side of a box with ticks of another clock; draws nothing if there is none.
 pub(super) fn draw_local(picture: &mut Picture, frame: &Frame, local: Option<&LocalClock<'_>>) {
     let Some(local) = local else { return };
     let [left, top, right, _] = frame.sides;
@@ -52,17 +53,17 @@ pub(super) fn draw_local(picture: &mut Picture, frame: &Frame, local: Option<&Lo
     picture.text(&text, ((left + right) / 2.0, top - 38.0), NAME_SIZE, HPos::Center);
 }
 
-/// Returns the positions of round times of a clock on an axis of `length` pixels, with their labels.
+/// Returns the round times of a clock on an axis of `length` pixels, as positions and labels.
 fn ticks(axis: &Axis, length: f64, ahead_h: f64) -> Vec<(f64, String)> {
     let span_s = (axis.to - axis.from) * DAY_S;
     let needed = |step: f64| width_of(&clock(0.0, step), TICK_SIZE) + LABEL_GAP;
     let step = STEPS_S.into_iter().find(|step| step / span_s * length >= needed(*step)).unwrap_or(21_600.0);
-    // Seconds of the clock from the midnight before the start of the axis: whole numbers stay whole.
+    // Seconds of the clock since the midnight before the start of the axis, so that round times are integers.
     let midnight = (axis.from + ahead_h / 24.0).floor();
     let first = ((axis.from + ahead_h / 24.0 - midnight) * DAY_S / step - 1e-6).ceil() as i64;
     let count = (span_s / step).ceil() as i64 + 1;
     let moment = |n: i64| (midnight + n as f64 * step / DAY_S - ahead_h / 24.0, clock(n as f64 * step, step));
-    // Fractions of days near MJD 60,000 are accurate to a fraction of a microsecond.
+    // Fractions of a day near MJD 60,000 are accurate to less than a microsecond.
     (first..=first + count).map(moment).filter(|(mjd, _)| (-1e-9..=1.0 + 1e-9).contains(&axis.share(*mjd))).collect()
 }
 
@@ -79,10 +80,10 @@ fn clock(seconds: f64, step: f64) -> String {
     }
 }
 
-/// Formats the dates of an axis: one date, or the first and the different part of the last.
+/// Formats the dates of an axis: one date, or the first date and the part of the last date that differs.
 fn dates(axis: &Axis, ahead_h: f64) -> String {
     let day = |mjd: f64| {
-        // Noon of the day, so that a leap second has no effect.
+        // Noon of the day is used, so that a leap second has no effect.
         let (year, month, day, ..) = Epoch::from_mjd_utc((mjd + ahead_h / 24.0).floor() + 0.5).to_gregorian_utc();
         (year, month, day)
     };
@@ -96,8 +97,8 @@ fn dates(axis: &Axis, ahead_h: f64) -> String {
     }
 }
 
-/// Bands of twilight: lower limit of the Sun's altitude, degrees; name; colour. The colours are warm greys, lighter
-/// than the marks, which dark bands would hide.
+/// Bands of twilight: lower limit of the Sun's altitude, degrees; name; colour. The colours are warm greys that are
+/// lighter than the marks, because dark bands would hide the marks.
 const BANDS: [(f64, &str, RGBColor); 4] = [
     (-0.833, "day", RGBColor(250, 214, 140)),
     (-6.0, "civil", RGBColor(251, 228, 180)),
@@ -105,18 +106,18 @@ const BANDS: [(f64, &str, RGBColor); 4] = [
     (-18.0, "astronomical twilight", RGBColor(254, 248, 236)),
 ];
 
-/// Returns the band of an altitude of the Sun; `None` at night.
+/// Returns the index of the band for an altitude of the Sun, degrees; `None` at night.
 fn band(altitude_deg: f64) -> Option<usize> {
     BANDS.iter().position(|(least, ..)| altitude_deg > *least)
 }
 
-/// Draws bands between times of the x axis with known altitudes of the Sun, degrees, interpolated linearly. Returns the
-/// bands drawn.
+/// Draws the bands on a time axis, from times with altitudes of the Sun (degrees), which are interpolated linearly.
+/// Returns the bands that were drawn.
 pub(super) fn bands_in_time(picture: &mut Picture, frame: &Frame, sun: &[(f64, f64)]) -> Vec<usize> {
     let mut shown = Vec::new();
     for pair in sun.windows(2) {
         let ((from, first), (to, last)) = (pair[0], pair[1]);
-        // Intervals are split where the altitude crosses the limit of a band.
+        // Intervals are divided where the altitude crosses the limit of a band.
         let mut cuts = vec![from, to];
         for (border, ..) in BANDS {
             let share = (border - first) / (last - first);
@@ -135,7 +136,7 @@ pub(super) fn bands_in_time(picture: &mut Picture, frame: &Frame, sun: &[(f64, f
     shown
 }
 
-/// Draws bands for an x axis that is the Sun's altitude itself, degrees.
+/// Draws the bands on an x axis that is the Sun's altitude, degrees. Returns the bands that were drawn.
 pub(super) fn bands_in_altitude(picture: &mut Picture, frame: &Frame) -> Vec<usize> {
     let mut shown = Vec::new();
     let mut upper = 90.0;
@@ -157,7 +158,7 @@ fn paint(picture: &mut Picture, frame: &Frame, [from, to]: [f64; 2], altitude_de
     }
 }
 
-/// Draws the legend of the bands shown; returns the x position of the next entry.
+/// Draws the legend of the drawn bands; returns the x position of the next entry.
 pub(super) fn legend(picture: &mut Picture, shown: &[usize], mut x: f64, y: f64) -> f64 {
     for &band in shown {
         let (_, text, colour) = BANDS[band];

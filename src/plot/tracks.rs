@@ -1,4 +1,4 @@
-//! Tracks in a chart: arrows at their ends, numbers over them, and a list.
+//! Elements of charts with tracks: arrows at the ends of tracks, numbers over them, and a list.
 
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
@@ -14,14 +14,14 @@ const ROW: f64 = 29.0;
 /// One row of the list.
 pub(super) struct ListRow {
     pub name: String,
-    /// Formatted times of its start and end.
+    /// Start and end of the track as formatted times.
     pub times: [String; 2],
     pub magnitude: f64,
     pub sigma_mag: f64,
     pub colour: RGBColor,
 }
 
-/// Returns the position at a fraction of a line's length.
+/// Returns the position at a fraction of the length of a line.
 pub(super) fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
     let lengths: Vec<f64> = line.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).collect();
     let mut left = share * lengths.iter().sum::<f64>();
@@ -35,7 +35,7 @@ pub(super) fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
     line[line.len() - 1]
 }
 
-/// Draws an arrow head at the end of a line; none on lines too short to have a direction.
+/// Draws an arrow head at the end of a line, unless the line is too short to have a direction.
 pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor) {
     let (tip, tail) = (line[line.len() - 1], along(line, 0.98));
     let length = (tip.0 - tail.0).hypot(tip.1 - tail.1);
@@ -49,7 +49,7 @@ pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor
     picture.line(&corners, INK.to_rgba(), 1.3);
 }
 
-/// Draws numbers over the first tracks, at positions that are still free.
+/// Draws numbers over the first tracks, at positions that are not yet occupied.
 pub(super) fn numbers(picture: &mut Picture, lines: &[Vec<(f64, f64)>]) {
     let mut taken: Vec<(f64, f64)> = Vec::new();
     for (index, line) in lines.iter().enumerate().take(MOST_LISTED) {
@@ -72,7 +72,7 @@ pub(super) fn numbers(picture: &mut Picture, lines: &[Vec<(f64, f64)>]) {
     }
 }
 
-/// Draws number, name, two times and magnitude of each track, between two x positions from a height down.
+/// Draws number, name, two times and magnitude of each track between two x positions, from `top` downwards.
 pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, times: [&str; 2], rows: &[ListRow]) {
     let columns = [0.0, 46.0, 246.0, 339.0, 432.0].map(|away| left + away);
     let mut y = top;
@@ -102,12 +102,12 @@ pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, tim
     }
 }
 
-/// Formats the time of day, UTC, with this number of decimals of a second; empty without a time.
+/// Formats the time of day, UTC, with this number of decimals of the second; empty for a time that is not finite.
 pub(super) fn time_of_day(mjd: f64, decimals: usize) -> String {
     if !mjd.is_finite() {
         return String::new();
     }
-    // Leap seconds are irrelevant for a displayed clock.
+    // A displayed clock can ignore leap seconds.
     let parts_a_second = 10_i64.pow(decimals as u32);
     let parts = ((mjd - mjd.floor()) * 86_400.0 * parts_a_second as f64).round() as i64 % (86_400 * parts_a_second);
     let (seconds, fraction) = (parts / parts_a_second, parts % parts_a_second);
@@ -115,7 +115,8 @@ pub(super) fn time_of_day(mjd: f64, decimals: usize) -> String {
     if decimals == 0 { clock } else { format!("{clock}.{fraction:0decimals$}") }
 }
 
-/// Returns the indices of magnitudes from the brightest on; missing ones come last, in their order.
+/// Returns the indices of magnitudes in order of brightness, the brightest first; missing magnitudes are last, in their
+/// order.
 pub(super) fn by_brightness(magnitudes: impl Iterator<Item = f64>) -> Vec<usize> {
     let magnitudes: Vec<f64> =
         magnitudes.map(|magnitude| if magnitude.is_nan() { f64::INFINITY } else { magnitude }).collect();

@@ -1,4 +1,4 @@
-//! Background of a frame: sky and stars.
+//! Background of a frame: light of the sky and of stars.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -9,20 +9,20 @@ use super::error::StreaksError;
 use super::psf::{RadialProfile, draw_point};
 use crate::images::{PixelPosition, Plane};
 
-/// Largest flux of a star, electrons.
+/// Largest accepted flux of a star, electrons.
 pub(crate) const BRIGHTEST_E: f64 = 1e12;
 
 /// Star on a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Star {
-    /// Position, which may lie outside the frame.
+    /// Position in the frame, pixels; it may lie outside the frame.
     pub at: PixelPosition,
-    /// Light in the exposure, electrons.
+    /// Light collected during the exposure, electrons.
     pub flux_e: f64,
 }
 
-/// Returns the electrons of a star: 10^(0.4 (zero point - m)), where the zero point is the magnitude of one electron in
-/// the exposure.
+/// Returns the electrons of a star of this magnitude: 10^(0.4 (zero point - m)). The zero point is the magnitude of a
+/// star of one electron in the exposure.
 pub fn flux_e(magnitude: f64, zero_point_mag: f64) -> f64 {
     10_f64.powf(0.4 * (zero_point_mag - magnitude))
 }
@@ -38,7 +38,7 @@ impl Star {
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RandomStars {
-    /// Mean number brighter than the faintest magnitude per million pixels, \[0, 1e5\].
+    /// Mean number of stars brighter than the faintest magnitude in a million pixels, \[0, 1e5\].
     pub per_megapixel: f64,
     /// Logarithmic slope of the counts, \[0.05, 2\]: 0.6 for a uniform distribution in space, about 0.3 at faint
     /// magnitudes.
@@ -47,15 +47,16 @@ pub struct RandomStars {
     pub brightest_mag: f64,
     /// Faintest magnitude, from the brightest to 60 mag.
     pub faintest_mag: f64,
-    /// Magnitude of one electron in the exposure, \[-30, 60\] mag.
+    /// Magnitude of a star of one electron in the exposure, \[-30, 60\] mag.
     pub zero_point_mag: f64,
 }
 
 impl RandomStars {
-    /// Draws stars for a frame of `rows` by `columns` and a margin around it; the same seed gives the same stars.
+    /// Draws stars for a frame of `rows` by `columns` pixels and a margin of `margin_pix` around it; the same seed
+    /// gives the same stars.
     ///
     /// # Errors
-    /// A number out of range.
+    /// A field of this struct is out of range.
     pub fn draw(&self, rows: usize, columns: usize, margin_pix: f64, seed: u64) -> Result<Vec<Star>, StreaksError> {
         StreaksError::check_range("background: per_megapixel", self.per_megapixel, 0.0, 1e5)?;
         StreaksError::check_range("background: slope", self.slope, 0.05, 2.0)?;
@@ -79,14 +80,14 @@ impl RandomStars {
     }
 }
 
-/// Returns the light of sky and stars in a frame of `rows` by `columns`: expected electrons, to which streaks can be
-/// added before the detector is applied.
+/// Returns the light of sky and stars in a frame of `rows` by `columns` pixels, as expected electrons. Streaks can be
+/// added to it before the detector is applied.
 ///
-/// `sky_e` is the light of the sky in a pixel, electrons, \[0, 1e9\]. The light of the stars is complete to 10⁻⁵, with
-/// the same profile everywhere.
+/// `sky_e` is the light of the sky in one pixel, electrons, \[0, 1e9\]. All stars have the same profile. The drawn
+/// light of a star is complete to 10⁻⁵.
 ///
 /// # Errors
-/// A sky out of range, and a star with a flux below 0 or not finite.
+/// `sky_e` is out of range, or the flux of a star is negative, too large or not finite.
 pub fn background(
     rows: usize,
     columns: usize,

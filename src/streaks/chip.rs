@@ -1,4 +1,4 @@
-//! Chip of a camera, and the path of a light over it.
+//! Chip of a camera, and the path of a moving light over it.
 
 use super::count_scale::CountScale;
 use super::error::StreaksError;
@@ -8,10 +8,10 @@ use super::tracking::Tracking;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{LightArea, PixelPosition, Wcs};
 
-/// Number of points of a track across a chip.
+/// Number of points of a track over the width of a chip.
 const STEPS_ACROSS: f64 = 24.0;
 
-/// Chip with its pixels, world coordinates and count scale.
+/// Chip of a camera with its size, world coordinates and count scale.
 #[derive(Clone, Debug)]
 pub struct Chip {
     /// Number of the HDU in the file, from 0.
@@ -22,18 +22,18 @@ pub struct Chip {
     pub rows: usize,
     /// Pixels along a row.
     pub columns: usize,
-    /// Illuminated pixels.
+    /// Region of the illuminated pixels.
     pub light_area: LightArea,
     /// World coordinates.
     pub wcs: Wcs,
-    /// False if the header has no world coordinates and `wcs` is a substitute of the right scale: positions on the sky
-    /// are then not written.
+    /// False if the header has no world coordinates and `wcs` is a substitute with the right pixel scale. The truth
+    /// then contains no positions on the sky.
     pub is_on_sky: bool,
     /// Conversion of magnitudes to counts.
     pub scale: CountScale,
 }
 
-/// Path of a light over a chip, and the interval in which the light is on illuminated pixels of the chip.
+/// Path of a moving light over a chip, and the interval in which the light is on illuminated pixels of the chip.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ChipPath {
     /// Path from one margin of the chip to the other, in frame units per second.
@@ -44,13 +44,13 @@ pub struct ChipPath {
 }
 
 impl Chip {
-    /// Middle of the illuminated pixels.
+    /// Returns the position of the middle of the illuminated pixels.
     pub fn middle(&self) -> PixelPosition {
         self.light_area.position_at(0.5, 0.5)
     }
 
-    /// Middle of the chip on the sky, and the radius around it that contains all corners; `None` if the WCS has no
-    /// position for one of them.
+    /// Returns the direction of the middle of the chip, and the radius in radians of the circle around it that contains
+    /// all corners. `None` if the WCS has no direction for the middle or a corner.
     pub fn circle(&self) -> Option<(Direction<Gcrs>, f64)> {
         let middle = self.wcs.to_sky(self.middle())?;
         let mut radius_rad = 0.0f64;
@@ -61,33 +61,33 @@ impl Chip {
         Some((middle, radius_rad))
     }
 
-    /// Angle of a pixel in the middle, arcseconds.
+    /// Returns the angular size of the pixel in the middle of the chip, arcseconds.
     pub fn pixel_scale_arcsec(&self) -> f64 {
         self.wcs.pixel_scale_arcsec(self.middle())
     }
 
-    /// Ratio of width to height of a pixel in the middle, on the sky.
+    /// Returns the ratio of width to height, on the sky, of the pixel in the middle of the chip.
     pub fn pixel_aspect(&self) -> f64 {
         self.wcs.pixel_aspect(self.middle())
     }
 
-    /// Returns false if a track is farther from the chip than `margin_rad` everywhere.
+    /// Returns false if no point of the track comes within `margin_rad` of the chip.
     pub fn is_near(&self, track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>, margin_rad: f64) -> bool {
         self.circle().is_some_and(|(middle, radius_rad)| {
             !near_spans(&seen(track, tracking, centre), &middle, radius_rad + margin_rad).is_empty()
         })
     }
 
-    /// Returns the paths of a light over the chip and `margin_pix` around it, in order of time. `centre` is the
-    /// pointing of the telescope.
+    /// Returns the paths of a moving light over the chip and the `margin_pix` pixels around it, in order of time.
+    /// `centre` is the pointing of the telescope.
     ///
     /// 1. The part of the track near the chip is found on the sky.
-    /// 2. It is refined, so that a chip of a few arcseconds is not missed.
-    /// 3. Its points are converted to pixels by the WCS. A path ends where the WCS has no position, or where the track
-    ///    leaves the chip before it returns.
+    /// 2. Points are added to this part, so that a chip of a few arcseconds is not missed.
+    /// 3. The points are converted to pixels by the WCS. A path ends where the WCS has no pixel for the direction, or
+    ///    where the track leaves the chip; if the track comes back, another path begins.
     ///
     /// # Errors
-    /// Times that do not increase, and numbers that are not finite.
+    /// The times of the track do not increase, or a number is not finite.
     pub fn paths(
         &self,
         track: &SkyTrack,
@@ -122,7 +122,7 @@ impl Chip {
         Ok(Some(ChipPath { path, inside_s }))
     }
 
-    /// Returns the first and last time over the chip, to a microsecond.
+    /// Returns the first and the last time at which the path is on illuminated pixels, to a microsecond.
     fn inside_s(&self, path: &StreakPath) -> Option<[f64; 2]> {
         const SAMPLES: usize = 8;
         let nodes = path.nodes();
@@ -150,14 +150,15 @@ impl Chip {
     }
 }
 
-/// Converts the directions of a track to those that the frame's WCS gives to the pixels in which they appear.
+/// Converts each direction of a track to the direction that the frame's WCS gives to the pixel in which the light
+/// appears.
 fn seen(track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>) -> SkyTrack {
     let in_frame =
         |point: &SkyPoint| SkyPoint { direction: tracking.seen(&point.direction, point.time_s, centre), ..*point };
     SkyTrack { points: track.points.iter().map(in_frame).collect() }
 }
 
-/// Returns the parts of a track within `reach_rad` of a direction, each with one more point on either side.
+/// Returns the parts of a track within `reach_rad` of a direction, each with one more point before and after it.
 fn near_spans(track: &SkyTrack, place: &Direction<Gcrs>, reach_rad: f64) -> Vec<SkyTrack> {
     let points = &track.points;
     let near = |index: usize| comes_near(&points[index], &points[index + 1], place, reach_rad);
@@ -182,8 +183,8 @@ fn span_of(points: &[SkyPoint], from: usize, to: usize) -> SkyTrack {
     SkyTrack { points: points[from.saturating_sub(1)..=to].to_vec() }
 }
 
-/// Returns true if the track from one point to the next may come within `reach_rad` of a direction, with a margin for
-/// its curvature.
+/// Returns true if the track between two adjacent points may come within `reach_rad` of a direction. The test allows
+/// for the curvature of the track.
 fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad: f64) -> bool {
     let (start, end, place) = (from.direction.vector(), to.direction.vector(), place.vector());
     let chord = end - start;
@@ -192,13 +193,13 @@ fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad
     } else {
         0.0
     };
-    // Half the square of the chord exceeds the bend of any track on the sky between two points, and the height of the
-    // arc above the chord.
+    // Half of the squared chord exceeds both the curvature of any track on the sky between two points and the height of
+    // the arc above its chord.
     let slack = 0.5 * chord.norm_squared();
     ((start + chord * share) - place).norm() <= reach_rad + slack
 }
 
-/// Returns the track with points so close that [`STEPS_ACROSS`] of them lie across a circle of this radius.
+/// Returns the track with added points, such that at least [`STEPS_ACROSS`] of them lie within a circle of this radius.
 fn refined_to_cross(track: &SkyTrack, radius_rad: f64) -> SkyTrack {
     let fastest = track
         .points
@@ -209,7 +210,8 @@ fn refined_to_cross(track: &SkyTrack, radius_rad: f64) -> SkyTrack {
     if step_s.is_finite() && step_s > 0.0 { track.refined(step_s) } else { track.clone() }
 }
 
-/// Returns the middle of chips on the sky and the radius around it that contains all of them, radians.
+/// Returns the middle of several chips on the sky, and the radius in radians of the circle around it that contains them
+/// all.
 pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(Direction<Gcrs>, f64)> {
     let circles: Vec<(Direction<Gcrs>, f64)> = chips.filter_map(Chip::circle).collect();
     let sum = circles.iter().fold(nalgebra::Vector3::zeros(), |sum, (middle, _)| sum + middle.vector());
@@ -219,8 +221,8 @@ pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(D
     Some((centre, radius_rad))
 }
 
-/// Returns a direction on one of several chips from three numbers in [0, 1): the first selects a chip by its area, the
-/// others a position on it.
+/// Returns a direction on one of several chips, from three numbers in [0, 1): the first selects a chip with a
+/// probability proportional to its area, the other two a position on that chip.
 pub fn direction_on<'a>(chips: impl Iterator<Item = &'a Chip> + Clone, drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
     let pixels = |chip: &Chip| chip.light_area.pixels() as f64;
     let mut left = drawn[0] * chips.clone().map(pixels).sum::<f64>();

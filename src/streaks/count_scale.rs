@@ -2,7 +2,7 @@
 
 use super::error::StreaksError;
 
-/// Conversion between magnitudes and counts per second.
+/// Conversion between magnitudes and counts per second of a frame.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct CountScale {
     zero_point_mag: f64,
@@ -10,11 +10,11 @@ pub struct CountScale {
 }
 
 impl CountScale {
-    /// Creates the scale from the zero point of the frame: the magnitude of a star with pixels that sum to 1 in the unit of
-    /// the frame (counts of the whole exposure, or counts per second).
+    /// Creates the scale from the zero point of a frame, which is the magnitude of a star whose pixels sum to 1 in the
+    /// unit of the frame (counts of the whole exposure, or counts per second).
     ///
     /// # Errors
-    /// A zero point out of range, or an exposure that is not above 0 s.
+    /// The zero point is out of range, or the exposure time is not above 0 s.
     pub fn of_frame(zero_point_mag: f64, exposure_s: f64) -> Result<Self, StreaksError> {
         StreaksError::check_range("zero point (mag)", zero_point_mag, -20.0, 60.0)?;
         if !(exposure_s > 0.0 && exposure_s.is_finite()) {
@@ -23,28 +23,28 @@ impl CountScale {
         Ok(Self { zero_point_mag, exposure_s })
     }
 
-    /// Creates the scale of a frame in counts of the whole exposure, from the magnitude of a star of 1 count per second.
+    /// Creates the scale of a frame in counts of the whole exposure from the magnitude of a star of 1 count per second.
     ///
     /// # Errors
     /// The errors of [`CountScale::of_frame`].
     pub fn of_counts_per_second(zero_point_mag: f64, exposure_s: f64) -> Result<Self, StreaksError> {
-        // A star is exposed for the whole time: ZP_frame = ZP_1s + 2.5 log10 t.
+        // A star is exposed during the whole exposure time t: ZP_frame = ZP_1s + 2.5 log10 t.
         Self::of_frame(zero_point_mag, exposure_s)?;
         Self::of_frame(zero_point_mag + 2.5 * exposure_s.log10(), exposure_s)
     }
 
-    /// Returns the frame units per second of a stationary light of this magnitude; 0 without light.
+    /// Returns the rate, in the frame's unit per second, of a stationary light of this magnitude; 0 for `None`.
     pub fn rate(&self, magnitude: Option<f64>) -> f64 {
-        // A star exposed for the whole time sums to 10^(-0.4 (m - ZP)).
+        // The pixels of a star that is exposed for the whole time sum to 10^(-0.4 (m - ZP)).
         magnitude.map_or(0.0, |magnitude| 10f64.powf(-0.4 * (magnitude - self.zero_point_mag)) / self.exposure_s)
     }
 
-    /// Returns the magnitude of a stationary light of this rate; `None` if the rate is 0.
+    /// Returns the magnitude of a stationary light of this rate (the frame's unit per second); `None` if the rate is 0.
     pub fn magnitude(&self, rate: f64) -> Option<f64> {
         (rate > 0.0).then(|| self.zero_point_mag - 2.5 * (rate * self.exposure_s).log10())
     }
 
-    /// Magnitude of a star that sums to 1 in the frame.
+    /// Returns the magnitude of a star whose pixels sum to 1 in the frame's unit.
     pub fn zero_point_mag(&self) -> f64 {
         self.zero_point_mag
     }

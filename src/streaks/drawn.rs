@@ -1,4 +1,4 @@
-//! Source drawn on a chip: its light in pixels, and its truth.
+//! A source drawn on a chip: its light in pixels, and its true parameters.
 
 use hifitime::Epoch;
 
@@ -12,10 +12,10 @@ use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::images::{Patch, PixelPosition};
 use crate::streaks::RadialProfile;
 
-/// Exposure data common to all chips.
+/// Exposure data that are common to all chips of a frame.
 #[derive(Copy, Clone, Debug)]
 pub struct Shot<'a> {
-    /// Shutter opening.
+    /// Time at which the shutter opened.
     pub opened: Epoch,
     /// Exposure time, seconds.
     pub exposure_s: f64,
@@ -25,72 +25,74 @@ pub struct Shot<'a> {
     pub tracking: &'a Tracking,
     /// Seeing and telescope.
     pub optics: &'a Optics,
-    /// Number of points of the truth along each streak, 2 or more.
+    /// Number of points along each streak in the table of points, 2 or more.
     pub truth_points: usize,
 }
 
-/// One streak on one chip.
+/// One streak on one chip, with its true parameters.
 #[derive(Clone, Debug)]
 pub struct DrawnStreak<'a> {
     /// Source of the streak.
     pub source: &'a Source,
-    /// Label of the part of the source.
+    /// `whole`, or `chassis` or `array` if the two panels of a satellite are drawn separately.
     pub part: &'static str,
-    /// Number of the chip's HDU.
+    /// Number of the chip's HDU, from 0.
     pub hdu: usize,
     /// Name of the chip.
     pub chip: &'a str,
     /// False if the frame has no world coordinates.
     pub is_on_sky: bool,
-    /// Light in the frame's unit, before any detector.
+    /// Light of each pixel in the frame's unit, before the effects of the detector.
     pub patch: Patch,
-    /// Points evenly spaced in time from the first to the last time over the chip; empty if only the wings of the image
-    /// reach the chip.
+    /// Points evenly spaced in time, from the first to the last time at which the light is on the chip. Empty if only
+    /// the wings of the image reach the chip.
     pub points: Vec<StreakPoint>,
-    /// Full width at half maximum of the light across the streak, arcsec; for a stationary light, approximately that of its
-    /// image.
+    /// Full width at half maximum of the streak across its length, arcsec. For a light that does not move,
+    /// approximately the width of its image.
     pub width_arcsec: f64,
-    /// Full width at half maximum of the light across the streak, pixels.
+    /// Full width at half maximum of the streak across its length, pixels.
     pub width_pix: f64,
-    /// Length between its ends on the chip, pixels.
+    /// Length between the two ends of the streak on the chip, pixels.
     pub length_pix: f64,
-    /// Point at the middle of the time over the chip; `None` if only the wings of the image reach the chip.
+    /// Point at the middle of the time during which the light is on the chip; `None` if only the wings of the image
+    /// reach the chip.
     pub middle: Option<StreakPoint>,
-    /// Brightest magnitude over the chip; `None` without light.
+    /// Brightest magnitude while the light is on the chip; `None` if it is always dark.
     pub peak_magnitude: Option<f64>,
     /// Mean angular speed relative to the stars, arcsec/s.
     pub rate_arcsec_s: f64,
-    /// Mean angular speed relative to the pixels, arcsec/s, which differs if the telescope tracks a moving target.
+    /// Mean angular speed relative to the pixels, arcsec/s. It differs from `rate_arcsec_s` if the telescope tracks a
+    /// moving target.
     pub frame_rate_arcsec_s: f64,
-    /// Zero point used: magnitude of a star with an image that sums to 1 in the frame's unit.
+    /// Zero point used: magnitude of a star whose pixels sum to 1 in the frame's unit.
     pub zero_point_mag: f64,
 }
 
-/// Truth at one time.
+/// True position and brightness of a light at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct StreakPoint {
-    /// Time.
+    /// Time of the point.
     pub epoch: Epoch,
-    /// Position in the frame.
+    /// Position in the frame, pixels.
     pub at: PixelPosition,
-    /// Direction of the light relative to the stars, for any tracking. In a frame without world coordinates, it refers to
-    /// the substitute coordinates of the chip.
+    /// Direction of the light relative to the stars, ICRS, whatever the telescope tracks. For a frame without world
+    /// coordinates it is a direction in the substitute coordinates of the chip.
     pub direction: Direction<Gcrs>,
     /// Direction that the frame's world coordinates give to this pixel.
     pub frame_direction: Direction<Gcrs>,
-    /// Magnitude without motion; `None` without light.
+    /// Magnitude of the light, irrespective of its motion; `None` if it is dark.
     pub magnitude: Option<f64>,
     /// Light per second, in the frame's unit.
     pub rate: f64,
 }
 
-/// Draws all lights of a source on a chip, as separate streaks; no streaks if no light falls on it.
+/// Draws the lights of a source on a chip, each as a separate streak. Empty if no light falls on the chip.
 ///
-/// The image of a light has the same width everywhere on a chip, computed for the distance of the light at its closest
-/// approach to the middle of the chip.
+/// The image of a light has the same width everywhere on the chip. The width is computed for the distance of the light
+/// at its closest approach to the middle of the chip.
 ///
 /// # Errors
-/// [`StreaksError`] if a width is out of range or the path is invalid.
+/// [`StreaksError`] if the width of the image is out of range or the path is invalid.
 pub fn draw_on_chip<'a>(
     source: &'a Source,
     chip: &'a Chip,
@@ -118,9 +120,9 @@ pub fn draw_on_chip<'a>(
     Ok(drawn)
 }
 
-/// Returns the full width at half maximum of a line of light, measured across its direction after averaging over pixels.
-/// The profile of a ring may have two maxima; the width is then measured between the outermost positions with half of
-/// the greatest brightness.
+/// Returns the full width at half maximum of a line of light at this angle, measured across the line and including the
+/// average over pixels. The profile of a ring may have two maxima; its width is the distance between the outermost
+/// positions with half of the greatest brightness.
 fn width_across(profile: &RadialProfile, angle_rad: f64) -> f64 {
     const SAMPLES: usize = 400;
     let step_pix = profile.pixel_reach_pix().min(4.0 * profile.fwhm_pix() + 2.0) / SAMPLES as f64;
@@ -136,7 +138,7 @@ fn width_across(profile: &RadialProfile, angle_rad: f64) -> f64 {
     2.0 * inside
 }
 
-/// Returns the distance at a time, km, interpolated linearly between the two nearest points.
+/// Returns the distance of a light at a time, km, interpolated linearly between the two nearest points.
 fn range_at(part: &SourcePart, time_s: f64) -> f64 {
     let points = &part.track.points;
     let after = points.partition_point(|point| point.time_s <= time_s).clamp(1, points.len().max(2) - 1);
@@ -217,21 +219,23 @@ impl DrawnStreak<'_> {
         Some([self.points.first()?, self.points.last()?])
     }
 
-    /// Direction of motion in the frame, degrees from the x axis (columns increasing) towards the y axis, [0, 360).
+    /// Returns the direction of motion in the frame, degrees from the x axis (columns increasing) towards the y axis,
+    /// [0, 360). `None` if only the wings of the image reach the chip.
     pub fn angle_deg(&self) -> Option<f64> {
         let [from, to] = self.ends()?;
         let (dx, dy) = (to.at.x - from.at.x, to.at.y - from.at.y);
         (dx.hypot(dy) > 0.0).then(|| dy.atan2(dx).to_degrees().rem_euclid(360.0))
     }
 
-    /// Direction of motion on the sky, degrees from north through east, [0, 360).
+    /// Returns the direction of motion on the sky, degrees from north through east, [0, 360). `None` without world
+    /// coordinates.
     pub fn position_angle_deg(&self) -> Option<f64> {
         let [from, to] = self.ends().filter(|_| self.is_on_sky)?;
         let moved = from.direction.separation_rad(&to.direction) > 0.0;
         moved.then(|| from.direction.position_angle_rad(&to.direction).to_degrees())
     }
 
-    /// Light of the whole streak in the frame, as the magnitude of a star with the same counts.
+    /// Returns the light of the whole streak in the frame, as the magnitude of a star with the same counts.
     pub fn total_magnitude(&self) -> f64 {
         self.zero_point_mag - 2.5 * self.patch.sum().log10()
     }
@@ -245,8 +249,8 @@ mod tests {
     #[test]
     fn verif_a_streak_of_a_moffat_profile_is_wider_than_a_star() {
         let width = |seeing| width_across(&RadialProfile::of(&Blur::seeing(seeing)).unwrap(), 0.0);
-        // A line of a Gaussian has its width; a line of a Moffat profile with exponent β is one with β - 1/2. Pixels
-        // add 1/12 to the variance.
+        // A line with a Gaussian profile is as wide as the profile. A line with a Moffat profile of exponent β has a
+        // Moffat profile of exponent β - 1/2. Pixels add 1/12 to the variance.
         assert!(
             (width(Seeing::Gaussian { fwhm_pix: 8.0 }) - 8.0f64.hypot(2.3548 * (1.0f64 / 12.0).sqrt())).abs() < 0.02
         );

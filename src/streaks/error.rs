@@ -7,16 +7,16 @@ use thiserror::Error;
 use crate::images::ImagesError;
 use crate::passes::SkyError;
 
-/// Errors of the brightness, drawing and injection of streaks.
+/// Errors of computing, drawing and injecting streaks.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum StreaksError {
-    /// A value of a frame, of a file or of a call is missing or invalid.
+    /// A value in a frame, a file or an argument is missing or invalid.
     #[error("{what} is {given}; allowed: {allowed}")]
     Invalid {
-        /// Name of the value, after the file and HDU if there are any.
+        /// Name of the value, preceded by the file and the HDU if the value is in a file.
         what: String,
-        /// Given value, or `missing`.
+        /// Given value, or `missing` if there is none.
         given: String,
         /// Allowed values.
         allowed: String,
@@ -30,23 +30,23 @@ pub enum StreaksError {
         /// Description and position of the error.
         message: String,
     },
-    /// Error of the passes of satellites.
+    /// Errors of the computation of satellite passes.
     #[error(transparent)]
     Sky(#[from] SkyError),
-    /// Error of a frame, its world coordinates or its detector.
+    /// Errors of a frame, its world coordinates or its detector.
     #[error(transparent)]
     Images(#[from] ImagesError),
-    /// Error of one frame of several.
+    /// An error in one of several frames.
     #[error("{source}; {done} of {count} frames have already been written, without a truth table")]
     Batch {
-        /// Error of the frame.
+        /// The error.
         source: Box<StreaksError>,
-        /// Number of frames that are complete.
+        /// Number of frames that were written completely.
         done: usize,
         /// Number of all frames.
         count: usize,
     },
-    /// Error of the folder for temporary files.
+    /// Errors of the folder for temporary files.
     #[error(transparent)]
     Scratch(#[from] std::io::Error),
 }
@@ -56,7 +56,7 @@ impl StreaksError {
         Self::Invalid { what: what.into(), given: given.to_string(), allowed: allowed.into() }
     }
 
-    /// Rejects a number outside its range or not finite.
+    /// Rejects a number that is outside a range or not finite.
     pub(super) fn check_range(what: &str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
         if (least..=greatest).contains(&given) {
             return Ok(());
@@ -64,7 +64,7 @@ impl StreaksError {
         Err(Self::invalid(what, given, format!("{least} to {greatest}")))
     }
 
-    /// Adds the file, the HDU or the name of the settings in front of an invalid value.
+    /// Prefixes the name of an invalid value with the file, the HDU or the settings that contain it.
     pub(super) fn at(self, place: impl Display) -> Self {
         match self {
             Self::Invalid { what, given, allowed } => {

@@ -1,8 +1,8 @@
-//! Streaks in pixels: light of passes drawn into frames, with its truth.
+//! Streaks in pixels: the light of satellite passes drawn into frames, with the true parameters of each streak.
 //!
-//! `light/` describes positions and brightness on the sky; `chip` converts these to a path in pixels; `render/` draws a
-//! path; `drawn` contains drawn streaks with their true parameters; `truth/` makes tables and masks of these; `frame/`
-//! reads and writes files, `injection/` puts streaks into frames.
+//! `light/` describes directions and brightness on the sky; `chip` converts them to a path in pixels; `psf/` is the
+//! image of a point; `render/` draws a path; `drawn` holds drawn streaks with their true parameters; `truth/` makes
+//! tables and masks from them; `frame/` reads and writes files; `injection/` adds streaks to frames.
 
 mod background;
 mod chip;

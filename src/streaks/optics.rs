@@ -1,4 +1,4 @@
-//! Optics: the image of a light at a finite distance through atmosphere and telescope.
+//! Optics: the image of a light at a finite distance, seen through the atmosphere and a telescope.
 
 use std::fmt;
 
@@ -9,14 +9,14 @@ use crate::streaks::{Blur, RadialProfile, Seeing, StreaksError};
 pub enum SeeingForm {
     /// A Gaussian.
     Gaussian,
-    /// A Moffat profile with the exponent β.
+    /// A Moffat profile of exponent β.
     Moffat {
-        /// Steepness of the wings, 2 to 100.
+        /// Exponent β of the wings, 2 to 100.
         beta: f64,
     },
-    /// A narrow and a wide Gaussian.
+    /// The sum of a narrow and a wide Gaussian.
     DoubleGaussian {
-        /// Width of the wide Gaussian in units of the narrow one, 1 or more.
+        /// Ratio of the widths of the wide and the narrow Gaussian, 1 or more.
         widening: f64,
         /// Fraction of the flux in the wide Gaussian, 0 to 1.
         wide_share: f64,
@@ -42,18 +42,18 @@ pub struct Optics {
     pub form: SeeingForm,
     /// Full width at half maximum of a star's image, arcsec.
     pub seeing_arcsec: f64,
-    /// Radius of the aperture, m; 0 for no defocus.
+    /// Outer radius of the aperture, m; 0 if defocus is to be ignored.
     pub outer_radius_m: f64,
     /// Radius of the central obstruction, m.
     pub inner_radius_m: f64,
 }
 
 impl Optics {
-    /// Computes the image of a disk of `radius_m` at `range_km` through a telescope focused on the stars, on pixels of
-    /// `pixel_scale_arcsec` (the side of a square of the same area), `aspect` times as wide as high.
+    /// Computes the image of a disk of `radius_m` at `range_km`, through a telescope that is focused on the stars.
+    /// Pixels are `aspect` times as wide as high; `pixel_scale_arcsec` is the side of a square with the same area.
     ///
     /// # Errors
-    /// A width outside the range that can be drawn.
+    /// The width of the image is outside the range that can be drawn.
     pub fn profile(
         &self,
         range_km: f64,
@@ -64,8 +64,8 @@ impl Optics {
         if !(pixel_scale_arcsec > 0.0 && pixel_scale_arcsec.is_finite()) {
             return Err(StreaksError::invalid("pixel scale", format!("{pixel_scale_arcsec} arcsec"), "above 0 arcsec"));
         }
-        // A length r at range d has the angle r / d: the defocused image of the pupil as well as the body (Ragazzoni
-        // 2020).
+        // A length r at distance d has the angle r / d. This holds for the size of the body and for the defocused image
+        // of the pupil (Ragazzoni 2020).
         let pixels_a_metre = (1.0 / (range_km * 1000.0)).to_degrees() * 3600.0 / pixel_scale_arcsec;
         let blur = Blur {
             seeing: self.seeing(pixel_scale_arcsec),
@@ -78,15 +78,15 @@ impl Optics {
         })
     }
 
-    /// Greatest distance of drawn light from its centre, radians: the widest wings, and rings of satellites at any
-    /// height.
+    /// Returns the greatest distance of drawn light from the centre of an image, radians. It covers the widest wings,
+    /// and the rings of defocused satellites at any height.
     pub fn farthest_rad(&self) -> f64 {
         const SEEINGS: f64 = 200.0;
         const RINGS_RAD: f64 = 1e-3;
         (SEEINGS * self.seeing_arcsec / 3600.0).to_radians().max(RINGS_RAD)
     }
 
-    /// Returns the image of a star on pixels of this size.
+    /// Returns the profile of a star's image on pixels of this size.
     pub fn seeing(&self, pixel_scale_arcsec: f64) -> Seeing {
         let fwhm_pix = self.seeing_arcsec / pixel_scale_arcsec;
         match self.form {

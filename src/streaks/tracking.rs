@@ -4,39 +4,42 @@ use nalgebra::Vector3;
 
 use crate::frames::{Direction, Gcrs};
 
-/// Target followed by the telescope.
+/// What the telescope follows during the exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Tracking {
-    /// The stars.
+    /// The telescope follows the stars.
     #[default]
     Sidereal,
-    /// A target that moves relative to the stars at a constant rate: an asteroid, a satellite.
+    /// The telescope follows a target that moves relative to the stars at a constant rate, such as an asteroid or a
+    /// satellite.
     Rate {
         /// Rate towards the east on the sky (including the cosine of the declination), rad/s.
         east_rad_s: f64,
         /// Rate towards the north, rad/s.
         north_rad_s: f64,
-        /// Time for which the frame's WCS holds, seconds after the shutter opened.
+        /// Time at which the frame's WCS is valid, seconds after the shutter opened.
         reference_s: f64,
     },
 }
 
 impl Tracking {
-    /// Returns the direction that the frame's WCS gives to the pixel in which a direction appears at a time.
+    /// Returns the direction that the frame's WCS gives to the pixel in which an object in `direction` appears at a
+    /// time.
     ///
-    /// The frame moves along the great circle through its `centre` at the speed of the rate.
+    /// The frame moves along a great circle through its `centre`, at the tracking rate. Times are seconds after the
+    /// shutter opened.
     pub fn seen(&self, direction: &Direction<Gcrs>, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
         self.carried(direction, -1.0, time_s, centre)
     }
 
-    /// Returns the direction relative to the stars of a light that appears, at a time, in the pixel to which the frame's WCS
-    /// gives the direction `seen`. This is the inverse of [`seen`](Self::seen).
+    /// Returns the direction relative to the stars of an object that appears, at a time, in the pixel to which the
+    /// frame's WCS gives the direction `seen`. This is the inverse of [`seen`](Self::seen).
     pub fn stood(&self, seen: &Direction<Gcrs>, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
         self.carried(seen, 1.0, time_s, centre)
     }
 
-    /// Returns the largest distance of the frame from the position for which its WCS holds, within an exposure of this
-    /// length, radians.
+    /// Returns the largest angle, radians, by which the frame moves from the position for which its WCS is valid,
+    /// during an exposure of this length.
     pub fn reach_rad(&self, exposure_s: f64) -> f64 {
         match *self {
             Self::Sidereal => 0.0,
@@ -46,7 +49,7 @@ impl Tracking {
         }
     }
 
-    /// Rotates a direction with the telescope (1) or in the opposite sense (-1).
+    /// Rotates a direction with the telescope (`sense` 1) or in the opposite sense (-1).
     fn carried(
         &self,
         direction: &Direction<Gcrs>,
@@ -57,7 +60,8 @@ impl Tracking {
         let Self::Rate { east_rad_s, north_rad_s, reference_s } = *self else { return *direction };
         let (east, north) = centre.east_north();
         let motion = east * east_rad_s + north * north_rad_s;
-        // The telescope turns by ω (t - t₀) about the axis c × v; directions in its frame turn by the opposite angle.
+        // The telescope turns by ω (t - t₀) around the axis c × v; directions relative to the frame turn by the
+        // opposite angle.
         let Some(axis) = centre.vector().cross(&motion).try_normalize(0.0) else { return *direction };
         let angle_rad = sense * motion.norm() * (time_s - reference_s);
         Direction::from_vector(rotated(direction.vector(), &axis, angle_rad))

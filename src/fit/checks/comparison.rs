@@ -1,4 +1,4 @@
-//! Comparison of one model with one reference: the differences and a verdict.
+//! Comparison of one model with one reference: differences and a verdict.
 
 use crate::output::{Column, Kind, Table};
 use crate::photometry::BrightnessModel;
@@ -8,17 +8,17 @@ use super::photometry::{Photometry, in_v};
 use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
 
-/// Largest mean difference from measurements of a good model, mag. Unfiltered AB magnitudes and V (Vega) differ by 0.02
-/// to 0.2 mag for solar colours, and surveys of one satellite type differ by the same amount.
+/// Largest mean difference from measurements with which a model is accepted, mag. Unfiltered AB magnitudes and V (Vega)
+/// differ by 0.02 to 0.2 mag for solar colours, and surveys of the same type of satellite differ by as much.
 pub const OFFSET_TOLERANCE_MAG: f64 = 0.3;
 
-/// Largest core of a good model, in units of the sigma in its file; the core is 1.4826 times the median absolute
-/// deviation. Sigma contains 68.3 % of single magnitudes, and so does the core of a normal distribution: 0.7 mag for a
-/// stated 0.6 mag is acceptable, twice the stated sigma is not.
+/// Largest core with which a model is accepted, in units of the sigma in its file. The core is 1.4826 times the median
+/// absolute deviation. The stated sigma contains 68.3 % of single magnitudes, as does the core of a normal
+/// distribution. A core of 0.7 mag for a stated sigma of 0.6 mag is accepted, twice the stated sigma is not.
 const CORE_TOLERANCE_SIGMA: f64 = 1.15;
 
-/// Largest RMS of a good model, in the same units. Flares and misidentified satellites cause wings, which raise the RMS
-/// above the sigma that contains 68.3 %; above twice that sigma the wings dominate.
+/// Largest RMS with which a model is accepted, in units of the sigma in its file. Flares and misidentified satellites
+/// form wings, which raise the RMS above the sigma that contains 68.3 %. Above twice that sigma the wings dominate.
 const RMS_TOLERANCE_SIGMA: f64 = 2.0;
 
 /// Kind of a reference.
@@ -26,11 +26,11 @@ const RMS_TOLERANCE_SIGMA: f64 = 2.0;
 pub enum ReferenceKind {
     /// A published mean, compared with the model's mean over [`POPULATION`](super::POPULATION).
     Mean,
-    /// A published phase function, over the same geometries within its range of validity.
+    /// A published phase function, compared over the same geometries within the phase function's range of validity.
     PhaseCurve,
     /// Measured magnitudes, each in its own geometry.
     Photometry,
-    /// No reference for these satellites.
+    /// There is no reference for these satellites.
     None,
 }
 
@@ -48,11 +48,11 @@ impl ReferenceKind {
 /// Result of a comparison.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Agreement within the tolerances of [`compare`].
+    /// The model agrees with the reference within the tolerances of [`compare`].
     Ok,
-    /// Outside the tolerances.
+    /// The model differs from the reference by more than the tolerances.
     Off,
-    /// No data to compare with.
+    /// There are no data to compare with.
     NoData,
 }
 
@@ -66,8 +66,8 @@ impl Verdict {
     }
 }
 
-/// One model and one reference. Magnitudes are V (Vega) at 1000 km for any band of the model; differences are reference
-/// minus model.
+/// Comparison of one model with one reference. Magnitudes are V (Vega) at a range of 1000 km, whatever the band of the
+/// model; differences are reference minus model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Name of the model.
@@ -76,7 +76,7 @@ pub struct Comparison {
     pub satellites: Option<&'static str>,
     /// Kind of the reference.
     pub kind: ReferenceKind,
-    /// Publication of the reference; empty for none.
+    /// Publication of the reference; empty if there is no reference.
     pub reference: &'static str,
     /// Number of geometries or measurements compared.
     pub n: usize,
@@ -84,20 +84,21 @@ pub struct Comparison {
     pub model_mean_mag: Option<f64>,
     /// Standard deviation of the model over these geometries or measurements, mag.
     pub model_sd_mag: Option<f64>,
-    /// Mean of the reference: as published, or over the same geometries or measurements, mag.
+    /// Mean of the reference, mag: as published, or over the same geometries or measurements.
     pub reference_mean_mag: Option<f64>,
     /// Standard deviation of the reference, mag.
     pub reference_sd_mag: Option<f64>,
     /// Mean of reference minus model, mag.
     pub difference_mag: Option<f64>,
-    /// Root mean square of reference minus model, mag; `None` against a mean.
+    /// Root mean square of reference minus model, mag; `None` if the reference is a published mean.
     pub rms_mag: Option<f64>,
-    /// 1.4826 times the median absolute deviation of reference minus model, mag; `None` against a mean.
+    /// 1.4826 times the median absolute deviation of reference minus model, mag; `None` if the reference is a published
+    /// mean.
     pub core_mag: Option<f64>,
-    /// Sigma of a single prediction in the model's file, mag.
+    /// Uncertainty (one sigma) of a single prediction as stated in the model's file, mag.
     pub sigma_mag: f64,
-    /// Fraction of reference minus model within that sigma; against a mean, fraction of the model's magnitudes within
-    /// the published standard deviation of the published mean.
+    /// Fraction of the differences that are within that sigma. If the reference is a published mean: fraction of the
+    /// model's magnitudes that are within the published standard deviation of it.
     pub within_one_sigma: Option<f64>,
     /// Result of the comparison.
     pub verdict: Verdict,
@@ -107,15 +108,15 @@ pub struct Comparison {
 ///
 /// The model's name or an alias selects the references. The model agrees
 ///
-/// * with a published mean if the means differ by no more than the standard deviation of the survey, whose geometries
-///   differ from those of the population;
-/// * with a published curve if neither the mean nor the RMS of the differences exceeds that standard deviation: the
-///   survey scatters as much about its own curve, and a model that depends on more angles than the phase deviates from
-///   it;
-/// * with measurements if the mean differs by no more than [`OFFSET_TOLERANCE_MAG`], the core is no more than 1.15 and
-///   the RMS no more than 2 times the sigma in the model's file.
+/// * with a published mean if the two means differ by no more than the standard deviation of the survey, because the
+///   geometries of the survey differ from those of the population;
+/// * with a published curve if neither the mean nor the RMS of the differences exceeds that standard deviation, because
+///   the survey scatters as much about its own curve, and a model that depends on more angles than the phase angle
+///   differs from it;
+/// * with measurements if the mean difference is no more than [`OFFSET_TOLERANCE_MAG`], the core no more than 1.15
+///   times and the RMS no more than 2 times the sigma in the model's file.
 ///
-/// Returns at least one row.
+/// The result has at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
     let name = model.file().map(|file| file.name.clone()).unwrap_or_default();
     let sigma_mag = model.file().map_or(f64::NAN, |file| file.sigma_mag);
@@ -164,14 +165,14 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
     rows
 }
 
-/// Magnitude of the model in one geometry of the population.
+/// Magnitude of the model in one geometry of the population, with its weight.
 struct Modelled {
     magnitude: f64,
     weight: f64,
     phase_rad: f64,
 }
 
-/// Largest differences of an agreement, mag.
+/// Largest differences for which model and reference agree, mag.
 struct Tolerances {
     mean_mag: f64,
     core_mag: f64,
@@ -205,7 +206,7 @@ fn with_curve(blank: &Comparison, curve: &PublishedCurve, sd_mag: f64, modelled:
     with_pairs(row, tolerances, pairs.collect())
 }
 
-/// Completes a row from triples of reference, model and weight.
+/// Completes a row from triples of a reference magnitude, a model magnitude and a weight.
 fn with_pairs(row: Comparison, tolerances: Tolerances, pairs: Vec<(f64, f64, f64)>) -> Comparison {
     let differences = || pairs.iter().map(|&(reference, model, weight)| (reference - model, weight));
     let reference = ResidualStatistics::weighted(pairs.iter().map(|&(reference, _, weight)| (reference, weight)));
@@ -256,7 +257,7 @@ const COLUMNS: [Column; 15] = [
     Column::new("verdict", Kind::Text, "ok, off, or no data."),
 ];
 
-/// Table with one row per comparison.
+/// Returns a table with one row per comparison.
 pub fn comparison_table(comparisons: &[Comparison]) -> Table {
     let row = |one: &Comparison| {
         let is_compared = one.model_mean_mag.is_some();

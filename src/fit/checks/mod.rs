@@ -1,8 +1,8 @@
 //! Comparison of brightness models with published means, phase functions and measurements.
 //!
-//! `published` lists means and phase functions with their sources, `population` the geometries over which a model is
-//! averaged, `photometry` reads measured magnitudes from a folder of published files, `comparison` makes one row per
-//! model and reference.
+//! `published` lists means and phase functions with their sources. `population` defines the geometries over which a
+//! model is averaged. `photometry` reads measured magnitudes from a folder of published files. `comparison` makes one
+//! row per model and reference.
 //!
 //! ```
 //! use streakcast::fit::checks::{Verdict, compare};

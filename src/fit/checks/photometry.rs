@@ -1,4 +1,4 @@
-//! Published measurements read from a data folder, with the geometry of each.
+//! Published measurements, read from a data folder, with their viewing geometries.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -23,14 +23,14 @@ pub enum DataSet {
     Mmt9OneWeb,
     /// Iridium NEXT, MMT-9.
     Mmt9IridiumNext,
-    /// Payloads of qs.mag.
+    /// Payloads in the list qs.mag of visual observers.
     AmateursPayloads,
-    /// Rocket bodies of qs.mag.
+    /// Rocket bodies in the list qs.mag of visual observers.
     AmateursRocketBodies,
 }
 
 impl DataSet {
-    /// All sets.
+    /// All sets of measurements.
     pub const ALL: [Self; 7] = [
         Self::Pomenis,
         Self::SlingshotV2,
@@ -41,7 +41,7 @@ impl DataSet {
         Self::AmateursRocketBodies,
     ];
 
-    /// Survey and publication.
+    /// Returns the survey and its publication.
     pub fn source(self) -> &'static str {
         match self {
             Self::Pomenis => "Pomenis (Fankhauser, Tyson and Askari 2023)",
@@ -53,7 +53,7 @@ impl DataSet {
         }
     }
 
-    /// Path of its file in a data folder.
+    /// Returns the path of the set's file in a data folder.
     pub fn path(self) -> &'static str {
         match self {
             Self::Pomenis => "photometry/pomenis/pomenis_observations.csv",
@@ -69,7 +69,7 @@ impl DataSet {
         match self {
             Self::Pomenis => read_survey(path, Format::Pomenis, None),
             Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
-            // Without element sets: circular orbits at the height used in the fit.
+            // Without element sets, circular orbits at the height that was used in the fit are assumed.
             Self::Mmt9VisorSat => read_survey(path, Format::Mmt, Some(540.0)),
             Self::Mmt9OneWeb => read_survey(path, Format::Mmt, Some(1200.0)),
             Self::Mmt9IridiumNext => read_survey(path, Format::Mmt, Some(780.0)),
@@ -79,20 +79,20 @@ impl DataSet {
     }
 }
 
-/// One published magnitude to compare a model with.
+/// One published magnitude with which a model is compared.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ReferenceMeasurement {
     /// Magnitude at 1000 km, taken as V (Vega), although some surveys are unfiltered.
     pub magnitude: StandardMagnitude,
-    /// Angle Sun-satellite-observer, [0, π], radians.
+    /// Phase angle Sun-satellite-observer, [0, π], radians.
     pub phase_rad: f64,
-    /// All angles; `None` if only the phase is known.
+    /// Complete viewing geometry; `None` if only the phase angle is known.
     pub geometry: Option<ViewingGeometry>,
 }
 
 impl ReferenceMeasurement {
-    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the
-    /// model requires unknown angles.
+    /// Returns the magnitude of the model in this geometry, V (Vega) at a range of 1000 km. `None` if no lit surface is
+    /// visible, or if the model requires angles that are unknown.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
@@ -100,20 +100,21 @@ impl ReferenceMeasurement {
     }
 }
 
-/// Magnitude of a model in full sunlight at 1000 km, converted from its own band to V (Vega).
+/// Returns the magnitude of a model in full sunlight at a range of 1000 km, converted from the model's band to V
+/// (Vega).
 pub(super) fn in_v(model: &BrightnessModel, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
     let colour_mag = model.colour_to_mag(Band::V, MagSystem::Vega);
     model.standard_magnitude(geometry).map(|magnitude| StandardMagnitude(magnitude.0 + colour_mag))
 }
 
-/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to
-/// 90°, opposite beyond.
+/// Returns a geometry with this phase angle. The Sun is in the plane of the chassis. The observer is in the Sun's half
+/// plane for phase angles up to 90°, and in the opposite half plane beyond.
 fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     let (longitude, latitude) = if phase_rad <= FRAC_PI_2 { (0.0, -phase_rad) } else { (PI, phase_rad - PI) };
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// All rows in the survey's usual filter in full sunlight (100 km rule of the paper).
+/// Returns all rows in the survey's usual filter whose satellite is in full sunlight by the 100 km rule of Lu (2024).
 fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, FitError> {
     let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
     let mut reader = RecordReader::open(&[path], &options)?;
@@ -130,9 +131,9 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Ve
     Ok(points.collect())
 }
 
-/// Standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
+/// Reads standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, on which the priors are based.
 ///
-/// Selection by name: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
+/// The name selects the kind of object: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
 fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, FitError> {
     let unreadable = |problem: String| FitError::CheckUnreadable { path: path.to_owned(), problem };
     let bytes = input::read(path).map_err(|error| unreadable(error.to_string()))?;
@@ -148,18 +149,18 @@ fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurem
     Ok(listed.collect())
 }
 
-/// All measurements in a data folder.
+/// All measurements found in a data folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Photometry {
     sets: BTreeMap<DataSet, Vec<ReferenceMeasurement>>,
 }
 
 impl Photometry {
-    /// Reads every known file in the folder.
+    /// Reads every known file that is in the folder.
     ///
     /// # Errors
     /// * [`FitError::NoPhotometry`] if none of the files exists;
-    /// * the other variants for a file that exists and is invalid.
+    /// * the other variants if a file exists but is invalid.
     pub fn read(folder: &Path) -> Result<Self, FitError> {
         let mut sets = BTreeMap::new();
         for set in DataSet::ALL {
@@ -176,7 +177,7 @@ impl Photometry {
         Ok(Self { sets })
     }
 
-    /// The measurements of one set; `None` if its file is missing.
+    /// Returns the measurements of one set; `None` if its file is missing.
     pub fn get(&self, set: DataSet) -> Option<&[ReferenceMeasurement]> {
         self.sets.get(&set).map(Vec::as_slice)
     }

@@ -1,14 +1,15 @@
-//! Geometries over which a model is averaged: satellites of a shell above a mid-latitude site during twilight.
+//! Geometries over which a model is averaged: satellites of one orbital shell above a mid-latitude site during
+//! twilight.
 //!
 //! ```text
 //! weight of a direction = cos(altitude) · ρ² / cos θ · 1 / √(sin² i - sin² φ)
 //!                         sky element     on the shell   satellites there
 //! ```
 //!
-//! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the satellite
-//! and i the inclination: a sky element covers ρ²/cos θ of the shell, and the last factor is the density of circular
-//! orbits with evenly spread nodes and satellites. Observer on a sphere of 6378.137 km; the shadow is that of the
-//! ellipsoid.
+//! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the
+//! satellite, and i the inclination. A solid angle of the sky covers an area proportional to ρ²/cos θ on the shell. The
+//! last factor is the density of satellites on circular orbits with evenly distributed nodes. The observer is on a
+//! sphere of 6378.137 km; the shadow is that of the ellipsoid.
 
 use nalgebra::Vector3;
 
@@ -16,23 +17,24 @@ use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Gcrs, Position};
 use crate::geometry::{ViewingGeometry, illumination};
 
-/// Description of the population for the provenance of tables.
+/// Description of the geometries, for the provenance of tables.
 pub const POPULATION: &str = "satellites of the shell in full sunlight above 30 deg altitude, site at latitude 40 deg, equinox, \
                               Sun's altitude from -12 to -30 deg in even steps of time; magnitudes at 1000 km by sunlight";
-/// Latitude of the site, degrees; equal for north and south at the equinox.
+/// Latitude of the site, degrees. At the equinox, north and south are equivalent.
 const SITE_LATITUDE_DEG: f64 = 40.0;
-/// Least altitude of a satellite, degrees.
+/// Lowest altitude of a satellite, degrees.
 const LEAST_ALTITUDE_DEG: f64 = 30.0;
-/// First and last altitude of the Sun, degrees. Dawn mirrors dusk and is omitted.
+/// First and last altitude of the Sun, degrees. Morning twilight is the mirror image of evening twilight and is
+/// omitted.
 const SUN_ALTITUDES_DEG: [f64; 2] = [-12.0, -30.0];
 
-/// Numbers of equal steps in time, altitude and azimuth; geometries are taken at their middles.
+/// Numbers of equal steps in time, altitude and azimuth. Geometries are computed for the middle of each step.
 const STEPS: [usize; 3] = [12, 30, 72];
 
-/// Geometries of circular orbits `height_km` above 6378.137 km with this inclination, degrees, [0, 180], each weighted
-/// by the number of satellites, in an arbitrary unit.
+/// Returns viewing geometries of satellites on circular orbits `height_km` above 6378.137 km with this inclination,
+/// degrees, [0, 180]. Each has a weight proportional to the number of satellites.
 ///
-/// Empty if no satellite is in this part of the sky, or if all are in the shadow.
+/// Empty if no satellite is in this part of the sky, or if all of them are in the Earth's shadow.
 pub(super) fn shell_geometries(height_km: f64, inclination_deg: f64) -> Vec<(ViewingGeometry, f64)> {
     let (sin_site, cos_site) = SITE_LATITUDE_DEG.to_radians().sin_cos();
     let up = Vector3::new(cos_site, 0.0, sin_site);
@@ -40,7 +42,7 @@ pub(super) fn shell_geometries(height_km: f64, inclination_deg: f64) -> Vec<(Vie
     let observer = up * EARTH_EQUATORIAL_RADIUS_KM;
     let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
     let sin_inclination = inclination_deg.to_radians().sin();
-    // The Sun on the equator: sin(altitude) = cos(site) cos(hour angle)
+    // With the Sun on the equator: sin(altitude) = cos(latitude of the site) cos(hour angle)
     let [first, last] = SUN_ALTITUDES_DEG.map(|altitude| (altitude.to_radians().sin() / cos_site).acos());
     let least = LEAST_ALTITUDE_DEG.to_radians();
     let [moments, altitudes, azimuths] = STEPS;
@@ -48,7 +50,7 @@ pub(super) fn shell_geometries(height_km: f64, inclination_deg: f64) -> Vec<(Vie
     let mut geometries = Vec::new();
     for moment in 0..moments {
         let hour_angle = first + (last - first) * middle(moment, moments);
-        // Hour angles count to the west.
+        // Hour angles increase to the west.
         let sun = Position::<Gcrs>::new(AU_KM * hour_angle.cos(), -AU_KM * hour_angle.sin(), 0.0);
         for (i, j) in (0..altitudes).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
             let altitude = least + (std::f64::consts::FRAC_PI_2 - least) * middle(i, altitudes);

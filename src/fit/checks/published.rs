@@ -1,34 +1,35 @@
-//! Published means and phase functions of satellites, magnitudes at 1000 km, each with its source. Angles in degrees.
+//! Published means and phase functions of satellites, as magnitudes at 1000 km, each with its source. Angles are in
+//! degrees.
 //!
-//! The numbers are independent of those in the model files, so that an error in either is found.
+//! These numbers are independent of those in the model files, so that an error in one of the two is found.
 
 use crate::photometry::ModelFile;
 
 use super::photometry::DataSet;
 
-/// Standard deviation assumed for a survey without a stated one, mag. Published values are 0.64 to 0.86, larger for
+/// Standard deviation assumed for a survey that states none, mag. Published values are 0.64 to 0.86, and larger for
 /// satellites at many heights.
 const USUAL_SURVEY_SD_MAG: f64 = 0.7;
 
-/// Mean of a survey.
+/// Published mean magnitude of a survey.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct PublishedMean {
     /// Mean magnitude at 1000 km.
     pub mean_mag: f64,
-    /// Standard deviation of the sample, mag; `None` if the source states none.
+    /// Standard deviation of the survey's magnitudes, mag; `None` if the publication does not state it.
     pub sd_mag: Option<f64>,
     /// Publication.
     pub source: &'static str,
 }
 
 impl PublishedMean {
-    /// Standard deviation of single magnitudes, as published or assumed.
+    /// Returns the standard deviation of single magnitudes, mag, as published or as assumed.
     pub fn survey_sd_mag(&self) -> f64 {
         self.sd_mag.unwrap_or(USUAL_SURVEY_SD_MAG)
     }
 }
 
-/// Polynomial in the Sun-satellite-observer angle.
+/// Published phase function: a polynomial in the Sun-satellite-observer angle.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct PublishedCurve {
     /// Coefficients of φ⁰, φ¹, … with φ in degrees, mag.
@@ -41,7 +42,7 @@ impl PublishedCurve {
     /// Range of validity of the polynomials, degrees.
     const PHASES_DEG: [f64; 2] = [30.0, 150.0];
 
-    /// Magnitude at 1000 km; `None` outside [`Self::PHASES_DEG`].
+    /// Returns the magnitude at 1000 km; `None` outside [`Self::PHASES_DEG`].
     pub fn at(&self, phase_angle_rad: f64) -> Option<f64> {
         let phase = phase_angle_rad.to_degrees();
         let [least, greatest] = Self::PHASES_DEG;
@@ -50,31 +51,33 @@ impl PublishedCurve {
     }
 }
 
-/// Satellites of one kind and the references for their brightness.
+/// Satellites of one type, with the published references for their brightness.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Subject {
     /// Name of the satellites.
     pub name: &'static str,
-    /// Names and aliases of their models; a model name may continue with a hyphen.
+    /// Names and aliases of the models of these satellites. The name of a model may continue with a hyphen.
     pub model_names: &'static [&'static str],
-    /// Height above 6378.137 km and inclination, degrees, of the shell for averages; `None` for any orbit.
+    /// Height above 6378.137 km, in km, and inclination, in degrees, of the shell over which models are averaged;
+    /// `None` for satellites on various orbits.
     pub shell: Option<(f64, f64)>,
     /// Published means.
     pub means: &'static [PublishedMean],
     /// Published phase function.
     pub curve: Option<PublishedCurve>,
-    /// Measurements in a data folder.
+    /// Set of measurements in a data folder.
     pub photometry: Option<DataSet>,
 }
 
 impl Subject {
-    /// Standard deviation of single magnitudes in the survey of the curve, mag: that of the first mean, which is from
-    /// the same survey.
+    /// Returns the standard deviation of single magnitudes in the survey that gave the curve, mag. It is that of the
+    /// first mean, which comes from the same survey.
     pub fn survey_sd_mag(&self) -> f64 {
         self.means.first().map_or(USUAL_SURVEY_SD_MAG, PublishedMean::survey_sd_mag)
     }
 
-    /// Satellites of a model file, by its name first and then by its aliases; the longest matching name is used.
+    /// Returns the satellites of a model file, by its name first and then by its aliases. The longest matching name is
+    /// used.
     pub fn of(file: &ModelFile) -> Option<&'static Self> {
         std::iter::once(&file.name).chain(&file.aliases).find_map(|name| Self::by_name(name))
     }
@@ -98,7 +101,7 @@ const fn curve(coefficients: &'static [f64], source: &'static str) -> Option<Pub
     Some(PublishedCurve { coefficients, source })
 }
 
-/// All known references.
+/// All satellites with published references.
 const SUBJECTS: &[Subject] = &[
     Subject {
         name: "Starlink V1.0",

@@ -1,14 +1,14 @@
 //! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010,
 //! CAMCoS 5, 65).
 //!
-//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on
-//! [1/a, a]; the move is accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013).
-//! Half of the walkers move at a time, so that their probabilities are computed together ([`LogProbability::of_many`]).
-//! Each walker and step has its own random numbers, so that the chain does not depend on the number of threads, and a
-//! continued chain equals an uninterrupted one.
+//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), where z is drawn from g(z) ∝
+//! 1/√z on [1/a, a]. The move is accepted with probability min(1, z^(n-1) p(y)/p(x)), as in emcee (Foreman-Mackey et
+//! al. 2013). Half of the walkers move at the same time, so that their probabilities can be computed together
+//! ([`LogProbability::of_many`]). Each walker has its own random numbers at each step. The chain therefore does not
+//! depend on the number of threads, and a chain that is continued equals an uninterrupted one.
 //!
-//! The integrated autocorrelation time of a chain follows Sokal's windows (1989 lectures, section 3), averaged over
-//! walkers as in emcee:
+//! The integrated autocorrelation time of a chain is computed with Sokal's window (1989 lectures, section 3) and
+//! averaged over walkers, as in emcee:
 //!
 //! ```text
 //! τ(M) = 1 + 2 Σ_{t=1..M} ρ(t),   M the least with M ≥ 5 τ(M)
@@ -19,27 +19,27 @@ use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use super::super::error::FitError;
 
-/// Logarithm of a probability density, up to a constant.
+/// Logarithm of a probability density, up to an additive constant.
 pub trait LogProbability: Sync {
-    /// Values at several positions; -∞ or NaN where the probability is zero.
+    /// Returns the values at several positions; -∞ or NaN where the probability is zero.
     fn of_many(&self, positions: &[Vec<f64>]) -> Vec<f64>;
 }
 
-/// Samples of an ensemble.
+/// Samples drawn by an ensemble of walkers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     walkers: usize,
     parameters: usize,
-    /// Positions of the walkers; shape `(n_step, n_walker, n_param)`, the last index fastest.
+    /// Positions of the walkers, with shape `(n_step, n_walker, n_param)`; the last index varies fastest.
     positions: Vec<f64>,
-    /// Logarithms of the probability; shape `(n_step, n_walker)`.
+    /// Logarithms of the probability density, with shape `(n_step, n_walker)`.
     log_probabilities: Vec<f64>,
-    /// Accepted proposals, `(n_walker)`.
+    /// Number of accepted proposals of each walker, `(n_walker)`.
     accepted: Vec<u64>,
 }
 
 impl Chain {
-    /// Chain from its arrays.
+    /// Creates a chain from its arrays.
     ///
     /// # Errors
     /// [`FitError::ChainShape`] if their lengths do not match.
@@ -61,62 +61,62 @@ impl Chain {
         Ok(Self { walkers, parameters, positions, log_probabilities, accepted })
     }
 
-    /// Number of steps.
+    /// Returns the number of steps.
     pub fn steps(&self) -> usize {
         self.log_probabilities.len().checked_div(self.walkers).unwrap_or(0)
     }
 
-    /// Number of walkers.
+    /// Returns the number of walkers.
     pub fn walkers(&self) -> usize {
         self.walkers
     }
 
-    /// Number of parameters.
+    /// Returns the number of parameters.
     pub fn parameters(&self) -> usize {
         self.parameters
     }
 
-    /// Position of a walker after a step.
+    /// Returns the position of a walker after a step.
     pub fn at(&self, step: usize, walker: usize) -> &[f64] {
         let from = (step * self.walkers + walker) * self.parameters;
         &self.positions[from..from + self.parameters]
     }
 
-    /// All positions, `(n_step, n_walker, n_param)`, the last index fastest.
+    /// Returns all positions, with shape `(n_step, n_walker, n_param)`; the last index varies fastest.
     pub fn positions(&self) -> &[f64] {
         &self.positions
     }
 
-    /// All log probabilities, `(n_step, n_walker)`.
+    /// Returns all log probabilities, with shape `(n_step, n_walker)`.
     pub fn log_probabilities(&self) -> &[f64] {
         &self.log_probabilities
     }
 
-    /// Accepted proposals of each walker.
+    /// Returns the number of accepted proposals of each walker.
     pub fn accepted(&self) -> &[u64] {
         &self.accepted
     }
 
-    /// Fraction of accepted proposals.
+    /// Returns the fraction of proposals that were accepted.
     pub fn acceptance(&self) -> f64 {
         let proposals = self.log_probabilities.len().max(1);
         self.accepted.iter().sum::<u64>() as f64 / proposals as f64
     }
 
-    /// Samples of one parameter after `burn_in` steps, all walkers, step by step.
+    /// Returns the samples of one parameter after `burn_in` steps, for all walkers, step by step.
     pub fn column(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
         let from = (burn_in * self.positions.len() / self.steps().max(1)).min(self.positions.len());
         self.positions[from..].iter().skip(parameter).step_by(self.parameters).copied().collect()
     }
 
-    /// Sorted samples of one parameter after `burn_in` steps.
+    /// Returns the sorted samples of one parameter after `burn_in` steps.
     pub(in crate::fit) fn sorted(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
         let mut samples = self.column(parameter, burn_in);
         samples.sort_by(f64::total_cmp);
         samples
     }
 
-    /// Means `(n_param)` and covariance `(n_param, n_param)` of the steps after `burn_in`.
+    /// Returns the means `(n_param)` and the covariance `(n_param, n_param)` of the steps after `burn_in`.
     pub(in crate::fit) fn moments(&self, burn_in: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
         let n = self.parameters;
         let rows = || {
@@ -133,10 +133,10 @@ impl Chain {
     }
 }
 
-/// Checks the number of walkers: even, and at least twice the number of parameters.
+/// Checks the number of walkers, which must be even and at least twice the number of parameters.
 ///
 /// # Errors
-/// [`FitError::Walkers`].
+/// [`FitError::Walkers`] for an invalid number.
 pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), FitError> {
     let least = (2 * parameters).max(4);
     if walkers < least || walkers % 2 == 1 {
@@ -145,7 +145,7 @@ pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), FitError> 
     Ok(())
 }
 
-/// Walkers with their chain.
+/// Walkers at their current positions, with the chain so far.
 pub(in crate::fit) struct Ensemble<'a, P> {
     posterior: &'a P,
     seed: u64,
@@ -155,11 +155,11 @@ pub(in crate::fit) struct Ensemble<'a, P> {
 }
 
 impl<'a, P: LogProbability> Ensemble<'a, P> {
-    /// Ensemble with one walker at each starting position.
+    /// Creates an ensemble with one walker at each starting position.
     ///
     /// # Errors
-    /// [`FitError`]: too few or an odd number of walkers, a starting position of probability zero, or positions
-    /// that do not differ.
+    /// [`FitError`] if the number of walkers is too small or odd, a starting position has probability zero, or all
+    /// starting positions are equal in a parameter.
     pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, FitError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
@@ -174,7 +174,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
         Ok(Self { posterior, seed, positions: starts, log_probabilities, chain })
     }
 
-    /// Continues a chain of the same posterior and seed.
+    /// Continues a chain that was drawn from the same posterior with the same seed.
     ///
     /// # Errors
     /// [`FitError::ChainShape`] if the chain is empty; the errors of [`Self::new`] if its last positions are invalid.
@@ -191,7 +191,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
         let walkers = self.positions.len();
         let step = self.chain.steps();
         for half in 0..2 {
-            // Even walkers against odd ones, then odd against even.
+            // First the even walkers move along lines to the odd ones, then the reverse.
             let moved: Vec<usize> = (half..walkers).step_by(2).collect();
             let mut decisions = Vec::with_capacity(moved.len());
             let mut factors = Vec::with_capacity(moved.len());
@@ -206,7 +206,8 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
             }
             let values = self.posterior.of_many(&proposals);
             for (k, (walker, to)) in moved.into_iter().zip(proposals).enumerate() {
-                // ln q = (n - 1) ln z + ln p(y) - ln p(x); a comparison with NaN is false
+                // ln q = (n - 1) ln z + ln p(y) - ln p(x). A comparison with NaN is false, so that such a move is
+                // rejected.
                 if decisions[k].ln() < factors[k] + values[k] - self.log_probabilities[walker] {
                     self.positions[walker] = to;
                     self.log_probabilities[walker] = values[k];
@@ -218,29 +219,29 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
         self.chain.log_probabilities.extend_from_slice(&self.log_probabilities);
     }
 
-    /// The samples so far.
+    /// Returns the samples so far.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
 
-    /// Returns the samples.
+    /// Converts the ensemble into its samples.
     pub fn into_chain(self) -> Chain {
         self.chain
     }
 }
 
-/// Three uniform numbers from [0, 1): one stream of ChaCha8 per walker, one block of it per step.
+/// Returns three uniform numbers from [0, 1). Each walker has its own stream of ChaCha8, and each step one block of it.
 fn draws(seed: u64, walker: usize, step: usize) -> [f64; 3] {
-    /// 32-bit words in a block.
+    /// Number of 32-bit words in a block.
     const BLOCK_WORDS: u128 = 16;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(walker as u64);
     random.set_word_pos(step as u128 * BLOCK_WORDS);
-    // The upper 53 bits as a fraction.
+    // The upper 53 bits give the fraction.
     std::array::from_fn(|_| (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
 }
 
-/// Scale a of the distribution g.
+/// Parameter a of the distribution g.
 const SCALE: f64 = 2.0;
 
 /// Proposed move of a walker.
@@ -250,7 +251,7 @@ struct Proposal {
     log_factor: f64,
 }
 
-/// Proposal from a walker's position and one of the other half, by a uniform number from [0, 1).
+/// Returns a proposal from a walker's position and that of a walker of the other half; `uniform` is from [0, 1).
 fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
     // z = ((a - 1) u + 1)² / a
     let z = ((SCALE - 1.0) * uniform + 1.0).powi(2) / SCALE;
@@ -258,22 +259,22 @@ fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
     Proposal { to, log_factor: (from.len() as f64 - 1.0) * z.ln() }
 }
 
-/// Factor c in the window of the autocorrelation time, M ≥ c τ(M).
+/// Factor c in the window M ≥ c τ(M) of the autocorrelation time.
 const WINDOW: f64 = 5.0;
-/// Least length of a chain with a reliable τ, in units of τ.
+/// Smallest length of a chain, in units of τ, for which τ is reliable.
 const TRUSTED: f64 = 50.0;
 
 /// Integrated autocorrelation time of one parameter.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AutocorrelationTime {
-    /// τ, steps; NaN if the parameter never moved.
+    /// Autocorrelation time τ in steps; NaN if the parameter never changed.
     pub steps: f64,
-    /// True if the chain is longer than 50 τ; in shorter chains τ is mostly underestimated.
+    /// True if the chain is longer than 50 τ; for shorter chains τ is usually underestimated.
     pub is_trusted: bool,
 }
 
-/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window
-/// (1989 lectures, section 3).
+/// Returns the autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with
+/// Sokal's window (1989 lectures, section 3).
 pub fn autocorrelation_times(chain: &Chain, burn_in: usize) -> Vec<AutocorrelationTime> {
     let steps = chain.steps().saturating_sub(burn_in);
     (0..chain.parameters())
@@ -303,7 +304,7 @@ fn integrated(tracks: &[Vec<f64>], steps: usize) -> f64 {
     for lag in 0..steps {
         let rho =
             tracks.iter().zip(&zero).map(|(track, zero)| product(track, lag) / zero).sum::<f64>() / tracks.len() as f64;
-        // τ(M) = 1 + 2 Σ_{t=1..M} ρ(t), M the least with M ≥ 5 τ(M)
+        // τ(M) = 1 + 2 Σ_{t=1..M} ρ(t), where M is the smallest number with M ≥ 5 τ(M)
         sum += rho;
         tau = 2.0 * sum - 1.0;
         // τ is NaN if a walker never moved.

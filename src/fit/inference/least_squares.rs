@@ -1,43 +1,45 @@
-//! Levenberg-Marquardt minimisation between bounds.
+//! Levenberg-Marquardt minimisation with bounds.
 //!
 //! Each step minimises the quadratic model of the cost, damped along its diagonal, within the bounds
-//! ([`minimise_in_box`]), so that the step itself holds unknowns at a bound or releases them. Damping follows the ratio
-//! of the actual to the predicted decrease (Nielsen 1999, IMM-REP-1999-05; Madsen, Nielsen and Tingleff 2004, eq.
+//! ([`minimise_in_box`]), so that unknowns are held at a bound or released by the step itself. The damping follows the
+//! ratio of the actual to the predicted decrease (Nielsen 1999, IMM-REP-1999-05; Madsen, Nielsen and Tingleff 2004, eq.
 //! 3.17).
 //!
-//! The step minimises q(x) = ½ xᵀ A x - bᵀ x for least ≤ x ≤ greatest, A symmetric and positive definite, by an
-//! active-set method (Stark and Parker 1995, Computational Statistics 10, 129, on the normal equations): unknowns are
-//! held at a bound while the gradient points beyond it, and the others are solved for. It suits some ten unknowns.
+//! The step minimises q(x) = ½ xᵀ A x - bᵀ x for least ≤ x ≤ greatest, where A is symmetric and positive definite, by
+//! an active-set method (Stark and Parker 1995, Computational Statistics 10, 129, applied to the normal equations).
+//! Unknowns are held at a bound while the gradient points beyond it, and the others are solved for. The method is
+//! suitable for about ten unknowns.
 
 use nalgebra::{DMatrix, DVector};
 
-/// Cost C(x) = ½ Σ ρ(r²) with its gradient and Gauss-Newton curvature.
+/// Cost C(x) = ½ Σ ρ(r²), with its gradient and Gauss-Newton curvature.
 pub trait NormalEquations: Sync {
-    /// C(x); +∞ where it is undefined.
+    /// Returns C(x); +∞ where it is undefined.
     fn cost(&self, x: &[f64]) -> f64;
-    /// C(x), the gradient JᵀW r `(n)` and JᵀW J `(n, n)`, with r = data - model and J its derivatives.
+    /// Returns C(x), the gradient JᵀW r `(n)` and the curvature JᵀW J `(n, n)`, where r = data - model and J is its
+    /// Jacobian.
     fn equations(&self, x: &[f64]) -> (f64, DVector<f64>, DMatrix<f64>);
 }
 
-/// Stopping rules.
+/// Rules that end a descent.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LeastSquares {
     /// Largest number of evaluations of the cost.
     pub greatest_evaluations: usize,
-    /// Largest relative decrease of the cost, actual and predicted, at which the descent stops.
+    /// The descent stops if the actual and the predicted relative decrease of the cost are below this.
     pub cost_tolerance: f64,
-    /// Largest relative change of each unknown at which the descent stops.
+    /// The descent stops if the relative change of each unknown is below this.
     pub step_tolerance: f64,
 }
 
 impl Default for LeastSquares {
-    /// 300 evaluations, 1e-12 of the cost, 1e-10 of the unknowns.
+    /// Returns 300 evaluations, 1e-12 of the cost and 1e-10 of the unknowns.
     fn default() -> Self {
         Self { greatest_evaluations: 300, cost_tolerance: 1e-12, step_tolerance: 1e-10 }
     }
 }
 
-/// Stopping reason.
+/// Reason for which a descent stopped.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Stop {
     /// The cost no longer decreases.
@@ -53,17 +55,17 @@ pub enum Stop {
 /// Result of a descent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Minimum {
-    /// The unknowns.
+    /// Values of the unknowns.
     pub x: Vec<f64>,
-    /// The cost there.
+    /// Cost at the minimum.
     pub cost: f64,
-    /// JᵀW J there, `(n, n)`.
+    /// Curvature JᵀW J at the minimum, `(n, n)`.
     pub curvature: DMatrix<f64>,
-    /// Stopping reason.
+    /// Reason for which the descent stopped.
     pub stop: Stop,
 }
 
-/// Local minimum reached from `start` (moved into the bounds).
+/// Returns the local minimum that is reached from `start`, which is first moved into the bounds.
 pub(in crate::fit) fn minimise(
     problem: &impl NormalEquations,
     start: &[f64],
@@ -122,9 +124,9 @@ pub(in crate::fit) fn minimise(
     Minimum { x, cost, curvature, stop }
 }
 
-/// Limit of rounds, far above the usual number.
+/// Largest number of rounds, far above the usual number.
 const GREATEST_ROUNDS: usize = 200;
-/// Slope relative to its terms below which it is a rounding error.
+/// A slope that is smaller than this fraction of its terms is a rounding error.
 const SLOPE_ROUNDING: f64 = 1e-13;
 
 #[derive(Copy, Clone, PartialEq)]
@@ -134,10 +136,10 @@ enum At {
     Between,
 }
 
-/// Minimum of q, from `start` moved into the bounds.
+/// Returns the minimum of q, starting from `start` moved into the bounds.
 ///
-/// A ridge of 1e-12 of its diagonal is added to a singular A, so that one of many minima is returned. `None` if a
-/// number is not finite.
+/// If A is singular, a ridge of 1e-12 of its diagonal is added, which selects one of many minima. `None` if a number is
+/// not finite.
 pub(in crate::fit) fn minimise_in_box(
     a: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -203,7 +205,7 @@ pub(in crate::fit) fn minimise_in_box(
     Some(x)
 }
 
-/// A_ff x_f = b_f - A_fh x_h for the free unknowns.
+/// Solves A_ff x_f = b_f - A_fh x_h for the free unknowns.
 fn solve_free(a: &DMatrix<f64>, b: &DVector<f64>, x: &[f64], free: &[usize]) -> Option<Vec<f64>> {
     let k = free.len();
     let is_free = |j: usize| free.contains(&j);

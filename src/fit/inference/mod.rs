@@ -1,7 +1,7 @@
 //! Minimisation and sampling of functions of a vector, independent of satellites.
 //!
-//! `least_squares` minimises a sum of losses by Levenberg and Marquardt's method between bounds; `ensemble` draws from
-//! a posterior with the stretch move of Goodman and Weare (2010) and computes autocorrelation times.
+//! `least_squares` minimises a sum of losses with bounds by the Levenberg-Marquardt method. `ensemble` draws from a
+//! posterior by the stretch move of Goodman and Weare (2010) and computes autocorrelation times.
 
 mod ensemble;
 mod least_squares;

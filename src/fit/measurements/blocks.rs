@@ -1,4 +1,4 @@
-//! Files of any length, plain or gzipped, as a head and blocks of whole rows.
+//! Reader of files of any length, plain or gzipped, that returns the head and then blocks of whole rows.
 
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
@@ -9,11 +9,11 @@ use super::super::error::FitError;
 use crate::elements::NoradId;
 use crate::input;
 
-/// Bytes per block.
+/// Number of bytes per block.
 const BLOCK: usize = 1 << 20;
-/// Longest row, bytes; files without line ends are rejected.
+/// Longest accepted row, bytes. It makes the reader reject files without line ends.
 const LONGEST_ROW: usize = 1 << 24;
-/// Column that marks MMT-9's raw text, whose header is its last comment.
+/// Column by which raw text of MMT-9 is recognised. The header of such a file is its last comment.
 const MMT_MARK: &str = "StdMag";
 
 /// Separator of columns.
@@ -25,19 +25,19 @@ pub(super) enum Delimiter {
     Byte(u8),
 }
 
-/// Head of a table.
+/// Head of a table: the names of the columns and information from comments.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Head {
     pub header: Vec<String>,
     pub delimiter: Delimiter,
-    /// Number from a comment `# satellite: 64559 NAME`, if the catalogue is NORAD's.
+    /// NORAD number in a comment such as `# satellite: 64559 NAME`, unless another comment names a different catalogue.
     pub norad_id: Option<NoradId>,
 }
 
 /// Reader of blocks of whole rows.
 pub(super) struct Blocks {
     source: Box<dyn BufRead + Send>,
-    /// Beginning of the next block.
+    /// Bytes that were read after the last whole row; they begin the next block.
     rest: Vec<u8>,
     is_at_end: bool,
 }
@@ -50,7 +50,7 @@ impl Blocks {
         Self::of(Box::new(file), name)
     }
 
-    /// Decompresses if needed and reads the head.
+    /// Decompresses the source if needed and reads its head.
     pub(super) fn of(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), FitError> {
         let unreadable = |error: io::Error| FitError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let mut raw = BufReader::with_capacity(BLOCK, source);
@@ -94,7 +94,7 @@ impl Blocks {
         Ok((head, Self { source, rest, is_at_end: false }))
     }
 
-    /// Next whole rows; `None` after the last.
+    /// Returns the next whole rows; `None` after the last row.
     pub(super) fn next(&mut self) -> io::Result<Option<Vec<u8>>> {
         if self.is_at_end && self.rest.is_empty() {
             return Ok(None);
@@ -119,7 +119,7 @@ impl Blocks {
     }
 }
 
-/// Position after the last line end outside quotation marks.
+/// Returns the position after the last line end that is not inside quotation marks.
 fn last_row_end(block: &[u8]) -> Option<usize> {
     if !block.contains(&b'"') {
         return block.iter().rposition(|byte| *byte == b'\n').map(|at| at + 1);
@@ -135,7 +135,8 @@ fn last_row_end(block: &[u8]) -> Option<usize> {
     end
 }
 
-/// NORAD number from a comment `satellite: 64559 PADRE`, unless a comment `catalogue: ...` names another catalogue.
+/// Returns the NORAD number in a comment `satellite: 64559 PADRE`, unless a comment `catalogue: ...` names another
+/// catalogue.
 fn norad_of(comments: &[String]) -> Option<NoradId> {
     let value = |key: &str| comments.iter().find_map(|comment| comment.strip_prefix(key)?.strip_prefix(':'));
     if value("catalogue").is_some_and(|catalogue| !catalogue.contains("NORAD")) {

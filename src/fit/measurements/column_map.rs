@@ -1,11 +1,11 @@
-//! Column mapping for custom tables: contents, units and time scale of columns.
+//! Column map for custom tables: which column contains which quantity, with units and time scale.
 //!
 //! ```text
 //! time=Date,time_scale=utc,magnitude=Mag,filter=Filter,distance=Range,phase=Phase,track=Track
 //! latitude=43.65,longitude=41.43,site_height=2030
 //! ```
 //!
-//! The same as a small TOML file (`time = "Date"`), or as JSON. Keys:
+//! The same map may be given as a small TOML file (`time = "Date"`) or as JSON. Keys:
 //!
 //! | key | column of |
 //! |---|---|
@@ -27,7 +27,7 @@ use hifitime::TimeScale;
 
 use super::super::error::FitError;
 
-/// Content of a column.
+/// Quantity that a column contains.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Field {
     Time,
@@ -77,28 +77,28 @@ impl Field {
     ];
 }
 
-/// Number of kinds of columns.
+/// Number of quantities.
 pub(super) const FIELDS: usize = Field::ALL.len();
 
-/// Mapping from contents to columns.
+/// Map from quantities to columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnMap {
-    /// Name of the column by [`Field`], or a number for the site.
+    /// Name of the column of each [`Field`], or a number for the site.
     pub(super) columns: [Option<String>; FIELDS],
-    /// Columns that may be missing.
+    /// Quantities whose columns may be missing.
     pub(super) optional: Vec<Field>,
-    /// Time scale.
+    /// Time scale of all times.
     pub(super) time_scale: Option<TimeScale>,
-    /// Unit of angles, radians.
+    /// Unit of angles, in radians.
     pub(super) angle_rad: f64,
-    /// Unit of distances, km.
+    /// Unit of distances, in km.
     pub(super) distance_km: f64,
-    /// Unit of heights, km.
+    /// Unit of heights, in km.
     pub(super) height_km: f64,
 }
 
 impl Default for ColumnMap {
-    /// No columns; degrees and kilometres.
+    /// Returns a map without columns, with degrees and kilometres as units.
     fn default() -> Self {
         Self {
             columns: [const { None }; FIELDS],
@@ -112,13 +112,14 @@ impl Default for ColumnMap {
 }
 
 impl ColumnMap {
-    /// Parses pairs `key=column` separated by commas or line ends, TOML, or JSON (text that begins with a brace).
+    /// Parses a column map: pairs `key=column` separated by commas or line ends, TOML, or JSON (text that begins with a
+    /// brace).
     ///
     /// # Errors
-    /// * invalid text, an unknown or repeated key;
-    /// * an unknown unit or time scale;
-    /// * a missing magnitude, or a time without a scale;
-    /// * an incomplete pair of coordinates.
+    /// * the text is invalid, or a key is unknown or repeated;
+    /// * a unit or time scale is unknown;
+    /// * the magnitude is missing, or a time has no scale;
+    /// * a pair of coordinates is incomplete.
     pub fn from_text(text: &str) -> Result<Self, FitError> {
         let mut map = Self::default();
         for (key, value) in pairs(text)? {
@@ -127,7 +128,7 @@ impl ColumnMap {
         map.checked()
     }
 
-    /// Map of fixed columns with times in UTC.
+    /// Creates a map of fixed columns with times in UTC.
     pub(super) fn of(columns: &[(Field, &str)]) -> Self {
         let mut map = Self { time_scale: Some(TimeScale::UTC), ..Self::default() };
         for (field, column) in columns {
@@ -212,7 +213,7 @@ fn wrong(problem: String) -> FitError {
     FitError::ColumnMap { problem }
 }
 
-/// Keys and values.
+/// Returns the keys and values in a text.
 fn pairs(text: &str) -> Result<Vec<(String, String)>, FitError> {
     let plain = |value: &serde_json::Value| match value {
         serde_json::Value::String(text) => Some(text.clone()),

@@ -1,12 +1,14 @@
 //! Mode and interquartile range of a sample.
 //!
-//! **Half-sample mode** (Robertson and Cryer 1974, JASA 69, 1012; Bickel and Frühwirth 2006, CSDA 50, 3500): the
-//! narrowest interval with half of the values of a sorted sample, then the narrowest half of that, until three values
-//! or fewer are left. It requires no width, is robust against outliers on one side, and takes n + n/2 + n/4 … steps. It
-//! scatters more than a kernel's mode (0.2 mag for a hundred points of a normal distribution with sigma 0.4).
+//! **Half-sample mode** (Robertson and Cryer 1974, JASA 69, 1012; Bickel and Frühwirth 2006, CSDA 50, 3500). The
+//! narrowest interval with half of the values of a sorted sample is found, then the narrowest half of that interval,
+//! until at most three values are left. The method needs no width parameter, is robust against outliers on one side,
+//! and takes n + n/2 + n/4 + … steps. It scatters more than the kernel mode (0.2 mag for a hundred points of a normal
+//! distribution with a sigma of 0.4 mag).
 //!
-//! **Kernel mode**: the maximum of a sum of normal curves at the points, with sigma by Silverman's rule (1986, eq.
-//! 3.31). Smoother, and biased towards the longer wing by about the kernel's width.
+//! **Kernel mode**. The maximum of a sum of normal curves at the points, whose sigma follows Silverman's rule (1986,
+//! eq. 3.31). It is smoother than the half-sample mode, and biased towards the longer wing by about the sigma of the
+//! kernel.
 
 use std::fmt;
 
@@ -32,7 +34,7 @@ impl fmt::Display for DensityMode {
 }
 
 impl DensityMode {
-    /// Mode of a sorted sample; NaN for an empty one.
+    /// Returns the mode of a sorted sample; NaN for an empty one.
     pub fn of(self, sorted: &[f64]) -> f64 {
         match self {
             Self::HalfSample => half_sample_mode(sorted),
@@ -41,10 +43,10 @@ impl DensityMode {
     }
 }
 
-/// Half-sample mode of a sorted sample; NaN for an empty one.
+/// Returns the half-sample mode of a sorted sample; NaN for an empty one.
 ///
-/// Among several narrowest halves (magnitudes are rounded) the middle one is used, or the one before the middle of an
-/// even number.
+/// If several halves are equally narrow (which happens because magnitudes are rounded), the middle one is used, or the
+/// earlier of the two middle ones.
 pub fn half_sample_mode(sorted: &[f64]) -> f64 {
     let mut sample = sorted;
     loop {
@@ -66,18 +68,18 @@ pub fn half_sample_mode(sorted: &[f64]) -> f64 {
         let least = widths().fold(f64::INFINITY, f64::min);
         let ties = widths().filter(|width| *width == least).count();
         let narrowest = widths().enumerate().filter(|(_, width)| *width == least).nth(ties.saturating_sub(1) / 2);
-        // A sample with NaN has no narrowest half.
+        // A sample that contains NaN has no narrowest half.
         let Some((start, _)) = narrowest else { return f64::NAN };
         sample = &sample[start..start + half];
     }
 }
 
-/// Grid steps per sigma of the kernel; a normal curve deviates from a line by 3 % between two.
+/// Grid steps per sigma of the kernel. Between two grid points a normal curve deviates from a straight line by 3 %.
 const STEPS_A_SIGMA: f64 = 4.0;
-/// Extent of a kernel in sigmas; 4e-6 of its weight lies beyond.
+/// Radius of a kernel in sigmas, beyond which 4e-6 of its weight lies.
 const REACH: f64 = 5.0;
 
-/// Mode of a Gaussian kernel density of a sorted sample; NaN for an empty one.
+/// Returns the mode of a Gaussian kernel density of a sorted sample; NaN for an empty one.
 pub fn kernel_mode(sorted: &[f64]) -> f64 {
     let (Some(&first), Some(&last)) = (sorted.first(), sorted.last()) else { return f64::NAN };
     let sigma = kernel_sigma(sorted);
@@ -93,7 +95,7 @@ pub fn kernel_mode(sorted: &[f64]) -> f64 {
     let step = (last - first) / steps as f64;
     let grid = (0..=steps).map(|k| first + k as f64 * step).map(|at| (at, density(at)));
     let (mut at, _) = grid.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((first, 0.0));
-    // Mean shift to the maximum: x' = Σ x w / Σ w
+    // The maximum is refined by the mean-shift iteration x' = Σ x w / Σ w.
     for _ in 0..100 {
         let (mut sum, mut weight) = (0.0, 0.0);
         let near =
@@ -113,7 +115,7 @@ pub fn kernel_mode(sorted: &[f64]) -> f64 {
     at
 }
 
-/// Sigma of the kernel; 0 if half of the sample has one value.
+/// Returns the sigma of the kernel; 0 if half of the sample has the same value.
 pub fn kernel_sigma(sorted: &[f64]) -> f64 {
     let n = sorted.len() as f64;
     let mean = sorted.iter().sum::<f64>() / n;
@@ -122,7 +124,7 @@ pub fn kernel_sigma(sorted: &[f64]) -> f64 {
     0.9 * deviation.min(interquartile_range(sorted) / 1.34) * n.powf(-0.2)
 }
 
-/// Third minus first quartile.
+/// Returns the interquartile range of a sorted sample.
 pub(super) fn interquartile_range(sorted: &[f64]) -> f64 {
     quantile(sorted, 0.75) - quantile(sorted, 0.25)
 }

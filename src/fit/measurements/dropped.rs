@@ -1,4 +1,4 @@
-//! Counts of unused rows by reason, with the first example of each.
+//! Numbers of rows that were not used, by reason, with the first example of each reason.
 
 use std::fmt;
 
@@ -8,31 +8,31 @@ use crate::output::{Column, Kind, Table};
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum DropReason {
-    /// A cell is invalid, or the row is truncated.
+    /// A value cannot be parsed, or the row is truncated.
     Unparsable,
     /// The filter is not among the selected ones.
     WrongFilter,
     /// The magnitude is empty, not a number, or a placeholder (outside -30 to 40, for example 99).
     NoMagnitude,
-    /// All cells equal those of an earlier row.
+    /// All values equal those of an earlier row.
     Duplicate,
     /// The survey flags the satellite as in the penumbra.
     PenumbraFlag,
     /// The line from the Sun to the satellite passes too near the ground (100 km rule).
     Shaded,
-    /// The satellite is below the least altitude at the site, so that another one was observed.
+    /// The satellite is below the lowest altitude at the site, so that a different object must have been observed.
     BelowHorizon,
-    /// No element set of the satellite, or no satellite is given.
+    /// There is no element set of the satellite, or the satellite is not identified.
     NoElements,
-    /// No element set near enough in time.
+    /// No element set is near enough in time.
     StaleElements,
     /// SGP4 cannot compute a position from the element set.
     NoPosition,
     /// The satellite is raising, decaying, parked, or in an unknown phase.
     OffStation,
-    /// Time, distance, angles and site give no geometry, or one too close to the nadir.
+    /// Time, distance, angles and site determine no viewing geometry, or one too close to the nadir.
     NoGeometry,
-    /// Range or phase of the given satellite differ from those of the record.
+    /// Range or phase angle of the given satellite differ from those of the record.
     WrongAssociation,
 }
 
@@ -54,7 +54,7 @@ impl DropReason {
         Self::WrongAssociation,
     ];
 
-    /// Name in tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Unparsable => "unparsable",
@@ -81,7 +81,7 @@ pub struct DropExample {
     pub file: String,
     /// Data row of the file, from 1, without header and comments.
     pub row: u64,
-    /// Given and expected content; empty if the reason is sufficient.
+    /// Description of the given and the expected content; empty if the reason alone suffices.
     pub problem: String,
 }
 
@@ -93,7 +93,7 @@ impl fmt::Display for DropExample {
     }
 }
 
-/// Counts of dropped rows by reason, with the first example of each.
+/// Numbers of dropped rows by reason, with the first example of each reason.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DropCounts {
     counts: [u64; DropReason::ALL.len()],
@@ -109,22 +109,22 @@ const COLUMNS: [Column; 5] = [
 ];
 
 impl DropCounts {
-    /// Number of rows dropped for a reason.
+    /// Returns the number of rows that were dropped for a reason.
     pub fn count(&self, reason: DropReason) -> u64 {
         self.counts[reason as usize]
     }
 
-    /// First row dropped for a reason.
+    /// Returns the first row that was dropped for a reason.
     pub fn example(&self, reason: DropReason) -> Option<&DropExample> {
         self.examples[reason as usize].as_ref()
     }
 
-    /// Number of all dropped rows.
+    /// Returns the number of all dropped rows.
     pub fn total(&self) -> u64 {
         self.counts.iter().sum()
     }
 
-    /// Reasons that occurred, with their counts and first examples.
+    /// Returns the reasons that occurred, with their numbers of rows and first examples.
     pub fn iter(&self) -> impl Iterator<Item = (DropReason, u64, Option<&DropExample>)> {
         DropReason::ALL
             .into_iter()
@@ -132,7 +132,7 @@ impl DropCounts {
             .filter(|of| of.1 > 0)
     }
 
-    /// Table with one row per reason that occurred.
+    /// Returns a table with one row per reason that occurred.
     pub fn table(&self) -> Table {
         let row = |(reason, count, example): (DropReason, u64, Option<&DropExample>)| {
             vec![
@@ -146,13 +146,13 @@ impl DropCounts {
         Table { columns: COLUMNS.to_vec(), rows: self.iter().map(row).collect() }
     }
 
-    /// Counts one row; the example is only made for the first row of its reason.
+    /// Counts one row. The example is created only for the first row of its reason.
     pub(super) fn add(&mut self, reason: DropReason, example: impl FnOnce() -> DropExample) {
         self.counts[reason as usize] += 1;
         self.examples[reason as usize].get_or_insert_with(example);
     }
 
-    /// Adds the counts of later rows.
+    /// Adds the numbers of rows that follow in the same source.
     pub(super) fn append(&mut self, later: Self) {
         for (mine, more) in self.counts.iter_mut().zip(later.counts) {
             *mine += more;

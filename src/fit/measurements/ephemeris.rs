@@ -1,4 +1,4 @@
-//! Earth orientation, Sun and observer over any interval of years, tabulated as needed.
+//! Earth orientation, Sun and observer for any times within years, from tables that are made as needed.
 
 use std::collections::BTreeMap;
 
@@ -13,10 +13,10 @@ use crate::frames::{
 };
 use crate::geometry::{Site, SunTable};
 
-/// Days per table, long enough that the extra nodes at its ends cost little.
+/// Length of a table, days. It is long enough that the additional nodes at both ends cost little.
 const BLOCK_DAYS: f64 = 16.0;
 
-/// Tables of the blocks of days prepared so far.
+/// Tables for the blocks of days that have been prepared.
 pub(super) struct Ephemeris {
     eop: EopTable,
     blocks: BTreeMap<i64, (OrientationTable, SunTable)>,
@@ -26,7 +26,7 @@ pub(super) struct Ephemeris {
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Moment {
     pub orientation: Orientation,
-    /// Geocentric position.
+    /// Geocentric position of the Sun, km.
     pub sun: Position<Gcrs>,
 }
 
@@ -35,7 +35,7 @@ impl Ephemeris {
         Self { eop, blocks: BTreeMap::new() }
     }
 
-    /// Prepares the tables for these epochs.
+    /// Prepares the tables that these epochs need.
     pub(super) fn prepare(&mut self, epochs: impl Iterator<Item = Epoch>) {
         let mut missing: Vec<i64> = Vec::new();
         for epoch in epochs {
@@ -55,7 +55,7 @@ impl Ephemeris {
         self.blocks.extend(made.collect::<Vec<_>>());
     }
 
-    /// Values at an epoch; `None` unless it was prepared.
+    /// Returns the values at an epoch; `None` if its table was not prepared.
     pub(super) fn at(&self, epoch: Epoch) -> Option<Moment> {
         let (block, seconds) = block_and_seconds(epoch);
         let (orientations, suns) = self.blocks.get(&block)?;
@@ -63,17 +63,18 @@ impl Ephemeris {
     }
 }
 
-/// Number of a block since 1900 in TAI, which has no leap seconds, and seconds within it.
+/// Returns the number of the block that contains an epoch, and the seconds since its beginning. Blocks are counted from
+/// 1900 in TAI, which has no leap seconds.
 fn block_and_seconds(epoch: Epoch) -> (i64, f64) {
     let since_1900: Duration = epoch.to_tai_duration();
     let seconds = since_1900.to_seconds();
     let block = (seconds / (BLOCK_DAYS * DAY_S)).floor();
-    // The difference of durations keeps the nanoseconds, which one f64 (4e9 s) does not resolve.
+    // The difference of durations keeps the nanoseconds, which one f64 of 4e9 s does not resolve.
     let rest = since_1900 - Unit::Day * (block * BLOCK_DAYS);
     (block as i64, rest.to_seconds())
 }
 
-/// Site with its horizontal axes.
+/// Position and horizontal axes of a site.
 pub(super) struct SiteAxes {
     pub position: Position<Itrs>,
     pub horizon: Rotation<Itrs, Horizontal>,
@@ -84,7 +85,7 @@ impl SiteAxes {
         Self { position: site.itrs(), horizon: site.horizon() }
     }
 
-    /// Position and zenith in the GCRS.
+    /// Returns the position and the zenith in the GCRS.
     pub(super) fn at(&self, moment: &Moment) -> (Position<Gcrs>, Vector3<f64>) {
         let to_gcrs = &moment.orientation.itrs_to_gcrs;
         let zenith = self.horizon.matrix().row(2).transpose();
@@ -92,7 +93,7 @@ impl SiteAxes {
     }
 }
 
-/// Age of an element set at an epoch, days.
+/// Returns the age of an element set at an epoch, days.
 pub(super) fn age_days(set: &ElementSet, epoch: Epoch) -> f64 {
     let age: Duration = epoch - set.epoch;
     age.to_unit(Unit::Day)

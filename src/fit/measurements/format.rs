@@ -1,4 +1,4 @@
-//! Formats of photometry files, and their filters.
+//! Formats of photometry files, and the filters in them.
 
 use std::fmt;
 
@@ -12,15 +12,16 @@ use crate::photometry::Band;
 #[non_exhaustive]
 pub enum Format {
     /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, columns separated by blanks) or
-    /// CSV. Times are UTC; the filter is `Clear` unless others are given.
+    /// CSV. Times are UTC; only rows with the filter `Clear` are used unless other filters are selected.
     Mmt,
-    /// Pomenis (Fankhauser, Tyson and Askari 2023): Starlink V1.5 from Mount Lemmon; height, altitude and azimuth.
+    /// Pomenis (Fankhauser, Tyson and Askari 2023): Starlink V1.5 seen from Mount Lemmon, with height, altitude and
+    /// azimuth.
     Pomenis,
-    /// Upload format of SCORE, the IAU CPS repository: one site, satellite and filter per row.
+    /// Upload format of SCORE, the repository of the IAU CPS, with site, satellite and filter in each row.
     Score,
-    /// Slingshot (Kandula et al. 2025): altitudes of Sun and satellite and the azimuth between them; no time.
+    /// Slingshot (Kandula et al. 2025): altitudes of Sun and satellite and the azimuth difference, without times.
     Slingshot,
-    /// Any other table with delimiters, by a [`ColumnMap`].
+    /// Any other delimited table, read with a [`ColumnMap`].
     Csv,
 }
 
@@ -28,7 +29,7 @@ impl Format {
     /// All formats.
     pub const ALL: [Self; 5] = [Self::Pomenis, Self::Mmt, Self::Score, Self::Slingshot, Self::Csv];
 
-    /// Name on the command line.
+    /// Returns the name on the command line.
     pub(super) fn name(self) -> &'static str {
         match self {
             Self::Mmt => "mmt",
@@ -39,16 +40,16 @@ impl Format {
         }
     }
 
-    /// Format of this name, in any case.
+    /// Returns the format with this name; upper and lower case are equivalent.
     ///
     /// # Errors
-    /// [`FitError::UnknownFormatName`].
+    /// [`FitError::UnknownFormatName`] for an unknown name.
     pub fn by_name(name: &str) -> Result<Self, FitError> {
         let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
         found.ok_or_else(|| FitError::UnknownFormatName { name: name.to_owned() })
     }
 
-    /// Format with these columns; never [`Csv`](Self::Csv).
+    /// Returns the format that has these columns; never [`Csv`](Self::Csv).
     pub(super) fn sniff(header: &[String]) -> Option<Self> {
         let marks: [(Self, [&str; 2]); 4] = [
             (Self::Mmt, ["StdMag", "Distance"]),
@@ -60,7 +61,7 @@ impl Format {
         marks.into_iter().find(|(_, [one, other])| has(one) && has(other)).map(|(format, _)| format)
     }
 
-    /// Columns of the format; none for [`Csv`](Self::Csv).
+    /// Returns the columns of the format; none for [`Csv`](Self::Csv).
     pub(super) fn columns(self) -> ColumnMap {
         use Field::*;
         match self {
@@ -115,7 +116,7 @@ impl Format {
         }
     }
 
-    /// Site of a format that belongs to one site.
+    /// Returns the site of a format whose data all come from one site.
     pub(super) fn site(self) -> Result<Option<Site>, GeometryError> {
         match self {
             // 43°38'59.5" N, 41°25'53.3" E, 2030 m.
@@ -126,21 +127,21 @@ impl Format {
         }
     }
 
-    /// Filter used if none is given.
+    /// Returns the filter that is used if none is selected.
     pub(super) fn usual_filter(self) -> Option<&'static str> {
         // Lu (2024), section 3: only magnitudes through the clear filter are used.
         (self == Self::Mmt).then_some("Clear")
     }
 }
 
-/// Numbers of rows by filter.
+/// Numbers of rows for each filter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FilterCounts {
-    /// Counts in the order of the first rows; `None` for rows without a filter.
+    /// Numbers in the order in which the filters first occur; `None` stands for rows without a filter.
     counts: Vec<(Option<String>, u64)>,
 }
 
-/// Photometry that may not be in the band of a model.
+/// Warning that photometry may not be in the band of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BandMismatch {
     band: Band,
@@ -148,19 +149,19 @@ pub struct BandMismatch {
 }
 
 impl FilterCounts {
-    /// Each filter with its number of rows.
+    /// Returns each filter with its number of rows.
     pub fn iter(&self) -> impl Iterator<Item = (Option<&str>, u64)> {
         self.counts.iter().map(|(filter, count)| (filter.as_deref(), *count))
     }
 
-    /// Mismatch if any row has another filter than `band` or none. Case matters (`R` is Cousins', `r` LSST's), and a
-    /// survey's own filter (`Clear`) is not a band.
+    /// Returns a mismatch if any row has a filter other than `band`, or no filter. Case matters (`R` is Cousins', `r`
+    /// is LSST's), and a survey's own filter (`Clear`) is not a band.
     pub fn mismatch(&self, band: Band) -> Option<BandMismatch> {
         let is_other = |filter: Option<&str>| filter.and_then(|name| name.parse::<Band>().ok()) != Some(band);
         self.iter().any(|(filter, _)| is_other(filter)).then(|| BandMismatch { band, seen: self.clone() })
     }
 
-    /// Adds rows of a filter.
+    /// Adds rows with a filter.
     pub(super) fn add(&mut self, filter: Option<&str>, rows: u64) {
         match self.counts.iter_mut().find(|(known, _)| known.as_deref() == filter) {
             Some((_, count)) => *count += rows,
@@ -168,7 +169,7 @@ impl FilterCounts {
         }
     }
 
-    /// Adds the counts of later rows.
+    /// Adds the numbers of rows that follow in the same source.
     pub(super) fn append(&mut self, later: &Self) {
         later.iter().for_each(|(filter, rows)| self.add(filter, rows));
     }

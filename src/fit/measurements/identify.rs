@@ -1,4 +1,5 @@
-//! Identification of tracks: comparison of the recorded ranges and phases with those of every satellite of a catalogue.
+//! Identification of tracks: recorded ranges and phase angles are compared with those of every satellite of a
+//! catalogue.
 
 use std::f64::consts::TAU;
 
@@ -15,38 +16,38 @@ use super::ephemeris::{Ephemeris, SiteAxes, age_days};
 use super::offset::{Ranged, fitted_offset_s, shifted};
 use super::record::{Record, Records};
 
-/// Limits for the acceptance of the best candidate.
+/// Limits within which the best candidate is accepted.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AcceptanceLimits {
-    /// Largest root mean square of the differences of range, km.
+    /// Largest root mean square of the range differences, km.
     pub max_range_rms_km: f64,
-    /// Largest root mean square of the differences of phase, if recorded, radians.
+    /// Largest root mean square of the differences in phase angle, radians; applied if phase angles are recorded.
     pub max_phase_rms_rad: f64,
-    /// Least difference between the scores (χ²) of the second and the first candidate.
+    /// Smallest difference between the scores (χ²) of the second best and the best candidate.
     pub least_lead: f64,
 }
 
 impl Default for AcceptanceLimits {
-    /// 10 km, 3° and a lead of 9 (three sigma).
+    /// Returns 10 km, 3° and a difference of 9 (three sigma).
     fn default() -> Self {
         Self { max_range_rms_km: 10.0, max_phase_rms_rad: 3_f64.to_radians(), least_lead: 9.0 }
     }
 }
 
-/// Best candidates of a track.
+/// Best candidates for one track.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TrackIdentification {
     /// Name of the track.
     pub track: String,
-    /// Best candidate; `None` if no satellite was near.
+    /// Best candidate; `None` if no satellite came near the track.
     pub best: Option<Candidate>,
     /// Second best candidate.
     pub next: Option<Candidate>,
-    /// True if the best candidate is within the [`AcceptanceLimits`].
+    /// True if the best candidate satisfies the [`AcceptanceLimits`].
     pub is_sure: bool,
 }
 
-/// Compares all tracks of the records, in their order, with the whole catalogue.
+/// Compares each track of the records with the whole catalogue. Results are in the order of the tracks.
 pub fn identify_tracks(
     records: &Records,
     history: &History,
@@ -80,7 +81,7 @@ const COLUMNS: [Column; 9] = [
     Column::real("lead", "", 2, "Difference between the scores (chi square) of the second and the first candidate."),
 ];
 
-/// Table with one row per track, the input of [`Placement::identified`](super::Placement::identified).
+/// Returns a table with one row per track, which [`Placement::identified`](super::Placement::identified) can use.
 pub fn identification_table(tracks: &[TrackIdentification]) -> Table {
     let number = |candidate: Option<&Candidate>| {
         candidate.map_or(Value::Null, |candidate| Value::Integer(i64::from(candidate.norad_id.0)))
@@ -105,22 +106,23 @@ pub fn identification_table(tracks: &[TrackIdentification]) -> Table {
 /// Options for the comparison of a track with a catalogue.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AssociationOptions {
-    /// Largest along-track delay, either way, s. Element sets two weeks old are late by a minute or two.
+    /// Largest delay along the track, early or late, s. With element sets two weeks old, satellites are a minute or two
+    /// late.
     pub max_offset_s: f64,
-    /// Largest age of an element set, either way, days.
+    /// Largest difference between the time of the track and the epoch of an element set, days.
     pub max_element_age_days: f64,
-    /// One sigma of a difference of range, km.
+    /// Uncertainty (one sigma) of a range difference, km.
     pub range_sigma_km: f64,
-    /// One sigma of a difference of phase, radians.
+    /// Uncertainty (one sigma) of a difference in phase angle, radians.
     pub phase_sigma_rad: f64,
-    /// One sigma of the delay: at the element set's epoch, s, and its growth, s per day. Otherwise old element sets of
-    /// other satellites would fit short tracks by chance.
+    /// Uncertainty (one sigma) of the delay: at the epoch of the element set, s, and its growth, s per day. Without it,
+    /// old element sets of other satellites would fit short tracks by chance.
     pub offset_sigma_s: [f64; 2],
 }
 
 impl Default for AssociationOptions {
-    /// 120 s, 50 days, 1 km, 0.4°, 3 s and 2 s per day: Starlink satellites keep station by thrust, which element sets
-    /// do not model.
+    /// Returns 120 s, 50 days, 1 km, 0.4°, 3 s and 2 s per day. The values for the delay are those of Starlink
+    /// satellites, which keep their stations by thrust that element sets do not model.
     fn default() -> Self {
         Self {
             max_offset_s: 120.0,
@@ -137,26 +139,29 @@ impl Default for AssociationOptions {
 pub struct Candidate {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
-    /// Root mean square of the differences of range after the fit of the delay, km.
+    /// Root mean square of the range differences after the fit of the delay, km.
     pub range_rms_km: f64,
-    /// Root mean square of the differences of phase after the fit of the delay, radians; `None` if none is recorded.
+    /// Root mean square of the differences in phase angle after the fit of the delay, radians; `None` if none are
+    /// recorded.
     pub phase_rms_rad: Option<f64>,
-    /// Along-track delay, s: the element set reaches the satellite's position this much later (negative: earlier).
+    /// Delay along the track, s. The satellite is where the element set predicts it this much later; negative for
+    /// earlier.
     pub offset_s: f64,
-    /// Age of the element set at the track, days.
+    /// Time from the epoch of the element set to the track, days.
     pub element_age_days: f64,
-    /// (range rms / sigma)² + (phase rms / sigma)² + (delay / sigma)² + 2 ln(sigma of the delay / that at epoch); the
-    /// best candidate has the least. The last term penalises old element sets with uncertain positions.
+    /// (range rms / sigma)² + (phase rms / sigma)² + (delay / sigma)² + 2 ln(sigma of the delay / its sigma at epoch).
+    /// The best candidate has the smallest score. The last term penalises old element sets, whose positions are
+    /// uncertain.
     pub score: f64,
 }
 
-/// Margin of the range beyond the effect of the largest delay in the first comparison, km.
+/// Margin in range for the first comparison, in addition to the effect of the largest delay, km.
 const RANGE_MARGIN_KM: f64 = 50.0;
 
-/// Candidates for a track, best first, at most one per satellite, with the best of its element sets.
+/// Returns candidates for a track, the best first. A satellite occurs once, with the best of its element sets.
 ///
-/// The rows should belong to one track, in order of time, with ranges. A first comparison rejects satellites that
-/// cannot have the recorded range in the middle of the track for any allowed delay, since the range changes no faster
+/// The rows should belong to one track, be in order of time and have ranges. A first comparison rejects satellites that
+/// cannot have the range recorded at the middle of the track for any allowed delay, because the range changes no faster
 /// than the satellite moves. Empty if no row has time, site and range.
 pub fn associate(
     track: &[Record],

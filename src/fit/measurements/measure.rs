@@ -1,4 +1,5 @@
-//! Conversion of records to measurements: geometry, selection, magnitude at 1000 km; at once or chunk by chunk.
+//! Conversion of records to measurements: viewing geometry, selection and magnitude at 1000 km, all at once or in
+//! chunks.
 
 use hifitime::Epoch;
 use rayon::prelude::*;
@@ -18,7 +19,7 @@ use crate::photometry::StandardMagnitude;
 pub struct Measurement {
     /// Magnitude at 1000 km in the band of the survey.
     pub magnitude: StandardMagnitude,
-    /// One sigma stated by the survey, mag.
+    /// Uncertainty (one sigma) stated by the survey, mag.
     pub sigma_mag: Option<f64>,
     /// Directions of Sun and observer in the satellite's frame.
     pub geometry: ViewingGeometry,
@@ -30,14 +31,14 @@ pub struct Measurement {
     pub epoch: Option<Epoch>,
 }
 
-/// Measurements and the counts of dropped rows.
+/// Measurements, with the numbers of dropped rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Measurements {
     /// Measurements in the order of the files.
     pub points: Vec<Measurement>,
-    /// Names of the groups: tracks, else satellites, nights or files.
+    /// Names of the groups. A group is a track if tracks are recorded, otherwise a satellite, a night or a file.
     pub groups: Vec<String>,
-    /// Dropped rows.
+    /// Numbers of dropped rows by reason.
     pub dropped: DropCounts,
 }
 
@@ -67,7 +68,7 @@ const POINTS: [Column; 9] = [
 ];
 
 impl Measurements {
-    /// Table with one row per measurement.
+    /// Returns a table with one row per measurement.
     pub fn table(&self) -> Table {
         let rows = self.points.iter().map(|point| {
             vec![
@@ -86,7 +87,7 @@ impl Measurements {
     }
 }
 
-/// Returns all measurements of a source, 130 bytes each.
+/// Returns all measurements of a source; each takes 130 bytes.
 ///
 /// # Errors
 /// The errors of [`measure_each`].
@@ -100,11 +101,11 @@ pub fn measure(
     Ok(Measurements { points, groups: source.groups().to_vec(), dropped })
 }
 
-/// Passes measurements to `take` chunk by chunk, in the order of the source, so that memory does not grow with their
-/// number; returns the counts of dropped rows. Groups are those of the source.
+/// Passes measurements to `take` in chunks, in the order of the source, so that memory does not grow with their number.
+/// Returns the numbers of dropped rows. The groups are those of the source.
 ///
 /// # Errors
-/// * those of the source: an unreadable or invalid file, mixed filters;
+/// * the errors of the source: an unreadable or invalid file, mixed filters;
 /// * an invalid threshold or limit;
 /// * missing element sets.
 pub fn measure_each(
@@ -171,7 +172,7 @@ fn check(placement: &Placement) -> Result<(), FitError> {
     }
 }
 
-/// Records per task.
+/// Number of records per task.
 const RUN: usize = 4096;
 
 fn select(

@@ -1,17 +1,18 @@
-//! Measured magnitudes: reading, geometry, selection, reduction.
+//! Measured magnitudes: reading, viewing geometry, selection and reduction.
 //!
 //! ```text
 //! file ── RecordReader ── Record ── Placement ── Selection ── Measurement ── Reducer ── Pixel
 //! ```
 //!
-//! - `format`, `column_map`: layouts of the published tables, and of any other table
-//! - `blocks`, `rows`, `record`, `reader`: whole rows of a file, parsed into records in parallel and in bounded memory
-//! - `placement`, `ephemeris`, `offset`, `triangle`: viewing geometry by element sets (with a fitted delay), by
-//!   recorded angles, or by distance and phase
-//! - `identify`: satellites of tracks
-//! - `selection`, `dropped`, `measure`: records that are used, counts of the others by reason, and the conversion to
+//! - `format`, `column_map`: layouts of published tables, and of custom tables
+//! - `blocks`, `rows`, `record`, `reader`: blocks of whole rows of a file, parsed into records in parallel and in
+//!   bounded memory
+//! - `placement`, `ephemeris`, `offset`, `triangle`: viewing geometry from element sets (with a fitted delay), from
+//!   recorded angles, or from distance and phase angle
+//! - `identify`: identification of the satellites of tracks
+//! - `selection`, `dropped`, `measure`: selection of records, numbers of dropped records by reason, and conversion to
 //!   measurements
-//! - `reduce`, `density_mode`: pixels with the mode of their magnitudes
+//! - `reduce`, `density_mode`: pixels of viewing geometry with the mode of their magnitudes
 //!
 //! ```
 //! use streakcast::fit::measurements::{

@@ -1,4 +1,4 @@
-//! Along-track delay of a satellite, fitted to the recorded ranges of a track.
+//! Delay of a satellite along its track, fitted to the recorded ranges of the track.
 
 use crate::frames::{Gcrs, Position};
 use crate::math::minimum::minimum;
@@ -7,7 +7,7 @@ use crate::orbit::Propagator;
 use super::ephemeris::{Ephemeris, Moment, SiteAxes};
 use super::record::Record;
 
-/// Recorded range with the position of the observer.
+/// Recorded range, with the position of the observer.
 pub(super) struct Ranged {
     pub epoch: hifitime::Epoch,
     pub moment: Moment,
@@ -16,22 +16,23 @@ pub(super) struct Ranged {
     pub phase_rad: Option<f64>,
 }
 
-/// Fitted delay and the remaining differences.
+/// Fitted delay and the differences that remain.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Offset {
     pub offset_s: f64,
     pub range_rms_km: f64,
 }
 
-/// Largest number of compared points of a track; more do not improve the fit.
+/// Largest number of points of a track that are compared; more points do not improve the fit.
 const POINTS: usize = 12;
-/// Grid step of the delay, s. The range curves on the scale of distance over speed, half a minute or more.
+/// Grid step of the delay, s. The range curves on the scale of distance divided by speed, which is half a minute or
+/// more.
 const STEP_S: f64 = 5.0;
-/// Tolerance of the delay, s (8 m along the track).
+/// Tolerance of the delay, s; it corresponds to 8 m along the track.
 const TOLERANCE_S: f64 = 1e-3;
 
 impl Ranged {
-    /// Evenly spaced rows of a track, including both ends.
+    /// Returns evenly spaced rows of a track, including the first and the last.
     pub(super) fn thinned<'r>(track: &[&'r Record]) -> impl Iterator<Item = &'r Record> {
         let last = track.len().saturating_sub(1);
         let steps = POINTS.min(track.len());
@@ -49,13 +50,13 @@ impl Ranged {
     }
 }
 
-/// Geocentric position `offset_s` after the record.
+/// Returns the geocentric position predicted for `offset_s` after the record.
 pub(super) fn shifted(propagator: &Propagator, point: &Ranged, offset_s: f64) -> Option<Position<Gcrs>> {
     let minutes = propagator.minutes_since_epoch(point.epoch) + offset_s / 60.0;
     propagator.state_at_minutes(minutes, &point.moment.orientation.teme_to_gcrs).ok().map(|state| state.position)
 }
 
-/// Root mean square of the differences of range, km; infinite if there is no position.
+/// Returns the root mean square of the range differences, km; infinite if there is no position.
 fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f64 {
     let mut sum = 0.0;
     for point in points {
@@ -66,8 +67,8 @@ fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f6
     (sum / points.len() as f64).sqrt()
 }
 
-/// Delay within ± `limit_s` with the least differences of range: the best node of a grid of 5 s, refined. `None`
-/// without points or positions.
+/// Returns the delay within ± `limit_s` with the smallest range differences: the best node of a grid of 5 s, refined.
+/// `None` without points or positions.
 pub(super) fn fitted_offset_s(propagator: &Propagator, points: &[Ranged], limit_s: f64) -> Option<Offset> {
     if points.is_empty() {
         return None;

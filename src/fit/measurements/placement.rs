@@ -1,4 +1,4 @@
-//! Viewing geometry of records, by element sets or by the recorded quantities.
+//! Viewing geometry of records, computed from element sets or from the recorded quantities.
 
 use std::collections::HashMap;
 
@@ -18,54 +18,55 @@ use super::offset::{Ranged, fitted_offset_s};
 use super::record::{Record, RecordSource, Sighting};
 use super::triangle;
 
-/// Mean radius of the Earth, km: distance of the observer from its centre in tables without a site.
+/// Mean radius of the Earth, km; used as the observer's distance from the Earth's centre for tables without a site.
 const MEAN_RADIUS_KM: f64 = 6371.0;
 
-/// Source of a satellite's position.
+/// From what a satellite's position is computed.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PositionSource {
-    /// SGP4 with the element set nearest in time.
+    /// SGP4 with the element set that is nearest in time.
     Elements {
-        /// Largest along-track delay fitted to the recorded ranges of each track, either way, s (10 is usual). `None`:
-        /// no fit. Tracks without ranges are not shifted.
+        /// Largest delay along the track, early or late, that is fitted to the recorded ranges of each track, s (10 is
+        /// usual). `None`: no fit. Tracks without ranges are not shifted.
         fit_offset_s: Option<f64>,
     },
-    /// Quantities of the row; records with distance and phase only require the radius of the orbit.
+    /// Quantities recorded in the row. Records with only distance and phase angle also require the radius of the orbit.
     Recorded {
-        /// Radius of the orbit; if `None`, rows with only distance and phase have no geometry.
+        /// Radius of the orbit. If it is `None`, rows with only distance and phase angle have no geometry.
         radius: Option<OrbitRadius>,
     },
 }
 
-/// Distance from the Earth's centre to a satellite with recorded distance and phase.
+/// Distance from the Earth's centre to a satellite whose distance and phase angle are recorded.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum OrbitRadius {
-    /// Circular orbit at this height above 6378.137 km. The error of the J2 short-period term, ±10 km in low orbits,
-    /// moves α by 13° at the 90th percentile.
+    /// Circular orbit at this height above 6378.137 km. In low orbits the short-period term of J2 changes the radius by
+    /// ±10 km, which causes an error of 13° in α at the 90th percentile.
     HeightKm(f64),
-    /// Radius from SGP4 at the row's time, including short-period terms; nearly right even if the satellite is a minute
-    /// late.
+    /// Radius computed by SGP4 for the time of the row, including short-period terms. It is nearly right even if the
+    /// satellite is a minute late.
     Elements,
 }
 
-/// Options for the geometry of records.
+/// Options for the computation of viewing geometry.
 #[derive(Clone, Debug)]
 pub struct Placement<'a> {
-    /// Source of the satellites' positions.
+    /// From what the satellites' positions are computed.
     pub source: PositionSource,
-    /// Element sets of all satellites over time.
+    /// History of the element sets of all satellites.
     pub history: Option<&'a History>,
-    /// Satellites of groups without a catalogue number in their rows, as found by
+    /// Satellites of groups whose rows contain no catalogue number, as found by
     /// [`identify_tracks`](super::identify_tracks).
     pub identified: HashMap<String, NoradId>,
-    /// Largest age of an element set, either way, days.
+    /// Largest difference between the time of a record and the epoch of an element set, days.
     pub max_element_age_days: f64,
-    /// Earth orientation.
+    /// Table of Earth orientation parameters.
     pub eop: EopTable,
 }
 
 impl Placement<'_> {
-    /// Geometry by recorded quantities; distance and phase on circular orbits at this height above 6378.137 km.
+    /// Creates options for recorded quantities. Satellites with only distance and phase angle are on circular orbits at
+    /// this height above 6378.137 km.
     pub fn recorded(height_km: Option<f64>) -> Placement<'static> {
         let source = PositionSource::Recorded { radius: height_km.map(OrbitRadius::HeightKm) };
         Placement {
@@ -77,7 +78,7 @@ impl Placement<'_> {
         }
     }
 
-    /// Geometry by element sets at most two weeks away, without a fit of delays.
+    /// Creates options for element sets within two weeks of the record, without a fit of delays.
     pub fn elements(history: &History) -> Placement<'_> {
         Placement {
             source: PositionSource::Elements { fit_offset_s: None },
@@ -88,10 +89,10 @@ impl Placement<'_> {
         }
     }
 
-    /// Satellite of a record.
+    /// Returns the catalogue number of the satellite of a record.
     pub(super) fn norad_of(&self, record: &Record, groups: &[String]) -> Option<NoradId> {
         record.norad_id.or_else(|| {
-            // A look-up by name for each row would be slow, and is mostly unnecessary.
+            // A look-up by name is slow, and it is unnecessary for most tables.
             if self.identified.is_empty() {
                 None
             } else {
@@ -101,7 +102,7 @@ impl Placement<'_> {
     }
 }
 
-/// Geometry of a record.
+/// Viewing geometry of a record and the positions from which it was computed.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Placed {
     /// Viewing geometry.
@@ -114,7 +115,7 @@ pub struct Placed {
     pub norad_id: Option<NoradId>,
 }
 
-/// Computes the geometry of records chunk by chunk and keeps the ephemeris between chunks.
+/// Computes the viewing geometry of records chunk by chunk. Tables of Sun and Earth are kept from chunk to chunk.
 pub struct Placer<'a> {
     placement: &'a Placement<'a>,
     ephemeris: Ephemeris,
@@ -122,19 +123,19 @@ pub struct Placer<'a> {
 
 /// Minutes in a day.
 const MINUTES_A_DAY: f64 = 1440.0;
-/// Records per task.
+/// Number of records per task.
 const RUN: usize = 2048;
 
 impl<'a> Placer<'a> {
-    /// Placer with an empty ephemeris.
+    /// Creates a placer without prepared tables.
     pub fn new(placement: &'a Placement<'a>) -> Self {
         Self { placement, ephemeris: Ephemeris::new(placement.eop.clone()) }
     }
 
-    /// Computes the geometry of each record in parallel; returns the reason for records without geometry.
+    /// Computes the geometry of each record in parallel. For a record without geometry, the result is the reason.
     ///
-    /// If delays are fitted, the rows of a track should be in one chunk; parts in different chunks are fitted
-    /// separately.
+    /// If delays are fitted, the rows of a track should be in one chunk, because parts of a track in different chunks
+    /// are fitted separately.
     pub fn place(&mut self, source: &impl RecordSource, records: &[Record]) -> Vec<Result<Placed, DropReason>> {
         self.ephemeris.prepare(records.iter().filter_map(|record| record.epoch));
         let sites: Vec<SiteAxes> = source.sites().iter().map(SiteAxes::new).collect();
@@ -152,7 +153,7 @@ impl<'a> Placer<'a> {
     }
 }
 
-/// Data required to place the records of one chunk.
+/// Data for the records of one chunk.
 struct ChunkPlacer<'a> {
     placement: &'a Placement<'a>,
     ephemeris: &'a Ephemeris,
@@ -209,7 +210,7 @@ impl<'a> ChunkPlacer<'a> {
                     let along_km = telescope.vector().dot(&moment.sun.vector().normalize());
                     let sun_distance_au = moment.sun.norm_km() / AU_KM;
                     triangle::geometry(radius_km, range_km, phase_rad, telescope.norm_km(), along_km).map(|geometry| {
-                        // The triangle assumes a Sun at 1 au.
+                        // The solution of the triangle assumes that the Sun is at 1 au.
                         let geometry = ViewingGeometry { sun_distance_au, ..geometry };
                         Placed {
                             altitude_rad: geometry.geocentric_altitude_rad(),
@@ -229,7 +230,7 @@ impl<'a> ChunkPlacer<'a> {
         Some((self.ephemeris.at(record.epoch?)?, self.sites.get(record.site? as usize)?))
     }
 
-    /// Geocentric position from the nearest element set, `offset_s` after the record.
+    /// Returns the geocentric position by the nearest element set, predicted for `offset_s` after the record.
     fn satellite(
         &self,
         record: &Record,
@@ -255,7 +256,7 @@ impl<'a> ChunkPlacer<'a> {
         state.map(|state| state.position).map_err(|_| DropReason::NoPosition)
     }
 
-    /// Fitted delay of each group of a chunk.
+    /// Returns the fitted delay of each group in a chunk, s.
     fn offsets_s(&self, records: &[Record]) -> HashMap<u32, f64> {
         let (PositionSource::Elements { fit_offset_s: Some(limit_s) }, Some(history)) =
             (&self.placement.source, self.placement.history)
@@ -279,7 +280,7 @@ impl<'a> ChunkPlacer<'a> {
     }
 }
 
-/// Geometry of a satellite at a known position.
+/// Returns the viewing geometry of a satellite at a known position.
 fn placed_at(satellite: &Position<Gcrs>, moment: &Moment, observer: &SiteAxes) -> Option<Placed> {
     let (observer, zenith) = observer.at(moment);
     let geometry = ViewingGeometry::new(satellite, &observer, &moment.sun)?;
@@ -288,7 +289,8 @@ fn placed_at(satellite: &Position<Gcrs>, moment: &Moment, observer: &SiteAxes) -
     Some(Placed { geometry, satellite_and_sun: Some((*satellite, moment.sun)), altitude_rad, norad_id: None })
 }
 
-/// Geometry for an observer on a sphere with the zenith along x and azimuths counted from the Sun.
+/// Returns the viewing geometry for an observer on a sphere. The zenith is the x axis, and azimuths are counted from
+/// the Sun.
 fn sun_relative(sun_altitude: f64, altitude_rad: f64, azimuth: f64, height_km: f64) -> Option<Placed> {
     let site = Vector3::new(MEAN_RADIUS_KM, 0.0, 0.0);
     let towards = |altitude: f64, azimuth: f64| {
@@ -302,7 +304,7 @@ fn sun_relative(sun_altitude: f64, altitude_rad: f64, azimuth: f64, height_km: f
     Some(Placed { geometry, satellite_and_sun: None, altitude_rad: Some(altitude_rad), norad_id: None })
 }
 
-/// Distance along a line of sight to a height above the sphere through the site, km.
+/// Returns the distance along a line of sight to the point at a height above the sphere through the site, km.
 fn range_to_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f64) -> f64 {
     let (site, rise) = (site_km.norm(), site_km.dot(sight));
     let radius = site + height_km;
@@ -328,7 +330,7 @@ fn range_to_ellipsoidal_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, 
 /// Element set nearest in time, kept between rows, since neighbouring rows mostly have the same one.
 struct NearestOrbit {
     norad_id: NoradId,
-    /// Minutes from its epoch between which no other element set is nearer.
+    /// Interval, in minutes from the epoch of the element set, in which no other element set is nearer.
     nearest_min: [f64; 2],
     /// Propagator; `None` if SGP4 rejects the element set.
     propagator: Option<Propagator>,
@@ -338,7 +340,7 @@ impl NearestOrbit {
     fn new(history: &History, norad_id: NoradId, epoch: Epoch) -> Option<Self> {
         let nearest = history.nearest(norad_id, epoch)?;
         let sets = history.of(norad_id);
-        // Half way to the neighbours in time.
+        // The ends of the interval are half way to the adjacent element sets.
         let half_min = |other: Option<&ElementSet>, sign: f64| {
             other.map_or(sign * f64::INFINITY, |other| 0.5 * (other.epoch - nearest.epoch).to_unit(Unit::Minute))
         };
@@ -348,7 +350,7 @@ impl NearestOrbit {
         Some(Self { norad_id, nearest_min, propagator: Propagator::new(nearest).ok() })
     }
 
-    /// True if no other element set of the satellite is nearer to this epoch.
+    /// Returns true if no other element set of the satellite is nearer to this epoch.
     fn is_nearest(&self, norad_id: NoradId, epoch: Epoch) -> bool {
         let [from, to] = self.nearest_min;
         let minutes = self.propagator.as_ref().map(|propagator| propagator.minutes_since_epoch(epoch));

@@ -1,4 +1,4 @@
-//! Reader of files of photometry: blocks are read and parsed in parallel in bounded memory.
+//! Reader of files of photometry, which reads and parses blocks in parallel and in bounded memory.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::hash::{BuildHasherDefault, Hasher};
@@ -19,19 +19,20 @@ use crate::geometry::Site;
 /// Options for reading photometry.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PhotometryOptions {
-    /// Format; if `None`, it is recognised by the header.
+    /// Format of the files; if `None`, it is recognised by the header.
     pub format: Option<Format>,
-    /// Column mapping for a custom table; the format may then be omitted.
+    /// Column map for a custom table; the format may then be omitted.
     pub columns: Option<ColumnMap>,
-    /// Site of all rows; if `None`, the site of the format or the site in the columns is used.
+    /// Site of all rows; if `None`, the site in the columns or that of the format is used.
     pub site: Option<Site>,
-    /// Selected filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
+    /// Selected filters; upper and lower case are equivalent. If empty, `Clear` for MMT-9, otherwise the only filter of
+    /// a file.
     pub filters: Vec<String>,
-    /// Keeps rows with the same cells as an earlier row.
+    /// If true, rows with the same values as an earlier row are kept.
     pub keep_duplicates: bool,
 }
 
-/// Blocks parsed together: some 8 MB of text, 100,000 rows.
+/// Number of blocks that are parsed together: some 8 MB of text or 100,000 rows.
 const BLOCKS_AT_A_TIME: usize = 8;
 
 /// Hasher for values that are hashes already.
@@ -58,17 +59,18 @@ impl Hasher for IdentityHasher {
 struct OpenFile {
     blocks: Blocks,
     layout: Layout,
-    /// Blocks that are read but not parsed.
+    /// Blocks that have been read but not parsed.
     read: Vec<Vec<u8>>,
     rows: u64,
-    /// First filter of the file, if none was selected.
+    /// First filter in the file, if no filter is selected.
     filter: Option<String>,
 }
 
-/// Reader of the records of several files, in their order.
+/// Reader of the records of several files, in the order of the files.
 ///
-/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if
-/// they are kept), and the names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
+/// It needs some 30 MB for text and records, 10 to 25 bytes per row for the detection of duplicates (none if they are
+/// kept), and memory for the names of tracks and sites. Text is parsed on all threads of rayon's pool while more is
+/// read.
 pub struct RecordReader {
     queue: VecDeque<PathBuf>,
     open: Option<OpenFile>,
@@ -83,10 +85,10 @@ pub struct RecordReader {
 }
 
 impl RecordReader {
-    /// Reader of files, which are opened one after the other.
+    /// Creates a reader of files, which are opened one after another.
     ///
     /// # Errors
-    /// [`FitError::NoFiles`].
+    /// [`FitError::NoFiles`] if the list is empty.
     pub fn open<P: AsRef<Path>>(paths: &[P], options: &PhotometryOptions) -> Result<Self, FitError> {
         if paths.is_empty() {
             return Err(FitError::NoFiles);
@@ -95,10 +97,10 @@ impl RecordReader {
         Ok(Self::empty(queue, options))
     }
 
-    /// Reader of a stream; `name` identifies it in messages.
+    /// Creates a reader of a stream; `name` identifies it in messages.
     ///
     /// # Errors
-    /// Errors of the head: unreadable, empty, of unknown format, without a required column.
+    /// Errors of the head: it is unreadable, empty or of unknown format, or a required column is missing.
     pub fn from_reader(
         name: &str,
         source: Box<dyn Read + Send>,
@@ -125,7 +127,7 @@ impl RecordReader {
         }
     }
 
-    /// Filters of the rows read so far, including duplicates.
+    /// Returns the filters of the rows read so far, including duplicates.
     pub fn filters(&self) -> &FilterCounts {
         &self.filters
     }
@@ -166,7 +168,7 @@ impl RecordReader {
         Ok(())
     }
 
-    /// Name of the current file.
+    /// Returns the name of the current file.
     fn name(&self) -> String {
         self.files.last().cloned().unwrap_or_default()
     }

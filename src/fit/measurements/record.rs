@@ -1,4 +1,4 @@
-//! Recorded rows of photometry, before their geometry is computed.
+//! Rows of photometry as recorded, before their viewing geometry is computed.
 
 use hifitime::Epoch;
 
@@ -8,14 +8,14 @@ use crate::elements::NoradId;
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
 
-/// Recorded position of the satellite. Angles in radians.
+/// Position of the satellite as recorded. Angles are in radians.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Sighting {
     /// Distance and phase angle.
     Distance {
         /// Distance from observer to satellite, km.
         range_km: f64,
-        /// Angle Sun-satellite-observer, [0, π], if recorded.
+        /// Phase angle Sun-satellite-observer, [0, π], if it is recorded.
         phase_rad: Option<f64>,
     },
     /// Horizontal coordinates and height.
@@ -27,15 +27,15 @@ pub enum Sighting {
         /// Height above the geocentric sphere through the site, km.
         height_km: f64,
     },
-    /// Altitudes of satellite and Sun and the azimuth between them, without time and site.
+    /// Altitudes of satellite and Sun and the azimuth difference, without time and site.
     SunRelative {
         /// Altitude of the Sun.
         sun_altitude_rad: f64,
         /// Altitude of the satellite.
         altitude_rad: f64,
-        /// Azimuth of the satellite from the Sun.
+        /// Azimuth of the satellite minus that of the Sun.
         azimuth_from_sun_rad: f64,
-        /// Height above a sphere of 6371 km, km.
+        /// Height above a sphere of radius 6371 km, in km.
         height_km: f64,
     },
     /// Equatorial coordinates and distance.
@@ -47,12 +47,12 @@ pub enum Sighting {
         /// Distance from observer to satellite, km.
         range_km: f64,
     },
-    /// No position; element sets are required.
+    /// No position is recorded, so that element sets are required.
     Nothing,
 }
 
 impl Sighting {
-    /// Recorded range, km, and phase, radians.
+    /// Returns the recorded range, km, and the recorded phase angle, radians.
     pub fn distance_and_phase(&self) -> (Option<f64>, Option<f64>) {
         match *self {
             Self::Distance { range_km, phase_rad } => (Some(range_km), phase_rad),
@@ -62,16 +62,16 @@ impl Sighting {
     }
 }
 
-/// Recorded row of photometry.
+/// A row of photometry as recorded.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Record {
     /// Time; `None` in tables without times.
     pub epoch: Option<Epoch>,
     /// Apparent magnitude.
     pub magnitude: Magnitude,
-    /// Stated one sigma, mag.
+    /// Uncertainty (one sigma) as stated, mag.
     pub sigma_mag: Option<f64>,
-    /// Position of the satellite.
+    /// Recorded position of the satellite.
     pub sighting: Sighting,
     /// NORAD catalogue number from the row or the head of its file.
     pub norad_id: Option<NoradId>,
@@ -79,7 +79,7 @@ pub struct Record {
     pub group: u32,
     /// Index into [`RecordSource::sites`]; `None` if the site is unknown.
     pub site: Option<u32>,
-    /// Penumbra flag of the survey.
+    /// True if the survey flags the satellite as being in the penumbra.
     pub in_penumbra: bool,
     /// Index into [`RecordSource::files`].
     pub file: u32,
@@ -87,24 +87,24 @@ pub struct Record {
     pub row: u32,
 }
 
-/// Source of records in chunks: files or memory.
+/// Source of records in chunks, such as files or memory.
 pub trait RecordSource {
-    /// Next rows in order, possibly none; `None` after the last.
+    /// Returns the next rows in order, possibly none; `None` after the last row.
     ///
     /// # Errors
-    /// Errors that make the rest of a file unusable.
+    /// Errors after which the rest of a file cannot be used.
     fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, FitError>;
 
-    /// Names of the groups (tracks, satellites, nights or files) so far.
+    /// Returns the names of the groups (tracks, satellites, nights or files) that have occurred so far.
     fn groups(&self) -> &[String];
 
-    /// Sites so far.
+    /// Returns the sites that have occurred so far.
     fn sites(&self) -> &[Site];
 
-    /// Names of the files so far.
+    /// Returns the names of the files that have been opened so far.
     fn files(&self) -> &[String];
 
-    /// Rows dropped so far.
+    /// Returns the numbers of rows dropped so far.
     fn dropped(&self) -> &DropCounts;
 }
 
@@ -113,13 +113,13 @@ pub trait RecordSource {
 pub struct Records {
     /// Records in order.
     pub records: Vec<Record>,
-    /// Names of the groups, for [`Record::group`].
+    /// Names of the groups; [`Record::group`] is an index into them.
     pub groups: Vec<String>,
-    /// Sites, for [`Record::site`].
+    /// Sites; [`Record::site`] is an index into them.
     pub sites: Vec<Site>,
-    /// Names of the files, for [`Record::file`].
+    /// Names of the files; [`Record::file`] is an index into them.
     pub files: Vec<String>,
-    /// Dropped rows.
+    /// Numbers of dropped rows by reason.
     pub dropped: DropCounts,
 }
 
@@ -127,7 +127,7 @@ impl Records {
     /// Reads a source to its end.
     ///
     /// # Errors
-    /// Those of the source.
+    /// The errors of the source.
     pub fn collect(source: &mut impl RecordSource) -> Result<Self, FitError> {
         let mut records = Vec::new();
         while let Some(chunk) = source.next_chunk()? {
@@ -142,7 +142,7 @@ impl Records {
         })
     }
 
-    /// Records of each group, in the order of [`groups`](Self::groups).
+    /// Returns the records of each group, in the order of [`groups`](Self::groups).
     pub fn by_group(&self) -> Vec<Vec<Record>> {
         let mut groups = vec![Vec::new(); self.groups.len()];
         for record in &self.records {
@@ -153,7 +153,7 @@ impl Records {
         groups
     }
 
-    /// Source with these records.
+    /// Returns a source that gives these records.
     pub fn source(&self) -> RecordsSource<'_> {
         RecordsSource { of: self, at: 0 }
     }
@@ -166,7 +166,7 @@ pub struct RecordsSource<'a> {
     at: usize,
 }
 
-/// Rows per chunk.
+/// Number of rows per chunk.
 const CHUNK: usize = 1 << 16;
 
 impl RecordSource for RecordsSource<'_> {

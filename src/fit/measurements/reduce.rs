@@ -1,5 +1,5 @@
-//! Reduction to pixels: layers of the Sun's latitude, HEALPix cells of the observer's direction, and the mode of the
-//! magnitudes in each (Lu 2024, section 3).
+//! Reduction of measurements to pixels of viewing geometry (Lu 2024, section 3). A pixel is a HEALPix pixel of the
+//! observer's direction within a layer of the Sun's latitude; its value is the mode of the magnitudes in it.
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -38,24 +38,26 @@ const PIXELS: [Column; 12] = [
 pub struct ReduceOptions {
     /// Width of a layer of the Sun's latitude, radians.
     pub layer_width_rad: f64,
-    /// HEALPix parameter N: 12 N² cells of the observer's longitude and latitude.
+    /// HEALPix nside of the observer's direction; the sphere has 12 nside² pixels.
     pub nside: u32,
-    /// Folds the observer's longitude to [0, π], since satellites are symmetric about the Sun's plane.
+    /// If true, the observer's longitude is folded to [0, π], because satellites are symmetric about the plane that
+    /// contains the Sun.
     pub fold: bool,
     /// Estimator of the mode.
     pub mode: DensityMode,
-    /// Least number of points of a kept cell.
+    /// Smallest number of points with which a pixel is kept.
     pub least_count: u32,
-    /// Least number of tracks (or other groups) of a kept cell. The points of a single track do not reveal a
-    /// misidentification or the differences among satellites; their spread is small, so that such a cell would have a
-    /// large weight.
+    /// Smallest number of tracks (or other groups) with which a pixel is kept. The points of a single track do not
+    /// reveal a misidentification or the differences between satellites. Their spread is small, so that the pixel would
+    /// have a large weight.
     pub least_tracks: u32,
-    /// Largest interquartile range of a kept cell, mag.
+    /// Largest interquartile range with which a pixel is kept, mag.
     pub most_iqr_mag: f64,
 }
 
 impl Default for ReduceOptions {
-    /// 1°, nside 32, folded, half-sample mode, 80 points of any number of tracks, 0.4 mag (Lu 2024, section 3).
+    /// Returns 1°, nside 32, folded, half-sample mode, 80 points of any number of tracks, and 0.4 mag (Lu 2024, section
+    /// 3).
     fn default() -> Self {
         Self {
             layer_width_rad: 1_f64.to_radians(),
@@ -69,46 +71,47 @@ impl Default for ReduceOptions {
     }
 }
 
-/// Reduced cell of a layer.
+/// Reduced pixel of viewing geometry.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Pixel {
-    /// Mean of its points, radians; the middle of the layer could differ by half a degree.
+    /// Mean of the Sun's latitude over the points, radians. The middle of the layer could differ from it by half a
+    /// degree.
     pub sun_latitude_rad: f64,
-    /// Longitude of the mean direction of its points, radians; folded if the option is set.
+    /// Longitude of the mean direction of the points, radians; folded if [`ReduceOptions::fold`] is set.
     pub observer_longitude_rad: f64,
-    /// Latitude of the mean direction of its points, radians.
+    /// Latitude of the mean direction of the points, radians.
     pub observer_latitude_rad: f64,
-    /// Mean of its points, km.
+    /// Mean height of the satellites above 6378.137 km, km.
     pub height_km: f64,
     /// Mode of the magnitude at 1000 km.
     pub mode_mag: f64,
     /// Median magnitude at 1000 km.
     pub median_mag: f64,
-    /// Interquartile range: the error of the mode in fits, mag.
+    /// Interquartile range of the magnitudes, mag; fits use it as the error of the mode.
     pub iqr_mag: f64,
     /// Number of points.
     pub count: u32,
-    /// Number of tracks of these points.
+    /// Number of tracks to which these points belong.
     pub tracks: u32,
-    /// ⌊δ_sun / width⌋.
+    /// Number of the layer, ⌊δ_sun / width⌋.
     pub layer: i32,
-    /// HEALPix cell in RING order.
+    /// Number of the HEALPix pixel in RING order.
     pub cell: u64,
 }
 
-/// All cells with at least one point.
+/// All pixels with at least one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reduction {
-    /// Pixels by layer, then by cell.
+    /// Pixels in order of layer, then of HEALPix number.
     pub pixels: Vec<Pixel>,
     /// Options of the reduction.
     pub options: ReduceOptions,
-    /// Number of points in the pixels.
+    /// Number of points in all pixels.
     pub points: u64,
 }
 
 impl Reduction {
-    /// True if a pixel is within the limits of the options.
+    /// Returns true if a pixel is within the limits of the options.
     pub fn keeps(&self, pixel: &Pixel) -> bool {
         let options = &self.options;
         pixel.count >= options.least_count
@@ -116,12 +119,12 @@ impl Reduction {
             && pixel.iqr_mag <= options.most_iqr_mag
     }
 
-    /// Pixels to be fitted.
+    /// Returns the pixels that are within the limits of the options and are to be fitted.
     pub fn kept(&self) -> impl Iterator<Item = &Pixel> {
         self.pixels.iter().filter(|pixel| self.keeps(pixel))
     }
 
-    /// Table with one row per pixel.
+    /// Returns a table with one row per pixel.
     pub fn table(&self) -> Table {
         let row = |pixel: &Pixel| {
             vec![
@@ -150,10 +153,10 @@ struct Sums {
     height_km: f64,
 }
 
-/// A point: slot, magnitude (rounded to f32, 5e-7 mag), group.
+/// A point: index of its pixel, magnitude (rounded to f32, 5e-7 mag), group.
 type Slotted = (u32, f32, u32);
 
-/// Collects measurements chunk by chunk, with 12 bytes per point and some 100 per cell.
+/// Collects measurements chunk by chunk. It needs 12 bytes per point and some 100 bytes per pixel.
 pub struct Reducer {
     options: ReduceOptions,
     slot_of: HashMap<(i32, u64), u32>,
@@ -162,7 +165,7 @@ pub struct Reducer {
 }
 
 impl Reducer {
-    /// Empty reducer.
+    /// Creates an empty reducer.
     ///
     /// # Errors
     /// [`FitError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the
@@ -202,7 +205,7 @@ impl Reducer {
         }
     }
 
-    /// Returns the pixels, which do not depend on the number of threads.
+    /// Returns the pixels; they do not depend on the number of threads.
     pub fn finish(mut self) -> Reduction {
         self.points.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let runs: Vec<&[Slotted]> = self.points.chunk_by(|a, b| a.0 == b.0).collect();
@@ -233,7 +236,7 @@ impl Reducer {
     }
 }
 
-/// Layer, cell, terms of the sums and magnitude; `None` for invalid magnitudes or angles.
+/// Returns layer, HEALPix number, terms of the sums and magnitude of a point; `None` for an invalid magnitude or angle.
 fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sums, f32)> {
     let geometry = if options.fold { point.geometry.folded() } else { point.geometry };
     let magnitude = point.magnitude.0;
@@ -249,7 +252,7 @@ fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sum
     Some((layer, cell, sums, magnitude as f32))
 }
 
-/// Reduces points in memory; see [`Reducer`] for larger sets.
+/// Reduces points in memory. For larger sets use [`Reducer`].
 ///
 /// # Errors
 /// The errors of [`Reducer::new`].

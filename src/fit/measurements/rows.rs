@@ -1,4 +1,4 @@
-//! Parser of rows: cells to records, or to the reason for dropping a row.
+//! Parser of rows: converts the values of a row to a record, or to the reason for dropping the row.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -17,35 +17,35 @@ use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
 
-/// Layout of one file.
+/// Layout of the columns of one file.
 pub(super) struct Layout {
     map: ColumnMap,
-    /// Index of the column of each field.
+    /// Index of the column of each quantity.
     columns: [Option<usize>; FIELDS],
-    /// Numbers given instead of a column.
+    /// Numbers that are given instead of a column.
     constants: [Option<f64>; FIELDS],
     delimiter: Delimiter,
     norad_id: Option<NoradId>,
-    /// Site of all rows, if it is not given in columns.
+    /// Site of all rows, if the columns do not contain it.
     site: Option<Site>,
-    /// Selected filters in lower case; empty if the only filter of the file is accepted.
+    /// Selected filters in lower case. If empty, the only filter of the file is accepted.
     filters: Vec<String>,
     file: String,
 }
 
-/// Parsed block; rows, groups and sites are numbered within the block.
+/// Result of parsing a block. Rows, groups and sites are numbered from the beginning of the block.
 #[derive(Default)]
 pub(super) struct Parsed {
     pub records: Vec<Record>,
-    /// Hash of the cells of each record.
+    /// Hash of the values of each record.
     pub hashes: Vec<u64>,
     pub groups: Vec<String>,
     pub sites: Vec<Site>,
     pub dropped: DropCounts,
-    /// Filters of the records.
+    /// Filters of the records, with numbers of rows.
     pub filters: FilterCounts,
     pub rows: u64,
-    /// First filter, and the first that differs from it, with their rows, if no filter is selected.
+    /// First filter and the first filter that differs from it, each with its row, if no filter is selected.
     pub first_filter: Option<(u64, String)>,
     pub other_filter: Option<(u64, String)>,
 }
@@ -92,7 +92,7 @@ impl Layout {
                     .comment(Some(b'#'))
                     .from_reader(block);
                 let mut record = csv::ByteRecord::new();
-                // Reading bytes from memory cannot fail.
+                // Reading from memory cannot fail.
                 while reader.read_byte_record(&mut record).unwrap_or(false) {
                     rows.push(&|index| record.get(index), record.iter());
                 }
@@ -115,14 +115,14 @@ impl Layout {
     }
 }
 
-/// State of the parser of a block.
+/// State of the parser within a block.
 struct Rows<'l> {
     layout: &'l Layout,
     file: u32,
     parsed: Parsed,
     group_of: HashMap<String, u32>,
     site_of: HashMap<[u64; 3], u32>,
-    /// Night of the last row and its group.
+    /// Night of the last row, and its group.
     last_night: Option<(i64, u32)>,
 }
 
@@ -161,7 +161,7 @@ impl<'l> Rows<'l> {
         if let Some(filter) = layout.text(cell, Field::Filter) {
             self.check_filter(filter)?;
         }
-        // 99 and -99 are placeholders.
+        // 99 and -99 stand for missing magnitudes.
         let magnitude = layout.number(cell, Field::Magnitude, [-30.0, 40.0], "a magnitude of -30 to 40");
         let Ok(Some(magnitude)) = magnitude else {
             return Err(RejectedCell {
@@ -224,7 +224,7 @@ impl<'l> Rows<'l> {
         Ok(())
     }
 
-    /// Number of the site within the block.
+    /// Returns the number of the site within the block.
     fn site(&mut self, cell: Cell) -> Result<Option<u32>, RejectedCell> {
         let layout = self.layout;
         if layout.site.is_some() {
@@ -253,11 +253,11 @@ impl<'l> Rows<'l> {
         Ok(Some(number))
     }
 
-    /// Returns the number, within the block, of the group of a row: its track, or else its satellite, night, degree of
-    /// the Sun's altitude, or file.
+    /// Returns the number of a row's group within the block. The group is the track if it is recorded, otherwise the
+    /// satellite, the night, the degree of the Sun's altitude, or the file.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
-            // Rows of a track are mostly consecutive.
+            // Rows of the same track are usually consecutive.
             if self.parsed.records.last().is_some_and(|last| self.parsed.groups[last.group as usize] == track) {
                 return self.parsed.records[self.parsed.records.len() - 1].group;
             }
@@ -267,12 +267,12 @@ impl<'l> Rows<'l> {
             return self.numbered(format!("satellite {norad_id}"));
         }
         let Some(epoch) = epoch else {
-            // Without times the Sun's altitude replaces them: one degree is some minutes.
+            // Without times, the Sun's altitude is used instead; a degree corresponds to some minutes.
             let sun = self.layout.text(cell, Field::SunAltitude).and_then(|text| text.parse::<f64>().ok());
             let name = sun.map_or_else(|| self.layout.file.clone(), |sun| format!("Sun at {} deg", sun.floor()));
             return self.numbered(name);
         };
-        // A night has the date of its evening; days begin at local noon.
+        // A night is named by the date of its evening, so days begin at local noon.
         let longitude = site.map_or(0.0, |site| self.parsed.sites[site as usize].longitude_rad);
         let day = (mjd_utc(epoch) + longitude / TAU - 0.5).floor() as i64;
         if let Some((_, number)) = self.last_night.filter(|(last, _)| *last == day) {
@@ -296,14 +296,14 @@ impl<'l> Rows<'l> {
     }
 }
 
-/// Cell for which a row is dropped.
+/// A value because of which a row is dropped.
 struct RejectedCell {
     reason: DropReason,
     field: Field,
     expected: &'static str,
 }
 
-/// Function that returns the cell at an index.
+/// Function that returns the value at a column index.
 type Cell<'a> = &'a dyn Fn(usize) -> Option<&'a [u8]>;
 
 fn rejected(field: Field, expected: &'static str) -> RejectedCell {
@@ -311,14 +311,14 @@ fn rejected(field: Field, expected: &'static str) -> RejectedCell {
 }
 
 impl Layout {
-    /// Text in a column; `None` for a missing column or an empty cell.
+    /// Returns the text in a column; `None` for a missing column or an empty value.
     fn text<'a>(&self, cell: Cell<'a>, field: Field) -> Option<&'a str> {
         let bytes = cell(self.columns[field as usize]?)?.trim_ascii();
-        // Invalid Unicode is neither a number nor a time nor a known name.
+        // Text that is not valid Unicode is neither a number nor a time nor a known name.
         (!bytes.is_empty()).then(|| std::str::from_utf8(bytes).unwrap_or("?"))
     }
 
-    /// Finite number within bounds; `None` for a missing column or an empty cell.
+    /// Returns a finite number within bounds; `None` for a missing column or an empty value.
     fn number(
         &self,
         cell: Cell,
@@ -331,7 +331,7 @@ impl Layout {
         number.map(Some).ok_or_else(|| rejected(field, expected))
     }
 
-    /// Same as `number`, converted to kilometres.
+    /// Returns the same as `number`, converted to kilometres.
     fn length(
         &self,
         cell: Cell,
@@ -344,7 +344,7 @@ impl Layout {
         Ok(length.map(|length| length * unit_km))
     }
 
-    /// Same as `number`, converted to radians; bounds in degrees.
+    /// Returns the same as `number`, converted to radians; the bounds are in degrees.
     fn angle(
         &self,
         cell: Cell,
@@ -365,14 +365,14 @@ impl Layout {
                 let time = self.text(cell, Field::TimeOfDay).ok_or_else(wrong)?;
                 in_scale(date_and_time(&format!("{date} {time}")), scale)
             }
-            // Z means UTC and contradicts another scale.
+            // Z means UTC, which contradicts any other scale.
             None if date.ends_with('Z') && scale != TimeScale::UTC => None,
             None => match date.parse::<f64>() {
                 Ok(days) => epoch_from_mjd(days, scale).or_else(|_| epoch_from_jd(days, scale)).ok(),
                 Err(_) => in_scale(date_and_time(date), scale),
             },
         };
-        // From Sputnik to the end of the Sun's ephemeris.
+        // MJD of the launch of Sputnik and of the end of the Sun's ephemeris.
         let (first, last) = (36_116.0, 88_069.0);
         epoch.filter(|epoch| (first..last).contains(&mjd_utc(*epoch))).map(Some).ok_or_else(wrong)
     }
@@ -416,7 +416,8 @@ fn in_scale(read: Option<Epoch>, scale: TimeScale) -> Option<Epoch> {
     read.map(|epoch| Epoch::from_duration(epoch.to_utc_duration(), scale))
 }
 
-/// Parses date and time; hours of one digit (`2024-01-01 5:03:02`) occur in tables of photometry.
+/// Parses date and time. Hours of one digit (`2024-01-01 5:03:02`) are accepted because they occur in tables of
+/// photometry.
 fn date_and_time(text: &str) -> Option<Epoch> {
     parse_iso(text).or_else(|| {
         let (date, time) = text.split_once(['T', ' '])?;

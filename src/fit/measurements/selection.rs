@@ -1,5 +1,5 @@
-//! Selection of placed records as in Lu (2024), section 3, with every threshold as an option, and on-station intervals
-//! of satellites.
+//! Selection of records as in Lu (2024), section 3, with every threshold as an option, and intervals in which
+//! satellites are on station.
 
 use std::collections::HashMap;
 
@@ -14,32 +14,34 @@ use crate::elements::{ElementSet, History, NoradId, OrbitPhase, StationRule, orb
 use crate::geometry::{KARMAN_LINE_KM, grazing_height_km};
 use crate::photometry::StandardMagnitude;
 
-/// Thresholds for the use of records. Filters are selected on reading
+/// Thresholds for the use of records. Filters are selected when files are read
 /// ([`PhotometryOptions::filters`](super::PhotometryOptions::filters)).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Selection {
-    /// Drops records that the survey flags as in the penumbra.
+    /// If true, records that the survey flags as being in the penumbra are dropped.
     pub drop_penumbra_flag: bool,
-    /// Least height of the line from satellite to Sun above the ground, km; `None`: no limit.
+    /// Smallest height above the ground of the line from satellite to Sun, km; `None`: no limit.
     ///
-    /// For records with distance and phase only, the ground is a sphere of 6378.137 km, which is stricter by up to 21
-    /// km at the poles.
+    /// For records with only distance and phase angle, the ground is a sphere of 6378.137 km. At the poles this is
+    /// stricter by up to 21 km.
     pub least_grazing_height_km: Option<f64>,
-    /// Least altitude at the site, radians; a lower satellite cannot be the observed one. `None`: no limit.
+    /// Lowest altitude at the site, radians. A satellite below it cannot be the observed one. `None`: no limit.
     pub least_altitude_rad: Option<f64>,
-    /// Keeps satellites on station by this rule, which needs a history. `None`: keeps all.
+    /// Rule by which satellites are on station; others are dropped. It requires a history. `None`: all are kept.
     pub station: Option<StationRule>,
-    /// Largest difference between the recorded range and that of the satellite, km; `None`: no limit.
+    /// Largest difference between the recorded range and the computed range of the satellite, km; `None`: no limit.
     pub max_range_difference_km: Option<f64>,
-    /// Largest difference between the recorded phase and that of the satellite, radians; `None`: no limit.
+    /// Largest difference between the recorded and the computed phase angle of the satellite, radians; `None`: no
+    /// limit.
     pub max_phase_difference_rad: Option<f64>,
-    /// Subtracts 5 log10 of the Sun's distance in au from the magnitudes. Lu (2024) does not (at most 0.04 mag).
+    /// If true, 5 log10 of the Sun's distance in au is subtracted from the magnitudes. Lu (2024) neglects this (at most
+    /// 0.04 mag).
     pub correct_sun_distance: bool,
 }
 
 impl Default for Selection {
-    /// Lu (2024), section 3: no penumbra flags, 100 km, above the horizon, on station or not. The range, which the
-    /// paper does not check, may differ by 100 km.
+    /// Returns the selection of Lu (2024), section 3: no penumbra flags, 100 km, above the horizon, on station or not.
+    /// In addition, the range, which the paper does not check, may differ by at most 100 km.
     fn default() -> Self {
         Self {
             drop_penumbra_flag: true,
@@ -54,7 +56,7 @@ impl Default for Selection {
 }
 
 impl Selection {
-    /// Every record with a geometry.
+    /// Returns a selection that accepts every record with a viewing geometry.
     pub fn everything() -> Self {
         Self {
             drop_penumbra_flag: false,
@@ -66,7 +68,7 @@ impl Selection {
     }
 
     /// # Errors
-    /// [`FitError::Setting`] for a threshold that is not finite, or negative where it must not be.
+    /// [`FitError::Setting`] for a threshold that is not finite, or is negative where it must not be.
     pub(super) fn check(&self) -> Result<(), FitError> {
         let not_negative = [
             ("max_range_difference_km", self.max_range_difference_km),
@@ -87,12 +89,13 @@ impl Selection {
         Ok(())
     }
 
-    /// Reason to drop a record before its geometry is computed.
+    /// Returns the reason to drop a record before its geometry is computed; `None` if it is kept.
     pub(super) fn drop_record(&self, record: &Record) -> Option<DropReason> {
         (self.drop_penumbra_flag && record.in_penumbra).then_some(DropReason::PenumbraFlag)
     }
 
-    /// Reason to drop a placed record; `stations` is given if the rule is.
+    /// Returns the reason to drop a record with its geometry; `None` if it is kept. `stations` is given if a station
+    /// rule is set.
     pub(super) fn drop_placed(
         &self,
         record: &Record,
@@ -106,7 +109,7 @@ impl Selection {
             return Some(DropReason::BelowHorizon);
         }
         let (range_km, phase_rad) = record.sighting.distance_and_phase();
-        // Angles are computed only if there is a limit.
+        // Differences are computed only if a limit is set.
         let apart = |limit: Option<f64>, recorded: Option<f64>, placed: &dyn Fn() -> f64| {
             limit.zip(recorded).is_some_and(|(limit, recorded)| (placed() - recorded).abs() > limit)
         };
@@ -118,8 +121,8 @@ impl Selection {
         if let Some(least) = self.least_grazing_height_km {
             let height_km = match &placed.satellite_and_sun {
                 Some((satellite, sun)) => grazing_height_km(satellite, sun),
-                // Distance of the line to the Sun from the Earth's centre: R cos δ_sun for a Sun below the horizontal
-                // plane.
+                // Distance between the Earth's centre and the line to the Sun: R cos δ_sun for a Sun below the
+                // satellite's horizontal plane.
                 None => (geometry.sun_latitude_rad < 0.0).then(|| {
                     let radius_km = EARTH_EQUATORIAL_RADIUS_KM + geometry.height_km;
                     radius_km * geometry.sun_latitude_rad.cos() - EARTH_EQUATORIAL_RADIUS_KM
@@ -138,21 +141,23 @@ impl Selection {
         None
     }
 
-    /// Magnitude at 1000 km.
+    /// Returns the magnitude at a range of 1000 km.
     pub(super) fn standard_magnitude(&self, record: &Record, placed: &Placed) -> StandardMagnitude {
         let standard = record.magnitude.to_standard(placed.geometry.range_km);
-        // Predictions add 5 log10 R, so that data subtract it.
+        // Models add 5 log10 R to their predictions, where R is the Sun's distance in au, so it is subtracted from
+        // measurements.
         let sun_mag = if self.correct_sun_distance { 5.0 * placed.geometry.sun_distance_au.log10() } else { 0.0 };
         StandardMagnitude(standard.0 - sun_mag)
     }
 }
 
-/// Interval in which a satellite was in one phase of its mission.
+/// Interval in which a satellite was in the same phase of its mission.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct StationInterval {
-    /// Middle between this element set and the previous one, or the first element set.
+    /// Start: half way between the first element set of the interval and the previous one, or the first element set of
+    /// all.
     pub start: Epoch,
-    /// Middle between this element set and the next one, or the last element set.
+    /// End: half way between the last element set of the interval and the next one, or the last element set of all.
     pub end: Epoch,
     /// Phase of the mission.
     pub phase: OrbitPhase,
@@ -160,7 +165,7 @@ pub struct StationInterval {
     pub element_sets: usize,
 }
 
-/// Mission phases of all satellites of a history.
+/// Mission phases of all satellites in a history.
 #[derive(Clone, Debug, Default)]
 pub struct Stations {
     phases: HashMap<NoradId, Vec<(Epoch, OrbitPhase)>>,
@@ -176,8 +181,8 @@ impl Stations {
         Self { phases: history.objects().map(of_one).collect() }
     }
 
-    /// Phase of a satellite at an epoch, taken from its element set nearest in time; [`OrbitPhase::Unknown`] without
-    /// element sets.
+    /// Returns the phase of a satellite at an epoch, according to the element set that is nearest in time;
+    /// [`OrbitPhase::Unknown`] without element sets.
     pub fn phase_at(&self, norad_id: NoradId, epoch: Epoch) -> OrbitPhase {
         let Some(phases) = self.phases.get(&norad_id) else { return OrbitPhase::Unknown };
         let after = phases.partition_point(|(at, _)| *at <= epoch);
@@ -196,7 +201,7 @@ impl Stations {
         }
     }
 
-    /// Intervals of a satellite in time order; empty for one that is not in the history.
+    /// Returns the intervals of a satellite in order of time; empty if the satellite is not in the history.
     pub fn intervals(&self, norad_id: NoradId) -> Vec<StationInterval> {
         let phases = self.phases.get(&norad_id).map(Vec::as_slice).unwrap_or_default();
         let mut intervals: Vec<StationInterval> = Vec::new();

@@ -1,4 +1,4 @@
-//! Viewing geometry from distance, phase angle and radius of the orbit.
+//! Viewing geometry from the distance, the phase angle and the radius of the orbit.
 //!
 //! ```text
 //! sin δ_obs = -(R² + d² - q²) / (2 R d)                       R  radius of the orbit, q  position of the telescope
@@ -6,20 +6,20 @@
 //! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     s  unit vector to the Sun
 //! ```
 //!
-//! The solution is unique up to its mirror image, α → -α, which is equally bright if the satellite is symmetric about
-//! the Sun's plane.
+//! The solution is unique up to its mirror image, α → -α. Both are equally bright if the satellite is symmetric about
+//! the plane that contains the Sun.
 
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::geometry::ViewingGeometry;
 
-/// Largest |cos α| that is attributed to an error of the radius.
+/// Largest |cos α| that is still attributed to an error of the radius.
 const GREATEST_COSINE: f64 = 1.05;
-/// Least latitude of the observer, degrees; α is undetermined near the nadir.
+/// Lowest latitude of the observer, degrees. Near the nadir α is undetermined.
 const LEAST_LATITUDE_DEG: f64 = -85.0;
 
-/// Geometry by the formulas above, with `along_km` = q · s and α in [0, π].
+/// Returns the geometry by the formulas above, with `along_km` = q · s and α in [0, π].
 ///
-/// `None` if the triangle does not close, |cos α| exceeds 1.05, or the satellite is within 5° of the zenith.
+/// `None` if the triangle does not close, |cos α| exceeds 1.05, or the observer is within 5° of the satellite's nadir.
 pub(super) fn geometry(
     radius_km: f64,
     distance_km: f64,

@@ -1,7 +1,7 @@
 //! Refraction, spreading, scattering and absorption of sunlight that grazes the Earth.
 //!
-//! The bending angle β(h) and the optical depth τ(h) in V of a ray with its lowest point h above the ground are
-//! integrated once along the bent ray, and tabulated in steps of 1 km, with this atmosphere:
+//! For a ray whose lowest point is h above the ground, the bending angle β(h) and the optical depth τ(h) in V are
+//! integrated once along the bent ray, and tabulated in steps of 1 km. The atmosphere has these components:
 //!
 //! - density: seven layers, 1.225 kg/m³ at the ground (U.S. Standard Atmosphere 1976)
 //! - refractivity at the ground at 550 nm: 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa (Ciddor 1996, Applied Optics 35, 1566)
@@ -9,17 +9,18 @@
 //!   & Travis 1974, Space Sci. Rev. 16, 527, eq. 2.30)
 //! - ozone column above h: 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) (form of Lacis & Hansen 1974, J. Atmos. Sci.
 //!   31, 118, eq. 17; 300 Dobson units are assumed)
-//! - ozone absorption: 3.3·10⁻²¹ cm² at 550 nm and 233 K, times 300 · 2.687·10¹⁶ cm⁻²: τ = 0.0266 vertical
-//!   (Serdyuchenko et al. 2014, Atmos. Meas. Tech. 7, 625, in bins of 10 nm: 3.09 below, 3.50 above 550 nm in Bruneton
-//!   2017, Precomputed Atmospheric Scattering)
+//! - ozone absorption: cross section 3.3·10⁻²¹ cm² at 550 nm and 233 K, times 300 · 2.687·10¹⁶ cm⁻²: τ = 0.0266
+//!   vertical (Serdyuchenko et al. 2014, Atmos. Meas. Tech. 7, 625; bins of 10 nm in Bruneton 2017, Precomputed
+//!   Atmospheric Scattering: 3.09 below and 3.50 above 550 nm)
 //! - tropospheric aerosol: τ = 0.13 vertical (Remer et al. 2008, J. Geophys. Res. 113, D14S07, abstract: MODIS Aqua,
-//!   mean over oceans; 0.19 over land); scale height 2 km (assumed; rays that low are dark)
+//!   mean over oceans; 0.19 over land); scale height 2 km (assumed; rays this low carry hardly any light in any case)
 //! - stratospheric aerosol: τ = 0.0057 vertical: 0.008 in 2006-2015, of which eruptions had added 40 % (Friberg et al.
 //!   2018, Atmos. Chem. Phys. 18, 11149, abstract); logistic layer about 18 km, 3 km wide (assumed)
 //!
-//! Neglected: clouds, which block most of the light below some 8 km (a thousandth of the Sun's light by then); colours
-//! within V; volcanic years, which raise the half-light height by several kilometres; weather, season and latitude,
-//! which shift it by one or two; light scattered by the twilight sky into the satellite's shadow.
+//! Neglected effects: clouds, which block most of the light below some 8 km (where a thousandth of the Sun's light is
+//! left); the dependence on wavelength within V; volcanic years, which raise the height of half light by several
+//! kilometres; weather, season and latitude, which shift this height by one or two kilometres; and light that the
+//! twilight sky scatters into the satellite's shadow.
 
 use std::sync::LazyLock;
 
@@ -29,7 +30,8 @@ use crate::math::quadrature::gauss_legendre;
 
 /// Height above which bending and dimming are below 10⁻⁵, km.
 pub(super) const TOP_KM: f64 = 100.0;
-/// Distance beyond which the shadow is not wide compared with the Sun and rays from all sides overlap, km.
+/// Distance from the Earth's centre beyond which the shadow is no longer wide compared with the Sun, so that rays from
+/// all sides of the Earth overlap; km.
 pub(super) const FARTHEST_KM: f64 = 400_000.0;
 
 const REFRACTIVITY: f64 = 2.7784e-4;
@@ -39,7 +41,8 @@ const AEROSOL_VERTICAL: f64 = 0.13;
 const AEROSOL_HEIGHT_KM: f64 = 2.0;
 const STRATOSPHERE_VERTICAL: f64 = 0.0057;
 
-/// Layers of the standard: lower boundary (geopotential km), temperature there (K), its gradient (K/km).
+/// Layers of the U.S. Standard Atmosphere: lower boundary (geopotential km), temperature there (K), its gradient
+/// (K/km).
 const LAYERS: [(f64, f64, f64); 8] = [
     (0.0, 288.15, -6.5),
     (11.0, 216.65, 0.0),
@@ -50,14 +53,14 @@ const LAYERS: [(f64, f64, f64); 8] = [
     (71.0, 214.65, -2.0),
     (84.852, 186.946, 0.0),
 ];
-/// The constant g₀ M / R of the standard, K/km.
+/// The constant g₀ M / R of the standard atmosphere, K/km.
 const HYDROSTATIC_K_KM: f64 = 34.163_195;
-/// The Earth's radius of the standard, km.
+/// The Earth's radius in the standard atmosphere, km.
 const STANDARD_RADIUS_KM: f64 = 6356.766;
 /// Column of air above the ground as a length of air at ground density, km: p₀ / (g₀ ρ₀).
 const COLUMN_KM: f64 = 8.434_5;
 
-/// Density at the bottom of each layer relative to the ground.
+/// Density at the bottom of each layer, relative to the density at the ground.
 static LAYER_DENSITY: LazyLock<[f64; 8]> = LazyLock::new(|| {
     let mut densities = [1.0; 8];
     for layer in 1..8 {
@@ -66,7 +69,7 @@ static LAYER_DENSITY: LazyLock<[f64; 8]> = LazyLock::new(|| {
     densities
 });
 
-/// Density relative to the bottom of the layer.
+/// Density at a geopotential height (km) within a layer, relative to the density at the bottom of the layer.
 fn relative_density(layer: usize, geopotential_km: f64) -> f64 {
     let (base_km, base_k, gradient) = LAYERS[layer];
     let above_km = geopotential_km - base_km;
@@ -78,7 +81,7 @@ fn relative_density(layer: usize, geopotential_km: f64) -> f64 {
     }
 }
 
-/// Returns the density relative to the ground, and its change per km.
+/// Returns the density relative to that at the ground, and its derivative per km of height.
 fn density(height_km: f64) -> (f64, f64) {
     let scale = STANDARD_RADIUS_KM / (STANDARD_RADIUS_KM + height_km);
     let geopotential_km = height_km * scale;
@@ -89,7 +92,7 @@ fn density(height_km: f64) -> (f64, f64) {
     (density, -density * (HYDROSTATIC_K_KM + gradient) / temperature_k * scale * scale)
 }
 
-/// Returns the extinction in V, per km.
+/// Returns the extinction coefficient in V, per km.
 fn extinction_km(height_km: f64, density: f64) -> f64 {
     let logistic = |centre_km: f64, width_km: f64| {
         let e = ((height_km - centre_km) / width_km).exp();
@@ -101,7 +104,7 @@ fn extinction_km(height_km: f64, density: f64) -> f64 {
         + AEROSOL_VERTICAL * (-height_km / AEROSOL_HEIGHT_KM).exp() / AEROSOL_HEIGHT_KM
 }
 
-/// Returns the bending (radians) and optical depth of the ray with this lowest height.
+/// Returns the bending (radians) and the optical depth of the ray whose lowest point has this height (km).
 ///
 /// β = -2 p ∫ (dn/dr)/n dr / √(n²r² - p²),  τ = 2 ∫ k n r dr / √(n²r² - p²),  p = n(r₀) r₀;
 /// the substitution r = r₀ + s² removes the root at r₀.
@@ -126,7 +129,7 @@ fn ray(height_km: f64) -> (f64, f64) {
     (bending, depth)
 }
 
-/// Logarithms of bending and optical depth at 0, 1, ... km, with one more node on either side.
+/// Logarithms of bending and optical depth at heights of 0, 1, ... km, with one more node at either end.
 static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     (0..=TOP_KM as usize + 2)
         .map(|height_km| {
@@ -136,7 +139,7 @@ static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Returns bending (radians) and optical depth in V of a ray with a lowest height of 0 to 100 km, by cubic
+/// Returns the bending (radians) and the optical depth in V of a ray whose lowest point is 0 to 100 km high, by cubic
 /// interpolation.
 fn bending_and_depth(height_km: f64) -> (f64, f64) {
     let table = &*TABLE;
@@ -165,10 +168,11 @@ static FREE_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16
 /// √(sin θ/sin σ); the error is (α/8 sin σ)².
 pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) -> f64 {
     let ground_km = EARTH_EQUATORIAL_RADIUS_KM;
-    // A satellite within the atmosphere has no air below it on the line of sight.
+    // For a satellite inside the atmosphere, no ray has its lowest point above the satellite.
     let top_km = TOP_KM.min(radius_km - ground_km - 1e-3);
     let sine_separation = separation_rad.sin().max(1e-6);
-    // Angle of arrival, and position on the disk, of the ray at this height.
+    // Angle θ' at which the ray with this lowest height arrives, and the position on the Sun's disk from which it
+    // comes.
     let image = |height_km: f64, bending_rad: f64| {
         let (density, _) = density(height_km);
         let impact_km = (1.0 + REFRACTIVITY * density) * (ground_km + height_km);
@@ -197,7 +201,7 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
             }
         }
     }
-    // The part of the disk above the atmosphere.
+    // Light of the part of the disk that is seen above the atmosphere.
     let edge = if top_km > 0.0 { disk_position(top_km).clamp(-1.0, 1.0) } else { -1.0 };
     let turn = edge.acos();
     for &(s, weight) in FREE_RULE.iter() {
@@ -208,7 +212,8 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
     lit.clamp(0.0, 1.0)
 }
 
-/// Returns the height in [0, `top_km`] at which an increasing function reaches a value, or the nearest end; to 0.1 m.
+/// Returns the height in [0, `top_km`] at which an increasing function reaches a value, to 0.1 m, or the nearer end of
+/// the interval.
 fn height_where(function: &impl Fn(f64) -> f64, value: f64, top_km: f64) -> f64 {
     let (mut low, mut high) = (0.0, top_km);
     if function(low) >= value {

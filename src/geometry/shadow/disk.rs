@@ -9,7 +9,8 @@ use std::sync::LazyLock;
 
 use crate::math::quadrature::gauss_legendre;
 
-/// Coefficients of μ⁰ to μ⁵: a₀ + a₁/λ (+ a₅/λ⁵) of the source at λ = 0.55 µm; their sum is 1, the centre of the disk.
+/// Coefficients of μ⁰ to μ⁵, a₀ + a₁/λ (+ a₅/λ⁵) of the cited paper at λ = 0.55 µm. Their sum is 1, the intensity at
+/// the centre of the disk.
 const DARKENING: [f64; 6] = [0.269_80, 1.340_25, -1.642_88, 2.082_24, -1.473_53, 0.424_12];
 
 /// Integrals ∫ (1 - v²)^(n/2) dv over [-1, 1] for n = 0 to 5.
@@ -46,11 +47,11 @@ pub(super) fn strip(u: f64) -> f64 {
     sum / light_within(1.0)
 }
 
-/// Returns the fraction of the Sun's light above a limb: the Sun's centre is `above` solar radii outside the edge of a
-/// disk of radius `limb` (solar radii). Within 5·10⁻⁵ of a direct sum over the disk.
+/// Returns the fraction of the Sun's light above the limb of the Earth, seen as a disk of radius `limb`, when the Sun's
+/// centre is `above` outside that limb (both in solar radii). It is within 5·10⁻⁵ of a direct sum over the disk.
 ///
-/// A circle of radius r about the Sun's centre is covered over the half angle β(r); d = R + x is the distance of the
-/// centres:
+/// The Earth covers a circle of radius r around the Sun's centre over the half angle β(r). With d = R + x, the distance
+/// of the centres:
 ///
 /// cos β = (x (2R + x) + r²) / (2 d r),  covered = ∫ 2 r β(r) I(r) dr
 ///
@@ -60,7 +61,7 @@ pub(super) fn lit_fraction(above: f64, limb: f64) -> f64 {
     if above >= 1.0 {
         return 1.0;
     }
-    // The distance of the centres is at least 0.
+    // The distance between the two centres cannot be negative.
     let x = above.max(-limb);
     let d = limb + x;
     if d + 1.0 <= limb {
@@ -84,7 +85,7 @@ pub(super) fn lit_fraction(above: f64, limb: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Tolerance for the direct sum over the disk; the cell size of the sum dominates the difference.
+    /// Tolerance for the direct sum over the disk. The difference is mainly due to the finite cells of the sum.
     const TOLERANCE: f64 = 5e-5;
 
     #[test]

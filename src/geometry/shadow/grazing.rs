@@ -1,11 +1,12 @@
-//! Height of the line from the Sun to a satellite above the ground: the paper's rule for selecting data.
+//! Height above the ground of the straight line from the Sun to a satellite, by which Lu (2024) selects photometry.
 
 use nalgebra::Vector3;
 
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING};
 use crate::frames::{Gcrs, Position};
 
-/// Lines that pass below this count as shaded in Lu (2024), section 3.1: the Kármán line, km.
+/// Kármán line, km: in Lu (2024), section 3.1, a satellite is in shadow where the line to the Sun passes lower than
+/// this.
 pub const KARMAN_LINE_KM: f64 = 100.0;
 
 /// Returns the lowest height above the WGS84 ellipsoid, km, of the straight line from the Sun's centre to a satellite;
@@ -28,8 +29,8 @@ pub fn grazing_height_km(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Op
     })
 }
 
-/// Returns true where the line from the Sun's centre to the satellite passes above 100 km or has no lowest point: the
-/// rule by which the paper selects photometry. It ignores the Sun's disk; use it for the selection of data only.
+/// Returns true where the line from the Sun's centre to the satellite passes above 100 km or has no lowest point. Lu
+/// (2024) selects photometry by this rule. The rule ignores the size of the Sun's disk; use it only to select data.
 pub fn sunlit_by_100_km_rule(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> bool {
     grazing_height_km(satellite, sun).is_none_or(|height_km| height_km >= KARMAN_LINE_KM)
 }

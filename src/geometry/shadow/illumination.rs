@@ -9,18 +9,18 @@
 //! ```
 //!
 //! The Earth is the WGS84 ellipsoid. Stretching z by 1/(1 - f) makes it a sphere and keeps lines straight, so that the
-//! limb is exact for each point of the Sun; the Sun's disk becomes an ellipse, of which the radius across the limb is
-//! used. The lit fraction is that of the Sun's light in V with limb darkening, within 10⁻⁴ of the sum over rays to all
-//! points of the disk.
+//! limb is exact for each point of the Sun. The Sun's disk becomes an ellipse, whose radius perpendicular to the limb
+//! is used. The lit fraction is the fraction of the Sun's light in V, with limb darkening; it is within 10⁻⁴ of a sum
+//! over rays to all points of the disk.
 //!
-//! Neglected in the geometric shadow: the tilt of the Earth's axis against z of GCRS (0.15° in 2026: boundaries within
-//! 60 m, 0.02 s) and the air. A satellite at 550 km crosses the penumbra (25 km deep) at up to 3 km/s, in 8 s or more.
-//! With [`ShadowModel::Atmosphere`] half of the light is lost where the line to the Sun's centre passes 27 km above the
-//! ground, a tenth at 41 km, nine tenths at 12 km; a little light remains inside the umbra. Half light comes 9 s
-//! earlier than for the solid Earth at a descent of 3 km/s.
+//! The geometric shadow neglects the tilt of the Earth's axis against z of GCRS (0.15° in 2026, which moves boundaries
+//! by up to 60 m or 0.02 s) and the atmosphere. A satellite at 550 km crosses the penumbra (25 km deep) at up to 3
+//! km/s, in 8 s or more. With [`ShadowModel::Atmosphere`] the satellite receives 90 % of the light where the line to
+//! the Sun's centre passes 41 km above the ground, 50 % at 27 km and 10 % at 12 km; a little light remains inside the
+//! umbra. Half of the light is lost 9 s earlier than for an Earth without air, at a descent of 3 km/s.
 //!
-//! Entry times of Heavens-Above are those of the first geometric dimming: 15 passes agree within 0.8 s, rounding
-//! included.
+//! Heavens-Above gives the time of the first geometric dimming as the time of shadow entry: for 15 passes these times
+//! agree with this module within 0.8 s, rounding included.
 
 use nalgebra::Vector3;
 
@@ -31,14 +31,14 @@ use crate::frames::{Gcrs, Position};
 /// Illumination of a satellite: sunlit, penumbra or umbra.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Illumination {
-    /// The whole disk of the Sun is visible, and above the air in [`ShadowModel::Atmosphere`].
+    /// The whole disk of the Sun is visible; with [`ShadowModel::Atmosphere`], all of it is seen above the atmosphere.
     Sunlit,
     /// A part of the Sun's light is missing.
     Penumbra {
         /// Fraction of the Sun's light in V that arrives, (0, 1).
         lit_fraction: f64,
     },
-    /// No part of the Sun is visible; with air, less than a millionth of its light arrives.
+    /// No part of the Sun is visible; with [`ShadowModel::Atmosphere`], less than a millionth of its light arrives.
     Umbra,
 }
 
@@ -65,13 +65,14 @@ impl Illumination {
 /// Model of the Earth's shadow.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum ShadowModel {
-    /// The solid Earth alone.
+    /// The solid Earth without atmosphere.
     #[default]
     Geometric,
     /// The Earth and its atmosphere: rays near the limb are bent, spread, scattered and absorbed.
     ///
-    /// `Penumbra` then extends from rays that pass at 100 km to a millionth of the Sun's light, well into the geometric
-    /// umbra. Valid for satellites from 100 km up to the Moon's distance; others get the geometric shadow.
+    /// With this model, `Penumbra` extends from rays that pass at 100 km to a millionth of the Sun's light, well into
+    /// the geometric umbra. The model is valid for satellites from 100 km up to the Moon's distance; the geometric
+    /// shadow is returned for all others.
     Atmosphere,
 }
 
@@ -89,9 +90,9 @@ impl ShadowModel {
         }
     }
 
-    /// Returns a cone about the anti-solar direction inside which everything is [`Illumination::Umbra`]: its radius at
-    /// the Earth's centre, km, and its narrowing, km per km of depth. Valid for satellites from 100 km up to the Moon's
-    /// distance.
+    /// Returns a cone about the anti-solar direction inside which every position is in [`Illumination::Umbra`]: its
+    /// radius at the Earth's centre, km, and the decrease of the radius per km of distance behind the Earth. Valid for
+    /// satellites from 100 km up to the Moon's distance.
     pub fn dark_core(self) -> (f64, f64) {
         // sin = (R_sun - R) / d at perihelion is 0.00469; rays at the ground are bent by twice 35' = 0.0204 at most.
         let narrowing = if self == Self::Atmosphere { 0.026 } else { 0.0048 };
@@ -102,8 +103,8 @@ impl ShadowModel {
     /// Returns the illumination of a satellite; both positions are geocentric, km. A position below the Earth's surface
     /// is treated as the surface point above it.
     ///
-    /// Far from the shadow's boundary a few products suffice; near it the sum covers two dozen rings of the Sun's disk,
-    /// or five dozen rays through the air.
+    /// The result is quick to compute far from the shadow's boundary. Near the boundary the sum covers two dozen rings
+    /// of the Sun's disk, or five dozen rays through the atmosphere.
     pub fn illumination(self, satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
         let radius = EARTH_EQUATORIAL_RADIUS_KM;
         let position = stretch(satellite.vector());
@@ -152,23 +153,23 @@ pub fn illumination(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumin
     ShadowModel::Geometric.illumination(satellite, sun)
 }
 
-/// Fraction of the Sun's light below which a satellite behind air counts as dark: 15 mag.
+/// Fraction of the Sun's light below which a satellite behind the atmosphere counts as dark (a loss of 15 mag).
 const LEAST_LIT: f64 = 1e-6;
 
-/// Two directions; any third direction is well away from at least one of them.
+/// Two perpendicular directions: any third direction is far from parallel to at least one of them.
 const AXES: [Vector3<f64>; 2] = [Vector3::new(0.0, 0.0, 1.0), Vector3::new(1.0, 0.0, 0.0)];
 
 fn stretch(v: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(v.x, v.y, v.z / (1.0 - EARTH_FLATTENING))
 }
 
-/// Earth and Sun seen from a satellite, in the space where the Earth is a sphere.
+/// Earth and Sun seen from a satellite, in the stretched space where the Earth is a sphere.
 struct Limb {
     /// Angle between the Earth's centre and the Sun's, radians.
     separation_rad: f64,
-    /// The Earth's angular radius.
+    /// The Earth's angular radius, radians.
     earth_rad: f64,
-    /// The Sun's angular radius across the limb, and along it.
+    /// The Sun's angular radii perpendicular to the limb and along it, radians.
     sun_across_rad: f64,
     sun_along_rad: f64,
 }
@@ -179,11 +180,11 @@ impl Limb {
         let normal = to_earth.cross(to_sun);
         let separation_rad = normal.norm().atan2(to_earth.dot(to_sun));
         let earth_rad = (EARTH_EQUATORIAL_RADIUS_KM / position.norm()).min(1.0).asin();
-        // A plane with unit normal n' in the stretched space has the normal S n' in the true one: the Sun's sphere
-        // extends |S n'| R to its sides.
+        // A plane with unit normal n' in the stretched space has the normal S n' in the true space (S is the
+        // stretching), and the Sun's sphere extends |S n'| R to either side of it.
         let centre = to_earth.normalize();
         let perpendicular = centre.cross(if centre.z.abs() < 0.9 { &AXES[0] } else { &AXES[1] });
-        // With the Sun exactly behind the Earth any side may be chosen.
+        // If the Sun is exactly behind the Earth's centre, any side may be chosen.
         let towards =
             (to_sun - centre * centre.dot(to_sun)).try_normalize(1e-9).unwrap_or_else(|| perpendicular.normalize());
         let (sin, cos) = earth_rad.sin_cos();
@@ -193,7 +194,7 @@ impl Limb {
         Self { separation_rad, earth_rad, sun_across_rad: reach_rad(across), sun_along_rad: reach_rad(along) }
     }
 
-    /// Returns the limb's radius of curvature in units where the Sun's disk is round with radius 1.
+    /// Returns the radius of curvature of the limb, in units in which the Sun's disk is a circle of radius 1.
     ///
     /// On the sphere the limb is a small circle with the curvature of a plane circle of radius tan(earth_rad). Making
     /// the Sun's ellipse round scales lengths along the limb by the ratio of its axes, and the radius by its square.

@@ -1,5 +1,5 @@
-//! The Earth's shadow: `illumination` (limb and Sun), `disk` (limb darkening), `atmosphere` (refraction and extinction
-//! of grazing light), `grazing` (height of a ray).
+//! The Earth's shadow: `illumination` (limb of the Earth and disk of the Sun), `disk` (limb darkening of the Sun),
+//! `atmosphere` (refraction and extinction of grazing sunlight), `grazing` (height of a straight ray above the ground).
 
 mod atmosphere;
 mod disk;

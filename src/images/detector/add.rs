@@ -1,4 +1,4 @@
-//! Light added to an existing frame.
+//! Light added to an existing frame through the stages of a detector.
 
 use rayon::prelude::*;
 
@@ -24,16 +24,17 @@ pub struct AddedLight {
     pub row: usize,
     /// Column, counted from 0.
     pub column: usize,
-    /// Signal before the analogue-to-digital converter, counts, in general not whole. Below 0 for ghosts with a
-    /// negative coefficient.
+    /// Added signal before the analogue-to-digital converter, counts, in general not an integer. It is negative for
+    /// ghosts with a negative crosstalk coefficient.
     pub signal_adu: f32,
-    /// Change of the pixel's count: the signal, or a random whole number of counts with this mean, within the
-    /// converter's range.
+    /// Change of the pixel's count. It is the signal itself, or a random integer with the signal as its mean, limited
+    /// to the range of the converter.
     pub change_adu: f32,
 }
 
 impl Detector {
-    /// Adds the light computed by [`added_light`](Detector::added_light) to a frame in counts, in single precision.
+    /// Adds the light computed by [`added_light`](Detector::added_light) to a frame in counts. Sums are in single
+    /// precision.
     ///
     /// # Errors
     /// The errors of [`added_light`](Detector::added_light).
@@ -46,23 +47,23 @@ impl Detector {
         Ok(saturated)
     }
 
-    /// Computes the effect of light on a frame in counts, pixel by pixel in order, and the saturation.
+    /// Computes the effect of added light on a frame in counts: the changed pixels in order, and the saturation.
     ///
-    /// The patches contain expected electrons before vignetting, for the shape of the frame. The light already in the
-    /// frame is not changed: photon noise, vignetting and crosstalk ghosts apply to the added light only, and no read
-    /// noise is added. Full wells apply to the sum of both: the excess bleeds, and a pixel that already exceeds its
-    /// full well keeps its charge. Counts are converted to electrons by gain, bias and the inverse of the
-    /// non-linearity, and back. If counts are whole, the fraction lost to the converter is drawn at random first, so
-    /// that light of less than a count is kept on average. Pixels without new charge and pixels that are NaN are not
-    /// returned; counts beyond the converter's range are kept.
+    /// The patches contain expected electrons before vignetting and have the shape of the frame. Photon noise,
+    /// vignetting and crosstalk are applied to the added light only, and no read noise is added. Saturation depends on
+    /// the sum of existing and added light: charge above the full well bleeds, while a pixel that already exceeds its
+    /// full well keeps its charge. Existing counts are converted to electrons with the gain, the bias and the inverse
+    /// of the non-linearity. If counts are integers, a random fraction is added before the converter, so that light of
+    /// less than a count is kept on average. The result omits pixels without new charge and NaN pixels. Existing counts
+    /// beyond the converter's range are kept.
     ///
-    /// Changes are computed directly, not as differences of counts, because a frame of 10⁹ counts in single precision does
-    /// not resolve changes below 64. With `shot_noise = false` and no other stage the light is simply added. The result depends
-    /// on the seed, but not on the number of threads.
+    /// Changes are computed directly, not as differences of counts, because a frame of 10⁹ counts in single precision
+    /// does not resolve changes below 64. With `shot_noise = false` and no other stage, the light is simply added. The
+    /// result depends on the seed, but not on the number of threads.
     ///
     /// # Errors
-    /// The errors of [`Detector::validate`]; a patch for a frame of another shape; an amplifier
-    /// that extends beyond the frame.
+    /// The errors of [`Detector::validate`]; a patch for a frame of another shape; an amplifier that extends beyond the
+    /// frame.
     pub fn added_light(
         &self,
         frame: &Plane,
@@ -93,7 +94,7 @@ impl Detector {
         }
         let mut all = measured;
         all.append(&mut ghosts);
-        // The sort is stable, so sums depend only on the order of the amplifiers.
+        // The sort is stable, so that sums depend only on the order of the amplifiers.
         all.sort_by_key(|change| (change.row, change.column));
         let mut added = Vec::with_capacity(all.len());
         for of_row in all.chunk_by(|a, b| a.row == b.row) {
@@ -119,12 +120,12 @@ impl Detector {
         Ok((added, saturated))
     }
 
-    /// Returns the charge from the light of all patches in one row.
+    /// Returns the charge that the light of all patches gives to the pixels of one row.
     fn light_of_row(&self, frame: &Plane, patches: &[Patch], seed: u64, row: usize) -> Vec<Change> {
         let mut spans: Vec<_> =
             patches.iter().map(|patch| patch.row(row)).filter(|span| !span.values.is_empty()).collect();
         spans.sort_by_key(|span| span.first_column);
-        // Adjacent spans are merged, so that each pixel takes one number from the random stream of the row.
+        // Adjacent spans are merged, so that each pixel uses exactly one number of the row's random stream.
         let mut merged: Vec<(usize, Vec<f32>)> = Vec::new();
         for span in spans {
             let end = span.first_column + span.values.len();
@@ -155,13 +156,13 @@ impl Detector {
         changes
     }
 
-    /// Returns the electrons of a count.
+    /// Returns the charge, in electrons, that corresponds to a count.
     fn charge_of(&self, count: f32) -> f64 {
         let measured = (f64::from(count) - self.bias_adu) * self.gain_e_adu;
         self.non_linearity.as_ref().map_or(measured, |non_linearity| non_linearity.true_e(measured))
     }
 
-    /// Returns the measured signal of a change of charge.
+    /// Returns the change of the measured signal that a change of charge causes.
     fn signal_of(&self, frame: &Plane, change: Change) -> Change {
         let Some(non_linearity) = &self.non_linearity else { return change };
         let before = self.charge_of(frame.row(change.row)[change.column]);
@@ -169,7 +170,8 @@ impl Detector {
         Change { e: e as f32, ..change }
     }
 
-    /// Limits changes to the capacity of the pixels, and adds changes of the pixels into which the excess bleeds.
+    /// Limits changes to the free capacity of the pixels, and adds changes of the pixels into which the excess charge
+    /// bleeds.
     fn fill_wells(&self, frame: &Plane, saturation: &Saturation, changes: &mut Vec<Change>) -> Saturated {
         let full = saturation.full_well_e;
         let overflows =
@@ -180,7 +182,7 @@ impl Detector {
         else {
             return Saturated::default();
         };
-        // Charge stays in its columns or rows, so only those with an excess are processed.
+        // Charge bleeds along one direction only, so only the columns or rows with an excess are processed.
         let (columns, rows) = match saturation.bleeding {
             Bleeding::Columns => (first..last + 1, 0..frame.rows()),
             Bleeding::Rows | Bleeding::Off => (0..frame.columns(), over[0].row..over[over.len() - 1].row + 1),
@@ -193,7 +195,7 @@ impl Detector {
         }
         let mut added = Plane::zeros(rows.len(), columns.len());
         let is_inside = |change: &Change| columns.contains(&change.column) && rows.contains(&change.row);
-        // Pixels without a value have no charge and do not bleed.
+        // NaN pixels have no charge and do not bleed.
         let holds = |change: &&Change| is_inside(change) && !frame.row(change.row)[change.column].is_nan();
         for change in changes.iter().filter(holds) {
             added.row_mut(change.row - rows.start)[change.column - columns.start] += change.e;

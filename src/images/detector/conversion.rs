@@ -1,4 +1,4 @@
-//! Conversion of electrons to the counts of a file, and random streams of a frame, one for each row.
+//! Conversion of electrons to the counts of a file, and a random stream for each row of a frame.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -7,15 +7,15 @@ use serde::Deserialize;
 
 use super::super::error::ImagesError;
 
-/// Whole counts within the converter's range.
+/// Rounding of counts to integers within the range of the converter.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quantisation {
-    /// Least count, \[-1e6, 1e6\]; by default 0.
+    /// Smallest count, \[-1e6, 1e6\]; by default 0.
     #[serde(default)]
     pub least_adu: f64,
-    /// Greatest count, above the least, up to 16777216 (2²⁴: single precision does not resolve all whole numbers above
-    /// it); by default 65535.
+    /// Largest count, above the smallest one and at most 16777216 (2²⁴, above which single precision does not resolve
+    /// all integers); by default 65535.
     #[serde(default = "sixteen_bits")]
     pub greatest_adu: f64,
 }
@@ -41,8 +41,8 @@ impl Quantisation {
         )
     }
 
-    /// Returns the change of a count after adding a signal and rounding to a whole count. The result is limited to the
-    /// range of the converter; a count that is already beyond the range moves no farther from it.
+    /// Returns the change of a count when a signal is added and the sum is rounded to an integer. The result is limited
+    /// to the range of the converter; a count that is already outside the range does not move farther from it.
     pub(super) fn step(&self, count: f64, signal_adu: f64) -> f64 {
         (count + signal_adu).round().clamp(self.least_adu.min(count), self.greatest_adu.max(count)) - count
     }
@@ -60,19 +60,19 @@ pub(super) enum Purpose {
     Rounding = 2,
 }
 
-/// Returns the random stream of one row.
+/// Returns the random stream for one purpose and one row.
 pub(super) fn stream(seed: u64, purpose: Purpose, row: usize) -> ChaCha8Rng {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     random.set_stream(((purpose as u64) << 32) | row as u64);
     random
 }
 
-/// Draws a number of electrons with the mean `mean_e`; 0 for a mean that is not above 0.
+/// Draws a Poisson number of electrons with the mean `mean_e`; 0 if the mean is not above 0.
 pub(super) fn electrons(mean_e: f32, random: &mut ChaCha8Rng) -> f32 {
     Poisson::new(mean_e).map_or(0.0, |poisson| poisson.sample(random))
 }
 
-/// Draws Gaussian noise of a sigma.
+/// Draws Gaussian noise with the standard deviation `sigma`.
 pub(super) fn gaussian(sigma: f32, random: &mut ChaCha8Rng) -> f32 {
     sigma * random.sample::<f32, _>(StandardNormal)
 }

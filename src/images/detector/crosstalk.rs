@@ -1,4 +1,4 @@
-//! Ghosts of bright pixels in the pixels that other amplifiers read at the same time.
+//! Crosstalk: ghosts of bright pixels in the pixels that other amplifiers read at the same time.
 
 use serde::Deserialize;
 
@@ -6,18 +6,18 @@ use std::fmt::Display;
 
 use super::super::error::ImagesError;
 
-/// Position of an amplifier's first pixel to be read, with rows and columns counted from 0.
+/// Corner of an amplifier's area at which the readout begins. Rows and columns are counted from 0.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ReadoutCorner {
-    /// First row and first column of its pixels.
+    /// The first row and the first column are read first.
     #[default]
     FirstRowFirstColumn,
-    /// First row and last column: read to the right.
+    /// The first row and the last column are read first.
     FirstRowLastColumn,
-    /// Last row and first column.
+    /// The last row and the first column are read first.
     LastRowFirstColumn,
-    /// Last row and last column.
+    /// The last row and the last column are read first.
     LastRowLastColumn,
 }
 
@@ -33,19 +33,19 @@ pub struct Amplifier {
     pub first_column: usize,
     /// Number of columns.
     pub columns: usize,
-    /// Pixel that is read first.
+    /// Corner whose pixel is read first.
     #[serde(default)]
     pub corner: ReadoutCorner,
 }
 
-/// Amplifiers of one size that are read together, and the crosstalk between them.
+/// Amplifiers of equal size that are read simultaneously, and the crosstalk between them.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Crosstalk {
-    /// Amplifiers, all of one size, without common pixels.
+    /// Amplifiers, all of the same size, without common pixels.
     pub amplifiers: Vec<Amplifier>,
-    /// `(victim, source)`: fraction of the source's signal that is added to the victim's pixel read at the same time,
-    /// \[-0.1, 0.1\]; 0 on the diagonal.
+    /// Coefficients `[victim][source]`: fraction of the source's signal that is added to the pixel of the victim that
+    /// is read at the same time, \[-0.1, 0.1\]; 0 on the diagonal.
     pub coefficients: Vec<Vec<f64>>,
 }
 
@@ -70,7 +70,8 @@ impl Amplifier {
         !apart
     }
 
-    /// Converts the position of a pixel to the order of readout, or back; the conversion is its own inverse.
+    /// Converts the position of a pixel in the amplifier to its position in the order of readout. The conversion is its
+    /// own inverse.
     fn readout_order(&self, line: usize, pixel: usize) -> (usize, usize) {
         let (last_line, last_pixel) = (self.rows - 1, self.columns - 1);
         match self.corner {
@@ -136,7 +137,7 @@ impl Crosstalk {
         Ok(())
     }
 
-    /// Computes the ghosts of a signal in one pixel: calls `add(row, column, signal)` for each victim.
+    /// Computes the ghosts of the signal in one pixel: calls `add(row, column, signal)` for the pixel of each victim.
     pub(super) fn spread(&self, row: usize, column: usize, signal: f32, mut add: impl FnMut(usize, usize, f32)) {
         let Some(source) = self.amplifiers.iter().position(|amplifier| amplifier.contains(row, column)) else { return };
         let own = &self.amplifiers[source];

@@ -1,4 +1,4 @@
-//! Conversion of all light of a synthetic frame to counts, by all stages of the detector.
+//! Conversion of the whole light of a synthetic frame to counts, by all stages of the detector.
 
 use rayon::prelude::*;
 
@@ -10,8 +10,8 @@ use super::saturation::Saturated;
 use super::settings::Detector;
 
 impl Detector {
-    /// Converts light to a frame in counts. The light is the expected electrons of each pixel (sky, stars and streaks
-    /// together) before vignetting. The result depends on the seed, but not on the number of threads.
+    /// Converts light to a frame in counts. The light is given as the expected electrons of each pixel before
+    /// vignetting (sky, stars and streaks together). The result depends on the seed, but not on the number of threads.
     ///
     /// # Errors
     /// The errors of [`Detector::validate`], and an amplifier that extends beyond the frame.

@@ -1,6 +1,6 @@
-//! Effects of a detector on light: `vignetting`, `saturation` with bleeding, `non_linearity`, `crosstalk`, `conversion`
-//! (gain, bias, quantisation, noise). `settings` contains the stages in use, `expose` applies them to a synthetic frame,
-//! and `add` to light that is added to an existing frame.
+//! Effects of a detector on light: `vignetting`, `saturation` with bleeding, `non_linearity`, `crosstalk`, and
+//! `conversion` (gain, bias, quantisation, noise). `settings` holds the stages in use; `expose` applies them to a
+//! synthetic frame, `add` to light that is added to an existing frame.
 
 mod add;
 mod conversion;

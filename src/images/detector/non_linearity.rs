@@ -1,17 +1,18 @@
-//! Signals that are not proportional to the light.
+//! Non-linearity of a detector: signals that are not proportional to the light.
 
 use serde::Deserialize;
 
 use super::super::error::ImagesError;
 
-/// Non-linearity: the measured signal of e electrons is e (1 + c₀ s + c₁ s² + ...) with s = e / scale. Above the scale it
-/// follows the tangent at the scale; below 0 it is e.
+/// Polynomial non-linearity. The measured signal of e electrons is e (1 + c₀ s + c₁ s² + ...) with s = e / scale. Above
+/// the scale, the signal follows the tangent at the scale; below 0 it is e.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct NonLinearity {
     /// Charge at which s is 1, electrons, \[1, 1e9\]; usually the full well.
     pub scale_e: f64,
-    /// c₀, c₁, ..., at least one, each \[-1, 1\]; the signal must grow with the light up to the scale.
+    /// Coefficients c₀, c₁, ..., at least one, each in \[-1, 1\]. The signal must increase with the light up to the
+    /// scale.
     pub coefficients: Vec<f64>,
 }
 
@@ -27,7 +28,7 @@ impl NonLinearity {
         if self.coefficients.is_empty() {
             return invalid("empty", "at least one number");
         }
-        // Slopes below 0.01 cannot be inverted.
+        // The inverse is not computed reliably for slopes below 0.01, so they are rejected.
         if (0..=1000).any(|step| self.value_and_slope(f64::from(step) / 1000.0).1 < 0.01) {
             let given = format!("{:?}", self.coefficients);
             return invalid(&given, "numbers with which the signal grows with the light up to scale_e");
@@ -46,7 +47,7 @@ impl NonLinearity {
         (s * (1.0 + s * value), 1.0 + 2.0 * s * value + s * s * slope)
     }
 
-    /// Returns the measured electrons of `e` electrons.
+    /// Returns the signal, in electrons, that is measured for a charge of `e` electrons.
     pub(super) fn measured(&self, e: f64) -> f64 {
         let s = e / self.scale_e;
         if s <= 0.0 {
@@ -56,7 +57,7 @@ impl NonLinearity {
         self.scale_e * (value + slope * (s - 1.0).max(0.0))
     }
 
-    /// Returns the electrons of a measured signal, the inverse of [`measured`](Self::measured).
+    /// Returns the charge, in electrons, for a measured signal; the inverse of [`measured`](Self::measured).
     pub(super) fn true_e(&self, measured_e: f64) -> f64 {
         let target = measured_e / self.scale_e;
         let (end, end_slope) = self.value_and_slope(1.0);
@@ -66,7 +67,7 @@ impl NonLinearity {
         if target >= end {
             return self.scale_e * (1.0 + (target - end) / end_slope);
         }
-        // Newton's method, within bounds that shrink.
+        // Newton's method, kept within bounds that shrink at each step.
         let (mut bounds, mut s) = ([0.0, 1.0], target.min(1.0));
         for _ in 0..50 {
             let (value, slope) = self.value_and_slope(s);

@@ -1,4 +1,4 @@
-//! Full wells, and bleeding of the charge beyond them.
+//! Saturation of pixels at their full well, and bleeding of the excess charge.
 
 use serde::Deserialize;
 
@@ -6,18 +6,18 @@ use crate::images::Plane;
 
 use super::super::error::ImagesError;
 
-/// Full well of the pixels, and what happens to the charge beyond it.
+/// Full well of the pixels, and what happens to charge above it.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Saturation {
     /// Full well, electrons, \[1, 1e9\].
     pub full_well_e: f64,
-    /// Destination of the charge beyond the full well.
+    /// Where charge above the full well goes.
     #[serde(default)]
     pub bleeding: Bleeding,
 }
 
-/// Destination of charge beyond the full well.
+/// Where charge above the full well goes.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Bleeding {
@@ -25,16 +25,16 @@ pub enum Bleeding {
     /// that reaches the edge of the frame is lost.
     #[default]
     Columns,
-    /// Along the rows, for detectors read along their rows.
+    /// Along the rows, for detectors that are read along their rows.
     Rows,
-    /// Lost (anti-blooming drains, most CMOS detectors).
+    /// The charge is lost (anti-blooming drains, most CMOS detectors).
     Off,
 }
 
 /// Number of saturated pixels and lost charge.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Saturated {
-    /// Pixels with more charge from light than their full well, before bleeding.
+    /// Pixels that receive more charge from light than their full well, before bleeding.
     pub pixels: usize,
     /// Charge that left the frame at its edges or was drained, electrons.
     pub lost_e: f64,
@@ -45,10 +45,10 @@ impl Saturation {
         ImagesError::check_range("detector: saturation.full_well_e", self.full_well_e, 1.0, 1e9)
     }
 
-    /// Limits all pixels to their capacity and distributes the excess by bleeding.
+    /// Limits all pixels to their capacity, and distributes the excess charge by bleeding.
     ///
-    /// `capacity` is the free capacity of each pixel, 0 or more, for charge added to an existing frame; it has the
-    /// shape of the charge. If it is omitted, all wells are empty.
+    /// `capacity` is the free capacity of each pixel, electrons, 0 or more, for charge that is added to an existing
+    /// frame. It has the shape of `charge`. If it is `None`, all pixels are initially empty.
     pub(super) fn apply(&self, charge: &mut Plane, capacity: Option<&Plane>) -> Saturated {
         let (rows, columns) = (charge.rows(), charge.columns());
         let full = self.full_well_e as f32;
@@ -74,7 +74,8 @@ impl Saturation {
                 return saturated;
             }
         };
-        // Lines of pixels along which charge moves, and indices on them.
+        // Charge moves along lines of pixels (rows or columns); a pixel is given by its line and its position on the
+        // line.
         let positioned = |(row, column, e): (usize, usize, f32)| {
             let (line, position) = if is_along_rows { (row, column) } else { (column, row) };
             (line, position, f64::from(e))
@@ -99,7 +100,8 @@ impl Saturation {
     }
 }
 
-/// Moves half of each excess along the pixels in the given order, and returns the charge that remains at the end.
+/// Moves half of each excess charge along the pixels in the given order. Returns the charge that is left after the last
+/// pixel.
 fn bleed(
     excess: impl Iterator<Item = (usize, f64)>,
     positions: impl Iterator<Item = usize>,

@@ -1,4 +1,4 @@
-//! Settings of a detector: its stages.
+//! Settings of a detector: the stages that are applied and their parameters.
 
 use serde::Deserialize;
 
@@ -9,11 +9,11 @@ use super::non_linearity::NonLinearity;
 use super::saturation::Saturation;
 use super::vignetting::Vignetting;
 
-/// Detector, as a TOML table. Omitted stages are not applied: by default, electrons are converted to the same number of
-/// counts, with photon noise only.
+/// Detector, as described by a TOML table. Omitted stages are not applied. By default, electrons are converted to the
+/// same number of counts, with photon noise only.
 ///
-/// The stages are applied in the order of a camera: vignetting, photon noise, full wells and bleeding, non-linearity,
-/// crosstalk, read noise, gain and bias, quantisation.
+/// The stages are applied in the order in which they occur in a camera: vignetting, photon noise, saturation and
+/// bleeding, non-linearity, crosstalk, read noise, gain and bias, quantisation.
 ///
 /// ```
 /// let detector = streakcast::images::Detector::from_toml(
@@ -29,23 +29,24 @@ use super::vignetting::Vignetting;
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Detector {
-    /// Electrons per count, \[1e-6, 1e6\].
+    /// Gain, electrons per count, \[1e-6, 1e6\].
     pub gain_e_adu: f64,
     /// Bias, counts, \[-1e6, 1e6\].
     pub bias_adu: f64,
-    /// Read noise (one sigma), electrons, \[0, 1e5\]. It is added to synthetic frames only: existing frames contain it.
+    /// Read noise (one sigma), electrons, \[0, 1e5\]. It is added only to synthetic frames, because existing frames
+    /// contain it.
     pub read_noise_e: f64,
-    /// If true, photon noise is drawn; if false, light is added without noise.
+    /// If true, photon noise is simulated; if false, light is added without noise.
     pub shot_noise: bool,
-    /// Light loss towards the corners.
+    /// Loss of light towards the corners.
     pub vignetting: Option<Vignetting>,
-    /// Full wells.
+    /// Full well of the pixels and bleeding.
     pub saturation: Option<Saturation>,
     /// Non-linearity of the signal.
     pub non_linearity: Option<NonLinearity>,
-    /// Ghosts between amplifiers.
+    /// Crosstalk between amplifiers.
     pub crosstalk: Option<Crosstalk>,
-    /// Whole counts within a range.
+    /// Rounding of counts to integers, and their range.
     pub quantisation: Option<Quantisation>,
 }
 
@@ -69,7 +70,7 @@ impl Detector {
     /// Reads the settings from a TOML table.
     ///
     /// # Errors
-    /// Text that is not a detector, and the errors of [`Detector::validate`].
+    /// The text is not a valid detector table, or a value fails [`Detector::validate`].
     pub fn from_toml(text: &str) -> Result<Self, ImagesError> {
         let detector: Self = toml::from_str(text).map_err(|error| ImagesError::Toml {
             origin: "detector".to_owned(),

@@ -1,29 +1,29 @@
-//! Light loss towards the corners of a frame.
+//! Vignetting: loss of light towards the corners of a frame.
 
 use serde::Deserialize;
 
 use super::super::error::ImagesError;
 
-/// Transmission as a function of the distance from a centre, 1 without loss.
+/// Transmission as a function of the distance from a centre; 1 means no loss.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum Vignetting {
-    /// 1 + c₀ ρ² + c₁ ρ⁴ + ... with ρ in units of a radius; never below 0.
+    /// Polynomial 1 + c₀ ρ² + c₁ ρ⁴ + ..., with the distance ρ in units of a given radius; negative values become 0.
     Polynomial {
-        /// Position of the centre, `[x, y]` in pixels from 0; by default the middle of the frame.
+        /// Position of the centre, `[x, y]` in pixels counted from 0; by default the middle of the frame.
         #[serde(default)]
         centre_pix: Option<[f64; 2]>,
         /// Radius at which ρ is 1, pixels, above 0.
         radius_pix: f64,
-        /// c₀, c₁, ..., at least one, each \[-10, 10\].
+        /// Coefficients c₀, c₁, ..., at least one, each in \[-10, 10\].
         coefficients: Vec<f64>,
     },
-    /// Table of transmissions, interpolated linearly between the given radii and constant beyond the last.
+    /// Table of transmissions, interpolated linearly between the given radii and constant beyond the last radius.
     Table {
-        /// Position of the centre, `[x, y]` in pixels from 0; by default the middle of the frame.
+        /// Position of the centre, `[x, y]` in pixels counted from 0; by default the middle of the frame.
         #[serde(default)]
         centre_pix: Option<[f64; 2]>,
-        /// Radii from 0 outwards, pixels.
+        /// Increasing radii, pixels; the first is 0.
         radii_pix: Vec<f64>,
         /// Transmission at each radius, \[0, 2\].
         transmission: Vec<f64>,
@@ -76,7 +76,8 @@ impl Vignetting {
         }
     }
 
-    /// Multiplies pixels of one row, from `first_column` on, by their transmission in a frame of `rows` by `columns`.
+    /// Multiplies pixels of one row, beginning at `first_column`, by their transmission in a frame of `rows` by
+    /// `columns`.
     pub(super) fn apply(&self, rows: usize, columns: usize, row: usize, first_column: usize, light: &mut [f32]) {
         let middle = [0.5 * (columns as f64 - 1.0), 0.5 * (rows as f64 - 1.0)];
         let (Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. }) = self;

@@ -3,48 +3,48 @@
 use super::super::header::Header;
 use super::moment::Keywords;
 
-/// Value with its keyword.
+/// Value from a header, with the keyword that gave it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeaderValue<T> {
     /// The value.
     pub value: T,
-    /// The keyword, or several keywords.
+    /// The keyword, or several keywords joined.
     pub keyword: String,
 }
 
-/// Meaning of the counts to which a zero point refers.
+/// Whether a zero point refers to counts of the whole frame or to counts per second.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum CountBasis {
-    /// Counts of the frame: a source with pixels that sum to 1 has the magnitude of the zero point.
+    /// Counts of the frame: a source whose pixels sum to 1 has the magnitude of the zero point.
     Frame,
-    /// Counts per second: the sum over the pixels is divided by the exposure time first.
+    /// Counts per second: a source whose pixels, divided by the exposure time, sum to 1 has the magnitude of the zero
+    /// point.
     Second,
 }
 
 /// Magnitude zero point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ZeroPoint {
-    /// Magnitude of a source of one count.
+    /// Magnitude of a source of one count, in the sense of `basis`.
     pub mag: f64,
-    /// Meaning of the counts; `None` if neither the keyword nor its comment determines it, so that the user must specify
-    /// it.
+    /// Kind of counts; `None` if neither the keyword nor its comment determines it, so that the user must specify it.
     pub basis: Option<CountBasis>,
-    /// The keyword.
+    /// The keyword that gave the zero point.
     pub keyword: String,
 }
 
-/// Unit of pixels.
+/// Unit of the pixels of a frame.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PixelUnit {
     /// Counts, or an unknown unit.
     Counts,
     /// Electrons.
     Electrons,
-    /// Calibrated flux: nanomaggies, janskys.
+    /// Calibrated flux, for example in nanomaggies or janskys.
     Flux,
 }
 
-/// Parses the unit in BUNIT; true for a unit per second.
+/// Parses BUNIT. Returns the unit, and true if it is a unit per second.
 fn parsed_unit(text: &str) -> (PixelUnit, bool) {
     let unit = text.to_ascii_lowercase().replace([' ', '*', '^', '(', ')'], "");
     let ends = ["/second", "/sec", "/s", "second-1", "sec-1", "s-1", "persecond", "persec"];
@@ -58,32 +58,32 @@ fn parsed_unit(text: &str) -> (PixelUnit, bool) {
     (kind, bare.is_some())
 }
 
-/// Calibration in a header; each value with its keyword, `None` if it is missing or invalid (a gain of 0).
+/// Photometric calibration in a header. A value is `None` if it is missing or invalid (for example a gain of 0).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// Magnitude zero point.
     pub zero_point: Option<ZeroPoint>,
-    /// Gain, electrons per count; for two amplifiers the mean.
+    /// Gain, electrons per count; the mean if the header gives it for two amplifiers.
     pub gain_e_adu: Option<HeaderValue<f64>>,
-    /// Read noise, electrons; for two amplifiers the mean.
+    /// Read noise, electrons; the mean if the header gives it for two amplifiers.
     pub read_noise_e: Option<HeaderValue<f64>>,
-    /// Saturation level of pixels, counts; for two amplifiers the lower one.
+    /// Count at which a pixel is saturated; the lower one if the header gives it for two amplifiers.
     pub saturation_adu: Option<HeaderValue<f64>>,
-    /// Filter or band as written.
+    /// Filter or band as written in the header.
     pub band: Option<HeaderValue<String>>,
-    /// BUNIT, the unit of the pixels.
+    /// Text of BUNIT, the unit of the pixels.
     pub unit: Option<HeaderValue<String>>,
-    /// Unit of the pixels; counts if the header gives none.
+    /// Unit of the pixels; counts if the header does not give a unit.
     pub pixel_unit: PixelUnit,
-    /// True if pixels contain rates per second, not sums over the exposure.
+    /// True if pixels contain rates per second, false if they contain sums over the exposure.
     pub is_rate: bool,
 }
 
-/// Keywords of zero points, with the basis used by the software that writes them.
+/// Keywords of zero points, with the kind of counts that the software writing them uses.
 ///
-/// MAGZERO is written by the community pipeline of DECam and Mosaic, for 1 ADU per second: its 25.1 in g agrees with
-/// DECam's zero point of 26.6 for one electron and its gain of 4. MAGZP is written by ZTF and 2MASS, for 1 DN of the
-/// frame. The other keywords are used with both meanings.
+/// The community pipeline of DECam and Mosaic writes MAGZERO for 1 ADU per second: its value of 25.1 in g agrees with
+/// DECam's zero point of 26.6 for one electron and its gain of 4. ZTF and 2MASS write MAGZP for 1 DN of the frame. The
+/// other keywords are used for both kinds of counts.
 const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("MAGZERO", Some(CountBasis::Second)),
     ("MAGZP", Some(CountBasis::Frame)),
@@ -93,12 +93,12 @@ const ZERO_POINTS: &[(&str, Option<CountBasis>)] = &[
     ("ZEROPT", None),
 ];
 
-/// Magnitude of a nanomaggy (SDSS, Legacy Surveys).
+/// Magnitude of one nanomaggy (SDSS, Legacy Surveys).
 const NANOMAGGY_MAG: f64 = 22.5;
 
 impl Calibration {
-    /// Reads the calibration from the headers of a frame in order of precedence: that of the image, then the primary
-    /// one.
+    /// Reads the calibration from the headers of a frame, given in the order of precedence: first the header of the
+    /// image, then the primary header.
     pub fn from_headers(headers: &[&Header]) -> Self {
         let keywords = Keywords(headers);
         let (pixel_unit, is_rate) =
@@ -131,7 +131,7 @@ fn mean(a: f64, b: f64) -> f64 {
     (a + b) / 2.0
 }
 
-/// Returns a number from one of its keywords, else from those of both amplifiers.
+/// Returns a number from one of its keywords, or else from the keywords of the two amplifiers.
 fn of_amplifiers(
     keywords: Keywords<'_>,
     names: &[&str],
@@ -147,7 +147,7 @@ fn of_amplifiers(
     Some(HeaderValue { value: join(value_a, value_b), keyword: format!("{a}, {b}") })
 }
 
-/// Returns the electrons per count; the comment may state that the value is the inverse.
+/// Returns the gain, electrons per count. The comment of the keyword may state that the value is the inverse.
 fn gain(keywords: Keywords<'_>) -> Option<HeaderValue<f64>> {
     let positive = |number: f64| number > 0.0;
     if let Some((keyword, value, comment)) = keywords.number(&["EGAIN", "GAIN", "HIERARCH GAIN", "CCDGAIN"], positive) {
@@ -164,7 +164,7 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
     if unit == "nanomaggy" || unit == "nanomaggies" || unit == "nmgy" {
         return Some(ZeroPoint { mag: NANOMAGGY_MAG, basis: Some(CountBasis::Frame), keyword: "BUNIT".to_owned() });
     }
-    // The LSST pipelines write the counts of a source of magnitude 0.
+    // The LSST pipelines write the counts of a source of magnitude 0 instead of a zero point.
     if let Some((keyword, flux, _)) = keywords.number(&["FLUXMAG0"], |flux| flux > 0.0) {
         return Some(ZeroPoint { mag: 2.5 * flux.log10(), basis: Some(CountBasis::Frame), keyword });
     }
@@ -174,7 +174,7 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         let comment = comment.to_ascii_lowercase();
         let is_per_second = ["/s", "per sec", "1 sec", "s-1", "s^-1"].iter().any(|words| comment.contains(words));
         let stated = is_per_second.then_some(CountBasis::Second);
-        // The pixels are rates: the counts of the frame are those of a second.
+        // The pixels are rates, so that the sum of the pixels is the count of one second.
         let is_rate = parsed_unit(&unit).1;
         let basis = if is_rate { Some(CountBasis::Frame) } else { stated.or(*usual) };
         Some(ZeroPoint { mag, basis, keyword })

@@ -1,4 +1,4 @@
-//! Start and length of an exposure, from the keywords of many observatories.
+//! Start and duration of an exposure, from the keywords of many observatories.
 
 use hifitime::{Epoch, TimeScale, TimeUnits};
 
@@ -10,14 +10,15 @@ use super::super::header::Header;
 use super::moment::{DateText, at, parse_date, parse_time};
 use super::moment::{Keywords, resolution};
 
-/// Keywords with date and time of the start, in order of precedence.
+/// Keywords with the date and time of the start, in order of precedence.
 const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
 
-/// Keywords with the time of the start, used together with a date.
+/// Keywords with the time of day of the start, used together with a date.
 const TIMES: &[&str] =
     &["TIME-BEG", "UTC-OBS", "TIME-OBS", "UT-OBS", "UTSTART", "UT-STR", "UTC-STR", "UTSHUT", "TAIHMS"];
 
-/// Keywords that some observatories use for another time than the start. They are used if no keyword of [`TIMES`] exists.
+/// Keywords with a time of day that is not the start at some observatories. They are used only if no keyword of
+/// [`TIMES`] exists.
 const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
 
 /// Keywords with the modified Julian date of the start.
@@ -26,41 +27,42 @@ const MODIFIED_DATES: &[&str] = &["MJD-BEG", "MJD-OBS", "MJD-STR", "MJDSTART"];
 /// Keywords with the Julian date of the start.
 const JULIAN_DATES: &[&str] = &["JDSTART", "JD-BEG", "JD-STR", "JD-OBS"];
 
-/// Keywords of dates with a comment that states whether they refer to the start, the middle or the end.
+/// Keywords of dates whose comment states whether they refer to the start, the middle or the end.
 const LOOSE_DATES: &[&str] = &["MJD", "JD"];
 
-/// Keywords of the middle and the end.
+/// Keywords of the middle and of the end of the exposure.
 const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID"];
 const ENDS: &[&str] = &["DATE-END", "MJD-END", "JDEND"];
 
-/// Keywords of the length, in order of precedence.
+/// Keywords of the exposure time, in order of precedence.
 const LENGTHS: &[&str] =
     &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INTTIME", "ELAPTIME", "SHUTTIME"];
 
-/// Largest difference of consistent start times, in addition to their rounding, s.
+/// Largest difference between start times that are taken as consistent, in addition to their rounding, seconds.
 const START_SLACK_S: f64 = 1.0;
 
-/// Allowed shift of the middle by shutters and overheads, as a fraction of the length.
+/// Accepted shift of the middle of the exposure by shutters and overheads, as a fraction of the exposure time.
 const MIDDLE_SLACK: f64 = 0.1;
 
-/// Largest difference of consistent lengths: a fraction, and seconds.
+/// Largest difference between exposure times that are taken as consistent: a fraction of the exposure time, and
+/// seconds.
 const LENGTH_SLACK: f64 = 0.01;
 const LENGTH_SLACK_S: f64 = 0.1;
 
-/// Start and length of an exposure.
+/// Start and duration of an exposure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureTime {
-    /// Shutter opening.
+    /// Time at which the shutter opened.
     pub start: Epoch,
-    /// Time for which the shutter was open, s.
+    /// Time for which the shutter was open, seconds.
     pub duration_s: f64,
-    /// Keywords of the start (`DATE-OBS`, `DATE-OBS + TIME-OBS`, ...).
+    /// Keywords that gave the start (`DATE-OBS`, `DATE-OBS + TIME-OBS`, ...).
     pub start_from: String,
-    /// Keyword of the length.
+    /// Keyword that gave the duration.
     pub duration_from: String,
 }
 
-/// Sources of the start, for errors.
+/// Keywords that can give the start, for errors.
 const START_KEYWORDS: &str =
     "DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ..., or --start";
 
@@ -68,7 +70,7 @@ fn unreadable(keyword: String, value: &str, allowed: &str) -> ImagesError {
     ImagesError::invalid(keyword, format!("{value:?}"), allowed)
 }
 
-/// Start with its keyword and the rounding error of its digits.
+/// Start with the keyword that gave it, and the rounding error of its digits.
 struct Start {
     epoch: Epoch,
     from: String,
@@ -76,15 +78,15 @@ struct Start {
 }
 
 impl ExposureTime {
-    /// Reads the exposure from the headers of a frame in order of precedence: that of the image, then the primary one.
+    /// Reads the exposure from the headers of a frame, given in the order of precedence: first the header of the image,
+    /// then the primary header.
     ///
-    /// Dates are in the scale of TIMESYS (by default UTC). The first of several keywords is used, and dates with times have
-    /// precedence over Julian dates. All keywords of the start must agree within a second and their rounding, and the
-    /// middle (DATE-AVG) within a tenth of the length.
+    /// Dates are in the scale of TIMESYS (by default UTC). The first of several keywords is used, and dates with times
+    /// take precedence over Julian dates. All start keywords must agree within a second plus their rounding, and the
+    /// middle (DATE-AVG) within a tenth of the exposure time.
     ///
     /// # Errors
-    /// Missing or invalid keywords, a year of two digits, two contradictory keywords, a length of 0
-    /// or less.
+    /// Keywords are missing, invalid or contradictory; a year has two digits; or the exposure time is 0 or less.
     pub fn from_headers(headers: &[&Header]) -> Result<Self, ImagesError> {
         let keywords = Keywords(headers);
         let (duration_s, duration_from) = duration(keywords)?;
@@ -92,25 +94,25 @@ impl ExposureTime {
         Ok(Self { start: start.epoch, duration_s, start_from: start.from, duration_from })
     }
 
-    /// Reads the length only, s, for frames with a start from another source.
+    /// Reads only the exposure time, in seconds, for frames whose start comes from another source.
     ///
     /// # Errors
-    /// The errors of [`from_headers`](ExposureTime::from_headers) for the length.
+    /// The errors of [`from_headers`](ExposureTime::from_headers) that concern the exposure time.
     pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, ImagesError> {
         duration(Keywords(headers)).map(|(seconds, _)| seconds)
     }
 
-    /// Reads the start only, for an exposure with a length (s) from another source. The length is needed because a header
-    /// may give only the middle or the end.
+    /// Reads only the start, for an exposure whose duration (seconds) comes from another source. The duration is needed
+    /// because a header may give only the middle or the end.
     ///
     /// # Errors
-    /// The errors of [`from_headers`](ExposureTime::from_headers) for the start.
+    /// The errors of [`from_headers`](ExposureTime::from_headers) that concern the start.
     pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, ImagesError> {
         start(Keywords(headers), duration_s).map(|start| start.epoch)
     }
 }
 
-/// Returns the length and its keyword.
+/// Returns the exposure time, seconds, and its keyword.
 fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ImagesError> {
     let mut lengths = Vec::new();
     for keyword in LENGTHS {
@@ -139,7 +141,7 @@ fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ImagesError> {
     }
 }
 
-/// Returns the seconds in the unit given in a comment; by default 1.
+/// Returns the number of seconds in the unit that a comment states; 1 if it states none.
 fn unit_s(comment: &str) -> f64 {
     let comment = comment.to_ascii_lowercase();
     let contains_any = |words: &[&str]| words.iter().any(|word| comment.contains(word));
@@ -152,7 +154,7 @@ fn unit_s(comment: &str) -> f64 {
     }
 }
 
-/// Returns the time scale of dates (TIMESYS).
+/// Returns the time scale of dates, which is given by TIMESYS.
 fn scale(keywords: Keywords<'_>) -> Result<TimeScale, ImagesError> {
     let Some((keyword, value)) = keywords.text(&["TIMESYS"]) else { return Ok(TimeScale::UTC) };
     let name = value.to_ascii_uppercase();
@@ -167,7 +169,7 @@ fn scale(keywords: Keywords<'_>) -> Result<TimeScale, ImagesError> {
     }
 }
 
-/// Returns the start with the highest precedence, after checking that all starts in the header agree.
+/// Returns the start with the highest precedence, after checking that all start keywords in the header agree.
 fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> {
     let scale = scale(keywords)?;
     let mut starts = Vec::new();
@@ -197,7 +199,7 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> 
             starts.extend(days(keywords, keyword, is_julian, scale)?);
         }
     }
-    // SDSS: seconds of TAI since MJD 0.
+    // SDSS writes the seconds of TAI since MJD 0.
     if let Some((name, seconds, _)) = keywords.number(&["TAI"], |seconds| seconds > 1e9) {
         let epoch = epoch_from_mjd(seconds / crate::constants::DAY_S, TimeScale::TAI).ok();
         starts.extend(epoch.map(|epoch| Start { epoch, from: name, slack_s: 0.01 }));
@@ -240,11 +242,11 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ImagesError> 
     Ok(starts.swap_remove(0))
 }
 
-/// Combines a date with the time of another keyword.
+/// Combines a date with the time of day in another keyword.
 fn time_of(keywords: Keywords<'_>, day: [u32; 3], date: &str, scale: TimeScale) -> Result<Option<Start>, ImagesError> {
     let Some((name, value)) = keywords.text(TIMES).or_else(|| keywords.text(LOOSE_TIMES)) else { return Ok(None) };
     let scale = if name == "TAIHMS" { TimeScale::TAI } else { scale };
-    // Some observatories write date and time here.
+    // Some observatories write date and time in these keywords.
     if let DateText::Moment(epoch) = parse_date(&value, scale) {
         return Ok(Some(Start { epoch, from: name, slack_s: 0.0 }));
     }
@@ -278,7 +280,7 @@ fn days(
     Ok(Some(Start { epoch, from: name, slack_s }))
 }
 
-/// Returns a start from MJD or JD; the comment states to which time of the exposure they refer.
+/// Returns a start computed from MJD or JD, whose comments state the time of the exposure to which they refer.
 fn start_by_comment(
     keywords: Keywords<'_>,
     keyword: &str,
@@ -302,7 +304,7 @@ fn start_by_comment(
     }))
 }
 
-/// Returns starts computed from the middle or the end.
+/// Returns starts computed from the keywords of the middle or the end.
 fn starts_before(
     keywords: Keywords<'_>,
     names: &[&str],

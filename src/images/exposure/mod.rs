@@ -1,7 +1,7 @@
-//! Exposure data in a header: start, length, and photometric calibration.
+//! Exposure data in a header: start, duration, and photometric calibration.
 //!
-//! `moment` finds values by their many keywords and parses dates and times, `exposure_time` combines start and length,
-//! `calibration` reads zero point, gain, noise and band.
+//! `moment` finds values by their many keywords and parses dates and times, `exposure_time` determines start and
+//! duration, and `calibration` reads zero point, gain, read noise and band.
 
 mod calibration;
 mod exposure_time;

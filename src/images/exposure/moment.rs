@@ -1,4 +1,4 @@
-//! Keywords in headers, and parsing of dates and times.
+//! Search for keywords in headers, and parsing of dates and times.
 
 use hifitime::{Epoch, TimeScale};
 
@@ -19,7 +19,7 @@ pub(super) enum DateText {
     Unreadable,
 }
 
-/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`; a blank may replace the T, and slashes the hyphens.
+/// Parses `2020-03-06` and `2020-03-06T00:04:15.41`. A blank may replace the T, and slashes may replace the hyphens.
 pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     let text = text.trim().trim_end_matches('Z').trim_end_matches("+00:00");
     let (day, time) = match text.split_once(['T', ' ']) {
@@ -47,7 +47,7 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     }
 }
 
-/// Parses `hh:mm:ss.sss` into hours and minutes, and seconds with their fraction.
+/// Parses `hh:mm:ss.sss`. Returns hours and minutes, and the seconds with their fraction.
 pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
     let parts: Vec<&str> = text.trim().trim_end_matches('Z').split(':').collect();
     let [hours, minutes, ref rest @ ..] = parts[..] else { return None };
@@ -78,13 +78,13 @@ pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale)
     Some(seconds_after(minute, seconds))
 }
 
-/// Headers in order of precedence: that of the image first, then the primary one.
+/// Headers in order of precedence: first the header of the image, then the primary header.
 #[derive(Copy, Clone)]
 pub(super) struct Keywords<'a>(pub &'a [&'a Header]);
 
 impl<'a> Keywords<'a> {
-    /// Returns the first header with a value of a keyword, and the name of the keyword in that header, where a hyphen may be
-    /// replaced by an underscore.
+    /// Returns the first header in which a keyword has a value, and the keyword as written in that header, where an
+    /// underscore may replace a hyphen.
     pub fn find(self, keyword: &str) -> Option<(&'a Header, String)> {
         let names = [keyword.to_owned(), keyword.replace('-', "_")];
         self.0.iter().find_map(|header| {
@@ -93,7 +93,7 @@ impl<'a> Keywords<'a> {
         })
     }
 
-    /// Returns the first number of several keywords that satisfies a condition, with its keyword and comment.
+    /// Returns the first number among several keywords that satisfies a condition, with its keyword and comment.
     pub fn number(self, keywords: &[&str], allows: impl Fn(f64) -> bool) -> Option<(String, f64, String)> {
         keywords.iter().find_map(|keyword| {
             let (header, name) = self.find(keyword)?;
@@ -103,7 +103,7 @@ impl<'a> Keywords<'a> {
         })
     }
 
-    /// Returns the first text of several keywords, with its keyword.
+    /// Returns the first text among several keywords, with its keyword.
     pub fn text(self, keywords: &[&str]) -> Option<(String, String)> {
         keywords.iter().find_map(|keyword| {
             let (header, name) = self.find(keyword)?;
@@ -112,7 +112,7 @@ impl<'a> Keywords<'a> {
     }
 }
 
-/// Returns half a unit of the last digit of a number in its card.
+/// Returns half a unit of the last digit that the card gives for its number.
 pub(super) fn resolution(card: &Card) -> f64 {
     let text = card.text();
     let field =

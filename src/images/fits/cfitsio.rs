@@ -1,13 +1,13 @@
-//! CFITSIO through the crate `fitsio`: the only file with unsafe code.
+//! Interface to CFITSIO through the crate `fitsio`. This is the only file with unsafe code.
 //!
 //! `fitsio` owns the open files and writes pixels, columns and tiles. The functions below call `fitsio-sys` directly
-//! because `fitsio` has no equivalent: opening and creating files by literal names (brackets, parentheses, `!`,
-//! `mem://` have no meaning in a name), the status of the last write, pixels with a mark for those without a value,
-//! literal cards (`fitsio` writes numbers with nine digits), the parameters of compression, checksums, and the
-//! compaction of a heap.
+//! where `fitsio` has no equivalent: opening and creating files by literal names (brackets, parentheses, `!` and
+//! `mem://` have no special meaning), the status of the last write, pixels with a mark for missing values, literal
+//! cards (`fitsio` writes numbers with nine digits), compression parameters, checksums, and the removal of gaps in a
+//! heap.
 //!
-//! Threads: the bundled CFITSIO is configured with `--enable-reentrant`, so threads may work on different files.
-//! Opening and closing change global tables and are serialised by a lock.
+//! Threads: the bundled CFITSIO is configured with `--enable-reentrant`, so that threads may work on different files.
+//! Opening and closing a file change global tables and are serialised by a lock.
 #![allow(unsafe_code)]
 
 use std::ffi::{CStr, CString, c_char, c_int, c_long, c_ulong, c_void};
@@ -36,10 +36,10 @@ const SUBTRACTIVE_DITHER_1: c_int = 1;
 /// Status of a write that failed.
 const WRITE_ERROR: c_int = 106;
 
-/// Longest message of CFITSIO with its closing zero.
+/// Longest message of CFITSIO, including the closing zero byte.
 const MESSAGE_LENGTH: usize = 96;
 
-/// Serialises opening and closing.
+/// Serialises the opening and closing of files.
 static LOCK: Mutex<()> = Mutex::new(());
 
 fn lock() -> MutexGuard<'static, ()> {
@@ -51,7 +51,7 @@ fn lock() -> MutexGuard<'static, ()> {
 pub(super) trait CPixel: Copy {
     /// Code of the type in `fitsio.h`.
     const CODE: c_int;
-    /// Number of a pixel without a value.
+    /// Number that marks a pixel without a value.
     const NO_VALUE: Self;
 }
 
@@ -65,13 +65,13 @@ impl CPixel for f64 {
     const NO_VALUE: Self = Self::NAN;
 }
 
-/// Compression of an image by RICE.
+/// Compression of an image by the RICE algorithm.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Rice {
-    /// Steps per standard deviation of the noise, for floating-point pixels: 4 preserves photometry to a hundredth of
-    /// the noise; 16 is finer. Whole numbers are stored exactly.
+    /// Quantisation steps per standard deviation of the noise, for floating-point pixels. 4 preserves photometry to a
+    /// hundredth of the noise; 16 is finer. Integers are stored exactly.
     pub steps_per_sigma: f32,
-    /// Seed of the dither, 1 to 10000: the same frame and seed give the same file.
+    /// Seed of the dither, 1 to 10000. The same frame and seed give the same file.
     pub dither_seed: u16,
 }
 
@@ -81,7 +81,7 @@ impl Default for Rice {
     }
 }
 
-/// Open file. Dropping it closes it; [`close`](Handle::close) returns an error if not all data were written.
+/// Open file. Dropping it closes the file; [`close`](Handle::close) also returns an error if not all data were written.
 pub(super) struct Handle<'a> {
     /// `None` once the file is closed.
     file: Option<FitsFile>,
@@ -101,7 +101,7 @@ impl<'a> Handle<'a> {
         Self::begin(path, READWRITE, |file, name, status| unsafe { ffdkopn(file, name, READWRITE, status) })
     }
 
-    /// Creates a file; it must not exist.
+    /// Creates a file, which must not exist.
     pub fn create(path: &'a Path) -> Result<Self, ImagesError> {
         // SAFETY: as in `open`.
         Self::begin(path, READWRITE, |file, name, status| unsafe { ffdkinit(file, name, status) })
@@ -129,14 +129,14 @@ impl<'a> Handle<'a> {
         }
     }
 
-    /// Applies functions of `fitsio` to the file.
+    /// Applies a function of `fitsio` to the file.
     pub fn fitsio<T>(&mut self, work: impl FnOnce(&mut FitsFile) -> Result<T, FitsioError>) -> Result<T, ImagesError> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
         work(file).map_err(|error| of_fitsio(path, error))
     }
 
-    /// Calls functions of CFITSIO with the file and a status.
+    /// Calls a function of CFITSIO with the file and a status.
     fn call(&mut self, work: impl FnOnce(*mut fitsfile, &mut c_int)) -> Result<(), ImagesError> {
         let path = self.path;
         let file = self.file.as_mut().ok_or_else(|| of_fitsio(path, FitsioError::NullPointer))?;
@@ -146,16 +146,16 @@ impl<'a> Handle<'a> {
         check(path, status)
     }
 
-    /// Writes all buffers and closes the file.
+    /// Writes all buffered data and closes the file.
     pub fn close(mut self) -> Result<(), ImagesError> {
-        // `fitsio` drops the status of closing; after this call closing cannot fail.
+        // `fitsio` ignores the status of closing, so buffers are written before, after which closing cannot fail.
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
             ffflus(file, status);
         })
     }
 
-    /// Moves to an HDU, counted from 0.
+    /// Moves to an HDU, with HDUs counted from 0.
     pub fn go_to(&mut self, hdu: usize) -> Result<(), ImagesError> {
         // SAFETY: the file is open; CFITSIO accepts a null pointer for a type that is not needed.
         self.call(|file, status| unsafe {
@@ -163,9 +163,9 @@ impl<'a> Handle<'a> {
         })
     }
 
-    /// Reads pixels of the current image from an index on, counted row by row from 0: physical values. With
-    /// `is_marked`, pixels without a value become NaN; uncompressed floating-point pixels without a value are NaN
-    /// anyway.
+    /// Reads physical values of pixels of the current image from an index on; pixels are counted row by row from 0.
+    /// With `is_marked`, pixels without a value become NaN. Uncompressed floating-point pixels without a value are NaN
+    /// in any case.
     pub fn read_pixels<T: CPixel>(
         &mut self,
         first: usize,
@@ -182,7 +182,7 @@ impl<'a> Handle<'a> {
         })
     }
 
-    /// Appends an HDU from its whole header; the data are written after that.
+    /// Appends an HDU, given by its complete header. The data must be written afterwards.
     pub fn append_hdu(&mut self, cards: &[Card]) -> Result<(), ImagesError> {
         // SAFETY: the file is open.
         self.call(|file, status| unsafe {
@@ -208,7 +208,7 @@ impl<'a> Handle<'a> {
         Ok(())
     }
 
-    /// Appends an image compressed by RICE, one row a tile, without a name. `bitpix` is one of `fitsio.h`.
+    /// Appends an image without a name, compressed by RICE with one tile per row. `bitpix` is a code of `fitsio.h`.
     pub fn append_rice(&mut self, rice: Rice, bitpix: c_int, [rows, columns]: [usize; 2]) -> Result<(), ImagesError> {
         let mut tile: [c_long; 2] = [columns as c_long, 1];
         let mut axes: [c_long; 2] = [columns as c_long, rows as c_long];
@@ -224,7 +224,7 @@ impl<'a> Handle<'a> {
         })
     }
 
-    /// Writes all pixels of the current image; those equal to `mark` are stored without a value.
+    /// Writes all pixels of the current image. Pixels equal to `mark` are stored as pixels without a value.
     pub fn write_marked<T: CPixel>(&mut self, values: &mut [T], mut mark: T) -> Result<(), ImagesError> {
         let (count, values) = (values.len(), values.as_mut_ptr().cast::<c_void>());
         let mark = (&raw mut mark).cast::<c_void>();
@@ -242,7 +242,7 @@ impl<'a> Handle<'a> {
         })
     }
 
-    /// Returns the sums of the current HDU for DATASUM and CHECKSUM: of its data, and of the whole HDU.
+    /// Returns the two sums of the current HDU: that of its data, for DATASUM, and that of the whole HDU, for CHECKSUM.
     pub fn sums(&mut self) -> Result<[c_ulong; 2], ImagesError> {
         let [mut data, mut all] = [0, 0];
         // SAFETY: the file is open, and the pointers to both sums are valid for writing.
@@ -261,7 +261,7 @@ impl Drop for Handle<'_> {
     }
 }
 
-/// Returns the 16 letters and digits of CHECKSUM that complement the sum of an HDU to all ones.
+/// Returns the 16 letters and digits of CHECKSUM with which the sum of the HDU becomes all ones.
 pub(super) fn checksum_text(sum: c_ulong) -> String {
     let mut text = [0; 17];
     // SAFETY: the buffer has space for 16 characters and a zero.
@@ -292,7 +292,7 @@ fn check(path: &Path, status: c_int) -> Result<(), ImagesError> {
     if status == 0 { Ok(()) } else { Err(failed(path, status)) }
 }
 
-/// Returns the error of a status, with CFITSIO's first message.
+/// Returns an error for a status, with the first message of CFITSIO.
 fn failed(path: &Path, status: c_int) -> ImagesError {
     let mut buffer = [0; MESSAGE_LENGTH];
     // SAFETY: the short text of a status is at most 30 characters long.
@@ -310,7 +310,7 @@ fn failed(path: &Path, status: c_int) -> ImagesError {
     ImagesError::Cfitsio { path: path.to_owned(), status, message }
 }
 
-/// Converts text that ends in a zero; the last character of a buffer is always one.
+/// Converts a text that ends in a zero byte; the last byte of the buffer is always zero.
 fn text_of<const N: usize>(buffer: &[c_char; N]) -> String {
     // SAFETY: the buffer was all zero, and CFITSIO ends its texts with a zero within it.
     unsafe { CStr::from_ptr(buffer.as_ptr()) }.to_string_lossy().trim().to_owned()

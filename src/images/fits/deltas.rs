@@ -1,9 +1,9 @@
-//! Light to be added to pixels, and the counts of pixels that changed.
+//! Light to be added to the pixels of an image, and the numbers of pixels that changed.
 
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// Physical values to be added to the pixels of an image, by the index of the pixels, row by row.
+/// Physical values to be added to the pixels of an image. Pixels are indexed row by row.
 #[derive(Debug, Default)]
 pub(super) struct Deltas<'a> {
     /// Spans of adjacent pixels.
@@ -23,7 +23,7 @@ impl Span<'_> {
         self.start + self.values.len()
     }
 
-    /// Adds the span to sums of pixels from `start` on.
+    /// Adds the values of the span to `sums`, whose first element is the pixel `start`.
     fn sum_up(&self, start: usize, sums: &mut Vec<f64>) {
         let before = start.saturating_sub(self.start);
         let values = &self.values[before..];
@@ -38,7 +38,7 @@ impl Span<'_> {
 }
 
 impl<'a> Deltas<'a> {
-    /// Adds values to pixels from an index on.
+    /// Adds values to adjacent pixels, beginning at the index `start`.
     pub(super) fn add(&mut self, start: usize, values: Cow<'a, [f32]>) {
         self.longest = self.longest.max(values.len());
         self.spans.push(Span { start, values });
@@ -46,11 +46,11 @@ impl<'a> Deltas<'a> {
 
     /// Sorts the spans by their first pixel, as [`each`](Deltas::each) requires.
     pub(super) fn sort(&mut self) {
-        // The spans of one streak are in order, so few runs must be merged.
+        // The spans of one streak are already in order, so that only few ordered runs must be merged.
         self.spans.sort_by_key(|span| span.start);
     }
 
-    /// Calls a function with each pixel of a range with a sum other than zero, in order.
+    /// Calls a function, in order, for each pixel of a range whose sum is not zero.
     pub(super) fn each(&self, range: Range<usize>, mut each: impl FnMut(usize, f64)) {
         let mut sums: Vec<f64> = Vec::new();
         let mut rest = self.within(&range).peekable();
@@ -70,14 +70,14 @@ impl<'a> Deltas<'a> {
         }
     }
 
-    /// Returns the spans with pixels in a range.
+    /// Returns the spans that have pixels in a range.
     fn within(&self, range: &Range<usize>) -> impl Iterator<Item = &Span<'a>> {
         let (first, last) = self.reaching(range);
         let start = range.start;
         self.spans[first..last].iter().filter(move |span| span.end() > start)
     }
 
-    /// Returns the range of spans that may have pixels in a range.
+    /// Returns the index range of the spans that may have pixels in a range of pixels.
     fn reaching(&self, range: &Range<usize>) -> (usize, usize) {
         let first = self.spans.partition_point(|span| span.start + self.longest <= range.start);
         let last = self.spans.partition_point(|span| span.start < range.end);
@@ -85,14 +85,14 @@ impl<'a> Deltas<'a> {
     }
 }
 
-/// Counts of pixels to which light was added.
+/// Numbers of pixels to which light was added.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct Changed {
-    /// Pixels with a changed stored number.
+    /// Pixels whose stored number has changed.
     pub pixels: usize,
-    /// Pixels limited to the end of the range of their type.
+    /// Pixels limited to the largest or smallest number of their type.
     pub clipped: usize,
-    /// Pixels without a value (NaN, BLANK), which were not changed.
+    /// Pixels without a value (NaN, BLANK); they were not changed.
     pub without_value: usize,
 }
 
@@ -107,14 +107,14 @@ impl std::ops::AddAssign for Changed {
 /// Result of storing one pixel.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub(super) struct Outcome {
-    /// The stored number has changed.
+    /// True if the stored number has changed.
     pub is_other: bool,
-    /// The value was limited to the range.
+    /// True if the value was limited to the range of the type.
     pub is_clipped: bool,
 }
 
 impl Changed {
-    /// Stores a new physical value, if the old one is not NaN and the new one is finite and different.
+    /// Stores a new physical value if the old value is not NaN and the new value is finite and different.
     pub(super) fn set(&mut self, old: f64, new: f64, store: impl FnOnce(f64) -> Outcome) {
         if old.is_nan() {
             self.without_value += 1;

@@ -1,7 +1,7 @@
-//! Random numbers for rounding: subtractive dithering in compressed images, and rounding of added light.
+//! Random numbers for rounding: subtractive dithering of compressed images, and rounding of added light.
 //!
-//! FITS standard 4.0, appendix I: a table of 10000 numbers by the minimal standard generator of Park and Miller (1988,
-//! Comm. ACM 31, 1192).
+//! The dither follows FITS standard 4.0, appendix I: a table of 10000 numbers from the minimal standard generator of
+//! Park and Miller (1988, Comm. ACM 31, 1192).
 
 /// Length of the table.
 const COUNT: usize = 10_000;
@@ -25,8 +25,8 @@ impl Dither {
         Self { numbers }
     }
 
-    /// Returns the numbers for the pixels of a tile; the argument is the tile, counted from 1, plus the seed (ZDITHER0)
-    /// less 1.
+    /// Returns the random numbers for the pixels of a tile. The argument is the number of the tile, counted from 1,
+    /// plus the seed (ZDITHER0) minus 1.
     pub fn of_tile(&self, tile_and_seed: usize) -> impl Iterator<Item = f64> + '_ {
         let mut start = (tile_and_seed + COUNT - 1) % COUNT;
         let first_of = |start: usize| (self.numbers[start] * 500.0) as usize;
@@ -43,10 +43,10 @@ impl Dither {
     }
 }
 
-/// Returns a fixed random fraction of the step between two values of a pixel, from minus to plus half of it.
+/// Returns a random fraction of the step between two values of a pixel, from -1/2 to 1/2 of the step.
 ///
-/// With it, light of less than half a step is not always rounded to zero, but adds a whole step to the right fraction
-/// of pixels. It differs for each pixel, and is the same in every run.
+/// If this is added before rounding, light of less than half a step is not always rounded to zero: the right fraction
+/// of the pixels increases by a whole step. The number differs from pixel to pixel and is the same in every run.
 pub(super) fn between_steps(pixel: usize, step: f64) -> f64 {
     if step == 0.0 {
         return 0.0;

@@ -1,10 +1,10 @@
-//! Copies of frames with changes.
+//! Copies of frames to which light, cards and HDUs are added.
 //!
 //! A copy is written in one pass: headers, changed pixels of uncompressed images, and unchanged bytes. CFITSIO changes
-//! compressed tiles (`tiles`) and creates new HDUs (`new_hdu`) in scratch files that are copied in, and computes
-//! checksums. It does not edit the copy itself: for 64 MB of f32 with five streaks this takes 87 to 110 ms (32 ms for
-//! the copy, 55 to 78 ms for the pixels) and 160 ms more if a header grows by a block, compared with 32 ms for `cp`; it
-//! also rewrites the padding of HDUs.
+//! compressed tiles (`tiles`) and creates new HDUs (`new_hdu`) in temporary files, from which they are copied; it also
+//! computes checksums. CFITSIO does not edit the copy itself, because that is slow: for 64 MB of f32 with five streaks
+//! it takes 87 to 110 ms (32 ms for the copy, 55 to 78 ms for the pixels), and 160 ms more if a header grows by a
+//! block, compared with 32 ms for `cp`. It would also rewrite the padding of HDUs.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -27,14 +27,14 @@ use super::new_hdu::{NewHdu, TableColumn, create, folder_of};
 use super::pixel_format::ImageValues;
 use super::tiles::{Repacked, repack};
 
-/// Bytes that are changed and written at once: a whole number of pixels of every type.
+/// Number of bytes that are changed and written at once; it contains an integer number of pixels of every type.
 const CHUNK: usize = 1 << 18;
 
-/// Copy of a frame in preparation; bytes that are not changed are those of the input.
+/// Copy of a frame in preparation. Bytes that are not changed are those of the input.
 ///
-/// Changes are collected in memory and written by [`finish`](FrameCopy::finish). Headers keep their cards and their
-/// order. CHECKSUM and DATASUM are updated if a changed HDU has them, and EXTEND = F if extensions are added. If the
-/// copy is dropped without `finish`, no files remain.
+/// Changes are collected in memory and written by [`finish`](FrameCopy::finish). Headers keep their cards in order.
+/// CHECKSUM and DATASUM are updated if a changed HDU has them, and EXTEND = F is changed to T if extensions are added.
+/// If the copy is dropped without `finish`, no files remain.
 #[derive(Debug)]
 pub struct FrameCopy<'a> {
     source: FrameFile,
@@ -50,7 +50,7 @@ impl<'a> FrameCopy<'a> {
     /// Begins a copy that will be written to `target`.
     ///
     /// # Errors
-    /// A target that is the input, or a folder of the target that is missing or not writable.
+    /// The target is the input, or the folder of the target is missing or not writable.
     pub fn begin(source: &FrameFile, target: &Path) -> Result<Self, ImagesError> {
         let input = File::open(source.path()).map_err(ImagesError::io(source.path()))?;
         if let (Ok(here), Ok(there)) = (source.path().canonicalize(), target.canonicalize())
@@ -69,18 +69,18 @@ impl<'a> FrameCopy<'a> {
         })
     }
 
-    /// Adds light, physical values, to pixels of one row from `first_column` on.
+    /// Adds light, as physical values, to pixels of one row, beginning at `first_column`.
     ///
-    /// Light added several times to one pixel is summed and stored once, by [`finish`](FrameCopy::finish). If pixels
-    /// are quantised (whole numbers, quantised tiles), light between two steps is rounded up or down by a random number
-    /// that is fixed for each pixel, so that the sum over many pixels is correct for light of any faintness. Sums are
+    /// Light that is added several times to one pixel is summed, and stored once by [`finish`](FrameCopy::finish). If
+    /// pixels are quantised (integers, quantised tiles), light between two steps is rounded up or down with a random
+    /// number that is fixed for each pixel, so that the sum over many pixels is correct for faint light, too. Sums are
     /// limited to the range of the type. A pixel without a value is not changed.
     ///
-    /// In compressed images the touched tiles are compressed again with the same algorithm, scale and dither: unchanged
-    /// pixels keep their exact numbers, in lossy tiles too, and changed pixels get the nearest step.
+    /// In compressed images, tiles with added light are compressed again with the same algorithm, scale and dither.
+    /// Unchanged pixels keep their exact values, also in lossy tiles, and changed pixels get the nearest step.
     ///
     /// # Errors
-    /// An HDU that is missing or not an image of two axes, and pixels outside the image.
+    /// The HDU is missing or not a two-dimensional image, or pixels are outside the image.
     pub fn add(
         &mut self,
         hdu: usize,
@@ -97,11 +97,11 @@ impl<'a> FrameCopy<'a> {
         Ok(())
     }
 
-    /// Sets a keyword in the header of an HDU: replaces its card, or appends one if the header has none. An empty
-    /// comment keeps the old one.
+    /// Sets a keyword in the header of an HDU: replaces its card, or appends a card if the keyword is missing. If the
+    /// comment is empty, the old comment is kept.
     ///
     /// # Errors
-    /// An HDU that the file does not have.
+    /// The file does not have this HDU.
     pub fn set_card(&mut self, hdu: usize, keyword: &str, value: &CardValue, comment: &str) -> Result<(), ImagesError> {
         self.header_mut(hdu)?.set(keyword, value, comment);
         Ok(())
@@ -110,13 +110,13 @@ impl<'a> FrameCopy<'a> {
     /// Adds HISTORY to the header of an HDU, after the existing HISTORY.
     ///
     /// # Errors
-    /// An HDU that the file does not have.
+    /// The file does not have this HDU.
     pub fn add_history(&mut self, hdu: usize, text: &str) -> Result<(), ImagesError> {
         self.header_mut(hdu)?.add_remark("HISTORY", text);
         Ok(())
     }
 
-    /// Appends an image after all HDUs; compressed if `rice` is given.
+    /// Appends an image after all HDUs. It is compressed if `rice` is given.
     pub fn append_image(&mut self, name: &str, image: &ImageValues, cards: &[Card], rice: Option<Rice>) {
         self.appended.push(NewHdu::image(name, image, cards, rice).into_owned());
     }
@@ -124,17 +124,17 @@ impl<'a> FrameCopy<'a> {
     /// Appends a table after all HDUs.
     ///
     /// # Errors
-    /// Columns that differ in length.
+    /// Columns differ in length.
     pub fn append_table(&mut self, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), ImagesError> {
         self.appended.push(NewHdu::table(name, columns.to_vec(), cards)?);
         Ok(())
     }
 
-    /// Writes the copy and renames it to its target. Returns the counts of changed pixels by HDU.
+    /// Writes the copy and renames it to its target. Returns the numbers of changed pixels for each HDU.
     ///
     /// # Errors
-    /// Errors of the system and of CFITSIO, and tiles that cannot be changed. An existing file at
-    /// the target is then kept, and no other file remains.
+    /// Errors of the operating system and of CFITSIO, and tiles that cannot be changed. An existing file at the target
+    /// is then kept, and no other file remains.
     pub fn finish(mut self) -> Result<BTreeMap<usize, Changed>, ImagesError> {
         let scratch = ScratchFolder::new(folder_of(self.output.path())).map_err(ImagesError::io(&self.target))?;
         let (mut changed, mut repacked) = (BTreeMap::new(), BTreeMap::new());
@@ -171,7 +171,7 @@ impl<'a> FrameCopy<'a> {
         Ok(changed)
     }
 
-    /// Writes all HDUs. Returns the positions of the headers in which sums must be updated.
+    /// Writes all HDUs. Returns the positions of the headers in which the checksums must be updated.
     fn write(
         &mut self,
         repacked: &BTreeMap<usize, Repacked>,
@@ -213,7 +213,7 @@ impl<'a> FrameCopy<'a> {
         Ok(summed)
     }
 
-    /// Updates DATASUM and CHECKSUM, if present, in the HDU of the output with the header at a byte.
+    /// Updates DATASUM and CHECKSUM, if present, in the HDU of the output whose header begins at the byte `at`.
     fn sum_up(&mut self, hdu: usize, at: u64) -> Result<(), ImagesError> {
         let path = self.output.path().to_owned();
         let mut output = self.output.file();
@@ -273,7 +273,7 @@ fn write_changed(input: &mut impl Read, mut output: &File, info: &HduInfo, light
         let first = from / size;
         let pixels = first..first + length / size;
         if format.is_plain_single() {
-            // Several times faster than the general path; most reduced frames have this format.
+            // This branch is several times faster than the general one, and most reduced frames have this format.
             light.each(pixels, |pixel, sum| {
                 let Some(stored) = bytes[size * (pixel - first)..].first_chunk_mut() else { return };
                 let old = f32::from_be_bytes(*stored);

@@ -12,10 +12,10 @@ use super::tile_header::columns;
 use super::tile_table::TileTable;
 use crate::input;
 
-/// Words in EXTNAME or EXTTYPE of images that do not contain light.
+/// Words in EXTNAME or EXTTYPE that mark images without light of the sky, such as masks.
 const NON_LIGHT_WORDS: [&str; 9] = ["MASK", "VARIANCE", "WEIGHT", "WHT", "IVAR", "DQ", "ERR", "FLAG", "SIGMA"];
 
-/// FITS file with its structure: single images, mosaics, compressed tiles (`.fz`), tables.
+/// FITS file with its structure: single images, mosaics, compressed tiles (`.fz`) and tables.
 ///
 /// Opening reads and checks only the headers; pixels are read by CFITSIO. The file is never changed.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,11 +26,11 @@ pub struct FrameFile {
 }
 
 impl FrameFile {
-    /// Opens a file. Its name is used literally: brackets and exclamation marks have no special meaning.
+    /// Opens a file. The name is used literally: brackets and exclamation marks have no special meaning.
     ///
     /// # Errors
-    /// A file that is missing, a directory, not readable, compressed as a whole, not FITS or truncated; a header that does
-    /// not describe its data; and bytes after an HDU that are not a header.
+    /// - The file is missing, a directory, not readable, compressed as a whole, not FITS or truncated.
+    /// - A header does not describe its data, or an HDU is followed by bytes that are not a header.
     pub fn open(path: &Path) -> Result<Self, ImagesError> {
         let io = ImagesError::io(path);
         input::check_regular(path).map_err(&io)?;
@@ -39,23 +39,23 @@ impl FrameFile {
         Ok(Self { path: path.to_owned(), hdus, headers })
     }
 
-    /// Path of the file.
+    /// Returns the path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// HDUs in order.
+    /// Returns the HDUs in order.
     pub fn hdus(&self) -> &[HduInfo] {
         &self.hdus
     }
 
-    /// Numbers of the HDUs with an image of two axes.
+    /// Returns the numbers of the HDUs that contain a two-dimensional image.
     pub fn images(&self) -> Vec<usize> {
         self.hdus.iter().filter(|hdu| hdu.image_size().is_some()).map(|hdu| hdu.index).collect()
     }
 
-    /// Numbers of the HDUs with an image of two axes that contains light: neither a mask nor a weight nor a variance,
-    /// by EXTNAME and EXTTYPE.
+    /// Returns the numbers of the HDUs that contain a two-dimensional image of the sky: EXTNAME and EXTTYPE do not mark
+    /// it as a mask, a weight or a variance.
     pub fn light_images(&self) -> Vec<usize> {
         let is_light = |hdu: &usize| {
             ["EXTNAME", "EXTTYPE"].iter().filter_map(|keyword| self.headers[*hdu].text(keyword)).all(|name| {
@@ -69,7 +69,7 @@ impl FrameFile {
     /// Returns one HDU.
     ///
     /// # Errors
-    /// An HDU that the file does not have.
+    /// The file does not have this HDU.
     pub fn hdu(&self, hdu: usize) -> Result<&HduInfo, ImagesError> {
         self.hdus.get(hdu).ok_or_else(|| {
             let what = format!("{}: HDU {hdu}", self.path.display());
@@ -80,20 +80,20 @@ impl FrameFile {
     /// Returns the header of an HDU.
     ///
     /// # Errors
-    /// An HDU that the file does not have.
+    /// The file does not have this HDU.
     pub fn header(&self, hdu: usize) -> Result<&Header, ImagesError> {
         self.hdu(hdu).map(|info| &self.headers[info.index])
     }
 
-    /// Returns rows and columns of an image of two axes.
+    /// Returns the numbers of rows and columns of a two-dimensional image.
     ///
     /// # Errors
-    /// An HDU that is missing or not an image of two axes.
+    /// The HDU is missing or not a two-dimensional image.
     pub fn image_size(&self, hdu: usize) -> Result<[usize; 2], ImagesError> {
         self.image(hdu).map(|(_, size)| size)
     }
 
-    /// Returns the HDU of an image, with its rows and columns.
+    /// Returns the HDU of an image, with its numbers of rows and columns.
     pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), ImagesError> {
         let info = self.hdu(hdu)?;
         let size = info.image_size().ok_or_else(|| {
@@ -107,7 +107,7 @@ impl FrameFile {
         Ok((info, size))
     }
 
-    /// Returns the error of pixels outside an image: `columns` are the first column and the one after the last.
+    /// Returns an error for pixels outside an image; `columns` are the first column and the one after the last.
     pub(super) fn outside(&self, hdu: usize, row: usize, columns: [usize; 2]) -> ImagesError {
         let [first, end] = columns;
         let what = format!("{}: HDU {hdu}: row {row}, columns {first} to {}", self.path.display(), end.max(1) - 1);
@@ -115,11 +115,11 @@ impl FrameFile {
         ImagesError::invalid(what, "outside the image", format!("{rows} rows and {columns} columns, counted from 0"))
     }
 
-    /// Reads all pixels of an image, physical values (BSCALE and BZERO applied), in single precision; NaN for pixels
-    /// without a value (NaN, BLANK).
+    /// Reads all pixels of an image as physical values (BSCALE and BZERO applied) in single precision. Pixels without a
+    /// value (NaN, BLANK) become NaN.
     ///
     /// # Errors
-    /// An HDU that is missing or not an image of two axes, invalid headers and tiles, and errors of CFITSIO.
+    /// The HDU is missing or not a two-dimensional image, headers or tiles are invalid, or CFITSIO fails.
     pub fn read_plane(&self, hdu: usize) -> Result<Plane, ImagesError> {
         let (info, [rows, columns]) = self.image(hdu)?;
         let mut handle = self.checked(info)?;
@@ -128,7 +128,8 @@ impl FrameFile {
         Ok(plane)
     }
 
-    /// Reads some rows of an image, physical values in double precision, row by row; NaN for pixels without a value.
+    /// Reads some rows of an image as physical values in double precision, row by row. Pixels without a value become
+    /// NaN.
     ///
     /// # Errors
     /// The errors of [`read_plane`](FrameFile::read_plane), and rows outside the image.
@@ -149,7 +150,8 @@ impl FrameFile {
         Ok(values)
     }
 
-    /// Opens the file in CFITSIO at an image, after checking all headers that CFITSIO reads before it.
+    /// Opens the file in CFITSIO at an image, after checking the headers of all HDUs before it, which CFITSIO also
+    /// reads.
     fn checked(&self, info: &HduInfo) -> Result<Handle<'_>, ImagesError> {
         for (before, header) in self.hdus.iter().zip(&self.headers).take(info.index) {
             if before.kind == HduKind::Table {
@@ -165,7 +167,7 @@ impl FrameFile {
     }
 }
 
-/// Returns true if pixels without a value are marked by a number and not by NaN.
+/// Returns true if pixels without a value are marked by a number instead of NaN.
 fn has_marks(info: &HduInfo) -> bool {
     info.kind != HduKind::Image || info.format.bitpix.is_integer()
 }

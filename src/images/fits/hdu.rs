@@ -11,10 +11,10 @@ use super::super::header::{Header, is_end};
 use super::pixel_format::{Bitpix, PixelFormat};
 use super::tile_header::check_compressed;
 
-/// Length of a block of a FITS file, bytes.
+/// Length of a block in a FITS file, bytes.
 pub(super) const BLOCK: usize = 2880;
 
-/// Longest accepted header, blocks.
+/// Largest accepted length of a header, in blocks.
 const LONGEST_HEADER: usize = 20_000;
 
 /// Contents of an HDU.
@@ -43,20 +43,21 @@ pub struct HduInfo {
     pub name: String,
     /// Contents of the HDU.
     pub kind: HduKind,
-    /// Lengths of the axes, NAXIS1 first; for compressed images those of the image.
+    /// Lengths of the axes, NAXIS1 first. For a compressed image these are the lengths of the image, not of its table.
     pub shape: Vec<usize>,
-    /// Format of the stored pixels; for compressed images that of the image.
+    /// Format of the stored pixels. For a compressed image this is the format of the image.
     pub format: PixelFormat,
-    /// Start of the header, bytes.
+    /// Position of the header in the file, bytes.
     pub(super) header_at: u64,
-    /// Start of the data, bytes.
+    /// Position of the data in the file, bytes.
     pub(super) data_at: u64,
     /// Length of the data without padding, bytes.
     pub(super) data_length: u64,
 }
 
 impl HduInfo {
-    /// Rows and columns of an image of two axes (further axes of length 1 are ignored); `None` for other HDUs.
+    /// Returns rows and columns of a two-dimensional image (further axes of length 1 are ignored); `None` for other
+    /// HDUs.
     pub fn image_size(&self) -> Option<[usize; 2]> {
         let is_image = matches!(self.kind, HduKind::Image | HduKind::CompressedImage(_));
         match self.shape[..] {
@@ -67,7 +68,7 @@ impl HduInfo {
         }
     }
 
-    /// Description of the HDU for messages.
+    /// Returns a description of the HDU for messages.
     pub(super) fn words(&self) -> String {
         match &self.kind {
             HduKind::Empty => "only a header".to_owned(),
@@ -81,18 +82,18 @@ impl HduInfo {
         }
     }
 
-    /// Start of the next HDU, bytes.
+    /// Returns the position of the next HDU, bytes.
     pub(super) fn end(&self) -> u64 {
         self.data_at + padded(self.data_length)
     }
 }
 
-/// Returns a length including its padding.
+/// Returns a length in bytes including the padding to a whole block.
 pub(super) fn padded(length: u64) -> u64 {
     length.div_ceil(BLOCK as u64) * BLOCK as u64
 }
 
-/// Returns a header as stored in a file: with END, padded with blanks.
+/// Returns the bytes of a header as stored in a file: with END, padded with blanks.
 pub(super) fn header_bytes(header: &Header) -> Vec<u8> {
     let mut bytes: Vec<u8> = header.cards().iter().flat_map(Card::bytes).copied().collect();
     bytes.extend_from_slice(b"END");
@@ -100,7 +101,7 @@ pub(super) fn header_bytes(header: &Header) -> Vec<u8> {
     bytes
 }
 
-/// Copies a range of a file to the current position of another; within the kernel where supported.
+/// Copies a byte range of a file to the current position of another, inside the kernel if the system supports that.
 pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>) -> io::Result<()> {
     input.seek(SeekFrom::Start(range.start))?;
     let length = range.end - range.start;
@@ -111,7 +112,7 @@ pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>)
     Ok(())
 }
 
-/// Finds all HDUs of a file with their headers. Zeros and blanks after the last one are ignored.
+/// Finds all HDUs of a file and reads their headers. Zeros and blanks after the last HDU are ignored.
 pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, ImagesError> {
     let io = ImagesError::io(path);
     let length = file.metadata().map_err(&io)?.len();
@@ -177,7 +178,7 @@ fn readable(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// Returns true if only zeros or blanks follow.
+/// Returns true if the rest of the file contains only zeros or blanks.
 fn is_padding(file: &mut File, mut chunk: Vec<u8>) -> io::Result<bool> {
     loop {
         if chunk.iter().any(|byte| !matches!(byte, 0 | b' ')) {
@@ -235,7 +236,7 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
         .map(|axis| count(&format!("NAXIS{axis}"), None, "a length of 0 or more").map(|length| length as usize))
         .collect::<Result<Vec<_>, _>>()?;
     let (parameters, groups) = (count("PCOUNT", Some(0), "0 or more")?, count("GCOUNT", Some(1), "0 or more")?);
-    // Random groups have a first axis of 0, which is ignored.
+    // In random groups the first axis has length 0 and is ignored.
     let sides =
         if shape.first() == Some(&0) && header.logical("GROUPS") == Some(true) { &shape[1..] } else { &shape[..] };
     let pixels = sides.iter().try_fold(1u64, |product, side| product.checked_mul(*side as u64));

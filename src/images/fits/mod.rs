@@ -1,9 +1,9 @@
-//! Frames in FITS files: reading, copies with changes, new files.
+//! Frames in FITS files: reading, copies with changes, and new files.
 //!
-//! `hdu` finds headers and data, `tile_header` and `tile_table` check compressed images, both before CFITSIO
-//! (`cfitsio`) opens a file. `frame_file` reads. `frame_copy` copies with changes: `deltas` collects the added light
-//! and counts changes, `pixel_format` converts stored numbers, `tiles` changes compressed images, `dither` provides the
-//! random numbers of rounding. `new_hdu` creates images and tables.
+//! `hdu` finds headers and data; `tile_header` and `tile_table` check compressed images. These checks precede CFITSIO
+//! (`cfitsio`). `frame_file` reads a file. `frame_copy` writes a copy with changes: `deltas` collects the added light
+//! and counts changed pixels, `pixel_format` converts stored numbers, `tiles` changes compressed images, and `dither`
+//! provides random numbers for rounding. `new_hdu` creates images and tables.
 
 mod cfitsio;
 mod deltas;

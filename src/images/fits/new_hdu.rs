@@ -11,7 +11,7 @@ use super::super::header::Header;
 use super::cfitsio::{Handle, Rice};
 use super::pixel_format::ImageValues;
 
-/// Keywords of the structure of a file, which follow from the data and are not taken from a caller.
+/// Keywords that describe the structure of a file. They are computed from the data, not taken from a caller.
 const STRUCTURE: &[&str] = &[
     "SIMPLE", "XTENSION", "BITPIX", "NAXIS", "PCOUNT", "GCOUNT", "EXTEND", "BSCALE", "BZERO", "EXTNAME", "GROUPS",
     "END",
@@ -20,21 +20,21 @@ const STRUCTURE: &[&str] = &[
 /// Image for [`write_frame`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct NewImage<'a> {
-    /// EXTNAME; empty for none.
+    /// Name of the HDU (EXTNAME); empty for none.
     pub name: &'a str,
     /// Pixels.
     pub values: &'a ImageValues,
-    /// Cards of the header; those of the structure (NAXIS, BITPIX, ...) are ignored.
+    /// Header cards; cards that describe the structure (NAXIS, BITPIX, ...) are ignored.
     pub cards: &'a [Card],
-    /// Compression, if any.
+    /// Compression; `None` for an uncompressed image.
     pub rice: Option<Rice>,
 }
 
-/// Writes a file of images with their names and cards: the first one in the primary HDU unless it is compressed, the
-/// others after it.
+/// Writes a file of images with their names and cards. The first image is in the primary HDU unless it is compressed;
+/// the others follow as extensions.
 ///
 /// # Errors
-/// Errors of the system and of CFITSIO; no partial file remains.
+/// Errors of the operating system and of CFITSIO; no partial file remains.
 pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), ImagesError> {
     let mut hdus: Vec<NewHdu> =
         images.iter().map(|image| NewHdu::image(image.name, image.values, image.cards, image.rice)).collect();
@@ -44,10 +44,10 @@ pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), ImagesE
     write_hdus(target, &hdus)
 }
 
-/// Writes a file of one table after an empty primary HDU.
+/// Writes a file with one table, which follows an empty primary HDU.
 ///
 /// # Errors
-/// The errors of [`write_frame`], and columns that differ in length.
+/// The errors of [`write_frame`], and columns of different lengths.
 pub fn write_table(target: &Path, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), ImagesError> {
     write_hdus(target, &[NewHdu::table(name, columns.to_vec(), cards)?])
 }
@@ -62,12 +62,12 @@ fn write_hdus(target: &Path, hdus: &[NewHdu<'_>]) -> Result<(), ImagesError> {
     output.finish_lazily().map_err(&io)
 }
 
-/// Returns the folder of a file.
+/// Returns the folder that contains a file.
 pub(super) fn folder_of(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Creates a file of HDUs, after an empty primary HDU of one block unless the first of them is primary.
+/// Creates a file from HDUs. If the first of them is not a primary HDU, an empty primary HDU precedes them.
 pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), ImagesError> {
     let mut handle = Handle::create(path)?;
     let mut number = 0;
@@ -89,7 +89,7 @@ pub struct TableColumn {
     pub name: String,
     /// Unit (TUNITn); empty for none.
     pub unit: String,
-    /// Description, for the comment of the name.
+    /// Description, written as the comment of TTYPEn.
     pub meaning: String,
     /// Cells of the column.
     pub cells: Cells,
@@ -100,15 +100,15 @@ pub struct TableColumn {
 pub enum Cells {
     /// Numbers in double precision (1D); NaN for missing values.
     Real(Vec<f64>),
-    /// Whole numbers of 64 bits (1K); `None` for missing values, stored as TNULLn: -1, or the least 64-bit number if -1
-    /// is one of the values.
+    /// 64-bit integers (1K). `None` for missing values, which are stored as TNULLn: -1, or the smallest 64-bit integer
+    /// if -1 is one of the values.
     Integer(Vec<Option<i64>>),
-    /// Text (nA), ASCII; other characters become `?`.
+    /// ASCII text (nA); other characters become `?`.
     Text(Vec<String>),
 }
 
 impl Cells {
-    /// Number of cells.
+    /// Returns the number of cells.
     pub fn len(&self) -> usize {
         match self {
             Self::Real(cells) => cells.len(),
@@ -122,7 +122,7 @@ impl Cells {
         self.len() == 0
     }
 
-    /// Bytes of one cell.
+    /// Returns the length of one cell, bytes.
     fn width(&self) -> usize {
         match self {
             Self::Real(_) | Self::Integer(_) => 8,
@@ -130,7 +130,7 @@ impl Cells {
         }
     }
 
-    /// Format of the column (TFORMn).
+    /// Returns the format of the column (TFORMn).
     fn form(&self) -> String {
         match self {
             Self::Real(_) => "1D".to_owned(),
@@ -139,7 +139,7 @@ impl Cells {
         }
     }
 
-    /// Returns the number stored for missing values, if a column of whole numbers has any.
+    /// Returns the number that stands for missing values, if this is a column of integers with missing values.
     fn null(&self) -> Option<i64> {
         let Self::Integer(cells) = self else { return None };
         cells.contains(&None).then(|| if cells.contains(&Some(-1)) { i64::MIN } else { -1 })
@@ -165,13 +165,13 @@ impl Cells {
     }
 }
 
-/// Header with its data, to be written.
+/// HDU to be written: header and data.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct NewHdu<'a> {
     name: String,
     cards: Vec<Card>,
     data: NewData<'a>,
-    /// True if it is the first HDU of its file.
+    /// True if this is the first HDU of its file.
     is_primary: bool,
 }
 
@@ -203,7 +203,7 @@ impl<'a> NewHdu<'a> {
     /// Creates a table.
     ///
     /// # Errors
-    /// Columns that differ in length, or more than 999 columns.
+    /// Columns differ in length, or there are more than 999 columns.
     pub fn table(name: &str, columns: Vec<TableColumn>, cards: &[Card]) -> Result<Self, ImagesError> {
         let rows = columns.first().map_or(0, |column| column.cells.len());
         if let Some(column) = columns.iter().find(|column| column.cells.len() != rows) {
@@ -222,7 +222,7 @@ impl<'a> NewHdu<'a> {
         Ok(Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false })
     }
 
-    /// Appends the HDU to a file, as number `hdu`.
+    /// Appends the HDU to a file in which it becomes HDU number `hdu`.
     fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), ImagesError> {
         let mut header = match &self.data {
             NewData::Image(values) => image_header(values, self.is_primary),
@@ -248,7 +248,7 @@ impl<'a> NewHdu<'a> {
     }
 }
 
-/// Returns the header of an empty primary HDU before extensions.
+/// Returns the header of an empty primary HDU that is followed by extensions.
 pub(super) fn empty_primary() -> Header {
     let mut header = Header::default();
     header.set("SIMPLE", &true.into(), "file conforms to the FITS standard");
@@ -309,7 +309,8 @@ fn table_header(columns: &[TableColumn]) -> Header {
     header
 }
 
-/// Returns the cards outside of the structure: the header of another frame can be passed on unchanged.
+/// Returns the cards that do not describe the structure, so that the header of another frame can be passed on
+/// unchanged.
 fn free_cards(cards: &[Card]) -> Vec<Card> {
     let is_structure = |card: &Card| {
         let keyword = card.keyword();

@@ -1,4 +1,4 @@
-//! Stored numbers of pixels: types, conversion to physical values, and arrays.
+//! Stored numbers of pixels: their types, the conversion to physical values, and arrays of pixels.
 
 use super::super::error::ImagesError;
 use super::cfitsio::{CPixel, Handle, Rice};
@@ -6,25 +6,25 @@ use super::deltas::Outcome;
 use crate::images::card::Card;
 use crate::images::plane::Plane;
 
-/// Type of a stored number: BITPIX.
+/// Type of a stored number, given by BITPIX.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Bitpix {
-    /// Unsigned, one byte (8).
+    /// Unsigned 8-bit integer (8).
     U8,
-    /// Signed, two bytes (16).
+    /// Signed 16-bit integer (16).
     I16,
-    /// Signed, four bytes (32).
+    /// Signed 32-bit integer (32).
     I32,
-    /// Signed, eight bytes (64).
+    /// Signed 64-bit integer (64).
     I64,
-    /// Single precision (-32).
+    /// Single-precision number (-32).
     F32,
-    /// Double precision (-64).
+    /// Double-precision number (-64).
     F64,
 }
 
 impl Bitpix {
-    /// Returns the type of a BITPIX value.
+    /// Returns the type for a value of BITPIX; `None` for an invalid value.
     pub fn from_number(number: i64) -> Option<Self> {
         Some(match number {
             8 => Self::U8,
@@ -37,7 +37,7 @@ impl Bitpix {
         })
     }
 
-    /// BITPIX value.
+    /// Returns the value of BITPIX.
     pub fn number(self) -> i64 {
         match self {
             Self::U8 => 8,
@@ -49,7 +49,7 @@ impl Bitpix {
         }
     }
 
-    /// Length of one pixel, bytes.
+    /// Returns the length of one pixel, bytes.
     pub fn bytes(self) -> usize {
         match self {
             Self::U8 => 1,
@@ -59,12 +59,12 @@ impl Bitpix {
         }
     }
 
-    /// Returns true if pixels are whole numbers.
+    /// Returns true if pixels are integers.
     pub fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 
-    /// Smallest and largest whole number; infinite for floating-point types.
+    /// Returns the smallest and the largest integer of the type; infinite for floating-point types.
     fn range(self) -> (f64, f64) {
         match self {
             Self::U8 => (0.0, 255.0),
@@ -81,20 +81,20 @@ impl Bitpix {
 pub struct PixelFormat {
     /// Type of the stored numbers.
     pub bitpix: Bitpix,
-    /// BSCALE.
+    /// BSCALE, the physical step of the stored numbers.
     pub scale: f64,
-    /// BZERO; 32768 with 16 bits makes them unsigned.
+    /// BZERO, the physical value of the stored number 0; 32768 makes 16-bit integers unsigned.
     pub zero: f64,
-    /// BLANK: the whole number of pixels without a value.
+    /// BLANK, the integer that marks pixels without a value.
     pub blank: Option<i64>,
 }
 
-/// Number stored for a value.
+/// Number to be stored for a physical value.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) enum Stored {
-    /// The value, rounded for whole numbers.
+    /// The number for the value, rounded if the type is an integer.
     Exact(f64),
-    /// The nearest end of the range, because the value was beyond it.
+    /// The nearest end of the range of the type, because the value is outside the range.
     Clipped(f64),
 }
 
@@ -113,12 +113,12 @@ impl PixelFormat {
         self.bitpix == Bitpix::F32 && self.scale == 1.0 && self.zero == 0.0
     }
 
-    /// Difference of adjacent stored values, physical; 0 for floating-point numbers.
+    /// Returns the difference between adjacent physical values; 0 for floating-point numbers.
     pub(super) fn step(&self) -> f64 {
         if self.bitpix.is_integer() { self.scale.abs() } else { 0.0 }
     }
 
-    /// Least and greatest value of pixels that are whole numbers without scaling (BSCALE 1); `None` for others.
+    /// Returns the smallest and largest physical value of integer pixels with BSCALE = 1; `None` for other pixels.
     pub fn whole_range(&self) -> Option<(f64, f64)> {
         let (least, greatest) = self.bitpix.range();
         (self.bitpix.is_integer() && self.scale == 1.0).then_some((self.zero + least, self.zero + greatest))
@@ -138,8 +138,8 @@ impl PixelFormat {
         Outcome { is_other, is_clipped }
     }
 
-    /// Returns the number to be stored for a physical value: rounded half to even, within the range of its type, and
-    /// different from BLANK.
+    /// Returns the number to be stored for a physical value: rounded half to even, limited to the range of the type,
+    /// and different from BLANK.
     #[inline]
     pub(super) fn stored(&self, physical: f64) -> Stored {
         let number = (physical - self.zero) / self.scale;
@@ -148,7 +148,7 @@ impl PixelFormat {
         }
         let (mut low, mut high) = self.bitpix.range();
         let blank = self.blank.map(|blank| blank as f64);
-        // A value must not become BLANK.
+        // A physical value must not be stored as BLANK.
         if blank == Some(low) {
             low += 1.0;
         } else if blank == Some(high) {
@@ -164,7 +164,7 @@ impl PixelFormat {
         Stored::Exact(rounded)
     }
 
-    /// Returns the stored number at an index. Whole numbers of 64 bits beyond 2^53 lose their last digits.
+    /// Returns the stored number at an index. 64-bit integers beyond 2^53 lose their last digits.
     #[inline]
     pub(super) fn raw(&self, bytes: &[u8], index: usize) -> f64 {
         let size = self.bitpix.bytes();
@@ -195,19 +195,19 @@ impl PixelFormat {
     }
 }
 
-/// Mark of CFITSIO for a floating-point pixel without a value; no sum of light equals it.
+/// Number that marks a floating-point pixel without a value for CFITSIO; no sum of light equals it.
 const NO_VALUE: f32 = -9.119_129e-36;
 
-/// Pixels row by row, with the type in which they are stored.
+/// Pixels row by row, in the type in which they are stored.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pixels {
-    /// Whole numbers of 8 bits, without sign.
+    /// Unsigned 8-bit integers.
     U8(Vec<u8>),
-    /// Whole numbers of 16 bits.
+    /// Signed 16-bit integers.
     I16(Vec<i16>),
-    /// Whole numbers of 16 bits without sign (BZERO = 32768).
+    /// Unsigned 16-bit integers (BZERO = 32768).
     U16(Vec<u16>),
-    /// Whole numbers of 32 bits.
+    /// Signed 32-bit integers.
     I32(Vec<i32>),
     /// Single precision; NaN for pixels without a value.
     F32(Vec<f32>),
@@ -229,20 +229,20 @@ impl From<Plane> for ImageValues {
 }
 
 impl ImageValues {
-    /// Creates an image from pixels row by row, beginning with the first row of a FITS file; `None` if they do not fill
-    /// whole rows.
+    /// Creates an image from pixels row by row, beginning with the first row of a FITS file; `None` if the number of
+    /// pixels is not a multiple of `columns`.
     pub fn new(columns: usize, pixels: Pixels) -> Option<Self> {
         let image = Self { columns, pixels };
         let count = image.count();
         (columns > 0 && count > 0 && count.is_multiple_of(columns)).then_some(image)
     }
 
-    /// Rows and columns.
+    /// Returns the numbers of rows and columns.
     pub fn size(&self) -> [usize; 2] {
         [self.count() / self.columns.max(1), self.columns]
     }
 
-    /// Pixels, row by row.
+    /// Returns the pixels, row by row.
     pub fn pixels(&self) -> &Pixels {
         &self.pixels
     }
@@ -263,7 +263,7 @@ impl ImageValues {
         }
     }
 
-    /// Format in the file.
+    /// Returns the format of the pixels in the file.
     pub(super) fn format(&self) -> PixelFormat {
         let (bitpix, zero) = match self.pixels {
             Pixels::U8(_) => (Bitpix::U8, 0.0),
@@ -276,7 +276,7 @@ impl ImageValues {
         PixelFormat { bitpix, scale: 1.0, zero, blank: None }
     }
 
-    /// Writes the pixels to the current image of CFITSIO, HDU number `hdu`.
+    /// Writes the pixels to the current image of CFITSIO; `hdu` is its number.
     pub(super) fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), ImagesError> {
         handle.fitsio(|file| {
             let image = file.hdu(hdu)?;
@@ -291,7 +291,7 @@ impl ImageValues {
         })
     }
 
-    /// Appends the image compressed by RICE to a file, as HDU number `hdu`.
+    /// Compresses the image by RICE and appends it to a file, in which it becomes HDU number `hdu`.
     pub(super) fn write_rice(
         &self,
         handle: &mut Handle<'_>,
@@ -314,7 +314,7 @@ impl ImageValues {
     }
 }
 
-/// Replaces pixels without a value by a mark.
+/// Returns the pixels with `mark` in place of pixels without a value.
 fn marked<T: CPixel>(values: &[T], mark: T, is_missing: impl Fn(&T) -> bool) -> Vec<T> {
     values.iter().map(|value| if is_missing(value) { mark } else { *value }).collect()
 }

@@ -1,7 +1,7 @@
-//! Header of a compressed image: the columns of its table, and checks that CFITSIO omits.
+//! Header of a compressed image: the columns of its table, and checks that CFITSIO does not make.
 //!
-//! CFITSIO divides by ZTILEn and allocates the sizes given by ZNAXISn. These are compared with one another and with the
-//! size of the table.
+//! CFITSIO divides by ZTILEn and allocates memory according to ZNAXISn. The checks compare these keywords with one
+//! another and with the size of the table.
 
 use super::super::error::ImagesError;
 use super::super::header::Header;
@@ -12,36 +12,36 @@ const ALGORITHMS: [&str; 7] = ["RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "PLIO_1
 /// Largest number of axes of an image that CFITSIO decompresses.
 const MOST_AXES: u64 = 6;
 
-/// Longest allowed side of a tile that is larger than its image.
+/// Largest accepted side of a tile that is larger than its image, pixels.
 const LONGEST_SIDE: u64 = 4096;
 
-/// Largest allowed tile of a small image, pixels.
+/// Largest accepted tile of a small image, pixels.
 const LARGEST_TILE: u64 = 1 << 24;
 
-/// Largest number of pixels per byte of the heap: PLIO stores 4095 equal pixels in two bytes, HCOMPRESS a constant tile
-/// in about 30.
+/// Largest accepted number of pixels per byte of the heap. PLIO stores 4095 equal pixels in two bytes, HCOMPRESS a
+/// constant tile in about 30 bytes.
 const PIXELS_PER_BYTE: u64 = 2048;
 const PIXELS_PER_BYTE_HCOMPRESS: u64 = 20_000;
 
-/// Keywords, without their numbers, that must not be repeated in the header of a compressed image: CFITSIO may use any
-/// of several.
+/// Keywords, without their numbers, that must occur only once in the header of a compressed image, because CFITSIO may
+/// use any of several.
 const ONCE: [&str; 14] = [
     "NAXIS", "PCOUNT", "THEAP", "TFIELDS", "TFORM", "TTYPE", "ZIMAGE", "ZBITPIX", "ZNAXIS", "ZTILE", "ZCMPTYPE",
     "ZNAME", "ZVAL", "ZDITHER0",
 ];
 
-/// Columns with tiles.
+/// Names of the columns that contain tiles.
 pub(super) const COMPRESSED: &str = "COMPRESSED_DATA";
 pub(super) const GZIPPED: &str = "GZIP_COMPRESSED_DATA";
 pub(super) const UNCOMPRESSED: &str = "UNCOMPRESSED_DATA";
 
-/// Column: its position in a row and its type.
+/// Column of a table, with its position in a row and its type.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Column {
     pub number: usize,
     pub name: String,
     pub at: usize,
-    /// For a variable-length column: bytes of half a descriptor, and of one element.
+    /// For a variable-length column: the bytes of half a descriptor, and the bytes of one element.
     pub variable: Option<(usize, usize)>,
     pub letter: char,
 }
@@ -77,7 +77,7 @@ pub(super) fn columns(header: &Header) -> Result<Vec<Column>, ImagesError> {
     Ok(columns)
 }
 
-/// Checks the header of a compressed image. Returns the lengths of its axes and of its tiles.
+/// Checks the header of a compressed image. Returns the lengths of the image's axes and of the tiles' axes.
 pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], ImagesError> {
     for (index, card) in header.cards().iter().enumerate() {
         let keyword = card.keyword();
@@ -129,7 +129,7 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Image
     if algorithm.starts_with("RICE") {
         integer(header, "ZVAL1", 1, 4096)?;
         let has_bytes = header.contains("ZVAL2") && header.text("ZNAME2").as_deref() != Some("NOISEBIT");
-        // Some writers exchange the two parameters.
+        // Some writers exchange the two parameters of RICE.
         if has_bytes && !matches!(header.integer("ZVAL2"), Some(1 | 2 | 4 | 8 | 16 | 32)) {
             return Err(ImagesError::invalid("ZVAL2", shown(header, "ZVAL2"), "1, 2 or 4 (bytes of a pixel)"));
         }
@@ -150,7 +150,7 @@ pub(super) fn check_compressed(header: &Header) -> Result<[Vec<usize>; 2], Image
     Ok([sizes(sides), sizes(tile)])
 }
 
-/// Reads a whole number within a range.
+/// Reads an integer and checks its range.
 fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64, ImagesError> {
     let number = header.integer(keyword).and_then(|number| u64::try_from(number).ok());
     number.filter(|number| (least..=most).contains(number)).ok_or_else(|| {
@@ -163,14 +163,14 @@ fn integer(header: &Header, keyword: &str, least: u64, most: u64) -> Result<u64,
     })
 }
 
-/// Returns a value as written in its card.
+/// Returns a value as written on its card.
 pub(super) fn shown(header: &Header, keyword: &str) -> String {
     let Some(card) = header.card(keyword) else { return "missing".to_owned() };
     card.text()[9..].split('/').next().unwrap_or_default().trim().to_owned()
 }
 
-/// Parsed TFORMn: bytes in a row, the letter, and for a variable-length column the bytes of half a descriptor and of an
-/// element.
+/// Parsed TFORMn: number of bytes in a row, letter of the type, and, for a variable-length column, the bytes of half a
+/// descriptor and of an element.
 type Form = (usize, char, Option<(usize, usize)>);
 
 /// Parses a TFORMn.

@@ -1,7 +1,7 @@
-//! Table with the tiles of a compressed image, and checks of its rows that CFITSIO omits.
+//! Table with the tiles of a compressed image, and checks of its rows that CFITSIO does not make.
 //!
-//! CFITSIO allocates the lengths given by the descriptors of tiles, and writes as many pixels as a stream announces.
-//! Both are compared with the size of the file and of the tiles before CFITSIO reads the table.
+//! CFITSIO allocates the lengths that the descriptors of tiles give, and writes as many pixels as a compressed stream
+//! announces. Before CFITSIO reads the table, both are compared with the size of the file and of the tiles.
 
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -12,13 +12,13 @@ use super::super::header::Header;
 use super::hdu::{HduInfo, HduKind};
 use super::tile_header::{COMPRESSED, Column, UNCOMPRESSED, check_compressed, columns};
 
-/// Rows of the table and sizes of the tiles.
+/// Rows of the table, and sizes of the image and its tiles.
 #[derive(Debug)]
 pub(super) struct TileTable {
     columns: Vec<Column>,
     bytes: Vec<u8>,
     row_length: usize,
-    /// Pixels of the image along each axis, and of a tile.
+    /// Numbers of pixels along each axis, of the image and of a tile.
     sides: Vec<usize>,
     tile: Vec<usize>,
 }
@@ -28,7 +28,8 @@ impl TileTable {
     /// pixels require.
     ///
     /// # Errors
-    /// Invalid keywords, [`ImagesError::Tiles`] with the number of the tile, and errors of the system.
+    /// Invalid keywords, invalid tiles ([`ImagesError::Tiles`] with the number of the tile), and errors of the
+    /// operating system.
     pub fn read(path: &Path, info: &HduInfo, header: &Header) -> Result<Self, ImagesError> {
         let io = ImagesError::io(path);
         let of_hdu = |error: ImagesError| error.in_hdu(path, info.index);
@@ -87,7 +88,7 @@ impl TileTable {
         Ok(table)
     }
 
-    /// Pixels of the image along each axis, and of a tile.
+    /// Returns the numbers of pixels along each axis, of the image and of a tile.
     pub fn sizes(&self) -> [&[usize]; 2] {
         [&self.sides, &self.tile]
     }
@@ -101,12 +102,12 @@ impl TileTable {
         self.columns.iter().find(|column| column.name == name)
     }
 
-    /// Returns true if a column has data of a tile.
+    /// Returns true if a column contains data for a tile.
     pub fn holds(&self, name: &str, row: usize) -> bool {
         self.column(name).is_some_and(|column| column.variable.is_some() && self.length(column, row).0 > 0)
     }
 
-    /// Returns a number in a column of fixed length.
+    /// Returns a number from a column of fixed length.
     pub fn number(&self, name: &str, row: usize) -> Option<f64> {
         let column = self.column(name)?;
         let at = row * self.row_length + column.at;
@@ -120,7 +121,7 @@ impl TileTable {
         })
     }
 
-    /// Returns the number of pixels of a tile; tiles at the ends of axes are smaller.
+    /// Returns the number of pixels of a tile; tiles at the ends of the axes are smaller.
     fn pixels(&self, number: usize) -> u64 {
         let (mut number, mut pixels) = (number, 1);
         for (side, tile) in self.sides.iter().zip(&self.tile) {
@@ -131,12 +132,12 @@ impl TileTable {
         pixels
     }
 
-    /// Returns the number of elements of a variable-length column in a row, and the bytes of each.
+    /// Returns the number of elements in one row of a variable-length column, and the bytes of an element.
     fn length(&self, column: &Column, row: usize) -> (u64, u64) {
         column.variable.map_or((0, 1), |(half, size)| (self.half(column, row, 0, half), size as u64))
     }
 
-    /// Returns the offset of the elements in the heap, bytes.
+    /// Returns the position of the elements in the heap, bytes.
     fn offset(&self, column: &Column, row: usize) -> u64 {
         column.variable.map_or(0, |(half, _)| self.half(column, row, half, half))
     }
@@ -147,8 +148,8 @@ impl TileTable {
     }
 }
 
-/// Checks that a stream of HCOMPRESS has no more pixels than its tile: magic number, two lengths, scale, sum, and three
-/// numbers of bit planes.
+/// Checks that an HCOMPRESS stream does not have more pixels than its tile. The stream begins with a magic number, two
+/// lengths, a scale, a sum, and three numbers of bit planes.
 fn is_sound_hcompress(begin: &[u8], pixels: u64) -> bool {
     let length = |at: usize| begin[at..at + 4].iter().fold(0, |number, byte| number << 8 | u64::from(*byte));
     begin[..2] == [0xdd, 0x99]
@@ -156,7 +157,8 @@ fn is_sound_hcompress(begin: &[u8], pixels: u64) -> bool {
         && begin[22..].iter().all(|n| *n <= 62)
 }
 
-/// Checks the length of a line list of PLIO: its third word, or the fourth and fifth if that is not positive.
+/// Checks the length of a PLIO line list, which is its third word, or the fourth and fifth word if the third is not
+/// positive.
 fn is_sound_plio(begin: &[u8], count: u64) -> bool {
     let word = |number: usize| i64::from(i16::from_be_bytes([begin[2 * number], begin[2 * number + 1]]));
     let (length, first) = if word(2) > 0 { (word(2), 4) } else { ((word(4) << 15) + word(3), word(1) + 1) };

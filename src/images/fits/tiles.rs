@@ -1,10 +1,10 @@
-//! Compressed images with light added: the touched tiles are decompressed and compressed again by CFITSIO.
+//! Compressed images with added light: CFITSIO decompresses the affected tiles and compresses them again.
 //!
-//! CFITSIO would quantise all pixels of a touched lossy tile again. It therefore reads the table with another header,
-//! which declares the quantised whole numbers as the image: unchanged pixels keep their numbers, and the others get the
-//! nearest step. Tiles of a lossy image that were stored without loss (GZIP_COMPRESSED_DATA) are edited with a second
-//! such header. The table is the only one in its scratch file, because each tile that grows would move all HDUs after
-//! it.
+//! CFITSIO would quantise all pixels of an affected lossy tile again. It is therefore given another header for the same
+//! table (a view), which declares the quantised integers to be the image: unchanged pixels keep their integers, and
+//! changed pixels get the nearest step. Tiles of a lossy image that were stored without loss (GZIP_COMPRESSED_DATA) are
+//! edited with a second view. The table is alone in its temporary file, because each tile that grows would move all
+//! HDUs after it.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -30,22 +30,22 @@ use super::pixel_format::{Bitpix, PixelFormat, Stored};
 use super::tile_header::{COMPRESSED, GZIPPED};
 use super::tile_table::TileTable;
 
-/// Number of a quantised pixel without a value (ZBLANK), and of one that is exactly 0 (SUBTRACTIVE_DITHER_2).
+/// Quantised number of a pixel without a value (ZBLANK), and of a pixel that is exactly 0 (SUBTRACTIVE_DITHER_2).
 const QUANTISED_BLANK: f64 = -2_147_483_648.0;
 const QUANTISED_ZERO: f64 = -2_147_483_646.0;
 
-/// Range of quantised pixels. CFITSIO puts the least pixel of a tile ten numbers above the reserved ones, so the lower
-/// limit is next to them.
+/// Range of quantised numbers. CFITSIO gives the faintest pixel of a tile a number ten above the reserved ones, so that
+/// the lower limit is next to the reserved numbers.
 const QUANTISED_RANGE: (f64, f64) = (-2_147_483_645.0, 2_147_483_600.0);
 
-/// Table of an image with recompressed tiles, as a byte range of a file.
+/// Table with recompressed tiles, as a byte range of a file.
 #[derive(Debug)]
 pub(super) struct Repacked {
     pub path: PathBuf,
     pub data: Range<u64>,
 }
 
-/// Pixel to be changed: its index in its tile, its index in the image, and the light.
+/// Pixel that is changed: its index in the tile, its index in the image, and the added light.
 type Touched = (usize, usize, f64);
 
 /// Quantisation of floating-point pixels.
@@ -66,17 +66,17 @@ struct Quantised {
     scale: f64,
     zero: f64,
     blank: f64,
-    /// Empty without dither.
+    /// Random numbers of the dither; empty without dither.
     random: Vec<f64>,
     zero_is_exact: bool,
 }
 
-/// Adds light to a compressed image and compresses the touched tiles into a separate file at `scratch`; updates
-/// `header`.
+/// Adds light to a compressed image: writes a table with the recompressed tiles to a separate file at `scratch`, and
+/// updates `header`.
 ///
 /// # Errors
-/// [`ImagesError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and the
-/// system.
+/// [`ImagesError::Tiles`] if tiles are invalid or their algorithm is not supported, and errors of CFITSIO and of the
+/// operating system.
 pub(super) fn repack(
     source: &Path,
     info: &HduInfo,
@@ -118,7 +118,7 @@ pub(super) fn repack(
         if tiles.is_empty() && !is_new {
             continue;
         }
-        // Sizes of the table after the previous pass.
+        // Sizes of the table after the first view was edited.
         let mut view = view;
         copy_sizes(header, &mut view);
         write_view(source, info, &view, scratch, is_new).map_err(&io)?;
@@ -135,7 +135,7 @@ pub(super) fn repack(
     Ok((changed, Repacked { path: scratch.to_owned(), data }))
 }
 
-/// Returns the pixels with light, by tile.
+/// Returns the pixels to which light is added, by tile.
 fn touched_tiles(table: &TileTable, light: &Deltas<'_>) -> BTreeMap<usize, Vec<Touched>> {
     let [sides, tile] = table.sizes();
     let across = sides[0].div_ceil(tile[0]);
@@ -168,7 +168,7 @@ fn quantisation(info: &HduInfo, header: &Header, table: &TileTable) -> Result<Op
 
 /// Returns the type of the compressed numbers.
 fn stored_bitpix(info: &HduInfo, header: &Header, quantisation: Option<Quantisation>) -> Bitpix {
-    // RICE compresses numbers of BYTEPIX bytes (by default 4), whatever the type of the image.
+    // RICE compresses integers of BYTEPIX bytes (by default 4), whatever the type of the image.
     let is_rice = matches!(&info.kind, HduKind::CompressedImage(name) if name.starts_with("RICE"));
     let bytes = if header.text("ZNAME2").as_deref() == Some("NOISEBIT") { None } else { header.integer("ZVAL2") };
     match (quantisation, bytes) {
@@ -179,8 +179,8 @@ fn stored_bitpix(info: &HduInfo, header: &Header, quantisation: Option<Quantisat
     }
 }
 
-/// Returns the header with which CFITSIO reads the column `tiles` as an image of plain numbers: cards of scale and
-/// quantisation become comments, and other columns get meaningless names.
+/// Returns the header with which CFITSIO reads the column `tiles` as an image of plain numbers. Cards of scale and
+/// quantisation become comments, and the other columns are renamed.
 fn view(header: &Header, bitpix: Bitpix, tiles: &str, algorithm: Option<&str>) -> Header {
     const OMITTED: [&str; 9] =
         ["BSCALE", "BZERO", "BLANK", "ZBLANK", "ZSCALE", "ZZERO", "ZQUANTIZ", "CHECKSUM", "DATASUM"];
@@ -213,13 +213,13 @@ fn copy_sizes(from: &Header, to: &mut Header) {
     }
 }
 
-/// Writes the header of a view, and for the first view also the rest of the file.
+/// Writes the header of a view; for the first view, also the rest of the file.
 fn write_view(source: &Path, info: &HduInfo, view: &Header, scratch: &Path, is_new: bool) -> io::Result<()> {
     let mut file = File::options().create(true).truncate(false).read(true).write(true).open(scratch)?;
     file.write_all(&header_bytes(&empty_primary()))?;
     let bytes = header_bytes(view);
     if !is_new {
-        // Header and table have the same length as before.
+        // The header and the table have the same length as in the first view.
         return file.write_all(&bytes);
     }
     file.write_all(&bytes)?;
@@ -228,7 +228,7 @@ fn write_view(source: &Path, info: &HduInfo, view: &Header, scratch: &Path, is_n
     file.set_len(end.next_multiple_of(BLOCK as u64))
 }
 
-/// Changes the tiles in the file at `scratch`.
+/// Adds light to the pixels of the tiles in the file at `scratch`.
 fn edit(
     scratch: &Path,
     table: &TileTable,
@@ -257,7 +257,7 @@ fn edit(
     handle.close()
 }
 
-/// Returns the pixels of a tile along each axis.
+/// Returns the range of pixels that a tile covers along each axis of the image.
 fn ranges(table: &TileTable, number: usize) -> Vec<Range<usize>> {
     let [sides, tile] = table.sizes();
     let mut number = number;
@@ -270,7 +270,7 @@ fn ranges(table: &TileTable, number: usize) -> Vec<Range<usize>> {
     sides.iter().zip(tile).map(along).collect()
 }
 
-/// Type of compressed numbers.
+/// Type of the compressed numbers.
 trait Number: Copy + WriteImage {
     fn to_f64(self) -> f64;
     fn from_f64(number: f64) -> Self;
@@ -343,7 +343,7 @@ fn tile_format(
 }
 
 impl TileFormat {
-    /// Returns the physical value of a number; NaN for a pixel without a value.
+    /// Returns the physical value of a stored number; NaN for a pixel without a value.
     fn physical(&self, number: f64, index: usize) -> f64 {
         let Some(quantised) = &self.quantised else { return self.pixels.physical(number) };
         if number == quantised.blank {
@@ -354,11 +354,11 @@ impl TileFormat {
         }
         // value = (number - random + 0.5) · ZSCALE + ZZERO                  FITS standard 4.0, eq. 13
         let value = (number - quantised.offset(index)) * quantised.scale + quantised.zero;
-        // Rounded to the type of the image, as by every reader.
+        // Every reader rounds the value to the type of the image, so this function does the same.
         self.pixels.physical(if self.pixels.bitpix == Bitpix::F32 { f64::from(value as f32) } else { value })
     }
 
-    /// Difference of adjacent values of a pixel, physical; 0 for floating-point numbers.
+    /// Returns the difference between adjacent physical values of a pixel; 0 for floating-point numbers.
     fn step(&self) -> f64 {
         match &self.quantised {
             Some(quantised) => (self.pixels.scale * quantised.scale).abs(),
@@ -366,7 +366,7 @@ impl TileFormat {
         }
     }
 
-    /// Returns the number for a physical value.
+    /// Returns the number to be stored for a physical value.
     fn stored(&self, physical: f64, index: usize) -> Stored {
         let Some(quantised) = &self.quantised else { return self.pixels.stored(physical) };
         let value = (physical - self.pixels.zero) / self.pixels.scale;
@@ -377,7 +377,7 @@ impl TileFormat {
 }
 
 impl Quantised {
-    /// Dither of a pixel, in steps.
+    /// Returns the dither of a pixel, in quantisation steps.
     fn offset(&self, index: usize) -> f64 {
         self.random.get(index).map_or(0.0, |random| random - 0.5)
     }

@@ -1,11 +1,11 @@
-//! Distortions from pixels to the plane and within the plane: polynomials of SIP, TPV, TNX and ZPX.
+//! Distortion polynomials (SIP, TPV, TNX, ZPX), from pixels to the projection plane and within that plane.
 
 use super::super::error::ImagesError;
 use super::super::header::Header;
 
-/// Powers (m, n) of (u, v) of PVi_k in TPV, by k; `None` for a radial term: r, r³, r⁵, r⁷.
+/// Powers (m, n) of (u, v) in the term PVi_k of TPV, by k; `None` for a radial term: r, r³, r⁵, r⁷.
 ///
-/// Registry of FITS conventions, "The TPV world coordinate system": u is the axis itself, v the other one.
+/// Source: registry of FITS conventions, "The TPV world coordinate system". u is the axis i itself, v the other axis.
 const TPV_POWERS: [Option<(usize, usize)>; 40] = {
     let mut powers = [None; 40];
     let mut k = 0;
@@ -17,7 +17,7 @@ const TPV_POWERS: [Option<(usize, usize)>; 40] = {
             k += 1;
             n += 1;
         }
-        // Odd degrees are followed by a radial term.
+        // In TPV, the terms of each odd degree are followed by a radial term.
         if degree % 2 == 1 {
             k += 1;
         }
@@ -26,10 +26,10 @@ const TPV_POWERS: [Option<(usize, usize)>; 40] = {
     powers
 };
 
-/// Highest supported order of SIP and TNX.
+/// Highest accepted order of SIP and TNX polynomials.
 const HIGHEST_ORDER: usize = 20;
 
-/// Polynomial in shifted and scaled variables.
+/// Polynomial of shifted and scaled variables.
 #[derive(Clone, Debug, PartialEq)]
 struct Surface {
     polynomial: Polynomial,
@@ -49,17 +49,17 @@ impl Surface {
     }
 }
 
-/// Map of a plane onto itself by a pair of surfaces, which give the new coordinates or their changes.
+/// Distortion of a plane by two surfaces, which give the new coordinates or the changes of the coordinates.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Distortion {
     surfaces: [Surface; 2],
     adds: bool,
-    /// Name of the distortion.
+    /// Name of the distortion convention.
     pub kind: &'static str,
 }
 
 impl Distortion {
-    /// Returns both coordinates with their slopes.
+    /// Returns both distorted coordinates with their slopes.
     pub fn at(&self, u: f64, v: f64) -> [Sloped; 2] {
         let mut at = [self.surfaces[0].at(u, v), self.surfaces[1].at(u, v)];
         if self.adds {
@@ -71,10 +71,11 @@ impl Distortion {
         at
     }
 
-    /// Reads SIP with its A_p_q and B_p_q, which are added to pixels from CRPIX; `None` without A_ORDER and B_ORDER.
+    /// Reads the SIP coefficients A_p_q and B_p_q, which apply to pixels relative to CRPIX; `None` without A_ORDER and
+    /// B_ORDER.
     ///
-    /// Shupe et al. (2005, ASP Conf. 347, 491): u' = u + Σ A_pq uᵖ v^q. AP and BP are approximations of the inverse and
-    /// are not used: the inverse is solved numerically.
+    /// Shupe et al. (2005, ASP Conf. 347, 491): u' = u + Σ A_pq uᵖ v^q. The coefficients AP and BP, which approximate
+    /// the inverse, are not used; the inverse is solved numerically.
     pub fn sip(header: &Header) -> Result<Option<Self>, ImagesError> {
         if !header.contains("A_ORDER") && !header.contains("B_ORDER") {
             return Ok(None);
@@ -98,10 +99,11 @@ impl Distortion {
         Ok(Some(Self { surfaces: [surface('A')?, surface('B')?], adds: true, kind: "SIP" }))
     }
 
-    /// Reads TPV, in degrees of the plane; `longitude_axis` is the number of the axis of right ascension, 0 or 1.
+    /// Reads the TPV coefficients, in degrees of the projection plane. `longitude_axis` is the number of the right
+    /// ascension axis, 0 or 1.
     ///
-    /// ξ' = PV1_0 + PV1_1 ξ + PV1_2 η + PV1_3 r + PV1_4 ξ² + ..., and η' likewise with ξ and η exchanged. The default
-    /// of PVi_1 is 1.
+    /// ξ' = PV1_0 + PV1_1 ξ + PV1_2 η + PV1_3 r + PV1_4 ξ² + ...; η' is the same with PV2 and with ξ and η exchanged.
+    /// The default of PVi_1 is 1.
     pub fn tpv(header: &Header, longitude_axis: usize) -> Self {
         let surface = |axis: usize, is_longitude: bool| {
             let mut polynomial = Polynomial::zero(1);
@@ -125,9 +127,10 @@ impl Distortion {
         Self { surfaces: [surface(longitude_axis, true), surface(latitude_axis, false)], adds: false, kind: "TPV" }
     }
 
-    /// Reads IRAF's surfaces `lngcor` and `latcor`, added in degrees of the plane; `None` if both are missing.
+    /// Reads IRAF's surfaces `lngcor` and `latcor`, which are added in degrees of the projection plane; `None` if both
+    /// are missing.
     ///
-    /// F. Valdes and L. Davis, "The TNX world coordinate system" (registry of FITS conventions).
+    /// Source: F. Valdes and L. Davis, "The TNX world coordinate system" (registry of FITS conventions).
     pub fn iraf(longitude: &str, latitude: &str, kind: &'static str) -> Result<Option<Self>, ImagesError> {
         let read = |words: &str, name: &str| {
             match attribute(words, name) {
@@ -144,7 +147,7 @@ impl Distortion {
     }
 }
 
-/// Returns the value of `name = value` or `name = "value"` in IRAF's attributes.
+/// Returns the value of `name = value` or `name = "value"` in a text of IRAF attributes.
 pub(super) fn attribute(words: &str, name: &str) -> Option<String> {
     let start = words
         .match_indices(name)
@@ -157,8 +160,8 @@ pub(super) fn attribute(words: &str, name: &str) -> Option<String> {
     }
 }
 
-/// Parses a surface in IRAF's form: type, orders of ξ and η, cross terms (0 none, 1 full, 2 half), limits of ξ and η,
-/// coefficients.
+/// Parses a surface in IRAF's form: type, orders in ξ and η, kind of cross terms (0 none, 1 full, 2 half), limits of ξ
+/// and η, coefficients.
 fn surface_of(numbers: &str) -> Option<Surface> {
     let numbers: Vec<f64> = numbers.split_whitespace().map(|word| word.parse().ok()).collect::<Option<_>>()?;
     let [kind, order_u, order_v, cross, from_u, to_u, from_v, to_v, ref coefficients @ ..] = numbers[..] else {
@@ -200,7 +203,7 @@ fn surface_of(numbers: &str) -> Option<Surface> {
     Some(Surface { polynomial, centre, stretch: [2.0 / (to_u - from_u), 2.0 / (to_v - from_v)] })
 }
 
-/// Returns the coefficients of the first polynomials of a kind, by powers: 1 Chebyshev, 2 Legendre, 3 plain powers.
+/// Returns the first `count` polynomials of a kind as coefficients of powers: 1 Chebyshev, 2 Legendre, 3 plain powers.
 fn basis(kind: f64, count: usize) -> Option<Vec<Vec<f64>>> {
     let mut basis: Vec<Vec<f64>> = vec![vec![1.0], vec![0.0, 1.0]];
     for n in 1..count.saturating_sub(1) {
@@ -237,7 +240,7 @@ pub(super) struct Polynomial {
     radial: Vec<f64>,
 }
 
-/// Value with its slopes along both variables.
+/// Value of a function of two variables, with its slopes along both.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(super) struct Sloped {
     /// The value.
@@ -254,7 +257,7 @@ impl Polynomial {
         Self { rows: vec![vec![0.0; order + 1]; order + 1], radial: Vec::new() }
     }
 
-    /// Adds to the coefficient of uᵐ·vⁿ; the order is raised if necessary.
+    /// Adds to the coefficient of uᵐ·vⁿ and raises the order if necessary.
     pub fn add(&mut self, m: usize, n: usize, coefficient: f64) {
         let order = self.rows.len().max(m + 1).max(n + 1);
         self.rows.resize(order, Vec::new());
@@ -264,7 +267,7 @@ impl Polynomial {
         self.rows[n][m] += coefficient;
     }
 
-    /// Adds to the coefficient of r^(2k+1), k from 0 to 3.
+    /// Adds to the coefficient of r^(2k+1), for k from 0 to 3.
     pub fn add_radial(&mut self, k: usize, coefficient: f64) {
         if coefficient != 0.0 {
             self.radial.resize(RADIAL_TERMS.max(k + 1), 0.0);
@@ -272,7 +275,7 @@ impl Polynomial {
         }
     }
 
-    /// Returns value and slopes, by Horner's rule in both variables.
+    /// Returns the value and the slopes, by Horner's rule in both variables.
     pub fn at(&self, u: f64, v: f64) -> Sloped {
         let mut sum = Sloped::default();
         for row in self.rows.iter().rev() {
@@ -288,7 +291,7 @@ impl Polynomial {
         if !self.radial.is_empty() {
             let square = u * u + v * v;
             let r = square.sqrt();
-            // Σ c r^(2k+1), and its slope along r divided by r: Σ (2k+1) c r^(2k-1), without the first term at the
+            // Σ c r^(2k+1), and its slope along r divided by r: Σ (2k+1) c r^(2k-1). The first term is omitted at the
             // centre.
             let (mut value, mut slope) = (0.0, 0.0);
             for (k, coefficient) in self.radial.iter().enumerate().rev() {

@@ -1,4 +1,4 @@
-//! World coordinates of a header, including common non-standard keywords.
+//! World coordinates in a header, including common non-standard keywords.
 
 use super::super::error::ImagesError;
 use super::super::header::Header;
@@ -9,27 +9,27 @@ use super::projection::{Projection, Zpn};
 /// Codes of the supported projections.
 pub(super) const KNOWN_PROJECTIONS: &str = "TAN (with SIP or PVi_m), TPV, TNX, ZPX, SIN, STG, ARC, ZEA, ZPN, CAR";
 
-/// Equinoxes within this difference from 2000 are taken as 2000, years.
+/// Largest difference from 2000, in years, of an equinox that is taken as 2000.
 const EQUINOX_SLACK: f64 = 1e-3;
 
-/// Parameters of the transformation from pixels to the sky.
+/// Parameters of the transformation from pixels to the sky, as given by a header.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct HeaderTerms {
-    /// Number of the axis of right ascension, 0 or 1.
+    /// Number of the right ascension axis, 0 or 1.
     pub longitude_axis: usize,
     /// CRPIX, counted from 1.
     pub reference_pixel: [f64; 2],
-    /// Pixels to degrees of the plane, (along right ascension, along declination).
+    /// Matrix from pixels to degrees of the projection plane, (along right ascension, along declination).
     pub matrix_deg: [[f64; 2]; 2],
-    /// Distortion added to pixels from the reference pixel.
+    /// Distortion of pixel coordinates relative to the reference pixel.
     pub pixel_distortion: Option<Distortion>,
-    /// Distortion in degrees of the plane.
+    /// Distortion of positions in the projection plane, degrees.
     pub plane_distortion: Option<Distortion>,
     /// Projection.
     pub projection: Projection,
     /// Orientation of the projection on the sky.
     pub pole: NativePole,
-    /// Columns and rows, if the header gives them.
+    /// Numbers of columns and rows, if the header gives them.
     pub size: Option<[usize; 2]>,
 }
 
@@ -76,7 +76,7 @@ impl HeaderTerms {
         let has_pv = (0..40).any(|m| pv(latitude_axis, m).is_some() || (m > 4 && pv(longitude_axis, m).is_some()));
         let mut plane_distortion = None;
         let projection = match projection_code {
-            // PVi_m of SCAMP together with SIP describe the same distortion.
+            // PVi_m coefficients of SCAMP together with SIP describe the same distortion twice, so SIP alone is used.
             "TAN" if has_pv && pixel_distortion.is_none() => {
                 plane_distortion = Some(Distortion::tpv(header, longitude_axis));
                 Projection::Tan
@@ -149,7 +149,7 @@ fn required(header: &Header, keyword: &str) -> Result<f64, ImagesError> {
     }
 }
 
-/// Returns the degrees in the unit of an axis; without CUNIT, degrees.
+/// Returns the number of degrees in the unit of an axis; 1 without CUNIT.
 fn unit_deg(header: &Header, axis: usize) -> Result<f64, ImagesError> {
     let keyword = format!("CUNIT{axis}");
     let unit = header.text(&keyword).unwrap_or_default();
@@ -167,7 +167,8 @@ fn unit_deg(header: &Header, axis: usize) -> Result<f64, ImagesError> {
     }
 }
 
-/// Returns the matrix: CDi_j if given, else CDELTi with PCi_j, or with the old CROTA of the declination axis.
+/// Returns the matrix: CDi_j if given, otherwise CDELTi with PCi_j, or with the old keyword CROTA of the declination
+/// axis.
 fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 2] {
     let entry = |stem: &str, i: usize, j: usize| header.number(&format!("{stem}{}_{}", i + 1, j + 1));
     let entries = [(0, 0), (0, 1), (1, 0), (1, 1)];
@@ -210,7 +211,8 @@ fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, ImagesError> 
     })
 }
 
-/// Checks for ICRS, or FK5 of equinox 2000. Without RADESYS the equinox determines the system (paper II, section 3.1).
+/// Checks that the reference system is ICRS or FK5 of equinox 2000. Without RADESYS, the equinox determines the system
+/// (paper II, section 3.1).
 fn check_system(header: &Header) -> Result<(), ImagesError> {
     let equinox = header.number("EQUINOX").or_else(|| header.number("EPOCH"));
     let named = header.text("RADESYS").or_else(|| header.text("RADECSYS")).map(|name| name.to_ascii_uppercase());
@@ -229,7 +231,7 @@ fn check_system(header: &Header) -> Result<(), ImagesError> {
     Err(ImagesError::invalid("reference system", system, allowed))
 }
 
-/// Returns columns and rows: of the image within a compressed one, of the image, or from the keywords of
+/// Returns the numbers of columns and rows: of the image inside a compressed HDU, of the image, or from the keywords of
 /// astrometry.net.
 fn size(header: &Header) -> Option<[usize; 2]> {
     [["ZNAXIS1", "ZNAXIS2"], ["NAXIS1", "NAXIS2"], ["IMAGEW", "IMAGEH"]].iter().find_map(|[columns, rows]| {

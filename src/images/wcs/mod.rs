@@ -1,7 +1,7 @@
 //! World coordinates: transformations between pixels and the sky.
 //!
-//! `header_terms` reads the keywords and `distortion` the polynomials of SIP, TPV and IRAF; `projection` maps the plane
-//! to the sphere and rotates it onto the sky, and `wcs` combines them.
+//! `header_terms` reads the keywords, `distortion` the polynomials of SIP, TPV and IRAF; `projection` maps the
+//! projection plane to the sphere and rotates it to its place on the sky; `wcs` combines these steps.
 
 mod distortion;
 mod header_terms;

@@ -1,14 +1,14 @@
 //! Projections of the sphere onto a plane, and rotations on the sphere.
 //!
-//! M. Calabretta and E. Greisen, Representations of celestial coordinates in FITS (2002, A&A 395, 1077), "paper II".
-//! Plane coordinates (x, y) are radians here; native directions are unit vectors, with the native pole along the third
-//! axis.
+//! M. Calabretta and E. Greisen, Representations of celestial coordinates in FITS (2002, A&A 395, 1077), is cited as
+//! "paper II". Plane coordinates (x, y) are in radians. Native directions are unit vectors whose third component is
+//! along the native pole.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// Largest number of steps of Newton's method for the radius of ZPN; it converges in a few or not at all.
+/// Largest number of steps of Newton's method for the radius of ZPN. It converges in a few steps or not at all.
 const MOST_STEPS: usize = 40;
 
 /// Projection of the sphere onto a plane.
@@ -24,13 +24,13 @@ pub(super) enum Projection {
     Arc,
     /// Zenithal equal area: R = 2 sin((90° - θ)/2) (eq. 69).
     Zea,
-    /// Zenithal polynomial: R = Σ P_m (90° - θ)^m (eq. 71), from P_0.
+    /// Zenithal polynomial: R = Σ P_m (90° - θ)^m (eq. 71), beginning with P_0.
     Zpn(Zpn),
     /// Plate carrée: x = φ, y = θ (eq. 83).
     Car,
 }
 
-/// Polynomial of ZPN, and the distance from the pole up to which it increases.
+/// Polynomial of the ZPN projection, and the distance from the pole up to which it increases.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Zpn {
     coefficients: Vec<f64>,
@@ -38,10 +38,10 @@ pub(super) struct Zpn {
 }
 
 impl Zpn {
-    /// Creates the polynomial from P_0, P_1, ...; `None` if the radius does not increase from the pole on.
+    /// Creates the polynomial from P_0, P_1, ...; `None` if the radius does not increase at the pole.
     pub fn new(coefficients: Vec<f64>) -> Option<Self> {
         let mut zpn = Self { coefficients, furthest_rad: PI };
-        // The radius is invertible up to its first maximum.
+        // The radius can be inverted up to its first maximum.
         let steps = 2000;
         let grows = |step: &usize| zpn.radius(*step as f64 * PI / steps as f64).1 > 0.0;
         let count = (0..=steps).take_while(grows).count();
@@ -49,7 +49,7 @@ impl Zpn {
         (zpn.furthest_rad > 0.0).then_some(zpn)
     }
 
-    /// Returns the radius and its slope at a distance from the pole, radians.
+    /// Returns the radius and its slope at a distance from the pole (radians).
     fn radius(&self, distance_rad: f64) -> (f64, f64) {
         let (mut value, mut slope) = (0.0, 0.0);
         for coefficient in self.coefficients.iter().rev() {
@@ -59,7 +59,7 @@ impl Zpn {
         (value, slope)
     }
 
-    /// Returns the distance from the pole for a radius; `None` if no distance has it.
+    /// Returns the distance from the pole (radians) at which the radius has a value; `None` if there is none.
     fn distance_rad(&self, radius: f64) -> Option<f64> {
         let mut distance_rad = radius.clamp(0.0, self.furthest_rad);
         for _ in 0..MOST_STEPS {
@@ -87,7 +87,7 @@ impl Projection {
         // Zenithal: x = R sin φ, y = -R cos φ                                  paper II, eqs. 12, 13
         let radius = x.hypot(y);
         let distance_rad = match self {
-            // The direction is (-y, x, 1); no angle is needed.
+            // The direction is proportional to (-y, x, 1), so no angle is needed.
             Self::Tan => return Some(Vector3::new(-y, x, 1.0).normalize()),
             Self::Sin => (radius <= 1.0).then(|| radius.asin())?,
             Self::Stg => 2.0 * (radius / 2.0).atan(),
@@ -131,21 +131,21 @@ impl Projection {
     }
 }
 
-/// Limit below which a sine or cosine is taken as zero: a reference point at a pole.
+/// Absolute value below which a sine or cosine is taken as zero, as for a reference point at a pole.
 const TINY: f64 = 1e-10;
 
-/// Orientation of the native sphere on the sky; degrees, as in a header.
+/// Orientation of the native sphere on the sky, in degrees as in a header.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct NativePole {
-    /// CRVAL of right ascension.
+    /// CRVAL of the right ascension axis.
     pub right_ascension_deg: f64,
-    /// CRVAL of declination.
+    /// CRVAL of the declination axis.
     pub declination_deg: f64,
-    /// LONPOLE, if given.
+    /// LONPOLE; `None` if it is not given.
     pub lonpole_deg: Option<f64>,
-    /// LATPOLE, if given.
+    /// LATPOLE; `None` if it is not given.
     pub latpole_deg: Option<f64>,
-    /// True if the reference point is the native pole (zenithal projections), else it is the native origin.
+    /// True if the reference point is the native pole (zenithal projections), false if it is the native origin.
     pub is_zenithal: bool,
 }
 
@@ -188,13 +188,13 @@ impl NativePole {
 
     /// Returns the declination of the native pole if the reference point is the native origin (θ₀ = 0, φ₀ = 0).
     ///
-    /// δp = atan2(0, cos φp) ± arccos(sin δ₀ / |cos φp|), the one nearer to LATPOLE        paper II, eq. 8
+    /// δp = atan2(0, cos φp) ± arccos(sin δ₀ / |cos φp|), whichever is nearer to LATPOLE        paper II, eq. 8
     fn pole_latitude(self, declination_0: f64, phi_pole: f64) -> Option<f64> {
         let (sin_phi, cos_phi) = phi_pole.sin_cos();
         let across = (1.0 - sin_phi * sin_phi).sqrt();
         let target = self.latpole_deg.unwrap_or(90.0).to_radians();
         if across < TINY {
-            // The pole may be anywhere on a circle: LATPOLE selects it.
+            // Any native pole on a circle is possible, and LATPOLE selects one.
             return (declination_0.abs() < TINY).then_some(target);
         }
         let ratio = declination_0.sin() / across;
@@ -212,7 +212,7 @@ impl NativePole {
         candidates.into_iter().filter(is_latitude).min_by(|a, b| (a - target).abs().total_cmp(&(b - target).abs()))
     }
 
-    /// Returns the right ascension of the reference point less that of the native pole (θ₀ = 0, φ₀ = 0; paper II, eqs.
+    /// Returns the right ascension of the reference point minus that of the native pole (θ₀ = 0, φ₀ = 0; paper II, eqs.
     /// 9, 10).
     fn longitude_from_pole(self, declination_0: f64, phi_pole: f64, pole_latitude: f64) -> f64 {
         if (pole_latitude - FRAC_PI_2).abs() < TINY {

@@ -12,40 +12,43 @@ use super::projection::NativePole;
 use super::projection::Projection;
 use crate::images::plane::PixelPosition;
 
-/// Arcseconds in a radian.
+/// Number of arcseconds in a radian.
 const ARCSEC: f64 = 648_000.0 / std::f64::consts::PI;
 
-/// Least margin around a frame in which its distortion is used, if it does not fold there, pixels.
+/// Smallest margin around a frame in which its distortion is used, pixels, provided that the distortion does not fold
+/// there.
 const LEAST_MARGIN_PIX: f64 = 1000.0;
 
-/// Side of a frame without a size in its header, pixels.
+/// Side of a frame whose header does not give its size, pixels.
 const UNKNOWN_SIDE_PIX: usize = 4096;
 
-/// Points along each side of a frame at which a distortion is checked for folds.
+/// Number of points along each side of a frame at which a distortion is checked for folds.
 const FOLD_GRID: usize = 13;
 
-/// Least slope of the distortion, relative to that at the centre, for which no two pixels have the same position.
+/// Smallest accepted slope of the distortion, relative to that at the centre. Above it, no two pixels have the same
+/// position.
 const LEAST_SLOPE: f64 = 0.1;
 
-/// Fractions of the margin that are tried in turn until the distortion does not fold.
+/// Fractions of the margin that are tried in turn until the distortion does not fold inside it.
 const MARGINS: [f64; 6] = [1.0, 0.5, 0.25, 0.1, 0.03, 0.0];
 
-/// Precision at which Newton's method ends, pixels.
+/// Precision at which Newton's method stops, pixels.
 const CLOSE_PIX: f64 = 1e-11;
 
-/// Largest number of steps of Newton's method; three or four are usual.
+/// Largest number of steps of Newton's method; usually three or four suffice.
 const MOST_STEPS: usize = 25;
 
-/// Transformation between pixels of one frame and the sky: ICRS directions with the axes of the barycentre ([`Gcrs`]).
+/// Transformation between the pixels of one frame and astrometric ICRS directions, which have the axes of [`Gcrs`].
 ///
-/// It is read from a header by [`from_header`](Wcs::from_header) or created by [`tangent`](Wcs::tangent). FK5 of
-/// equinox 2000 is taken as ICRS: they differ by 0.02 arcsec. A frame with a polynomial distortion has positions only
-/// within the frame and a margin around it (the size of the frame, at least 1000 pixels, less if the polynomial folds):
-/// further out polynomials bend back, and a distant satellite would appear in the frame.
+/// A transformation is read from a header by [`from_header`](Wcs::from_header) or created by [`tangent`](Wcs::tangent).
+/// FK5 of equinox 2000 is taken as ICRS, from which it differs by 0.02 arcsec. A frame with a polynomial distortion has
+/// positions only within the frame and a margin around it. The margin is the size of the frame and at least 1000
+/// pixels, or less if the polynomial folds. Farther out, polynomials bend back, so that a satellite far from the frame
+/// would appear inside it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wcs {
     terms: HeaderTerms,
-    /// Matrix from pixels to degrees of the plane.
+    /// Matrix from pixels to degrees of the projection plane.
     matrix: Matrix2<f64>,
     inverse: Matrix2<f64>,
     to_sky: Matrix3<f64>,
@@ -53,14 +56,14 @@ pub struct Wcs {
     trusted: Option<Trusted>,
 }
 
-/// Area of a distorted frame in which pixels and positions correspond one to one.
+/// Area around a distorted frame in which pixels and positions on the sky correspond one to one.
 #[derive(Clone, Debug, PartialEq)]
 struct Trusted {
-    /// Smallest and largest coordinates, pixels from CRPIX.
+    /// Smallest and largest coordinates, in pixels relative to CRPIX.
     low: Vector2<f64>,
     high: Vector2<f64>,
-    /// Centre of the frame, its position in the plane, and the inverse of the slopes there: the start of Newton's
-    /// method.
+    /// Centre of the frame, its position in the projection plane, and the inverse of the slopes there, from which
+    /// Newton's method starts.
     centre: Vector2<f64>,
     plane_centre: Vector2<f64>,
     inverse_slopes: Matrix2<f64>,
@@ -70,17 +73,18 @@ impl Wcs {
     /// Reads the world coordinates of a header.
     ///
     /// # Errors
-    /// [`ImagesError`] if there are no celestial axes, a number is missing or invalid, the projection or the reference
-    /// system is not supported, the matrix has no inverse, or the distortion folds within the frame.
+    /// The header has no celestial axes; a number is missing or invalid; the projection or the reference system is not
+    /// supported; the matrix has no inverse; or the distortion folds within the frame.
     pub fn from_header(header: &Header) -> Result<Self, ImagesError> {
         Self::from_terms(HeaderTerms::from_header(header)?)
     }
 
-    /// Creates a gnomonic frame for simulations: `centre` is the middle of `columns` by `rows` pixels of
-    /// `scale_arcsec`.
+    /// Creates a gnomonic transformation for simulated frames. `centre` is the direction of the middle of `columns` by
+    /// `rows` pixels with sides of `scale_arcsec`.
     ///
-    /// Without rotation north is up (rows increase northwards) and east to the left (columns increase westwards).
-    /// `rotation_rad` is the position angle, north through east, of the direction in which rows increase.
+    /// Without rotation, north is up (row numbers increase northwards) and east is left (column numbers increase
+    /// westwards). `rotation_rad` is the position angle, from north through east, of the direction in which row numbers
+    /// increase.
     pub fn tangent(
         centre: Direction<Gcrs>,
         scale_arcsec: f64,
@@ -137,19 +141,19 @@ impl Wcs {
         Ok(wcs)
     }
 
-    /// Kind of the distortion (SIP, TPV, TNX, ZPX), if any.
+    /// Returns the kind of distortion (SIP, TPV, TNX, ZPX); `None` without distortion.
     pub fn distortion(&self) -> Option<&'static str> {
         let terms = &self.terms;
         terms.pixel_distortion.as_ref().or(terms.plane_distortion.as_ref()).map(|distortion| distortion.kind)
     }
 
-    /// Columns and rows of the frame from its header; 4096 each if the header does not give them.
+    /// Returns the numbers of columns and rows of the frame; 4096 each if the header does not give them.
     pub fn size(&self) -> [usize; 2] {
         self.size
     }
 
-    /// Returns the direction of a position in the frame; `None` outside the range of the projection, or far outside a
-    /// distorted frame.
+    /// Returns the direction of a position in the frame; `None` if the position is outside the range of the projection
+    /// or far outside a distorted frame.
     pub fn to_sky(&self, position: PixelPosition) -> Option<Direction<Gcrs>> {
         let offset = self.offset(position);
         if !(offset.x.is_finite() && offset.y.is_finite()) {
@@ -165,10 +169,11 @@ impl Wcs {
         Some(Direction::from_vector(self.to_sky * native))
     }
 
-    /// Returns the position of a direction in the frame; `None` outside the range of the projection, or far outside a
-    /// distorted frame.
+    /// Returns the position of a direction in the frame; `None` if the direction is outside the range of the projection
+    /// or far outside a distorted frame.
     ///
-    /// Undistorted frames have positions far beyond their edges too, up to 90° from the centre of a gnomonic frame.
+    /// In undistorted frames, directions far beyond the edges have positions too: up to 90° from the centre of a
+    /// gnomonic frame.
     pub fn to_pixel(&self, direction: Direction<Gcrs>) -> Option<PixelPosition> {
         let native = self.to_sky.tr_mul(direction.vector());
         let [x, y] = self.terms.projection.to_plane(&native)?;
@@ -181,13 +186,14 @@ impl Wcs {
         Some(PixelPosition::from_fits(offset.x + reference_x, offset.y + reference_y))
     }
 
-    /// Side of a square with the area of a pixel at a position, arcseconds: the geometric mean of the scales along both
-    /// axes. NaN where [`to_sky`](Wcs::to_sky) returns `None`.
+    /// Returns the side of a square that has the area of the pixel at a position, arcseconds (the geometric mean of the
+    /// scales along both axes). NaN if [`to_sky`](Wcs::to_sky) returns `None`.
     pub fn pixel_scale_arcsec(&self, position: PixelPosition) -> f64 {
         self.pixel_area_arcsec2(position).sqrt()
     }
 
-    /// Area of a pixel at a position on the sky, square arcseconds; NaN where [`to_sky`](Wcs::to_sky) returns `None`.
+    /// Returns the area on the sky of the pixel at a position, square arcseconds; NaN if [`to_sky`](Wcs::to_sky)
+    /// returns `None`.
     pub fn pixel_area_arcsec2(&self, position: PixelPosition) -> f64 {
         match self.pixel_sides(position) {
             Some([across, along]) => across.cross(&along).norm() * ARCSEC * ARCSEC,
@@ -195,13 +201,13 @@ impl Wcs {
         }
     }
 
-    /// Ratio of the width (along rows) to the height of a pixel on the sky; NaN where [`to_sky`](Wcs::to_sky) returns
-    /// `None`.
+    /// Returns the ratio of width (along rows) to height of the pixel at a position, on the sky; NaN if
+    /// [`to_sky`](Wcs::to_sky) returns `None`.
     pub fn pixel_aspect(&self, position: PixelPosition) -> f64 {
         self.pixel_sides(position).map_or(f64::NAN, |[across, along]| across.norm() / along.norm())
     }
 
-    /// Returns the vectors from the left to the right side of a pixel, and from its lower to its upper side.
+    /// Returns the vectors on the sky from the left to the right side of a pixel and from its lower to its upper side.
     fn pixel_sides(&self, position: PixelPosition) -> Option<[Vector3<f64>; 2]> {
         let half = 0.5;
         let at = |x: f64, y: f64| self.to_sky(PixelPosition { x: position.x + x, y: position.y + y });
@@ -209,8 +215,8 @@ impl Wcs {
         Some([across, at(0.0, half)?.vector() - at(0.0, -half)?.vector()])
     }
 
-    /// Returns the cards that describe an undistorted gnomonic frame ([`tangent`](Wcs::tangent)); no cards for other
-    /// frames.
+    /// Returns the header cards that describe an undistorted gnomonic frame (see [`tangent`](Wcs::tangent)); empty for
+    /// other frames.
     pub fn cards(&self) -> Vec<Card> {
         if self.distortion().is_some() || self.terms.projection != Projection::Tan || self.terms.longitude_axis != 0 {
             return Vec::new();
@@ -252,13 +258,13 @@ impl Wcs {
         cards
     }
 
-    /// Converts a position to pixels from CRPIX.
+    /// Converts a position in the frame to pixels relative to CRPIX.
     fn offset(&self, position: PixelPosition) -> Vector2<f64> {
         let [x, y] = position.fits();
         Vector2::new(x - self.terms.reference_pixel[0], y - self.terms.reference_pixel[1])
     }
 
-    /// Returns the position in the plane, degrees, and its slopes along pixels.
+    /// Returns the position in the projection plane, degrees, and its derivatives with respect to pixels.
     fn plane(&self, offset: &Vector2<f64>) -> (Vector2<f64>, Matrix2<f64>) {
         let (mut position, mut slopes) = (*offset, Matrix2::identity());
         if let Some(distortion) = &self.terms.pixel_distortion {
@@ -279,9 +285,9 @@ impl Wcs {
     /// Returns the frame with the largest margin in which the distortion does not fold; `None` if it folds within the
     /// frame.
     ///
-    /// A map f of a convex area is one to one if (J₀⁻¹ J) + (J₀⁻¹ J)ᵀ is positive definite everywhere, where J are its
-    /// slopes and J₀ those at one point: f is then monotonic along any straight line. The condition is checked at the
-    /// points of a grid.
+    /// A map f of a convex area with the Jacobian J is one to one if (J₀⁻¹ J) + (J₀⁻¹ J)ᵀ is positive definite
+    /// everywhere, where J₀ is the Jacobian at one point, because f is then monotonic along any straight line. The
+    /// condition is checked at the points of a grid.
     fn trusted_area(&self) -> Option<Trusted> {
         let [columns, rows] = self.size.map(|count| count as f64);
         let corner = self.offset(PixelPosition { x: -0.5, y: -0.5 });
@@ -299,7 +305,7 @@ impl Wcs {
                     low + (high - low).component_mul(&Vector2::new(step(index % FOLD_GRID), step(index / FOLD_GRID)));
                 let relative = inverse_slopes * self.plane(&at).1;
                 let both = (relative + relative.transpose()) / 2.0;
-                // The smaller eigenvalue of a symmetric matrix.
+                // Smaller eigenvalue of the symmetric matrix.
                 let smaller = both.trace() / 2.0 - ((both.m11 - both.m22) / 2.0).hypot(both.m12);
                 smaller > LEAST_SLOPE
             };
@@ -313,7 +319,7 @@ impl Wcs {
         })
     }
 
-    /// Returns the pixel from CRPIX with a position in the plane, by Newton's method.
+    /// Returns the pixel (relative to CRPIX) whose position in the projection plane is `target`, by Newton's method.
     fn solve_pixel(&self, trusted: &Trusted, target: &Vector2<f64>) -> Option<Vector2<f64>> {
         let mut offset = trusted.centre + trusted.inverse_slopes * (target - trusted.plane_centre);
         for _ in 0..MOST_STEPS {
@@ -340,7 +346,7 @@ impl Trusted {
         (0..2).all(|axis| (self.low[axis]..=self.high[axis]).contains(&offset[axis]))
     }
 
-    /// Returns true within the area and a margin of half its size, within which the steps of Newton's method may lie.
+    /// Returns true within the area enlarged by half its size on each side, which the steps of Newton's method may use.
     fn is_near(&self, offset: &Vector2<f64>) -> bool {
         let around = (self.high - self.low) / 2.0;
         (0..2).all(|axis| (self.low[axis] - around[axis]..=self.high[axis] + around[axis]).contains(&offset[axis]))

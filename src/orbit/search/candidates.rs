@@ -1,4 +1,4 @@
-//! Candidate satellites for a search cone: plane test, side test and phase test over a whole window.
+//! Candidate satellites for a search cone, found by the plane, side and phase tests over all satellites of a window.
 
 use super::cone::{ConePassage, ConeTest, Cones};
 use super::kepler::Phase;
@@ -7,26 +7,26 @@ use super::window::{CHUNK, Chunk, Window};
 use crate::frames::{Gcrs, Rotation, Teme};
 use crate::math::vectors::widest;
 
-/// Lanes of a chunk that are tested together.
+/// Number of satellites of a chunk that are tested together.
 const BLOCK: usize = 8;
 
 /// A satellite that may be inside a cone.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// Position of the element set in the catalogue.
+    /// Index of the element set in the catalogue.
     pub element_index: u32,
-    /// Number of the cone.
+    /// Number of the cone that may contain the satellite.
     pub cone: u32,
-    /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time. It extends
-    /// beyond the cone's time by the delay that the window covers.
+    /// Interval during which the predicted position is inside the cone, seconds from the middle of the cone's time
+    /// interval. It may begin before and end after that time interval, by the delay that the window covers.
     pub near_s: [f32; 2],
-    /// True where it is inside the given shadow during all of this cone's time.
+    /// True if the satellite is inside the given shadow during the whole time interval of the cone.
     pub is_dark: bool,
 }
 
 impl Window {
-    /// Appends to `candidates` every satellite that may be inside one of the cones during its time, in no particular
-    /// order; none is missed. About 15 µs for 14,000 satellites.
+    /// Appends every satellite that may be inside one of the cones during the cone's time interval, in no particular
+    /// order. No such satellite is missed. Takes about 15 µs for 14,000 satellites.
     pub fn candidates(&self, cones: &Cones<'_>, teme_to_gcrs: &Rotation<Teme, Gcrs>, candidates: &mut Vec<Candidate>) {
         let single = std::slice::from_ref(cones.whole);
         let parts = if cones.parts.is_empty() { single } else { cones.parts };
@@ -54,7 +54,7 @@ impl Window {
             if of_parts.is_empty() {
                 candidates.push(candidate(cones.first, in_whole));
             }
-            // A satellite inside a part is inside the whole at the same time, whatever its delay.
+            // A satellite that is inside a part is inside the whole cone at the same time, whatever its delay.
             let delay_s = f64::from(phase.along_track_s);
             let since_s = cones.whole.mid_s;
             let is_then = |part: &ConeTest<'_>| {
@@ -69,7 +69,7 @@ impl Window {
         });
     }
 
-    /// Plane test and side test: calls `met` for every satellite that passes both.
+    /// Plane test and side test. Calls `met` for every satellite that passes both.
     fn planes(&self, test: &ConeTest<'_>, mut met: impl FnMut(&Chunk, usize, &Phase)) {
         let (observer, axis, moved_km) = (test.observer(), test.axis(), test.moved_km());
         let radius_rad = test.radius_rad();
@@ -85,17 +85,17 @@ impl Window {
             let far_limit = limit + far * radius_rad as f32;
             let (ends, limits) = ([near, far], [near_limit, far_limit]);
             let outside = widest(Planes { chunk, fraction: x, observer: &o, axis: &d, ends, limits });
-            // The lanes that pass are collected without a branch for each, so that their phases are then read in
-            // sequence.
+            // Satellites that pass are collected without a branch for each, so that their phases can afterwards be read
+            // in sequence.
             let (mut left, mut count) = ([0_u8; CHUNK], 0);
             for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
-                // Usually none of eight passes: one comparison covers all of them.
+                // Usually none of the eight satellites passes, which one comparison finds out.
                 if outside.iter().fold(true, |all, outside| all & (*outside > 0.0)) {
                     continue;
                 }
                 for (lane, outside) in outside.iter().enumerate() {
                     left[count & (CHUNK - 1)] = (block * BLOCK + lane) as u8;
-                    // NaN passes.
+                    // A NaN passes the test.
                     count += usize::from(*outside <= 0.0 || outside.is_nan());
                 }
             }

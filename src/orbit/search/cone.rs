@@ -1,4 +1,4 @@
-//! Cones that are searched: lines of sight from an observer, beams, and the Earth's shadow.
+//! Search cones: fields of view of an observer over a time interval, directions about an axis, and the Earth's shadow.
 
 use nalgebra::Vector3;
 
@@ -7,7 +7,7 @@ use super::side::Cap;
 use crate::constants::WGS72_MU_KM3_S2;
 use crate::frames::{Direction, Gcrs, Position, Rotation, Teme};
 
-/// Margin of the interval in which a satellite may be inside, seconds.
+/// Margin added at both ends of the interval in which a satellite may be inside a cone, seconds.
 const NEAR_MARGIN_S: f64 = 0.5;
 
 /// A field of view over a time interval.
@@ -15,41 +15,42 @@ const NEAR_MARGIN_S: f64 = 0.5;
 pub struct Cone {
     /// Middle of the time interval, seconds after the start of the window.
     pub mid_s: f64,
-    /// Half the length of the interval, seconds; a minute or less keeps the margins small.
+    /// Half the length of the interval, seconds. The margins of the search are small for a minute or less.
     pub half_duration_s: f64,
-    /// The observer at that time, km.
+    /// Position of the observer at the middle of the interval, km.
     pub observer: Position<Gcrs>,
-    /// Largest speed of the observer, km/s.
+    /// Largest speed of the observer during the interval, km/s.
     pub observer_speed_km_s: f64,
     /// Axis of the cone.
     pub axis: Direction<Gcrs>,
-    /// Half opening angle, radians, with a margin for aberration and light time (2e-4 is enough).
+    /// Half opening angle, radians. It must include a margin for aberration and light time; 2e-4 suffices.
     pub radius_rad: f64,
 }
 
-/// A cone that is tested as a whole before its parts.
+/// A cone that is tested as a whole before its parts are tested.
 #[derive(Copy, Clone, Debug)]
 pub struct Cones<'a> {
-    /// A cone that contains all parts over all of their time.
+    /// Cone that contains all parts over all of their time intervals.
     pub whole: &'a Cone,
-    /// The parts; empty where only the whole is searched.
+    /// Parts of the cone; empty if only the whole cone is searched.
     pub parts: &'a [Cone],
-    /// Number of the first part (of the whole where there are no parts).
+    /// Number of the first part, or of the whole cone if there are no parts.
     pub first: u32,
-    /// Region in which no satellite is lit; `None` where dark satellites are searched too.
+    /// Region of the shadow in which no satellite is lit; `None` if satellites in shadow are searched for, too.
     pub shadow: Option<&'a ShadowCone>,
 }
 
-/// Interval and illumination of a satellite that may be inside a cone.
+/// Result of the phase test for a satellite that may be inside a cone.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct ConePassage {
-    /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time.
+    /// Interval during which the predicted position is inside the cone, seconds from the middle of the cone's time
+    /// interval.
     pub near_s: [f64; 2],
-    /// True where it is inside the shadow all the time.
+    /// True if the satellite is inside the shadow during the whole time interval of the cone.
     pub is_dark: bool,
 }
 
-/// A cone in TEME.
+/// A cone transformed to TEME.
 pub(super) struct ConeTest<'a> {
     cone: &'a Cone,
     observer: Vector3<f64>,
@@ -59,7 +60,7 @@ pub(super) struct ConeTest<'a> {
 }
 
 impl<'a> ConeTest<'a> {
-    /// Transforms a cone for a window of this length.
+    /// Transforms a cone to TEME; `window_span_s` is the length of the window.
     pub fn new(cone: &'a Cone, teme_to_gcrs: &Rotation<Teme, Gcrs>, window_span_s: f64) -> Self {
         let gcrs_to_teme = teme_to_gcrs.inverse();
         Self {
@@ -79,7 +80,7 @@ impl<'a> ConeTest<'a> {
         self.beam.axis()
     }
 
-    /// Returns the position in the window, from 0 to 1.
+    /// Returns the middle of the cone's time interval as a fraction of the window, from 0 to 1.
     pub fn fraction(&self) -> f64 {
         self.fraction
     }
@@ -98,13 +99,15 @@ impl<'a> ConeTest<'a> {
         self.beam.radius_rad()
     }
 
-    /// Returns the cap, seen from the Earth's centre, that contains the cone's part between two distances from the
-    /// observer, in orbits no lower than `lowest_km`; `None` where it may be the whole Earth.
+    /// Returns the cap on the celestial sphere around the Earth's centre that contains a part of the cone: the part
+    /// between two distances from the observer, for orbits no lower than `lowest_km`. `None` if the cap may be the
+    /// whole sphere.
     pub fn cap(&self, distances_km: [f64; 2], lowest_km: f64) -> Option<Cap> {
         Cap::of(&self.observer, self.axis(), self.radius_rad(), distances_km, lowest_km)
     }
 
-    /// Side test: returns whether a satellite that passed the plane test may be over the cap during the interval.
+    /// Side test: returns whether a satellite that passed the plane test may be in the direction of the cap during the
+    /// interval.
     #[inline]
     pub fn may_be_over(&self, cap: &Cap, phase: &Phase, normal: &Vector3<f64>) -> bool {
         let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
@@ -112,8 +115,8 @@ impl<'a> ConeTest<'a> {
             || cap.may_hold(phase, normal, self.cone.mid_s, half_s, f64::from(phase.slop_km) + self.moved_km)
     }
 
-    /// Phase test: returns when a satellite that passed the plane test may be inside the cone during the interval;
-    /// `None` where it cannot be.
+    /// Phase test: returns the time during which a satellite that passed the plane test may be inside the cone; `None`
+    /// if it cannot be inside.
     #[inline]
     pub fn inside(
         &self,
@@ -127,11 +130,12 @@ impl<'a> ConeTest<'a> {
         }
         let (position, velocity) = phase.state(normal, self.cone.mid_s, self.fraction);
         let sight = position - self.observer;
-        // The path deviates from its tangent by at most ½ g t², g being gravity at the satellite.
+        // During a time t the satellite departs from its tangent by at most ½ g t², where g is gravity at the
+        // satellite.
         let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
         let near_s = self.beam.near_s(&sight, &velocity, half_s, slop_km)?;
-        // All positions that a delay can bring into the cone.
+        // Ends of the range of positions that a delayed satellite can have inside the cone.
         let ends = [-half_s, half_s].map(|time_s| position + velocity * time_s);
         let is_dark = shadow.is_some_and(|shadow| ends.iter().all(|end| shadow.holds(end, slop_km)));
         let [from_s, to_s] = near_s;
@@ -140,10 +144,10 @@ impl<'a> ConeTest<'a> {
     }
 }
 
-/// Cone radius beyond which the path is bounded by a ball, radians.
+/// Cone radius, radians, above which a satellite's path is bounded by a ball instead of a line.
 const WIDE_RAD: f64 = 0.5;
 
-/// A cone of directions about an axis, in any frame.
+/// Directions within an angle of an axis, in any frame.
 #[derive(Clone, Debug)]
 pub struct Beam {
     axis: Vector3<f64>,
@@ -158,7 +162,7 @@ impl Beam {
         Self { axis, radius_rad, tangent: radius_rad.tan(), secant: 1.0 / radius_rad.cos() }
     }
 
-    /// Returns the unit vector.
+    /// Returns the unit vector of the axis.
     pub fn axis(&self) -> &Vector3<f64> {
         &self.axis
     }
@@ -168,11 +172,11 @@ impl Beam {
         self.radius_rad
     }
 
-    /// Returns the interval, seconds, in which an object may be inside the cone; `None` where it cannot be. The object
-    /// is at `sight_km` from the observer at time 0 and moves uniformly for `half_s` before and after, with a position
-    /// error of `slop_km`.
+    /// Returns the interval, seconds, in which an object may be inside the cone; `None` if it cannot be inside. The
+    /// object is at `sight_km` relative to the observer at time 0 and moves uniformly from -`half_s` to `half_s`; its
+    /// position error is at most `slop_km`.
     ///
-    /// The times are not clamped to `half_s`.
+    /// The interval may extend beyond ±`half_s`.
     #[inline]
     pub fn near_s(
         &self,
@@ -182,14 +186,14 @@ impl Beam {
         slop_km: f64,
     ) -> Option<[f64; 2]> {
         if self.radius_rad > WIDE_RAD {
-            // The whole path as a ball around its middle.
+            // The whole path is bounded by a ball around its middle.
             let (distance_km, reach_km) = (sight_km.norm(), slop_km + velocity_km_s.norm() * half_s);
             let angle_rad = sight_km.cross(&self.axis).norm().atan2(sight_km.dot(&self.axis));
             let is_near = distance_km <= reach_km || angle_rad <= self.radius_rad + (reach_km / distance_km).asin();
             return is_near.then_some([-half_s, half_s]);
         }
-        // A straight line past the axis: the least distance across against the width at the greatest depth. A ball of
-        // radius s at the cone's edge touches it s / cos ψ across.
+        // The path is a straight line. Its least distance from the axis is compared with the width of the cone at the
+        // greatest depth. A ball of radius s touches the surface of the cone at a distance of s / cos ψ across it.
         let (depth, depth_rate) = (sight_km.dot(&self.axis), velocity_km_s.dot(&self.axis));
         let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
         if deepest_km < 0.0 {
@@ -203,24 +207,24 @@ impl Beam {
         if missed_km2(nearest_s.clamp(-half_s, half_s)) > width_km * width_km {
             return None;
         }
-        // |across + rate t| ≤ width
+        // The object is inside the cone while |across + rate t| ≤ width.
         let about_s = ((width_km * width_km - missed_km2(nearest_s)).max(0.0) / rate2).sqrt();
         Some([nearest_s - about_s, nearest_s + about_s])
     }
 }
 
-/// A cone about the anti-solar direction, starting at the Earth's centre, in which no satellite is lit.
+/// A cone around the anti-solar direction that starts at the Earth's centre and in which no satellite is lit.
 #[derive(Copy, Clone, Debug)]
 pub struct ShadowCone {
-    /// Axis, from the Earth's centre.
+    /// Axis: direction from the Earth's centre away from the Sun.
     pub away_from_sun: Direction<Gcrs>,
     /// Radius at the Earth's centre, km.
     pub radius_km: f64,
-    /// Decrease of the radius, km per km of depth.
+    /// Decrease of the radius, km per km of distance behind the Earth's centre.
     pub narrowing: f64,
 }
 
-/// The same cone in the frame of a window.
+/// A [`ShadowCone`] in TEME.
 pub(super) struct ShadowConeInTeme {
     away_from_sun: Vector3<f64>,
     radius_km: f64,
@@ -235,11 +239,12 @@ impl ShadowCone {
 }
 
 impl ShadowConeInTeme {
-    /// Returns whether all positions within `slop_km` of one lie inside.
+    /// Returns true if all positions within `slop_km` of a position are inside the cone.
     pub fn holds(&self, position: &Vector3<f64>, slop_km: f64) -> bool {
         let depth_km = position.dot(&self.away_from_sun);
         let across_km = (position - self.away_from_sun * depth_km).norm();
-        // The cone's side is steeper than 45 degrees: a step along it matters less than one across.
+        // The surface of the cone is nearly parallel to its axis, so a step along the axis changes less than the same
+        // step across.
         depth_km > slop_km && across_km + slop_km < self.radius_km - self.narrowing * (depth_km + slop_km)
     }
 }

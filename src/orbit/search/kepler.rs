@@ -1,4 +1,4 @@
-//! Interpolated slow elements of a satellite over a window, and its position by Kepler's equation.
+//! Slowly varying elements of a satellite, interpolated over a window, and its position by Kepler's equation.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
@@ -8,27 +8,27 @@ use super::super::state::State;
 use crate::constants::WGS72_MU_KM3_S2;
 use crate::frames::Teme;
 
-/// Osculating elements in a plane whose x axis is `reference` projected into it.
+/// Osculating elements. The x axis of the orbit plane is the projection of a reference vector into the plane.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct SlowElements {
     /// Unit normal of the orbit plane.
     pub normal: Vector3<f64>,
     /// Mean longitude from the x axis, radians.
     pub mean_longitude_rad: f64,
-    /// Eccentricity vector in the plane.
+    /// Components of the eccentricity vector in the orbit plane.
     pub eccentricity: [f64; 2],
     /// Semi-major axis, km.
     pub semi_major_axis_km: f64,
 }
 
-/// Returns the plane's x axis: `reference` less its part along the normal, a unit vector where the reference lies in
-/// the plane.
+/// Returns the x axis of the orbit plane: `reference` minus its component along the normal. It is a unit vector if the
+/// reference lies in the plane.
 pub(super) fn plane_axis(reference: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
     reference - normal * reference.dot(normal)
 }
 
 impl SlowElements {
-    /// Computes the elements of a state; `None` for an orbit that is not closed.
+    /// Computes the elements from a position and velocity; `None` if the orbit is not closed.
     pub fn of(state: &State<Teme>, reference: &Vector3<f64>) -> Option<Self> {
         let (r, v) = (state.position.vector(), state.velocity.vector());
         let radius = r.norm();
@@ -44,8 +44,8 @@ impl SlowElements {
         if !(semi_major_axis_km > 0.0 && e2 < 1.0) {
             return None;
         }
-        // Equinoctial eccentric longitude F from the position (Broucke & Cefola 1972), then Kepler: λ = F + h cos F - k
-        // sin F
+        // Equinoctial eccentric longitude F from the position (Broucke & Cefola 1972), then Kepler's equation: λ = F +
+        // h cos F - k sin F
         let root = (1.0 - e2).sqrt();
         let beta = 1.0 / (1.0 + root);
         let (x, y) = (r.dot(&x_axis) / semi_major_axis_km, r.dot(&y_axis) / semi_major_axis_km);
@@ -62,10 +62,10 @@ impl SlowElements {
 }
 
 /// Returns position and velocity in the orbit plane, km and km/s, from mean longitude, eccentricity vector and
-/// semi-major axis; accurate to 10⁻⁵ of the semi-major axis, and better for small eccentricities.
+/// semi-major axis. The position is accurate to 10⁻⁵ of the semi-major axis, and better for small eccentricities.
 pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_axis_km: f64) -> ([f64; 2], [f64; 2]) {
-    // λ = F + h cos F - k sin F, by Newton's method. Sine and cosine of F are updated by rotation for small steps,
-    // which avoids their evaluation.
+    // Kepler's equation λ = F + h cos F - k sin F is solved by Newton's method. For small steps, sine and cosine of F
+    // are updated by rotation, which is faster than evaluating them.
     let mut f = mean_longitude_rad;
     let (mut sin_f, mut cos_f) = sin_cos(f);
     for _ in 0..12 {
@@ -81,7 +81,7 @@ pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_
         } else {
             (sin_f, cos_f) = sin_cos(f);
         }
-        // Newton's method converges quadratically: the remaining error is below e/2 · 10⁻⁵.
+        // Newton's method converges quadratically, so the remaining error is below e/2 · 10⁻⁵.
         if step.abs() < 3e-3 {
             break;
         }
@@ -98,10 +98,10 @@ pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_
     ([x, y], [u, v])
 }
 
-/// Returns sine and cosine to 4·10⁻⁷: the first omitted terms are x⁹/9! and x¹⁰/10!, with x at most π/4.
+/// Returns sine and cosine to 4·10⁻⁷. The first omitted terms are x⁹/9! and x¹⁰/10!, where x is at most π/4.
 #[inline(always)]
 pub(super) fn sin_cos(angle_rad: f64) -> (f64, f64) {
-    /// 1.5 · 2⁵²: adding a number to it rounds the number to an integer in the lowest bits.
+    /// 1.5 · 2⁵²: the sum of this and a smaller number is rounded to an integer, which is found in the lowest bits.
     const ROUND: f64 = 6_755_399_441_055_744.0;
     let shifted = angle_rad * FRAC_2_PI + ROUND;
     let quarters = shifted - ROUND;
@@ -117,7 +117,7 @@ pub(super) fn sin_cos(angle_rad: f64) -> (f64, f64) {
     }
 }
 
-/// Slow elements of one satellite over a window.
+/// Slowly varying elements of one satellite over a window, and the margins of its search.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Phase {
     pub element_index: u32,
@@ -128,20 +128,20 @@ pub(super) struct Phase {
     pub eccentricity_change: [f32; 2],
     pub semi_major_axis_km: f32,
     pub semi_major_axis_change_km: f32,
-    /// Largest error of the interpolated position, with the search distance across the track, km.
+    /// Largest error of the interpolated position plus the search distance across the track, km.
     pub slop_km: f32,
-    /// Largest delay searched, seconds.
+    /// Largest delay along the track that is searched, seconds.
     pub along_track_s: f32,
-    /// Largest difference between true and mean longitude.
+    /// Largest difference between true and mean longitude, radians.
     pub swing_rad: f32,
-    /// True where drag or an extreme eccentricity makes the interpolated position too inaccurate: SGP4 is evaluated
-    /// whenever the plane passes.
+    /// True if strong drag or an extreme eccentricity makes the interpolated position too inaccurate. SGP4 is then
+    /// evaluated whenever the satellite passes the plane test.
     pub only_plane: bool,
 }
 
 impl Phase {
-    /// Returns the interpolated position and velocity in TEME, km and km/s. The reference turns with the plane by a
-    /// degree or two and is not normalised again.
+    /// Returns the interpolated position and velocity in TEME, km and km/s. The reference vector turns with the plane
+    /// by a degree or two and is not normalised again.
     pub fn state(&self, normal: &Vector3<f64>, time_s: f64, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
         let [rx, ry, rz] = self.reference;
         let x_axis = plane_axis(&Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz)), normal);

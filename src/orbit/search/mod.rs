@@ -1,9 +1,10 @@
-//! Candidate satellites for a search cone: plane test, then side test, then phase test, on orbits interpolated over a
-//! few hours.
+//! Candidate satellites for a search cone, found by a plane test, a side test and a phase test on orbits that are
+//! interpolated over a few hours.
 //!
-//! `window` holds the slow elements of a catalogue over a few hours, `cone` is the search volume, `candidates` runs the
-//! tests: `plane` (does the orbit plane pass the cone), `side` (is the satellite on that side of the Earth) and the
-//! phase test of `cone` (is it near the cone at the time), on the orbits of `kepler`.
+//! `window` holds the slowly varying elements of a catalogue over a few hours, `cone` is the search volume, and
+//! `candidates` runs the tests: `plane` (does the orbit plane pass through the cone?), `side` (is the satellite on the
+//! same side of the Earth?) and the phase test in `cone` (is it near the cone during the exposure?). `kepler` computes
+//! positions.
 
 mod candidates;
 mod cone;

@@ -1,14 +1,15 @@
-//! Plane test: orbit planes of a chunk that pass a cone between the distances at which the cone crosses their shell.
+//! Plane test: which orbit planes of a chunk pass through a cone, within the distances at which the cone crosses the
+//! shell of the chunk's orbits.
 
 use nalgebra::Vector3;
 
 use super::window::{CHUNK, Chunk};
 use crate::math::vectors::NullaryFnOnce;
 
-/// A cone seen from the Earth's centre, for the distances at which it crosses a shell.
+/// Geometry of a cone relative to the Earth's centre, from which the distances at which it crosses a shell follow.
 pub(super) struct ConeInShell {
     observer_km: f64,
-    /// Cosines of the largest and smallest angle between zenith and the cone's directions.
+    /// Cosines of the largest and of the smallest zenith angle of the cone's directions.
     cos_far: f64,
     cos_near: f64,
 }
@@ -23,11 +24,11 @@ impl ConeInShell {
         }
     }
 
-    /// Returns the least and greatest distance at which the cone meets radii between the two; `None` where it never
-    /// does.
+    /// Returns the smallest and the largest distance from the observer at which the cone is between two radii; `None`
+    /// if it never is.
     ///
-    /// An observer `moved_km` away sees a point at the same distance and in the same direction at a radius that differs
-    /// by at most that length: the shell is widened by it, for observers inside and above the shell.
+    /// Observers up to `moved_km` away are included: for them, a point at the same distance and in the same direction
+    /// has a radius that differs by at most `moved_km`. The shell is widened by this length on both sides.
     pub fn distances_km(&self, lowest_km: f64, highest_km: f64, moved_km: f64) -> Option<(f64, f64)> {
         let (lowest_km, highest_km) = (lowest_km - moved_km, highest_km + moved_km);
         // ρ = -O cos z ± √(r² - O² sin² z)
@@ -37,7 +38,8 @@ impl ConeInShell {
         };
         let outside = self.observer_km > highest_km;
         let far = if outside {
-            // From above, only directions that descend to the shell meet it, the steepest of them at the lowest radius.
+            // From above the shell, only descending directions meet it, and the steepest of them do so at the lowest
+            // radius.
             if self.cos_far >= 0.0 {
                 return None;
             }
@@ -56,27 +58,29 @@ impl ConeInShell {
     }
 }
 
-/// Orbit planes of a chunk against a cone between two distances ρ.
+/// Test of all orbit planes of a chunk against a cone between two distances ρ from the observer.
 pub(super) struct Planes<'a> {
     pub chunk: &'a Chunk,
-    /// Position in the window, from 0 to 1.
+    /// Time as a fraction of the window, from 0 to 1.
     pub fraction: f32,
     pub observer: &'a Vector3<f32>,
     pub axis: &'a Vector3<f32>,
-    /// Least and greatest ρ, km.
+    /// Smallest and largest ρ, km.
     pub ends: [f32; 2],
-    /// Largest distance of a plane from the cone's axis there, km.
+    /// Largest distance of a plane from the cone's axis at each of these ρ, km, for which the plane passes the test.
     pub limits: [f32; 2],
 }
 
 impl NullaryFnOnce for Planes<'_> {
     type Output = [f32; CHUNK];
 
-    /// Returns the distance of each plane from the cone, km; at most 0 where the plane passes the cone.
+    /// Returns the distance of each orbit plane from the cone, km; it is 0 or negative if the plane passes through the
+    /// cone.
     #[inline(always)]
     fn call(self) -> Self::Output {
         let Self { chunk, fraction, observer: o, axis: d, ends: [near, far], limits: [near_limit, far_limit] } = self;
-        // |n·O + ρ n·d| ≤ ρψ + slop at both ends of ρ, or a change of sign in between
+        // A plane passes if |n·O + ρ n·d| ≤ ρψ + slop at either end of ρ, or if n·O + ρ n·d changes its sign between
+        // them.
         let mut outside = [0.0_f32; CHUNK];
         for (lane, outside) in outside.iter_mut().enumerate() {
             let nx = chunk.normal[0][lane] + fraction * chunk.normal_change[0][lane];
@@ -94,7 +98,7 @@ impl NullaryFnOnce for Planes<'_> {
     }
 }
 
-/// Returns the smaller of two numbers in one machine instruction: `f32::min` requires three because of NaN.
+/// Returns the smaller of two numbers by one machine instruction; `f32::min` needs three because it handles NaN.
 #[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }

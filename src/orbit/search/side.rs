@@ -1,25 +1,25 @@
-//! Side test: on which side of the Earth a satellite is. It rejects nine in ten of the satellites that pass the plane
-//! test, without Kepler's equation.
+//! Side test: is a satellite on the same side of the Earth as the cone? Without solving Kepler's equation, it rejects
+//! nine in ten of the satellites that pass the plane test.
 
 use nalgebra::Vector3;
 
 use super::kepler::Phase;
 use super::kepler::sin_cos;
 
-/// Largest difference between true and mean longitude in units of the eccentricity, for eccentricities up to 0.9: 2 e +
-/// 11/48 e³ + ... for small ones.
+/// Largest ratio of the difference between true and mean longitude to the eccentricity, for eccentricities up to 0.9.
+/// The difference is 2 e + 11/48 e³ + ... for small eccentricities.
 pub(super) const SWING_PER_ECCENTRICITY: f64 = 2.5;
 
-/// Error of the series for sine and cosine, and of single precision, radians.
+/// Error of the series for sine and cosine plus that of single precision, radians.
 const ROUGHNESS_RAD: f64 = 3e-3;
 
-/// Largest shortening of the interpolated normal.
+/// Largest deficit of the length of the interpolated normal from 1.
 const SHORTNESS: f64 = 1e-4;
 
-/// Radius beyond which a cap, with the satellite's motion, counts as the whole Earth, radians.
+/// Angle, radians, beyond which a cap, enlarged by the satellite's motion, counts as the whole sphere.
 const EVERYWHERE_RAD: f64 = 3.0;
 
-/// Cap, seen from the Earth's centre, that contains a cone's part in a shell of orbits.
+/// Cap, seen from the Earth's centre, that contains the part of a cone inside a shell of orbits.
 #[derive(Copy, Clone)]
 pub(super) struct Cap {
     centre: Vector3<f64>,
@@ -28,8 +28,9 @@ pub(super) struct Cap {
 }
 
 impl Cap {
-    /// Returns the cap of a cone about a unit vector, between two distances from the observer, in orbits no lower than
-    /// `lowest_km` from the Earth's centre; `None` where it may be the whole Earth.
+    /// Returns the cap of the part of a cone between two distances from the observer, for orbits no lower than
+    /// `lowest_km` from the Earth's centre. The axis of the cone is a unit vector. `None` if the cap may be the whole
+    /// sphere.
     pub fn of(
         observer: &Vector3<f64>,
         axis: &Vector3<f64>,
@@ -41,17 +42,18 @@ impl Cap {
         along.or_else(|| Self::about(observer, distances_km[1], lowest_km))
     }
 
-    /// Returns the cap of everything within `far_km` of the observer, for cones as wide as the sky.
+    /// Returns the cap of all positions within `far_km` of the observer, for very wide cones.
     fn about(observer: &Vector3<f64>, far_km: f64, lowest_km: f64) -> Option<Self> {
         let height_km = observer.norm();
-        // cos ψ = (r² + R² - ρ²) / 2rR is smallest at the greatest ρ, at r = √(R² - ρ²) or the lowest radius above it.
+        // cos ψ = (r² + R² - ρ²) / 2rR is smallest at the largest ρ, at r = √(R² - ρ²) or at the lowest radius if that
+        // is larger.
         let radius_km = lowest_km.max((height_km * height_km - far_km * far_km).max(0.0).sqrt());
         let cosine = (radius_km * radius_km + height_km * height_km - far_km * far_km) / (2.0 * radius_km * height_km);
-        // NaN gives no cap.
+        // For NaN the result is `None`.
         (cosine > -1.0).then(|| Self { centre: observer / height_km, radius_rad: cosine.min(1.0).acos(), lowest_km })
     }
 
-    /// Returns the cap of a cone about a unit vector; `None` where it is too wide.
+    /// Returns the cap of a cone whose axis is a unit vector; `None` if the cone is too wide for this bound.
     fn along(
         observer: &Vector3<f64>,
         axis: &Vector3<f64>,
@@ -64,7 +66,7 @@ impl Cap {
         if !(radius_rad < 0.5 && width_km < 0.5 * lowest_km) {
             return None;
         }
-        // Directions to points of the axis lie on one great circle, in order.
+        // Seen from the Earth's centre, the points of the axis lie in order on one great circle.
         let [first, last] = [near_km, far_km].map(|distance_km| (observer + axis * distance_km).normalize());
         let middle = first + last;
         let length = middle.norm();
@@ -77,8 +79,8 @@ impl Cap {
         })
     }
 
-    /// Returns whether a satellite may be over the cap within `half_s` of a time of the window, with a position error
-    /// of `slop_km`.
+    /// Returns true if a satellite may be in the direction of the cap within `half_s` of a time of the window; its
+    /// position error is at most `slop_km`.
     #[inline]
     pub fn may_hold(&self, phase: &Phase, normal: &Vector3<f64>, time_s: f64, half_s: f64, slop_km: f64) -> bool {
         let within_rad = self.radius_rad
@@ -86,23 +88,24 @@ impl Cap {
             + phase.mean_longitude_rate_rad_s.abs() * half_s
             + 1.1 * slop_km / self.lowest_km
             + ROUGHNESS_RAD;
-        // The cap is the whole Earth, or the error is too large for the small-angle bound below.
+        // Either the cap is the whole sphere, or the position error is too large for the small-angle bound below.
         if within_rad > EVERYWHERE_RAD || slop_km > 0.3 * self.lowest_km {
             return true;
         }
-        // x = r - (r·n) n and y = n × r, as in the plane of Kepler's position. With the mean longitude λ and the cap's
-        // centre c, cos λ x·c + sin λ y·c is the cosine of the satellite's angle from the centre.
+        // x = r - (r·n) n and y = n × r are the axes of the orbit plane, as in `kepler`. With the mean longitude λ and
+        // the centre c of the cap, cos λ x·c + sin λ y·c is the cosine of the angle between the satellite and the
+        // centre.
         let [rx, ry, rz] = phase.reference;
         let reference = Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz));
         let off_plane = reference.dot(normal);
         let x = reference.dot(&self.centre) - off_plane * normal.dot(&self.centre);
         let y = normal.cross(&reference).dot(&self.centre);
         let (sin, cos) = sin_cos(phase.mean_longitude_rad + phase.mean_longitude_rate_rad_s * time_s);
-        // The reference turns out of the plane by a degree or two: both axes, and with them the cosine, are scaled by
-        // √(1 - (r·n)²).
+        // The reference vector turns out of the plane by a degree or two. Both axes, and with them the cosine, are
+        // therefore too short by the factor √(1 - (r·n)²).
         let cosine = sin_cos(within_rad).1 - off_plane * off_plane - SHORTNESS;
         let along = cos * x + sin * y;
-        // NaN passes.
+        // A NaN passes the test.
         along >= cosine || along.is_nan()
     }
 }

@@ -1,21 +1,23 @@
-//! Orbit planes and phases of a whole catalogue over a few hours, for the search of satellites inside a cone.
+//! Orbit planes and phases of a whole catalogue over a few hours, from which satellites inside a cone are found.
 //!
-//! A satellite in the field of view lies on a line of sight at its own distance from the Earth's centre, so its orbit
-//! plane must pass that point, and the satellite must be there at that time. All tests use quantities that change
-//! slowly (normal of the plane, mean longitude, eccentricity vector), taken from SGP4 at both ends of the window and
-//! interpolated in between:
+//! A satellite in the field of view lies on a line of sight, at some distance from the Earth's centre. Its orbit plane
+//! must pass through that point, and the satellite must be there at that time. All tests use quantities that change
+//! slowly (normal of the plane, mean longitude, eccentricity vector). SGP4 gives them at both ends of the window, and
+//! they are interpolated in between:
 //!
-//! 1. **Plane.** Points of the cone at distance ρ lie within `|n·O + ρ n·d|` of the orbit plane, plus or minus the
-//!    cone's width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. The expression is linear in ρ, so
-//!    the ends suffice. Satellites are sorted by shell and processed in chunks that share ρ₁ and ρ₂: one or two in a
-//!    hundred pass.
-//! 2. **Side.** Nine in ten of these are on another side of the Earth by their mean longitudes.
-//! 3. **Phase.** For the rest the interpolated elements give a position accurate to some 20 km and a velocity, and from
-//!    them the closest approach to the line of sight during the exposure: one or two in ten thousand pass. Satellites
-//!    low enough for strong drag, and extreme eccentricities, skip this test.
+//! 1. **Plane.** A point of the cone's axis at distance ρ is `|n·O + ρ n·d|` away from the orbit plane, and other
+//!    points of the cone differ from it by at most the cone's width. The satellite's shell (perigee to apogee) limits ρ
+//!    to [ρ₁, ρ₂]. The expression inside the bars is linear in ρ, so it need only be computed at both ends. Satellites
+//!    are sorted by shell and processed in chunks that share ρ₁ and ρ₂. One or two in a hundred satellites pass this
+//!    test.
+//! 2. **Side.** By their mean longitudes, nine in ten of the remaining satellites are on another side of the Earth.
+//! 3. **Phase.** For the rest, the interpolated elements give the velocity, and the position to some 20 km, and hence
+//!    the closest approach to the line of sight during the exposure. One or two in ten thousand satellites pass this
+//!    test. It is skipped for satellites with strong drag and for extreme eccentricities.
 //!
-//! Only the remaining satellites need SGP4. Every margin is on the safe side: `tests/library/crossings.rs` compares the
-//! result with brute force, and `verif_model_error_is_within_its_margin` the margins with SGP4.
+//! SGP4 is evaluated only for the satellites that pass. Every margin is conservative: `tests/library/crossings.rs`
+//! compares the result with a search without these tests, and `verif_model_error_is_within_its_margin` compares the
+//! margins with SGP4.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -29,44 +31,46 @@ use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Teme, seconds_between};
 use crate::orbit::propagator::{LeftOut, SatelliteIndex, SearchedPropagator};
 
-/// Longest interval of one window, seconds. Over six hours a node moves by at most 2.5°, and drag changes the mean
-/// longitude of anything above 250 km by less than the margin.
+/// Longest interval of one window, seconds. During six hours an orbit's node moves by at most 2.5°, and above 250 km
+/// drag changes the mean longitude by less than the margin.
 pub const MAX_WINDOW_S: f64 = 6.0 * 3600.0;
 
-/// Largest angle between SGP4's plane and the interpolated one, radians: short-period terms at both nodes, 2 · 3/2 ·
-/// J₂/2p² · sin I cos I, and the curvature of the precession.
+/// Largest angle between the orbit plane by SGP4 and the interpolated plane, radians. It is due to the short-period
+/// terms at both ends of the window, 2 · 3/2 · J₂/2p² · sin I cos I, and to the curvature of the precession.
 const PLANE_SLOP_RAD: f64 = 1.2e-3;
 
-/// Largest distance of SGP4's radius outside the perigee and apogee of the osculating orbits at the nodes, km: four
-/// times the short-period amplitude of a low orbit.
+/// Largest distance, km, by which SGP4's radius is below the perigee or above the apogee of the osculating orbits at
+/// the ends of the window: four times the short-period amplitude of a low orbit.
 const RADIUS_SLOP_KM: f64 = 35.0;
 
-/// Largest distance between SGP4's position and the interpolated one, as a fraction of the semi-major axis for an orbit
-/// of one Earth radius; the J₂ terms that cause it fall with the square of the semi-major axis.
+/// Largest distance between SGP4's position and the interpolated one, as a fraction of the semi-major axis, for an
+/// orbit of one Earth radius. It is due to J₂ terms, which fall with the square of the semi-major axis.
 const POSITION_SLOP: f64 = 8.0e-3;
 
-/// The same for effects that do not fall with height (lunar and solar terms, resonances), km.
+/// Largest distance due to effects that do not fall with height (lunar and solar terms, resonances), km.
 const POSITION_SLOP_FLOOR_KM: f64 = 6.0;
 
-/// Perigee distance below which drag changes the orbit within a window, km: only the plane of such satellites is used.
+/// Perigee distance below which drag changes the orbit within a window, km; only the plane test is used for these
+/// satellites.
 const DRAGGED_PERIGEE_KM: f64 = DECAYED_RADIUS_KM + 230.0;
 
-/// Eccentricity above which the interpolated position is too inaccurate near perigee: only the plane is used.
+/// Eccentricity above which the interpolated position is too inaccurate near perigee; only the plane test is used then.
 const TOO_ECCENTRIC: f64 = 0.9;
 
-/// Short-period terms in the difference of two osculating mean longitudes, and in a rate from two osculating axes.
+/// Short-period terms in the difference of two osculating mean longitudes (radians), and in a mean motion computed from
+/// two osculating semi-major axes (relative).
 const LONGITUDE_NOISE_RAD: f64 = 0.02;
 const RATE_NOISE: f64 = 0.01;
 
-/// Number of satellites that share one shell in the plane test; a multiple of the widest vector of f32.
+/// Number of satellites that share one shell in the plane test; a multiple of the number of f32 in the widest vector.
 pub(super) const CHUNK: usize = 64;
 
-/// Distance from the predicted position within which a satellite is searched; zero for nominal crossings only.
+/// Distance from the predicted position within which a satellite is searched for; zero to find nominal crossings only.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Reach {
-    /// Along the track, seconds.
+    /// Distance along the track as a time, seconds.
     pub along_track_s: f64,
-    /// Across the track, km.
+    /// Distance across the track, km.
     pub cross_track_km: f64,
 }
 
@@ -80,7 +84,7 @@ struct Entry {
     cross_track_km: f64,
 }
 
-/// Up to [`CHUNK`] satellites of neighbouring shells, their normals as columns.
+/// Up to [`CHUNK`] satellites of similar shells, with the components of their normals as columns.
 #[derive(Clone, Debug)]
 pub(super) struct Chunk {
     pub lowest_km: f64,
@@ -91,20 +95,20 @@ pub(super) struct Chunk {
     pub phases: Vec<Phase>,
 }
 
-/// Planes and phases of a catalogue from `start` on, for at most [`MAX_WINDOW_S`].
+/// Orbit planes and phases of a catalogue from `start` on, over at most [`MAX_WINDOW_S`].
 #[derive(Clone, Debug)]
 pub struct Window {
     start: Epoch,
     pub(super) span_s: f64,
-    /// Minutes from each element epoch to the start.
+    /// Minutes from the epoch of each element set to the start of the window.
     minutes: Vec<f64>,
     pub(super) chunks: Vec<Chunk>,
-    /// Satellites without an interpolation: SGP4 is always used; element index and largest delay searched, seconds.
+    /// Satellites that are not interpolated and always need SGP4: element index and largest delay searched, seconds.
     pub(super) always: Vec<(u32, f32)>,
     left_out: Vec<LeftOut>,
 }
 
-/// Treatment of one satellite in the search.
+/// How one satellite is treated in the search.
 enum Kind {
     Regular(Box<Entry>),
     Always,
@@ -115,11 +119,11 @@ enum Kind {
 impl Window {
     /// Propagates every satellite to both ends of the window, on all threads (about 1 µs per satellite and core).
     ///
-    /// A satellite with an ephemeris for some of the exposures in the window has no interpolation: two predictions of
-    /// it differ by more than the margins. Exposures longer than [`MAX_WINDOW_S`] use SGP4 only.
+    /// A satellite that has an ephemeris for some of the exposures in the window is not interpolated, because ephemeris
+    /// and SGP4 differ by more than the margins. Exposures longer than [`MAX_WINDOW_S`] use SGP4 only.
     ///
-    /// `reach` returns for each element index the distance from its prediction within which a satellite is searched.
-    /// The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers split longer intervals.
+    /// `reach` returns, for an element index, the distance from the prediction within which that satellite is searched
+    /// for. The margins are valid for windows of at most [`MAX_WINDOW_S`]; callers must split longer intervals.
     pub fn new(index: &SatelliteIndex, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Self {
         let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<(f64, Kind)> = (0..index.len())
@@ -136,8 +140,8 @@ impl Window {
                 let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
                         .map_or(Kind::Always, |entry| Kind::Regular(Box::new(entry))),
-                    // Without a position at both ends the satellite is left out; without one at one end, SGP4 is
-                    // evaluated at each time.
+                    // A satellite without a position at either end of the window is left out. If only one end has no
+                    // position, SGP4 is evaluated at each time.
                     (Err(error), Err(_)) => Kind::LeftOut(error),
                     _ => Kind::Always,
                 };
@@ -166,8 +170,8 @@ impl Window {
                 Kind::Absent => {}
             }
         }
-        // Thin shells first, by height; thick ones (eccentric orbits) after them, by perigee, so that no chunk contains
-        // both.
+        // Thin shells are sorted by height. Thick shells (eccentric orbits) follow, sorted by perigee, so that no chunk
+        // contains both kinds.
         let key = |entry: &Entry| ((entry.highest_km - entry.lowest_km > 200.0), entry.lowest_km);
         entries.sort_unstable_by(|a, b| {
             let ((thick_a, low_a), (thick_b, low_b)) = (key(a), key(b));
@@ -182,24 +186,24 @@ impl Window {
         self.start
     }
 
-    /// Returns the length, seconds.
+    /// Returns the length of the window, seconds.
     pub fn span_s(&self) -> f64 {
         self.span_s
     }
 
-    /// Returns the minutes from a satellite's element epoch to the start of the window.
+    /// Returns the minutes from the epoch of a satellite's elements to the start of the window.
     pub fn minutes_at_start(&self, element_index: usize) -> f64 {
         self.minutes[element_index]
     }
 
-    /// Returns the satellites without a position anywhere in the window.
+    /// Returns the satellites that have no position at any time of the window.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
 }
 
-/// Computes the slow elements of one satellite from its states at both ends; `None` where they do not describe it, and
-/// SGP4 is always used.
+/// Computes the slowly varying elements of one satellite from its states at both ends of the window. `None` if they do
+/// not describe the motion; SGP4 is then always used.
 fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: f64, reach: Reach) -> Option<Entry> {
     let reference = first.position.vector().normalize();
     let (begin, end) = (SlowElements::of(first, &reference)?, SlowElements::of(last, &reference)?);
@@ -212,18 +216,19 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
     if dragged {
         lowest_km = DECAYED_RADIUS_KM;
     }
-    // The mean of both mean motions gives the whole revolutions: osculating noise is 2e-3, a twentieth of a turn.
+    // The mean of both mean motions determines the number of whole revolutions: its error from osculating terms is
+    // 2e-3, which sums to a twentieth of a revolution.
     let expected = begin.mean_longitude_rad + 0.5 * (begin.mean_motion_rad_s() + end.mean_motion_rad_s()) * span_s;
     let turns = ((expected - end.mean_longitude_rad) / std::f64::consts::TAU).round();
     let change = end.mean_longitude_rad + turns * std::f64::consts::TAU - begin.mean_longitude_rad;
-    // Where drag terms diverge, the velocity is not the derivative of the position, and the test is invalid.
+    // If drag terms diverge, the velocity is not the derivative of the position, and the phase test is invalid.
     let drift = (change - (expected - begin.mean_longitude_rad)).abs();
     if drift > LONGITUDE_NOISE_RAD + RATE_NOISE * (expected - begin.mean_longitude_rad).abs() {
         return None;
     }
     let semi_major_axis_km = begin.semi_major_axis_km;
     let eccentric = eccentricity(&begin).max(eccentricity(&end));
-    // J₂ terms scale as a (R/a)² / (1 - e)³ at perigee.
+    // J₂ terms at perigee scale as a (R/a)² / (1 - e)³.
     let slop_km = POSITION_SLOP_FLOOR_KM
         + POSITION_SLOP * DECAYED_RADIUS_KM.powi(2) / semi_major_axis_km / (1.0 - eccentric).powi(3);
     let [k, h] = begin.eccentricity;
@@ -244,7 +249,7 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
         },
         normal: begin.normal,
         normal_change: end.normal - begin.normal,
-        // The error across the track may be radial, up or down.
+        // An error across the track may be radial, upwards or downwards.
         lowest_km: lowest_km - reach.cross_track_km,
         highest_km: highest_km + reach.cross_track_km,
         cross_track_km: reach.cross_track_km,
@@ -274,8 +279,8 @@ fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk
 }
 
 impl Chunk {
-    /// Returns the interpolated normal. It is the chord of an arc, too short by 1e-4 at most: 0.7 km, part of the
-    /// margin.
+    /// Returns the interpolated normal. It is the chord of an arc and therefore too short, by at most 1e-4; this
+    /// amounts to 0.7 km, which the margin includes.
     pub fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
         let component =
             |axis: usize| f64::from(self.normal[axis][lane]) + fraction * f64::from(self.normal_change[axis][lane]);

@@ -1,5 +1,5 @@
-//! Field crossings of sunlit satellites with their times only. Without magnitude and probability they take a tenth of
-//! the time of a pass.
+//! Crossings of a field by sunlit satellites, with times only. They are ten times faster to compute than passes,
+//! because magnitude and probability are omitted.
 
 use nalgebra::Vector3;
 
@@ -16,37 +16,39 @@ use crate::constants::WGS72_MU_KM3_S2;
 use crate::frames::Gcrs;
 use crate::orbit::{Beam, LeftOut, OrbitError, State};
 
-/// Longest interval covered by one SGP4 position, seconds: the path deviates from its tangent by 4 km.
+/// Longest interval that one SGP4 position covers, seconds. During half of it, the path deviates from its tangent by 4
+/// km.
 const LONGEST_STEP_S: f64 = 60.0;
-/// Largest difference between SGP4's velocity and its positions in that time, km: the tolerance of
-/// [`Propagator::check_step`](crate::orbit::Propagator::check_step) in half of it.
+/// Largest distance, km, between SGP4's positions and those extrapolated with its velocity, in half of that interval.
+/// It follows from the tolerance of [`Propagator::check_step`](crate::orbit::Propagator::check_step).
 const VELOCITY_SLOP_KM: f64 = 3.0;
 
-/// Crossing of one lit satellite in one exposure.
+/// Crossing of a field by one sunlit satellite during one exposure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldCrossing {
-    /// Index of its element set in the sky's catalogue.
+    /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
-    /// Parts of the track inside the field, seconds after the exposure's start, in time order.
+    /// Parts of the track inside the field, in order; times are seconds after the start of the exposure.
     pub chords: Vec<Chord>,
 }
 
-/// Crossings by exposure.
+/// Crossings of a field, grouped by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FieldCrossings {
-    /// For each exposure, in the order given, the crossings in order of entry.
+    /// Crossings of each exposure in order of entry; exposures are in the order given.
     pub by_exposure: Vec<Vec<FieldCrossing>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. While the field
-    /// is below the ground no position is computed.
+    /// Satellites without a position in at least one of the exposures, without repetition, in catalogue order.
+    /// Positions are not computed while the field is below the ground.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
     /// Finds all sunlit satellites that cross the field in each exposure.
     ///
-    /// They are those of [`Sky::field_passes`] with default options, at the same times to 10 µs. A satellite that has no
-    /// position only at times far from the field is not reported as left out. A satellite that stays in the field for
-    /// hours, or returns within minutes, counts as lit if it is lit at any time inside the field.
+    /// The result contains the crossings of [`Sky::field_passes`] with default options, at the same times to 10 µs,
+    /// with two exceptions. A satellite whose position cannot be computed only at times far from the field is not
+    /// reported as left out. A satellite that stays in the field for hours, or returns within minutes, counts as lit if
+    /// it is lit at any time inside the field.
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].
@@ -63,7 +65,7 @@ impl Sky {
 }
 
 impl ExposedField<'_> {
-    /// Returns the crossing of one satellite; `None` if it does not cross, or is dark.
+    /// Returns the crossing of one satellite; `None` if it does not cross the field or is dark.
     fn crossing(&self, interval: &CandidateInterval) -> Result<Option<FieldCrossing>, OrbitError> {
         let &CandidateInterval { element_index, start_s, end_s, near_s, .. } = interval;
         let Some(satellite) = self.satellite(element_index, 0.5 * (start_s + end_s)) else { return Ok(None) };
@@ -86,10 +88,10 @@ impl ExposedField<'_> {
     }
 }
 
-/// Returns the parts of an interval in which a satellite may be in a field, from one SGP4 position a minute.
+/// Returns the parts of an interval in which a satellite may be in a field, from one SGP4 position per minute.
 ///
 /// # Errors
-/// [`OrbitError`] if one of the positions cannot be computed, or velocities are inconsistent with positions.
+/// [`OrbitError`] if a position cannot be computed, or if velocities are inconsistent with positions.
 fn intervals_near(
     [from_s, to_s]: [f64; 2],
     satellite: &NearSatellite<'_>,
@@ -118,11 +120,11 @@ fn intervals_near(
     Ok(near)
 }
 
-/// Returns true if a satellite with this state at a time may be in a field within `half_s` of that time. Its path is
-/// taken as a straight line, with a margin for the deviation of the true path.
+/// Returns true if a satellite with this state may be in a field within `half_s` of a time. Its path is approximated by
+/// a straight line, with a margin for the deviation of the true path.
 fn passes_by(state: &State<Gcrs>, observer: &ObserverMotion, time_s: f64, half_s: f64, field: &FieldOnSky) -> bool {
     let (there, here) = (*state.position.vector(), *observer.position(time_s).vector());
-    // Satellite and observer deviate from straight lines by at most ½ g t².
+    // Satellite and observer each deviate from a straight line by at most ½ g t².
     let fall_km = |position: &Vector3<f64>| 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
     let slop_km = fall_km(&there) + fall_km(&here) + VELOCITY_SLOP_KM;
     let velocity = state.velocity.vector() - observer.velocity(time_s);

@@ -1,4 +1,4 @@
-//! One exposure of one field, and the evaluation of its candidate satellites.
+//! A field during one exposure, and the evaluation of its candidate satellites.
 
 use std::sync::Arc;
 
@@ -14,22 +14,22 @@ use crate::frames::{Orientation, seconds_after, seconds_between};
 use crate::orbit::{Candidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
 use crate::photometry::PhotometryOptions;
 
-/// Field on the sky during an exposure. Times are seconds of the scene.
+/// Field on the sky during an exposure. Times are seconds after the start of the scene.
 pub(super) struct ExposedField<'a> {
     pub sky: &'a Sky,
     pub scene: &'a Scene,
     pub exposure: &'a Exposure,
     pub field: FieldOnSky<'a>,
-    /// Arc of a telescope in orbit.
+    /// Orbital arc of a telescope in orbit; `None` for a site.
     pub flight: Option<Arc<OrbitArc>>,
     pub opened_s: f64,
     pub closed_s: f64,
 }
 
-/// Data of a satellite near one time: its propagator, the Earth's orientation, and the motion of the observer.
+/// Propagator of a satellite, orientation of the Earth and motion of the observer near one time.
 pub(super) struct NearSatellite<'a> {
     pub propagator: &'a Propagator,
-    /// Time from the element epoch to the scene's start.
+    /// Time from the epoch of the elements to the start of the scene, minutes.
     pub minutes: f64,
     pub orientation: Orientation,
     pub observer: ObserverMotion,
@@ -37,7 +37,7 @@ pub(super) struct NearSatellite<'a> {
 }
 
 impl NearSatellite<'_> {
-    /// Returns the arc of the satellite between two times.
+    /// Returns the orbital arc of the satellite between two times.
     pub fn arc(&self, from_s: f64, to_s: f64) -> Result<OrbitArc, OrbitError> {
         OrbitArc::new(self.propagator, self.minutes, from_s, to_s - from_s, &self.orientation.teme_to_gcrs)
     }
@@ -57,8 +57,8 @@ impl<'a> ExposedField<'a> {
         })
     }
 
-    /// Evaluates all candidates by `of`. Returns the results, and the satellites without a position. `seen` is a buffer
-    /// for candidates.
+    /// Evaluates all candidates with the function `of`. Returns the results and the satellites without a position.
+    /// `seen` is a buffer that is reused.
     pub fn evaluate<T>(
         &self,
         include_dark: bool,
@@ -77,12 +77,12 @@ impl<'a> ExposedField<'a> {
         (found, left_out)
     }
 
-    /// Returns the propagator of a satellite for this exposure.
+    /// Returns the propagator of a satellite for this exposure; `None` if there is none.
     pub fn propagator(&self, element_index: usize) -> Option<&'a Propagator> {
         self.sky.propagator_over(self.scene.start, element_index, [self.opened_s, self.closed_s])
     }
 
-    /// Returns a satellite near a time; `None` without a propagator.
+    /// Returns the data of a satellite near a time; `None` without a propagator.
     pub fn satellite(&self, element_index: usize, mid_s: f64) -> Option<NearSatellite<'a>> {
         let propagator = self.propagator(element_index)?;
         let orientation = self.scene.orientation.at_s(mid_s);
@@ -95,7 +95,7 @@ impl<'a> ExposedField<'a> {
         })
     }
 
-    /// Returns the evaluator of a satellite along its line of sight.
+    /// Returns the evaluator for the line of sight to a satellite.
     pub fn evaluator<'l>(
         &'l self,
         line: &'l SightLine<'l>,

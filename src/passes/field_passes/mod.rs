@@ -1,8 +1,8 @@
-//! Satellites that cross a field during exposures: passes with their brightness, crossings only, probabilities, and
-//! counts.
+//! Satellites that cross a field during exposures: passes with brightness, crossings with times only, probabilities,
+//! and numbers of streaks.
 //!
-//! `query` runs a query over exposures with the `options`; `exposed_field` is one exposure with its candidates; `pass`,
-//! `crossings` and `probabilities` evaluate one candidate each; `streak_counts` counts passes.
+//! `query` runs a query with the `options` over all exposures. `exposed_field` is the field during one exposure, with
+//! its candidates. `pass`, `crossings` and `probabilities` each evaluate one candidate. `streak_counts` counts passes.
 
 mod crossings;
 mod exposed_field;

@@ -1,4 +1,4 @@
-//! Pass of one candidate satellite: crossing, brightness and probability.
+//! Pass of one candidate satellite: its crossing, brightness and probability.
 
 use super::super::candidates::CandidateInterval;
 use super::super::crossing::cross;
@@ -10,7 +10,7 @@ use crate::frames::seconds_after;
 use crate::orbit::{Lateness, OrbitError, OrbitUncertainty};
 
 impl ExposedField<'_> {
-    /// Returns the pass of one satellite; `None` if it does not cross, or the options exclude it.
+    /// Returns the pass of one satellite; `None` if it does not cross the field or the options exclude it.
     pub fn pass(&self, interval: &CandidateInterval, options: &PassOptions) -> Result<Option<Pass>, OrbitError> {
         let &CandidateInterval { element_index, start_s, end_s, .. } = interval;
         let (field, is_in_flight) = (&self.field, self.flight.is_some());
@@ -54,7 +54,8 @@ impl ExposedField<'_> {
                     cross_track_sigma_rad,
                 )
             }
-            // SGP4 fails just outside the exposure: the nominal crossing stands, near misses are unknown.
+            // SGP4 fails just outside the exposure. The nominal crossing is known, but the probability of near misses
+            // is not.
             (Err(_), _) => f64::from(u8::from(!crossing.chords.is_empty())),
         };
         if crossing.chords.is_empty() && options.min_probability.is_none_or(|least| probability < least) {
@@ -83,7 +84,7 @@ impl ExposedField<'_> {
         }))
     }
 
-    /// Converts chords from seconds of the scene to seconds after the shutter opened.
+    /// Converts the times of chords from seconds after the start of the scene to seconds after the shutter opened.
     pub fn after_opening(&self, chords: &[Chord]) -> Vec<Chord> {
         let shifted =
             |chord: &Chord| Chord { enter_s: chord.enter_s - self.opened_s, exit_s: chord.exit_s - self.opened_s };
@@ -91,7 +92,7 @@ impl ExposedField<'_> {
     }
 
     /// Returns false if no error of the elements can bring the satellite into the field of an observer in orbit. A few
-    /// positions of the satellite are sufficient for this test.
+    /// positions of the satellite suffice for this test.
     fn may_cross(
         &self,
         line: &SightLine<'_>,
@@ -103,7 +104,8 @@ impl ExposedField<'_> {
         loop {
             let sight = line.sight(time_s);
             let (state, _, aspect) = line.aspect_at(time_s);
-            // Bound of the distance between the predicted and the true position, with a margin for the curved path.
+            // Upper bound of the distance between predicted and true position, with a margin for the curvature of the
+            // path.
             let strayed_km =
                 1.1 * state.velocity.norm_km_s() * lateness.reach_s() + 1.5 * REACH_SIGMAS * sigma.cross_track_km;
             let relative_km_s = sight.rate_s.norm() * aspect.range_km;

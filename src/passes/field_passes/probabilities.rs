@@ -1,23 +1,23 @@
-//! Probability and expected streak length of every satellite that may be in an exposure, near misses included.
+//! Probability that each satellite is in the field during an exposure, and expected length of its streak, including
+//! near misses.
 //!
-//! Candidates are searched with all delays and shifts across the track that the errors of their elements allow. Delays
-//! beyond [`Lateness::LONGEST_S`](crate::orbit::Lateness::LONGEST_S) are not searched. If elements are so old that
-//! longer delays are probable, the probability is marked as a lower limit.
+//! Candidates are searched with all delays and all shifts across the track that the errors of their elements allow.
+//! Delays beyond [`Lateness::LONGEST_S`](crate::orbit::Lateness::LONGEST_S) are not searched. If elements are so old
+//! that longer delays are probable, the probability is marked as a lower limit.
 //!
 //! The site moves past many orbit planes during an exposure, by up to 280 km in ten minutes. If a satellite may be
-//! delayed by more than a few seconds, the exposure is therefore cut into pieces of ten seconds, and the site is at rest
-//! during each piece, at its position in the middle. A satellite enters the field only once. Its probability is the sum
-//! of the probability that it is in the field during the first piece and of the probabilities that it enters the field
+//! delayed by more than a few seconds, the exposure is therefore divided into pieces of ten seconds. During each piece
+//! the site is held at its position in the middle of the piece. A satellite enters the field only once. Its probability
+//! is the probability that it is in the field during the first piece, plus the probabilities that it enters the field
 //! during each of the other pieces. This sum never decreases with the length of the exposure.
 //!
 //! Two effects are neglected: the precession of the orbit plane during the delay, and the change of the chord's length
-//! while the site moves through a piece. The time of entry into the field then changes by more or less than the factor
-//! for a moving site says, and consecutive pieces leave a gap between the delays that they count, or count some twice.
-//! For a satellite with a sigma of 17 s this changes the probability by up to 12 %; the sum over many satellites has no
-//! bias.
+//! while the site moves through a piece. The range of delays counted for a piece is therefore slightly wrong, so that
+//! consecutive pieces omit some delays or count some twice. For a satellite with an uncertainty of 17 s along the track
+//! this changes the probability by up to 12 %; the sum over many satellites has no bias.
 //!
-//! A satellite that returns in an exposure longer than a revolution is counted again; the probability is limited to 1.
-//! For a telescope in orbit, the passes and near misses of [`Sky::field_passes`] are used.
+//! If an exposure is longer than a revolution and the satellite returns, it is counted again; the probability is
+//! limited to 1. For a telescope in orbit, the passes and near misses of [`Sky::field_passes`] are used.
 
 use std::cell::OnceCell;
 
@@ -37,27 +37,27 @@ use crate::frames::{Orientation, seconds_after};
 use crate::geometry::{Aspect, Observer, ViewingGeometry};
 use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty};
 
-/// Length of a piece of an exposure, seconds. The site moves by at most 5 km in it, which is small compared with the
-/// width of a field of degrees at the distance of satellites.
+/// Length of a piece of an exposure, seconds. During a piece the site moves by at most 5 km. At the distance of
+/// satellites this is small compared with the width of a field of several degrees.
 const PIECE_S: f64 = 10.0;
-/// Length of the parts of an exposure for each of which candidates are searched, seconds.
+/// Length of the parts into which an exposure is divided for the search of candidates, seconds.
 const SEARCHED_S: f64 = 60.0;
-/// Limit of the longest searched delay, seconds: up to it the exposure is not cut into pieces.
+/// Longest delay, seconds, up to which the exposure is not divided into pieces.
 const ON_TIME_S: f64 = 10.5;
-/// Steps along a path in the search for light.
+/// Number of steps along a path in the search for points that are lit.
 const LIGHT_STEPS: u32 = 24;
-/// Least probability of near misses that are included for a telescope in orbit.
+/// Smallest probability with which near misses are included for a telescope in orbit.
 const LEAST_IN_FLIGHT: f64 = 0.01;
 
-/// Probability that one satellite is in the field of one exposure, with its expected streak.
+/// Probability that one satellite is in the field during one exposure, and its expected streak.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct CrossingProbability {
-    /// Index of its element set in the sky's catalogue.
+    /// Index of its element set in the catalogue of the sky.
     pub element_index: usize,
-    /// Probability that it is in the field at any time of the exposure, (0, 1].
+    /// Probability that the satellite is in the field at any time of the exposure, (0, 1].
     pub probability: f64,
-    /// Expected length of its streak within the field, radians: the average over all errors of its position, with length
-    /// 0 for errors with which it misses the field.
+    /// Expected length of the satellite's streak within the field, radians. It is the average over all errors of the
+    /// position; errors with which the satellite misses the field count with length 0.
     pub streak_length_rad: f64,
     /// One-sigma error along the track as a time, seconds.
     pub along_track_sigma_s: f64,
@@ -73,7 +73,7 @@ pub struct CrossingProbability {
 }
 
 impl CrossingProbability {
-    /// Adds the result of the next part of the same exposure.
+    /// Adds the result for the next part of the same exposure.
     fn plus(self, next: Self) -> Self {
         Self {
             probability: (self.probability + next.probability).min(1.0),
@@ -83,14 +83,14 @@ impl CrossingProbability {
     }
 }
 
-/// Part of an exposure. Times are seconds of the scene.
+/// Piece of an exposure. Times are seconds after the start of the scene.
 struct Piece {
     start_s: f64,
     end_s: f64,
-    /// True for all pieces but the first: satellites that are in the field as the piece begins are counted in the
-    /// previous pieces.
+    /// True for all pieces except the first. Satellites that are already in the field when a piece begins are counted
+    /// in the previous pieces.
     only_entering: bool,
-    /// Orientation of the Earth in the middle of the piece.
+    /// Orientation of the Earth at the middle of the piece.
     orientation: Orientation,
     site: ObserverMotion,
 }
@@ -102,11 +102,11 @@ impl Piece {
 }
 
 impl Sky {
-    /// Returns the satellites that may be in the field of each exposure while they are sunlit, with their probabilities;
-    /// by exposure, in catalogue order.
+    /// Returns, for each exposure, the satellites that may be in the field while they are sunlit, with their
+    /// probabilities, in catalogue order.
     ///
-    /// With fresh elements these are the predicted crossings and few others. With elements that are weeks old, they are
-    /// all satellites that pass near the field within minutes of the exposure, each with a small probability.
+    /// With recent elements, these are the predicted crossings and few others. With elements that are weeks old, they
+    /// are all satellites that pass near the field within minutes of the exposure, each with a small probability.
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].
@@ -131,7 +131,7 @@ impl Sky {
         let options =
             PassOptions { min_probability: Some(LEAST_IN_FLIGHT), without_light: true, ..PassOptions::default() };
         let passes = self.field_passes(exposures, field, &options)?.by_exposure;
-        // The mean chord of a circle is π/2 of its radius.
+        // The mean length of the chords of a circle is π/2 times its radius.
         let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();
         let length_rad = |pass: &Pass, exposure: &Exposure| {
             if pass.is_crossing() {
@@ -169,10 +169,10 @@ impl Sky {
 }
 
 impl ExposedField<'_> {
-    /// Returns the probabilities of all satellites that may be in the exposure. `seen` is a buffer for candidates.
+    /// Returns the probabilities of all satellites that may be in the exposure. `seen` is a buffer that is reused.
     fn probabilities(&self, observer: &Observer, seen: &mut Vec<Candidate>) -> Vec<CrossingProbability> {
         let parts = self.cut(observer, self.opened_s, self.closed_s, SEARCHED_S);
-        // The pieces are needed for late satellites only.
+        // The pieces are computed only if a satellite may be late.
         let pieces: Vec<OnceCell<Vec<Piece>>> = parts.iter().map(|_| OnceCell::new()).collect();
         let shadow = self.sky.dark_cone(self.scene, self.exposure);
         seen.clear();
@@ -215,11 +215,11 @@ impl ExposedField<'_> {
         seen.chunk_by(|one, other| one.element_index == other.element_index).filter_map(of_one).collect()
     }
 
-    /// Probability that a satellite, sunlit or not, is in the field at any time of the exposure, for an observer at a
-    /// site.
+    /// Returns the probability that a satellite, sunlit or not, is in the field at any time of the exposure, for an
+    /// observer at a site.
     ///
-    /// Only predicted times within `searched_s`, which `arc` covers, are considered: one pass of the satellite, extended
-    /// on both sides by the longest delay.
+    /// Only predicted times within `searched_s`, which `arc` covers, are considered. This is one pass of the satellite,
+    /// extended on both sides by the longest delay.
     pub(super) fn probability_at_site(
         &self,
         observer: &Observer,
@@ -244,7 +244,8 @@ impl ExposedField<'_> {
         pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus).map_or(0.0, |one| one.probability)
     }
 
-    /// Cuts a part of the exposure into pieces from its start on, so that a longer exposure begins with the same pieces.
+    /// Divides a part of the exposure into pieces that are counted from its start, so that a longer exposure begins
+    /// with the same pieces.
     fn cut(&self, observer: &Observer, start_s: f64, end_s: f64, length_s: f64) -> Vec<Piece> {
         let count = ((end_s - start_s) / length_s).ceil().max(1.0) as u32;
         let piece = |number: u32| {
@@ -254,7 +255,7 @@ impl ExposedField<'_> {
         (0..count).map(piece).collect()
     }
 
-    /// Returns the exposure as one piece, during which the site moves.
+    /// Returns the whole exposure as one piece, during which the site moves.
     fn whole(&self, observer: &Observer) -> Piece {
         let mut whole = self.piece(observer, self.opened_s, self.closed_s, false);
         whole.site = whole.site.still_outside(whole.start_s, whole.end_s);
@@ -269,8 +270,9 @@ impl ExposedField<'_> {
         Piece { start_s, end_s, only_entering, orientation, site }
     }
 
-    /// Probability of a satellite in some pieces, counted while it is sunlit and above the ground. Its predicted track is
-    /// near the field from `from_s` to `to_s`. `None` if it cannot be in the field or has no position.
+    /// Returns the probability of a satellite in several pieces, counted while it is sunlit and above the ground. Its
+    /// predicted track is near the field from `from_s` to `to_s`. `None` if it cannot be in the field or has no
+    /// position.
     fn sunlit_probability(
         &self,
         pieces: &[Piece],
@@ -293,8 +295,9 @@ impl ExposedField<'_> {
         pieces.iter().filter_map(of_piece).reduce(CrossingProbability::plus)
     }
 
-    /// Probability of a satellite in one piece; `None` if it cannot be in the field, or if `is_visible` rejects its
-    /// predicted crossing, given with its position where it is nearest to the centre of the field.
+    /// Returns the probability of a satellite in one piece. `None` if it cannot be in the field, or if `is_visible`
+    /// rejects its predicted crossing. `is_visible` also receives the satellite's aspect where it is nearest to the
+    /// centre of the field.
     fn probability_in(
         &self,
         piece: &Piece,
@@ -316,8 +319,9 @@ impl ExposedField<'_> {
         {
             return None;
         }
-        // A site that moves along with the satellite delays the entry. In the time dt the entry is delayed by
-        // dt u·v / v², with the velocity u of the site and the velocity v of the satellite across the line of sight.
+        // If the site moves in the same direction as the satellite, the satellite enters the field later. In the time
+        // dt the entry is delayed by dt u·v / v², where u is the velocity of the site and v the velocity of the
+        // satellite across the line of sight.
         let carried = if is_late {
             let sight = aspect.direction.vector();
             let across = state.velocity.vector() - sight * state.velocity.vector().dot(sight);
@@ -350,8 +354,8 @@ impl ExposedField<'_> {
         })
     }
 
-    /// Returns true if the Sun shines on any point of the path within the field, with the Sun's position in the middle of
-    /// the piece. For a path that misses the field, the points nearest to the field are tested.
+    /// Returns true if the Sun shines on any point of the path within the field; the Sun is at its position at the
+    /// middle of the piece. For a path that misses the field, the points nearest to the field are tested.
     fn is_lit(
         &self,
         piece: &Piece,

@@ -1,4 +1,4 @@
-//! Field query over many exposures, and its results.
+//! Query for passes through a field over many exposures, and its results.
 
 use rayon::prelude::*;
 
@@ -13,22 +13,22 @@ use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::orbit::{Candidate, LeftOut};
 
-/// Passes by exposure.
+/// Passes through a field, grouped by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Passes {
-    /// For each exposure, in the order given, the passes in order of entry.
+    /// Passes of each exposure in order of entry; exposures are in the order given.
     pub by_exposure: Vec<Vec<Pass>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. While the field
-    /// is below the ground no position is computed.
+    /// Satellites without a position in at least one of the exposures, without repetition, in catalogue order.
+    /// Positions are not computed while the field is below the ground.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
     /// Finds all satellites that cross the field in each exposure, on all threads of the current pool.
     ///
-    /// Exposures may be in any order and last from zero to days; those of one night share their preparation. The result
-    /// does not depend on the number of threads. A satellite that returns to the field (in an exposure of hours) has a
-    /// separate pass each time.
+    /// Exposures may be in any order and last from zero to days; the exposures of one night share data that are
+    /// computed once. The result does not depend on the number of threads. A satellite that returns to the field (in an
+    /// exposure of hours) has a separate pass each time.
     ///
     /// # Errors
     /// [`SkyError`] if an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris,
@@ -50,9 +50,9 @@ impl Sky {
         Ok(Passes { by_exposure, left_out })
     }
 
-    /// Computes the passes of [`Sky::field_passes`] without the search: SGP4 is evaluated for every satellite over the
-    /// whole time. This is the reference for the search, and thousands of times slower. Unlike the search, it includes
-    /// near misses of fields below the ground.
+    /// Computes the passes of [`Sky::field_passes`] without the search for candidates: SGP4 is evaluated for every
+    /// satellite over the whole time. This is the reference for the search, and thousands of times slower. Unlike
+    /// [`Sky::field_passes`], it includes near misses of fields below the ground.
     ///
     /// # Errors
     /// The errors of [`Sky::field_passes`].
@@ -81,8 +81,8 @@ impl Sky {
             .collect()
     }
 
-    /// Evaluates each exposure by `of`, on all threads; exposures of one group share a scene. Returns the results by
-    /// exposure, and the satellites without a position.
+    /// Evaluates each exposure with the function `of`, on all threads; exposures of one group share a scene. Returns
+    /// the results for each exposure, and the satellites without a position.
     pub(super) fn by_exposure<T: Send>(
         &self,
         exposures: &[Exposure],

@@ -1,4 +1,4 @@
-//! Numbers of streaks in exposures at given horizontal directions of a site, at several times.
+//! Numbers of streaks in exposures with given azimuths and altitudes at a site, at several times.
 
 use hifitime::Epoch;
 
@@ -13,18 +13,18 @@ use crate::frames::{Direction, Horizontal, seconds_after};
 use crate::orbit::LeftOut;
 use crate::photometry::PhotometryOptions;
 
-/// Exposures of one length through one field in which streaks are counted.
+/// Exposures, all of one length and with one field, in which streaks are counted.
 #[derive(Clone, Debug)]
 pub struct CountRequest<'a> {
-    /// Azimuths and altitudes of the field's centre at shutter opening; it then tracks the stars.
+    /// Azimuths and altitudes of the centre of the field when the shutter opens; the telescope then tracks the stars.
     pub directions: &'a [Direction<Horizontal>],
-    /// Shutter openings.
+    /// Times of shutter opening.
     pub moments: &'a [Epoch],
-    /// Length of an exposure, seconds.
+    /// Exposure time, seconds.
     pub duration_s: f64,
-    /// Field, with its y axis to the north.
+    /// Field of view, with its y axis to the north.
     pub field: &'a Field,
-    /// Band and system of the magnitudes.
+    /// Band and magnitude system.
     pub photometry: PhotometryOptions,
     /// Magnitude limit: streaks brighter than it are also counted.
     pub limit_mag: Option<f64>,
@@ -33,25 +33,25 @@ pub struct CountRequest<'a> {
 /// Numbers of streaks in one exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct StreakCount {
-    /// Number of lit satellites with nominal tracks that cross.
+    /// Number of sunlit satellites whose nominal tracks cross the field.
     pub streaks: usize,
     /// Expected number of these brighter than the limit, the sum of their probabilities; 0 without a limit.
     pub bright: f64,
 }
 
-/// Counts with the positions of the Sun.
+/// Numbers of streaks, with the positions of the Sun.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Counts {
-    /// Counts by time, then by direction.
+    /// Numbers of streaks by time, then by direction.
     pub by_moment: Vec<Vec<StreakCount>>,
-    /// Sun's centre at the middle of the exposures of each time, without refraction.
+    /// Position of the Sun's centre at the middle of the exposures of each time, without refraction.
     pub sun: Vec<AltAz>,
-    /// Satellites without a position for at least one of the exposures.
+    /// Satellites without a position in at least one of the exposures.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
-    /// Counts the streaks of an exposure at every time in every direction.
+    /// Counts the streaks of one exposure in every direction at every time.
     ///
     /// # Errors
     /// [`SkyError::NoHorizon`] for an observer in orbit; otherwise the errors of [`Sky::field_passes`].
@@ -72,7 +72,7 @@ impl Sky {
             let middle = seconds_after(start, request.duration_s / 2.0);
             counts.sun.push(self.sun_altaz(middle)?);
         }
-        // All exposures in one query, so that those near in time share their preparation.
+        // All exposures form one query, so that exposures near in time share data that are computed once.
         let passes = self.field_passes(&exposures, request.field, &options)?;
         let count = |passes: &Vec<Pass>| {
             let lit = || passes.iter().filter(|pass| pass.lit && pass.is_crossing());

@@ -1,33 +1,36 @@
-//! Delays that bring a satellite into an exposure, for one track through a field.
+//! Probability of the delays with which a satellite is in the field during an exposure, for one track.
 //!
-//! A satellite that is late by δ is at time t where it was predicted for t - δ. If its predicted track is in the field
-//! during the chord [a, b], the satellite is in the field at some time of [start, end] if start - b ≤ δ ≤ end - a.
+//! A satellite that is late by δ is at time t where it was predicted for t - δ. Let its predicted track be in the field
+//! during the chord [a, b]. The satellite is in the field at some time of the exposure [start, end] if start - b ≤ δ ≤
+//! end - a.
 
 use super::super::track::Chord;
 use crate::orbit::Lateness;
 
-/// Probability and expected streak of one satellite in one exposure.
+/// Probability and expected streak length of one satellite in one exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(in crate::passes) struct Odds {
     /// Probability that the satellite is inside the field at any time of the exposure.
     pub probability: f64,
-    /// Length of its streak averaged over all errors, radians; 0 for errors with which it misses the field.
+    /// Length of the streak, radians, averaged over all errors; errors with which the satellite misses the field count
+    /// with 0.
     pub streak_length_rad: f64,
 }
 
-/// Distribution of the delay of one satellite, with the interval of the exposure.
+/// Distribution of the delay of one satellite, and the time interval of the exposure.
 #[derive(Copy, Clone, Debug)]
 pub(in crate::passes) struct Delays {
     pub start_s: f64,
     pub end_s: f64,
     pub lateness: Lateness,
-    /// If true, only delays with which the satellite enters the field after `start_s` are counted, not those with which
-    /// it is inside the field at `start_s`.
+    /// If true, only delays with which the satellite enters the field after `start_s` are counted; delays with which it
+    /// is inside the field at `start_s` are not.
     pub only_entering: bool,
 }
 
 impl Delays {
-    /// Returns probability and expected streak length for the chords of a track. `length_rad` is the length of a chord.
+    /// Returns probability and expected streak length for the chords of a track. `length_rad` returns the length of a
+    /// chord.
     pub fn odds(&self, chords: &[Chord], length_rad: impl Fn(&Chord) -> f64) -> Odds {
         let streak_length_rad = chords
             .iter()
@@ -40,7 +43,8 @@ impl Delays {
     }
 
     /// Returns the probability of the delays with which the satellite is on one of the chords during the exposure.
-    /// Overlapping ranges of delays are joined. A satellite enters the field once, at the begin of its first chord.
+    /// Overlapping ranges of delays are joined. The satellite enters the field once, at the beginning of its first
+    /// chord.
     fn probability(&self, chords: &[Chord]) -> f64 {
         if self.only_entering {
             let enters_s = chords.iter().map(|chord| chord.enter_s).min_by(f64::total_cmp);

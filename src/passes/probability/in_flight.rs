@@ -1,5 +1,5 @@
-//! Probability of a crossing for an observer in orbit. The observer moves so fast that a late satellite crosses the field
-//! on another path than the predicted one.
+//! Probability of a crossing for an observer in orbit. The observer moves so fast that a late satellite crosses the
+//! field on a different path from the predicted one.
 
 use super::super::crossing::{cross, cross_samples, sample};
 use super::super::field::FieldOnSky;
@@ -7,18 +7,18 @@ use super::super::track::Sight;
 use super::odds::{GAUSS_HERMITE, shifted_across};
 use crate::orbit::Lateness;
 
-/// Number of delays at which the distribution of the delay is sampled.
+/// Number of delays for which the crossing is computed.
 const TRIED_DELAYS: usize = 81;
 
-/// Probability that the satellite is inside the field at any time of an exposure.
+/// Returns the probability that the satellite is inside the field at any time of an exposure.
 ///
-/// `track` returns the line of sight at a time to a satellite with a delay, both in seconds. The distribution of the
-/// delay is divided into equal steps. Delays between two that both miss the field by a wide margin are skipped.
+/// `track` returns the line of sight, at a time, to a satellite with a delay, both in seconds. The distribution of the
+/// delay is divided into equal steps. The delays between two that both miss the field by a wide margin are skipped.
 ///
-/// The result is accurate to a few hundredths if the field is wider than the error across the track. The error across
-/// the track is represented by five shifts. For narrower fields, the probability of one satellite is therefore one of a
-/// few fixed numbers (0.53 instead of 0.38 for a track through the middle of a field half as wide as the error), and only
-/// sums over many satellites are accurate.
+/// The result is accurate to a few hundredths if the field is wider than the error across the track, which is
+/// represented by five shifts. For narrower fields, the probability of one satellite can have only a few values (0.53
+/// instead of 0.38 for a track through the middle of a field half as wide as the error), and only sums over many
+/// satellites are accurate.
 pub(in crate::passes) fn crossing_probability_in_flight(
     track: &impl Fn(f64, f64) -> Sight,
     (start_s, end_s): (f64, f64),
@@ -36,7 +36,7 @@ pub(in crate::passes) fn crossing_probability_in_flight(
     let share = |delay: usize| lateness.share(delay_s(delay) - 0.5 * step_s, delay_s(delay) + 0.5 * step_s);
     let (first, last) = (late.at(delay_s(0)), late.at(delay_s(TRIED_DELAYS - 1)));
     let mut total = share(0) * first.share + share(TRIED_DELAYS - 1) * last.share;
-    // Each gap between two tried delays is halved until no delay in it leads into the field.
+    // An interval between two delays is halved until no delay in it leads into the field, or its ends are adjacent.
     let mut gaps = vec![(0, first, TRIED_DELAYS - 1, last)];
     while let Some((from, before, to, after)) = gaps.pop() {
         if to - from < 2 || late.misses_between(&before, &after) {
@@ -51,16 +51,16 @@ pub(in crate::passes) fn crossing_probability_in_flight(
     total.clamp(0.0, 1.0)
 }
 
-/// Delayed tracks of one satellite past one field.
+/// Tracks of one satellite past one field, for all delays.
 struct DelayedTracks<'a, T> {
-    /// Line of sight as a function of time and delay, seconds.
+    /// Returns the line of sight as a function of time and delay, seconds.
     track: &'a T,
     exposure_s: (f64, f64),
     field: &'a FieldOnSky<'a>,
     cross_track_sigma_rad: f64,
 }
 
-/// Result for one tried delay.
+/// Result for one delay.
 #[derive(Clone)]
 struct Tried {
     late_s: f64,
@@ -70,8 +70,8 @@ struct Tried {
     share: f64,
 }
 
-/// Margin for the curvature of the path: at a delay between two others, a satellite is no farther from its positions at
-/// these than this multiple of the distance between them.
+/// Margin for the curvature of the path. At a delay between two others, a satellite is no farther from its positions at
+/// these two delays than this factor times the distance between the two positions.
 const STRAYING: f64 = 1.1;
 
 impl<T: Fn(f64, f64) -> Sight> DelayedTracks<'_, T> {
@@ -85,7 +85,7 @@ impl<T: Fn(f64, f64) -> Sight> DelayedTracks<'_, T> {
             if shift_rad == 0.0 {
                 return !nominal.chords.is_empty();
             }
-            // No point of the track is shifted farther than that.
+            // No point of the track is shifted farther than `shift_rad`.
             let may_cross = closest_rad <= self.field.bounding_radius_rad() + shift_rad.abs();
             let shifted = |time_s: f64| shifted_across(&track(time_s), shift_rad);
             may_cross && !cross(&shifted, start_s, end_s, self.field).chords.is_empty()
@@ -102,7 +102,7 @@ impl<T: Fn(f64, f64) -> Sight> DelayedTracks<'_, T> {
         Tried { late_s, samples, closest_rad, share }
     }
 
-    /// Returns true if no delay between two leads into the field, with any shift across the track.
+    /// Returns true if no delay between two others leads into the field, with any shift across the track.
     fn misses_between(&self, before: &Tried, after: &Tried) -> bool {
         let widest_shift_rad = GAUSS_HERMITE.iter().fold(0.0, |most: f64, (node, _)| most.max(node.abs()));
         let clear_rad = before.closest_rad.min(after.closest_rad)

@@ -1,7 +1,7 @@
-//! Probability of a crossing, given the error of the prediction along the track and across it.
+//! Probability of a crossing, given the uncertainty of the prediction along and across the track.
 //!
-//! `delays` integrates the distribution of the delay over the chords of one track, `odds` averages
-//! over the shifts across the track for a site, and `in_flight` does the same for an observer in orbit.
+//! `delays` integrates the distribution of the delay over the chords of one track. `odds` averages over the shifts
+//! across the track for an observer at a site; `in_flight` does the same for an observer in orbit.
 
 mod delays;
 mod in_flight;

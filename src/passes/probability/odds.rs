@@ -1,21 +1,21 @@
-//! Probability of a crossing and expected streak length, seen from a site.
+//! Probability of a crossing and expected streak length, for an observer at a site.
 //!
-//! The error of the predicted position is taken as a shift in time along the track (`along_track_s`) and an independent
-//! shift across it (Gaussian, `cross_track_rad` as seen by the observer); both are constant over the exposure. A
-//! satellite that is late by δ is at time t where it was predicted for t - δ. The track shifted across by x is in the
-//! field during the chords [a, b] of predicted time, so the satellite is in the field during the exposure [0, T] if
-//! -b ≤ δ ≤ T - a:
+//! The error of the predicted position is modelled as a shift in time along the track (`along_track_s`) and an
+//! independent Gaussian shift across the track (`cross_track_rad`, as seen by the observer). Both are constant during
+//! the exposure. A satellite that is late by δ is at time t where it was predicted for t - δ. Let the track that is
+//! shifted by x across be in the field during the chords [a, b] of predicted time. The satellite is then in the field
+//! during the exposure [0, T] if -b ≤ δ ≤ T - a, which has the probability
 //!
 //! P = ∫ dx N(x; σ_c) Σ_chords [F(T - a) - F(-b)]
 //!
-//! with the distribution F of the delay, and spends there, on average, the time
+//! where F is the distribution function of the delay. The mean time that the satellite spends in the field is
 //!
 //! ∫ dx N(x; σ_c) Σ_chords ∫₀ᵀ dt [F(t - a) - F(t - b)]
 //!
 //! The integrals over δ and t are exact. The integral over x is a Gauss-Hermite sum if the field is wide compared with
-//! the error across the track, else a Gauss-Legendre sum over the shifts that lead through the field. `track` must be
-//! seen from a site that is at rest before the shutter opens and after it closes, because a satellite that is delayed
-//! into the exposure is seen from the site's position during the exposure.
+//! the error across the track, otherwise a Gauss-Legendre sum over the shifts that lead through the field. `track` must
+//! be seen from a site that is at rest before the shutter opens and after it closes, because a satellite that is
+//! delayed into the exposure is seen from the site's position during the exposure.
 
 use nalgebra::Vector3;
 
@@ -24,9 +24,10 @@ use super::super::field::FieldOnSky;
 use super::super::track::{Chord, Sight};
 use super::delays::{Delays, Odds};
 
-/// Largest shift across the track that is searched, in sigmas.
+/// Largest shift across the track that is considered, in sigmas.
 pub(in crate::passes) const REACH_SIGMAS: f64 = 3.5;
-/// Largest error across the track for the Gauss-Hermite rule of five nodes, as a fraction of the field's radius.
+/// Largest error across the track, as a fraction of the field's radius, for which the five-point Gauss-Hermite rule is
+/// used.
 const WIDE_SHARE: f64 = 0.3;
 
 /// Nodes and weights of the five-point Gauss-Hermite rule for a unit normal distribution (Abramowitz & Stegun, table
@@ -39,8 +40,7 @@ pub(super) const GAUSS_HERMITE: [(f64, f64); 5] = [
     (-2.856_970_013_872_806, 0.011_257_411_327_720_69),
 ];
 
-/// Nodes and weights of the eight-point Gauss-Legendre rule on [-1, 1] (Abramowitz & Stegun, table 25.4), positive
-/// half.
+/// Positive nodes, and weights, of the eight-point Gauss-Legendre rule on [-1, 1] (Abramowitz & Stegun, table 25.4).
 const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_650, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887),
@@ -48,10 +48,10 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.960_289_856_497_536, 0.101_228_536_290_376),
 ];
 
-/// Probability and expected streak length of one satellite.
+/// Returns the probability and the expected streak length of one satellite.
 ///
-/// `track` is the predicted track. `searched_s` is the part of it that any delay or shift may bring into the field,
-/// `nominal` its crossing without a shift, `sigma_rad` the error across the track.
+/// `track` is the predicted track, and `searched_s` the part of it that a delay or shift may bring into the field.
+/// `nominal` is the crossing without a shift, `sigma_rad` the uncertainty across the track.
 pub(in crate::passes) fn crossing_odds(
     track: &impl Fn(f64) -> Sight,
     nominal: &Crossing,
@@ -88,7 +88,7 @@ pub(in crate::passes) fn crossing_odds(
             add(node * sigma_rad, weight);
         }
     } else {
-        // Shifts that lead through the field: those within its radius of the shift that leads through its centre.
+        // Shifts that lead through the field differ by at most its radius from the shift that leads through its centre.
         let through_rad = across(&track(nominal.closest_s)).map_or(0.0, |across| field.centre().dot(&across));
         let low_rad = (through_rad - radius_rad).max(-REACH_SIGMAS * sigma_rad);
         let high_rad = (through_rad + radius_rad).min(REACH_SIGMAS * sigma_rad);
@@ -109,12 +109,12 @@ pub(in crate::passes) fn crossing_odds(
     total
 }
 
-/// Returns the unit vector across the track; `None` if the line of sight is at rest.
+/// Returns the unit vector across the track; `None` if the line of sight does not move.
 fn across(sight: &Sight) -> Option<Vector3<f64>> {
     sight.vector.cross(&sight.rate_s).try_normalize(0.0)
 }
 
-/// Returns a function that computes the angle between the ends of a chord, radians.
+/// Returns a function that computes the angle between both ends of a chord, radians.
 fn length_on(track: &impl Fn(f64) -> Sight) -> impl Fn(&Chord) -> f64 {
     move |chord| {
         let (enter, exit) = (track(chord.enter_s).vector, track(chord.exit_s).vector);
@@ -122,7 +122,7 @@ fn length_on(track: &impl Fn(f64) -> Sight) -> impl Fn(&Chord) -> f64 {
     }
 }
 
-/// Returns a line of sight that is shifted on the sky at right angles to the track.
+/// Returns a line of sight that is shifted on the sky perpendicular to the track.
 pub(super) fn shifted_across(sight: &Sight, shift_rad: f64) -> Sight {
     let unit = sight.vector.normalize();
     let across = unit.cross(&sight.rate_s);

@@ -6,23 +6,24 @@
 //! | `b` | 1 | more than 0 | the flat top ends where x^g = B |
 //! | `g` | 1 | 0 and up | slope of the wing |
 //!
-//! x is the distance between the projections of the observer and of the mirror direction onto the surface (the
-//! "direction sines" of scattering by small roughness), so the law is reciprocal and independent of the angle of
-//! incidence. Used for polished and painted surfaces; Fankhauser et al. fit it to satellite materials.
+//! x is the distance between the projections of the observer's direction and the mirror direction onto the surface (the
+//! "direction sines" of scattering by small roughness). The law is therefore reciprocal, and its shape does not depend
+//! on the angle of incidence. It is used for polished and painted surfaces; Fankhauser et al. fit it to satellite
+//! materials.
 //!
 //! Reference: Pfisterer (2011), *Approximated scatter models for stray light analysis*, Optics & Photonics News 22(10);
 //! Fankhauser, Tyson and Askari (2023, AJ 166, 59).
 
 use super::law::{Brdf, Incidence};
 
-/// A lobe with a shoulder.
+/// Lobe about the mirror direction with a shoulder and a power-law wing.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Abg {
     /// Amplitude, sr⁻¹.
     pub a: f64,
-    /// Shoulder.
+    /// Value B that determines where the flat top ends: at x^g = B.
     pub b: f64,
-    /// Slope.
+    /// Slope g of the wing.
     pub g: f64,
 }
 

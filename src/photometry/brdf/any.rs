@@ -1,4 +1,4 @@
-//! Reflection laws as one enum.
+//! All reflection laws as one enum.
 
 use super::law::{Brdf, Incidence};
 use super::{Abg, Binomial, Facets, Gaussian, Lambert, Phong, Retro, Straight};
@@ -8,13 +8,13 @@ use super::{Abg, Binomial, Facets, Gaussian, Lambert, Phong, Retro, Straight};
 pub enum Law {
     /// Equal radiance in every direction.
     Lambert(Lambert),
-    /// A lobe that is a power of a cosine.
+    /// A lobe proportional to a power of the cosine.
     Phong(Phong),
     /// A lobe with a shoulder and a power-law wing.
     Abg(Abg),
-    /// A bell-shaped lobe.
+    /// A Gaussian-like lobe.
     Gaussian(Gaussian),
-    /// A polynomial for the logarithm of the reflectance.
+    /// A polynomial expansion of the logarithm of the reflectance.
     Binomial(Binomial),
     /// A lobe about the transmitted direction.
     Straight(Straight),
@@ -25,28 +25,28 @@ pub enum Law {
 }
 
 impl Law {
-    /// Returns the exponent of the Phong lobe of the same width, for the sampling of extended sources.
+    /// Returns the exponent of a Phong lobe of the same width, by which the sampling of extended sources is chosen.
     pub fn equivalent_exponent(&self) -> f64 {
-        /// Exponent used for binomial laws, whose lobes may have any width: the narrowest lobe for which the sum over
-        /// the Earth is tested.
+        /// Exponent for binomial laws, whose lobes may have any width. It is that of the narrowest lobe for which the
+        /// integral over the Earth is tested.
         const LARGEST_EXPONENT: f64 = 200.0;
         // cosⁿθ falls to half at θ² ≈ 2 ln 2 / n
         let of_half_width = |theta: f64| 2.0 * std::f64::consts::LN_2 / theta.powi(2);
         let exponent = match self {
             Self::Lambert(_) => 1.0,
-            // Only the width of the lobe matters here, not its direction.
+            // Only the width of the lobe matters here.
             Self::Phong(Phong { exponent, .. })
             | Self::Straight(Straight { exponent, .. })
             | Self::Retro(Retro { exponent, .. }) => *exponent,
-            // A facet tilted by β across the plane of incidence deflects light by θ = 2β cos φ_i, that is by β at 60°,
-            // as oblique as a satellite's horizon is to its nadir panels: e^(-tan²β/2w²) ≈ e^(-θ²/2w²), and cosⁿθ ≈
-            // e^(-nθ²/2). For light along the normal the lobe is twice as wide, 2w. Slopes below 0.07 would need more
-            // than LARGEST_EXPONENT: for 0.04 the error of earthshine is up to 0.04 mag near the horizon, 0.002 mag
-            // elsewhere.
+            // A facet tilted by β across the plane of incidence deflects light by θ = 2β cos φ_i. At φ_i = 60°, which
+            // is the obliquity of a satellite's horizon for its nadir panels, this is β, and e^(-tan²β/2w²) ≈
+            // e^(-θ²/2w²), while cosⁿθ ≈ e^(-nθ²/2). For light along the normal the lobe is twice as wide, 2w. Slopes
+            // below 0.07 would need an exponent above LARGEST_EXPONENT. For a slope of 0.04 the error of earthshine is
+            // up to 0.04 mag near the horizon and 0.002 mag elsewhere.
             Self::Facets(law) => law.slope.powi(-2),
             // e^((cos θ - 1)/w) ≈ e^(-θ²/2w)
             Self::Gaussian(law) => 1.0 / law.width,
-            // Half maximum at x^g = B.
+            // The half maximum is at x^g = B.
             Self::Abg(law) => of_half_width(law.b.powf(1.0 / law.g.max(0.1))),
             Self::Binomial(_) => LARGEST_EXPONENT,
         };

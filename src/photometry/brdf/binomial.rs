@@ -1,4 +1,4 @@
-//! The binomial law: a logarithm of reflectance expanded in quantities that respect reciprocity.
+//! Binomial law: the logarithm of the reflectance is expanded in quantities for which the law is reciprocal.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -7,9 +7,10 @@
 //! | `d` | 1 | more than 0 | ratio of the widths of successive lobes |
 //! | `first` | 1 | any integer | l, the index of the widest lobe |
 //!
-//! D is the distance between the projections of observer and mirror direction onto the surface, V their scalar product;
-//! both are unchanged if source and observer are exchanged, so every set of coefficients is reciprocal. The law is a
-//! fit to laboratory data without energy conservation: `reflected_share` computes the fraction that a set reflects.
+//! D is the distance between the projections of the observer's direction and the mirror direction onto the surface, and
+//! V their scalar product. Both are unchanged if source and observer are exchanged, so that the law is reciprocal for
+//! any coefficients. The law is a fit to laboratory data that does not ensure energy conservation; `reflected_share`
+//! computes the fraction of the light that is reflected.
 //!
 //! Reference: Greynolds (2015, Proc. SPIE 9577, 95770A); Fankhauser, Tyson and Askari (2023, AJ 166, 59), with fits to
 //! a satellite's chassis and solar array.
@@ -23,7 +24,7 @@ pub struct Binomial {
     pub b: Vec<Vec<f64>>,
     /// Coefficients of the logarithms; shape `(n_k, n_j)`, with as many rows as `b`.
     pub c: Vec<Vec<f64>>,
-    /// Ratio of successive widths.
+    /// Ratio of the widths of successive lobes.
     pub d: f64,
     /// Index of the widest lobe.
     pub first: i32,

@@ -6,33 +6,35 @@ use nalgebra::Vector3;
 
 use super::law::{Brdf, Incidence};
 
-/// Nodes in azimuth and in the distance from the centre of the lobe; accurate to 1e-3 for lobes down to a degree wide.
+/// Numbers of nodes in azimuth and in the distance from the centre of the lobe. They give an accuracy of 1e-3 for lobes
+/// down to a degree wide.
 const AZIMUTHS: usize = 64;
 const RINGS: usize = 512;
 
-/// Returns the fraction of the incident power that a law reflects into the hemisphere of the source, for light at this
-/// cosine from the normal: ∫ f cos φ_r dω.
+/// Returns the fraction of the incident power that a law reflects into the hemisphere of the source: ∫ f cos φ_r dω.
+/// `cos_in` is the cosine of the angle of incidence.
 ///
-/// The sum of two rules, one about the mirror direction and one about the source, with rings that are denser near these
-/// directions, where the lobes are. The error is below 1e-3 of the fraction for lobes wider than a degree.
+/// The integral is the sum of two quadrature rules, one around the mirror direction and one around the source. Their
+/// rings are denser near these directions, where the lobes are. The error is below 1e-3 of the fraction for lobes wider
+/// than a degree.
 pub fn reflected_share(law: &(impl Brdf + ?Sized), cos_in: f64) -> f64 {
     share(law, cos_in, 1.0)
 }
 
-/// Returns the fraction of the incident power that a transmission law sends into the hemisphere behind: ∫ f |cos φ_r|
-/// dω, with the accuracy of [`reflected_share`] for lobes about the transmitted direction.
+/// Returns the fraction of the incident power that a transmission law sends into the hemisphere behind the surface: ∫ f
+/// |cos φ_r| dω. The accuracy for lobes about the transmitted direction is that of [`reflected_share`].
 pub fn transmitted_share(law: &(impl Brdf + ?Sized), cos_in: f64) -> f64 {
     share(law, cos_in, -1.0)
 }
 
-/// Integrates over the hemisphere of the source (`side` 1) or the other (-1).
+/// Integrates over the hemisphere of the source (`side` 1) or over the other hemisphere (`side` -1).
 fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
     let cos_in = cos_in.clamp(0.0, 1.0);
     let sin_in = (1.0 - cos_in * cos_in).sqrt();
     let normal = Vector3::z();
     let to_source = Vector3::new(sin_in, 0.0, cos_in);
-    // Mirror direction and source; for transmission, the transmitted direction and the mirror image of the source in
-    // the plane.
+    // The two directions are the mirror direction and the source; for transmission, the transmitted direction and the
+    // mirror image of the source in the plane.
     let poles = [Vector3::new(-sin_in, 0.0, side * cos_in), Vector3::new(sin_in, 0.0, side * cos_in)];
     let mut share = 0.0;
     for (pole, other) in [(poles[0], poles[1]), (poles[1], poles[0])] {
@@ -47,8 +49,8 @@ fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
                 let to_eye = pole * theta.cos() + (east * psi.cos() + north * psi.sin()) * theta.sin();
                 let incidence = Incidence::new(&normal, &to_source, &to_eye);
                 if incidence.cos_out * side > 0.0 {
-                    // Each direction belongs to both rules, with the larger weight for the nearer pole, and with half
-                    // the weight for each where the poles coincide.
+                    // Each direction belongs to both rules, with the larger weight for the nearer of the two poles, and
+                    // with half the weight for each if the poles coincide.
                     let (near, far) = ((to_eye - pole).norm_squared(), (to_eye - other).norm_squared());
                     let part = if near + far > 0.0 { far / (near + far) } else { 0.5 };
                     share += law.value_per_sr(&incidence) * incidence.cos_out.abs() * weight * part;

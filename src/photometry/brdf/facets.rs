@@ -1,18 +1,19 @@
-//! A rough mirror of small facets with Gaussian slopes, which mask and shadow each other.
+//! A rough mirror: small facets with a Gaussian distribution of slopes, which hide and shade each other.
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
 //! | `weight` | 1 | 0 and up | reflectance of a facet, the same at every angle; 1 is lossless |
 //! | `slope` | 1 | 0.001 to 1 | rms slope of the facets along one axis: 0.1 tilts them by 5.7° |
 //!
-//! Each facet is a small mirror; light reaches the observer from those whose normal is the half vector of source and
-//! observer. Unlike Phong's lobe, this one becomes elongated towards grazing incidence and its peak moves beyond the
-//! mirror direction (to 65° for one of 60° and a slope of 0.1); only light that would meet a second facet is lost. The
-//! reflected fraction is at most `weight` at every incidence, and nearly `weight` for slopes below 0.1 away from
-//! grazing. The law is reciprocal, and 0 where source or observer is behind.
+//! Each facet is a small mirror. Light reaches the observer from the facets whose normal is half way between the
+//! directions of source and observer. Unlike Phong's lobe, this lobe becomes elongated towards grazing incidence, and
+//! its peak moves beyond the mirror direction (to 65° for a mirror direction of 60° and a slope of 0.1). Only the light
+//! that would meet a second facet is lost. The reflected fraction is at most `weight` at any incidence, and nearly
+//! `weight` for slopes below 0.1 except near grazing incidence. The law is reciprocal, and 0 if source or observer is
+//! behind the surface.
 //!
-//! Fresnel's increase is omitted: `weight` is the reflectance of a metal, which changes little with angle. Light from
-//! second facets and diffraction are omitted.
+//! Neglected are Fresnel's increase towards grazing incidence (`weight` is the reflectance of a metal, which changes
+//! little with angle), light reflected by a second facet, and diffraction.
 //!
 //! Reference: Torrance and Sparrow (1967), J. Opt. Soc. Am. 57, 1105; slopes of Beckmann and Spizzichino (1963), *The
 //! scattering of electromagnetic waves from rough surfaces*; masking of Smith (1967), IEEE Trans. Antennas Propag. 15,
@@ -23,22 +24,22 @@ use std::f64::consts::{FRAC_2_PI, SQRT_2, TAU};
 
 use super::law::{Brdf, Incidence};
 
-/// Cosine squared below which no facet of the allowed slopes exists: the density e^(-tan²β/2w²) is 0 in double
-/// precision, and h is undefined where source and observer are opposite.
+/// Square of the cosine below which no facet with an allowed slope exists: the density e^(-tan²β/2w²) is 0 in double
+/// precision, and the half-way direction is undefined if source and observer are in opposite directions.
 const LEAST_COS_SQUARED: f64 = 1e-6;
 
-/// A rough mirror.
+/// Rough mirror of small facets.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Facets {
     /// Reflectance of a facet.
     pub weight: f64,
-    /// Rms slope along one axis.
+    /// Root mean square slope along one axis.
     pub slope: f64,
 }
 
 impl Facets {
-    /// Returns the density of facets per solid angle of their normals, sr⁻¹, for cos² β between a facet's and the
-    /// panel's normal.
+    /// Returns the density of facets per solid angle of their normals, sr⁻¹. `cos_squared` is the square of the cosine
+    /// of the angle β between the normals of facet and panel.
     fn density_per_sr(&self, cos_squared: f64) -> f64 {
         if cos_squared < LEAST_COS_SQUARED {
             return 0.0;
@@ -48,8 +49,8 @@ impl Facets {
         (-0.5 * tan_squared / variance).exp() / (TAU * variance * cos_squared * cos_squared)
     }
 
-    /// Returns the fraction of facets visible (or lit) from a direction over that direction's cosine with the normal,
-    /// in [0, 1]; finite at grazing incidence, where both are 0.
+    /// Returns the fraction of facets that are visible (or lit) from a direction, divided by the cosine between this
+    /// direction and the normal. It is finite at grazing incidence, where both are 0.
     fn seen_per_cosine(&self, cosine: f64) -> f64 {
         // G₁ = 2 / (1 + erf a + e^(-a²) / (a √π)), a = cot θ / (√2 w)    Walter et al. (2007), eq. 26
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();

@@ -12,12 +12,12 @@
 
 use super::law::{Brdf, Incidence};
 
-/// A bell-shaped lobe.
+/// Gaussian-like lobe about the mirror direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Gaussian {
     /// Peak value, sr⁻¹.
     pub peak_per_sr: f64,
-    /// 1 - cos θ at 1/e of the peak.
+    /// Width: the value of 1 - cos θ at which the lobe is 1/e of its peak.
     pub width: f64,
 }
 

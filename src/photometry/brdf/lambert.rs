@@ -4,8 +4,9 @@
 //! |---|---|---|---|
 //! | `albedo` | 1 | 0 and up, at most 1 where energy is conserved | fraction of the incident power that is reflected |
 //!
-//! Valid for a rough surface with multiple scattering. The paper uses it for the diffuse part of both panels and for
-//! the light that leaks through the sail's gaps. It is inaccurate near grazing incidence.
+//! Lambert's law is valid for a rough surface with multiple scattering, and inaccurate near grazing incidence. Lu
+//! (2024) uses it for the diffuse light of chassis and solar array and for the light that leaks through the gaps of the
+//! solar array.
 //!
 //! Reference: Lu (2024), eqs. 3, 4 and 6; Lambert, *Photometria* (1760).
 

@@ -1,4 +1,4 @@
-//! The trait of all reflection laws, the cosines that they depend on, and the lobe that three of them share.
+//! Trait of all reflection laws, the cosines on which they depend, and the lobe that three laws share.
 
 use std::f64::consts::TAU;
 
@@ -6,9 +6,10 @@ use nalgebra::Vector3;
 
 /// A bidirectional reflectance distribution function.
 ///
-/// Conventions for all laws: the value is in sr⁻¹ and does *not* contain the cosines of projection (a panel multiplies
-/// by them and by its area); light arrives and leaves on the same side of the surface; a law depends on direction only
-/// through [`Incidence`]. The value is defined for any incidence, lit or not: panels skip dark faces.
+/// Conventions for all laws: values are in sr⁻¹ and do *not* contain the cosines of projection (a panel multiplies by
+/// these cosines and by its area). Light arrives and leaves on the same side of the surface. A law depends on
+/// directions only through [`Incidence`]. The value is defined for any incidence, because panels skip faces that are
+/// not lit.
 pub trait Brdf {
     /// Returns the reflectance for this incidence, sr⁻¹, at least 0.
     fn value_per_sr(&self, incidence: &Incidence) -> f64;
@@ -21,12 +22,13 @@ pub struct Incidence {
     pub cos_in: f64,
     /// Cosine between the normal and the observer; negative if the observer is behind.
     pub cos_out: f64,
-    /// Cosine between the observer and the mirror direction of the source, cos θ of the paper.
+    /// Cosine between the observer and the mirror direction of the source, cos θ in Lu (2024).
     pub cos_mirror: f64,
 }
 
 impl Incidence {
-    /// Computes the cosines from unit vectors in one frame, both pointing away from the panel.
+    /// Computes the cosines from unit vectors in the same frame; the vectors to source and observer point away from the
+    /// panel.
     pub fn new(normal: &Vector3<f64>, to_source: &Vector3<f64>, to_observer: &Vector3<f64>) -> Self {
         let cos_in = normal.dot(to_source);
         let cos_out = normal.dot(to_observer);
@@ -40,15 +42,16 @@ impl Incidence {
         2.0 * self.cos_in * self.cos_out - self.cos_mirror
     }
 
-    /// Returns ρ·ρ₀ of observer and mirror direction projected onto the surface, in [-1, 1]: with s_t and o_t the parts
-    /// of the unit vectors to source and observer along the surface, ρ₀ = -s_t and ρ = o_t.
+    /// Returns ρ·ρ₀ for the observer's direction and the mirror direction projected onto the surface, in [-1, 1]. With
+    /// the components s_t and o_t, along the surface, of the unit vectors to source and observer, ρ₀ = -s_t and ρ =
+    /// o_t.
     pub fn sine_product(&self) -> f64 {
         // s · o = s_t · o_t + cos φ_i cos φ_r and cos θ = 2 cos φ_i cos φ_r - s · o
         self.cos_mirror - self.cos_in * self.cos_out
     }
 
-    /// Returns |ρ - ρ₀|² of observer and mirror direction projected onto the surface, in [0, 4]: 0 in the mirror
-    /// direction.
+    /// Returns |ρ - ρ₀|² for the observer's direction and the mirror direction projected onto the surface, in [0, 4].
+    /// It is 0 in the mirror direction.
     pub fn sine_distance_squared(&self) -> f64 {
         // |ρ|² + |ρ₀|² - 2 ρ·ρ₀; rounding must not make it negative
         (2.0 - self.cos_in.powi(2) - self.cos_out.powi(2) - 2.0 * self.sine_product()).max(0.0)
@@ -59,21 +62,22 @@ impl Incidence {
         Self { cos_in: -self.cos_in, cos_out: -self.cos_out, cos_mirror: self.cos_mirror }
     }
 
-    /// Returns cos φ_i cos φ_r of a face that is lit and seen from the front; 0 if source or observer is behind.
+    /// Returns cos φ_i cos φ_r for a face that is lit and seen from the front; 0 if source or observer is behind it.
     pub fn front(&self) -> f64 {
         self.cos_in.max(0.0) * self.cos_out.max(0.0)
     }
 }
 
-/// Returns the peak of the lobe of Phong's law, `straight` and `retro`, sr⁻¹; they differ in the axis of the lobe.
+/// Returns the peak, sr⁻¹, of the lobe that the laws `phong`, `straight` and `retro` share; they differ in the axis of
+/// the lobe.
 pub(super) fn lobe_peak_per_sr(weight: f64, exponent: f64) -> f64 {
     // c (n + 2) / 2π                                                     Lu (2024), eq. 2
     weight * (exponent + 2.0) / TAU
 }
 
-/// Returns the value of the lobe for the cosine with its axis, sr⁻¹; 0 beyond 90°.
+/// Returns the value of the lobe, sr⁻¹, where `cosine` is the cosine of the angle to the axis; 0 beyond 90°.
 pub(super) fn lobe_per_sr(weight: f64, exponent: f64, cosine: f64) -> f64 {
-    // Shortcut for zero weight; 0 · 0⁰ is 0.
+    // This is a shortcut for a weight of zero, and the result for an exponent of 0, as 0⁰ is 1.
     if weight == 0.0 || cosine <= 0.0 {
         return 0.0;
     }

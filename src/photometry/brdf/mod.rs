@@ -1,4 +1,4 @@
-//! Reflection laws, one per file, behind one trait.
+//! Reflection laws (BRDFs), each in its own file, with a common trait.
 
 mod abg;
 mod any;

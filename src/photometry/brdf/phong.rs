@@ -1,4 +1,4 @@
-//! Phong's glossy lobe about the mirror direction, in the paper's normalisation.
+//! Phong's glossy lobe about the mirror direction, normalised as in Lu (2024).
 //!
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
@@ -6,17 +6,18 @@
 //! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
 //! θ is the angle between the mirror direction of the incident light and the observer; beyond 90° the lobe is 0. With
-//! (n+2)/2π the reflected power for light along the normal is `weight` (the projection's cosine is part of the
-//! integral); at oblique incidence part of the lobe is below the surface and less is reflected. The law is reciprocal,
-//! since θ is unchanged if source and observer are exchanged.
+//! the factor (n+2)/2π, the reflected power for light along the normal is `weight` (the integral includes the cosine of
+//! projection). At oblique incidence part of the lobe is below the surface and less light is reflected. The law is
+//! reciprocal, because θ is unchanged if source and observer are exchanged.
 //!
-//! It is empirical: no Fresnel increase towards grazing incidence, no masking, and no physical meaning of the exponent.
+//! The law is empirical: it has no Fresnel increase towards grazing incidence and no masking, and its exponent has no
+//! physical meaning.
 //!
 //! Reference: Lu (2024), eqs. 2 and 5; Phong (1975), CACM 18, 311.
 
 use super::law::{Brdf, Incidence, lobe_per_sr};
 
-/// A glossy lobe.
+/// Glossy lobe about the mirror direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Phong {
     /// Fraction of the power in the lobe for light along the normal.

@@ -5,12 +5,12 @@
 //! | `weight` | 1 | 0 and up | fraction of the incident power in the lobe, for light along the normal |
 //! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
-//! For surfaces that are brightest with the Sun behind the observer: crumpled foil, corners, rough ground whose shadows
-//! are hidden. It is Phong's lobe rotated by half a turn about the normal, with the same energy: for light along the
-//! normal `weight` is reflected, at oblique incidence part of the lobe is below the surface and less is reflected. The
-//! lobe depends on the phase angle only: it is reciprocal, and 0 at phase angles beyond 90°.
+//! For surfaces that are brightest with the Sun behind the observer: crumpled foil, corners, or rough ground whose
+//! shadows are then hidden. The lobe is Phong's lobe rotated by half a turn about the normal, with the same energy: for
+//! light along the normal `weight` is reflected; at oblique incidence part of the lobe is below the surface and less is
+//! reflected. The lobe depends only on the phase angle. It is reciprocal, and 0 at phase angles beyond 90°.
 //!
-//! It is empirical: fits to measured satellites require light in this direction.
+//! The law is empirical; it is included because fits to measured satellites require light in this direction.
 //!
 //! Reference: the lobe of Lu (2024), eq. 2, with its axis towards the source.
 

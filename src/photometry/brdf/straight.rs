@@ -5,15 +5,15 @@
 //! | `weight` | 1 | 0 and up | fraction of the incident power in the lobe, for light along the normal |
 //! | `exponent` | 1 | 0 and up | narrowness: half maximum at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
-//! For light that leaks forward through a solar array, between its cells and through thin blankets: a law for the face
-//! `through`, lit from the front and seen from behind. It is Phong's lobe mirrored in the panel's plane, with the same
-//! energy: for light along the normal `weight` is transmitted; at oblique incidence part of the lobe is on the lit
-//! side, where `through` has no light, and less is transmitted; at grazing incidence half of the lobe is lost and the
-//! rest lies in the plane. The lobe depends on the angle between Sun and observer only: it is reciprocal, and 0 for
-//! angles below 90°. As a law of a `front` it contributes only the part of the lobe above the panel's plane, some light
-//! near grazing incidence.
+//! For light that leaks forward through a solar array, between its photovoltaic cells or through thin blankets: a law
+//! for the face `through`, lit from the front and seen from behind. The lobe is Phong's lobe mirrored in the plane of
+//! the panel, with the same energy: for light along the normal `weight` is transmitted. At oblique incidence part of
+//! the lobe is on the lit side, where `through` has no light, and less is transmitted; at grazing incidence half of the
+//! lobe is lost and the rest lies in the plane. The lobe depends only on the angle between Sun and observer. It is
+//! reciprocal, and 0 for angles below 90°. As a law of a `front` it contributes only the part of the lobe above the
+//! plane of the panel: some light near grazing incidence.
 //!
-//! It is empirical: fits to measured satellites require light in this direction.
+//! The law is empirical; it is included because fits to measured satellites require light in this direction.
 //!
 //! Reference: the lobe of Lu (2024), eq. 2, with its axis along the transmitted light.
 

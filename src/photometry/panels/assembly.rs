@@ -1,8 +1,8 @@
-//! Light of a satellite composed of panels and spheres.
+//! Light of a satellite that consists of panels and spheres.
 //!
-//! A panel uses the laws `front` (lit and seen from the front), `back` (lit and seen from behind) or `through` (lit
-//! from the front, seen from behind). The parts that other panels shade or hide are removed exactly; light reflected
-//! between panels is neglected, as in the paper. Spheres add their light and are never hidden.
+//! A panel has the reflection laws `front` (lit and seen from the front), `back` (lit and seen from behind) and
+//! `through` (lit from the front, seen from behind). The parts of a panel that other panels shade or hide are removed
+//! exactly. Light reflected between panels is neglected, as in Lu (2024). Spheres add their light and are never hidden.
 
 use nalgebra::Vector3;
 
@@ -14,7 +14,7 @@ use crate::geometry::ViewingGeometry;
 use crate::photometry::brdf::{Brdf, Incidence, Law};
 use crate::photometry::earthshine::LitEarth;
 
-/// Light path at a panel.
+/// Side from which a panel is lit, and side from which it is seen.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Face {
     /// Lit and seen from the front.
@@ -28,7 +28,7 @@ pub enum Face {
 /// One panel of an assembly.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AssembledPanel {
-    /// Name in the file.
+    /// Name in the model file.
     pub name: String,
     /// Position of u = v = 0, in the body frame, m.
     pub anchor_m: Vector3<f64>,
@@ -36,36 +36,37 @@ pub(super) struct AssembledPanel {
     pub u_m: [f64; 2],
     /// Extent along v, m.
     pub v_m: [f64; 2],
-    /// Attitude law.
+    /// Rule for the attitude of the panel.
     pub attitude: Attitude,
-    /// Laws of the front.
+    /// Reflection laws of the front.
     pub front: Vec<Law>,
-    /// Laws of the back.
+    /// Reflection laws of the back.
     pub back: Vec<Law>,
     /// Laws of transmitted light.
     pub through: Vec<Law>,
     /// True if earthshine falls on the front.
     pub earthshine: bool,
-    /// Indices of panels that may shade or hide it; at most [`MOST_BLOCKERS`].
+    /// Indices of panels that may shade or hide this panel; at most [`MOST_BLOCKERS`].
     pub blockers: Vec<usize>,
 }
 
-/// A face that is lit and seen: the incidence for its laws, and the factor of their values.
+/// A face that is lit and seen, with the incidence for its laws and the area by which their values are multiplied.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LitFace {
     /// Index of the panel.
     pub panel: usize,
     /// Face of the panel.
     pub face: Face,
-    /// Incidence on the lit side: from behind for the back, from the front for transmitted light.
+    /// Incidence on the lit side: that from behind for the back, that from the front for transmitted light.
     pub incidence: Incidence,
-    /// Unobstructed projected area |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ contributes f times this, m² sr⁻¹.
+    /// Unobstructed projected area |cos φ_i cos φ_r| A (1 - BF), m². A law with the value f, sr⁻¹, contributes f times
+    /// this area.
     pub open_m2: f64,
-    /// BF, the fraction of the panel that is shaded or hidden, [0, 1].
+    /// Fraction BF of the panel that is shaded or hidden, [0, 1].
     pub blocked: f64,
 }
 
-/// Light of one law of one panel.
+/// Light that one law of one panel contributes.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Part {
     /// Index of the panel.
@@ -80,7 +81,7 @@ pub struct Part {
     pub blocked: f64,
 }
 
-/// A satellite of any number of panels and spheres.
+/// Satellite that consists of any number of panels and spheres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PanelAssembly {
     panels: Vec<AssembledPanel>,
@@ -88,7 +89,8 @@ pub struct PanelAssembly {
 }
 
 impl PanelAssembly {
-    /// Creates an assembly; invalid indices in `blockers` and more than [`MOST_BLOCKERS`] are rejected in model files.
+    /// Creates an assembly. Invalid indices in `blockers` and more than [`MOST_BLOCKERS`] are rejected earlier, in
+    /// model files.
     pub(super) fn new(panels: Vec<AssembledPanel>, spheres: Vec<Sphere>) -> Self {
         Self { panels, spheres }
     }
@@ -102,20 +104,21 @@ impl PanelAssembly {
         self.panels.iter().map(|panel| panel.name.as_str())
     }
 
-    /// Returns the positions of the panels for a direction of the Sun (unit vector in the body frame, y = 0).
+    /// Returns the positions of the panels for a direction of the Sun (unit vector in the body frame with y = 0).
     pub fn placed(&self, to_sun: &Vector3<f64>) -> Vec<PlacedRectangle> {
         self.panels.iter().map(|panel| panel.placed(to_sun)).collect()
     }
 
-    /// Returns the reflected sunlight, m² sr⁻¹, for unit vectors to Sun (y = 0) and observer in the body frame.
+    /// Returns the reflected sunlight, m² sr⁻¹. The arguments are unit vectors to the Sun (y = 0) and the observer, in
+    /// the body frame.
     pub fn b_total_m2_sr(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
         let mut total = self.sphere_parts(to_sun, to_observer).sum();
         self.each_part(to_sun, to_observer, |part| total += part.m2_sr);
         total
     }
 
-    /// Returns the light of the panels: one entry for each law of each face that is lit and seen. Together with
-    /// [`Self::sphere_parts`] they sum to the total.
+    /// Returns the light of the panels, with one entry for each law of each face that is lit and seen. These entries
+    /// and those of [`Self::sphere_parts`] sum to the total.
     pub fn parts(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<Part> {
         let mut parts = Vec::new();
         self.each_part(to_sun, to_observer, |part| parts.push(part));
@@ -124,9 +127,9 @@ impl PanelAssembly {
 
     /// Returns each face that is lit, seen and has a law, in the order of the panels.
     ///
-    /// They are independent of the coefficients of the laws: a fit keeps them and takes [`Self::laws`] from each new
-    /// assembly. The light of the panels is the sum of f · `open_m2` over these faces and their laws; [`Self::spheres`]
-    /// add theirs, which depends on the phase angle only.
+    /// These faces do not depend on the coefficients of the laws, so that a fit can keep them and take [`Self::laws`]
+    /// from each new assembly. The light of the panels is the sum of f · `open_m2` over these faces and their laws.
+    /// [`Self::spheres`] add their light, which depends only on the phase angle.
     pub fn lit_faces(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<LitFace> {
         let mut faces = Vec::new();
         self.each_lit_face(to_sun, to_observer, |lit| faces.push(lit));
@@ -157,7 +160,8 @@ impl PanelAssembly {
 
     /// Returns the earthshine reflected by the fronts that receive it, m² sr⁻¹.
     ///
-    /// Hidden parts of a panel are removed; the shading of the extended Earth is not. Spheres receive none.
+    /// The hidden parts of a panel are removed. Shading of the extended Earth by other panels is neglected. Spheres
+    /// receive no earthshine.
     pub fn earthshine_m2_sr(&self, geometry: &ViewingGeometry) -> f64 {
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
         let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
@@ -209,14 +213,14 @@ impl PanelAssembly {
                 continue;
             }
             let blocked = self.share_blocked(panel, &placed, to_sun, &[to_sun, to_observer]);
-            // The cosines are the same for both sides.
+            // The cosines of projection are the same for both sides.
             let incidence = if face == Face::Back { incidence.from_behind() } else { incidence };
             let open_m2 = projection * placed.area_m2() * (1.0 - blocked);
             take(LitFace { panel: number, face, incidence, open_m2, blocked });
         }
     }
 
-    /// Returns the fraction of a panel that the others block in any of at most two directions.
+    /// Returns the fraction of a panel that the other panels block in at least one of up to two directions.
     fn share_blocked(
         &self,
         panel: &AssembledPanel,
@@ -240,7 +244,7 @@ impl PanelAssembly {
     }
 }
 
-/// Returns Σ dE f cos φ_i cos φ_r of sources that light the front of a panel, sr⁻¹.
+/// Returns Σ dE f cos φ_i cos φ_r, sr⁻¹, for sources that light the front of a panel.
 fn reflected_per_sr(
     sources: &[(Vector3<f64>, f64)],
     normal: &Vector3<f64>,
@@ -250,7 +254,7 @@ fn reflected_per_sr(
     let reflected = |(to_source, irradiance): &(Vector3<f64>, f64)| {
         let incidence = Incidence::new(normal, to_source, to_observer);
         let projection = incidence.front();
-        // Laws of dark panels are not evaluated.
+        // The laws are not evaluated for sources that do not light the panel.
         if projection > 0.0 { irradiance * law.value_per_sr(&incidence) * projection } else { 0.0 }
     };
     sources.iter().map(reflected).sum()

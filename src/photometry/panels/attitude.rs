@@ -1,24 +1,24 @@
 //! Attitudes of panels: directions of the normal and of the edges as functions of the Sun's latitude.
 //!
-//! The body frame has z to the zenith and the Sun in the half plane y = 0, x > 0 (Lu 2024, section 2.2), so "towards
-//! the Sun's azimuth" is x by construction. A panel's own axes are u and v in its plane and the normal n of its front,
-//! right-handed. Attitudes that depend on the direction of flight cannot be expressed in this frame, since brightness
-//! here is a function of Sun and observer only.
+//! In the body frame z points to the zenith, and the Sun is in the half plane y = 0, x > 0 (Lu 2024, section 2.2).
+//! Hence x points towards the Sun's azimuth. The axes of a panel are u and v in its plane and the normal n of its
+//! front, right-handed. Attitudes that depend on the direction of flight cannot be expressed in this frame, because
+//! brightness is here a function of Sun and observer only.
 
 use nalgebra::Vector3;
 
 /// Angle between a panel's normal and its nominal direction, as a function of the Sun's latitude.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PanelOffset {
-    /// Constant, radians.
+    /// Constant offset, radians.
     Constant(f64),
-    /// Linear interpolation between (Sun's latitude, offset) in radians, constant beyond the ends; in order of
-    /// latitude.
+    /// Pairs of the Sun's latitude and the offset, radians, in order of latitude. The offset is interpolated linearly
+    /// and constant beyond the ends.
     Table(Vec<[f64; 2]>),
 }
 
 impl PanelOffset {
-    /// Returns the offset at a latitude of the Sun, radians.
+    /// Returns the offset for a latitude of the Sun, radians.
     pub fn at_rad(&self, sun_latitude_rad: f64) -> f64 {
         let table = match self {
             Self::Constant(offset_rad) => return *offset_rad,
@@ -34,17 +34,17 @@ impl PanelOffset {
     }
 }
 
-/// An attitude law.
+/// Rule that determines the attitude of a panel.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attitude {
-    /// Front facing straight down, v towards the Sun's azimuth.
+    /// The front faces straight down, and v points towards the Sun's azimuth.
     Nadir,
-    /// Normal in the half plane of the Sun, at this angle above the chassis plane: n = (cos POA, 0, sin POA). At 0 the
-    /// panel is upright and follows the Sun in azimuth only (the paper's sail).
+    /// The normal is in the half plane of the Sun, at this angle above the chassis plane: n = (cos POA, 0, sin POA). At
+    /// 0 the panel is upright and follows the Sun only in azimuth, like the sail of Lu (2024).
     SunAzimuth(PanelOffset),
-    /// Normal in the half plane of the Sun, at this angle above the Sun: at 0 the panel faces the Sun.
+    /// The normal is in the half plane of the Sun, at this angle above the Sun. At 0 the panel faces the Sun.
     SunTracking(PanelOffset),
-    /// Fixed in the body frame: unit normal and unit v, at right angles.
+    /// The axes are fixed in the body frame; both are unit vectors, perpendicular to one another.
     Fixed {
         /// Normal of the front.
         normal: Vector3<f64>,
@@ -53,19 +53,19 @@ pub enum Attitude {
     },
 }
 
-/// A panel's axes in the body frame, right-handed: u × v = n.
+/// Axes of a panel in the body frame, right-handed: u × v = n.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Axes {
-    /// First edge.
+    /// Direction of the first edge.
     pub u: Vector3<f64>,
-    /// Second edge.
+    /// Direction of the second edge.
     pub v: Vector3<f64>,
     /// Normal of the front.
     pub normal: Vector3<f64>,
 }
 
 impl Attitude {
-    /// Returns the axes for a direction of the Sun (unit vector in the body frame, y = 0).
+    /// Returns the axes for a direction of the Sun (unit vector in the body frame with y = 0).
     pub fn axes(&self, to_sun: &Vector3<f64>) -> Axes {
         let sun_latitude_rad = to_sun.z.atan2(to_sun.x);
         let leaning = |elevation_rad: f64| {

@@ -1,4 +1,4 @@
-//! Validation of the panels of a file, and the assembly built from them.
+//! Validation of the panels in a model file, and the assembly that is built from them.
 
 use nalgebra::Vector3;
 
@@ -16,11 +16,11 @@ use crate::photometry::error::Check;
 
 /// Cosines of incidence at which the energy conservation of a face is checked.
 const ENERGY_CHECK_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
-/// Error of the numerical integral of the reflected power.
+/// Tolerance for the error of the numerical integral of the reflected power.
 const ENERGY_SLACK: f64 = 2e-3;
 
 impl PanelsSpec {
-    /// Checks every number against its range, and every reference against the names of panels and parameters.
+    /// Checks that every number is in its range and that every reference is the name of a panel or a parameter.
     pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
         check.count("panels.panels", self.panels.len(), 1, 32)?;
         check.count("panels.parameters", self.parameters.len(), 0, 64)?;
@@ -55,10 +55,12 @@ impl PanelsSpec {
         self.validate_energy(check)
     }
 
-    /// Builds the panels with these values of the parameters, in their order; missing values are taken from the file.
+    /// Builds the panels with these values of the parameters, given in their order; missing values are taken from the
+    /// file.
     ///
-    /// Requires a validated file ([`ModelFile::validate`](crate::photometry::ModelFile::validate)): values are not
-    /// checked here, a coefficient with an unknown name is 0, and a blocker with an unknown name blocks nothing.
+    /// The file must have been validated ([`ModelFile::validate`](crate::photometry::ModelFile::validate)), because
+    /// values are not checked here. A coefficient with an unknown name is 0, and a blocker with an unknown name blocks
+    /// nothing.
     pub fn assemble(&self, values: &[f64]) -> PanelAssembly {
         let number_of = |name: &str| self.panels.iter().position(|panel| panel.name == name);
         let value_of = |coefficient: &Coefficient| self.value(coefficient, values).unwrap_or(0.0);
@@ -84,9 +86,9 @@ impl PanelsSpec {
         PanelAssembly::new(panels.collect(), spheres.collect())
     }
 
-    /// Returns the least and greatest value of each parameter in fits: the common range of all coefficients that refer
-    /// to it (albedos and weights 0 to 1, exponents 0.5 to 200, …). Narrower than in files, so a value of the file may
-    /// be outside.
+    /// Returns the smallest and largest value that each parameter may have in fits. It is the range that all
+    /// coefficients referring to the parameter have in common (albedos and weights 0 to 1, exponents 0.5 to 200, …).
+    /// The range is narrower than in files, so that a value in a file may be outside.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
         let of = |PanelParameter { name, .. }: &PanelParameter| {
             self.terms_of(name).fold([-10_000.0_f64, 10_000.0_f64], |[least, greatest], term| {
@@ -96,8 +98,8 @@ impl PanelsSpec {
         self.parameters.iter().map(of).collect()
     }
 
-    /// Returns true if the light of every law and sphere that refers to a parameter (by index) is proportional to it:
-    /// albedos, weights, the Gaussian's peak, the ABg law's a.
+    /// Returns true if the light of every law and sphere that refers to a parameter (given by its index) is
+    /// proportional to it. This holds for albedos, weights, the peak of the Gaussian law and a of the ABg law.
     pub fn is_linear(&self, parameter: usize) -> bool {
         self.parameters
             .get(parameter)
@@ -180,7 +182,7 @@ impl SphereSpec {
 }
 
 impl PanelSpec {
-    /// Returns every law with its face.
+    /// Returns every law with the name of its face.
     fn laws(&self) -> impl Iterator<Item = (&'static str, &LawSpec)> {
         let front = self.front.iter().map(|law| ("front", law));
         let back = self.back.iter().map(|law| ("back", law));
@@ -249,20 +251,20 @@ impl AttitudeSpec {
             Self::Fixed { normal, v } => {
                 let normal = Vector3::from(*normal).normalize();
                 let v = Vector3::from(*v);
-                // Orthogonal to full precision.
+                // v is made perpendicular to the normal within rounding.
                 Attitude::Fixed { normal, v: (v - normal * normal.dot(&v)).normalize() }
             }
         }
     }
 }
 
-/// A coefficient that may be a parameter.
+/// A coefficient of a law that may refer to a parameter.
 pub(crate) struct Term<'a> {
     key: &'static str,
     pub(crate) coefficient: &'a Coefficient,
-    /// Allowed range in files.
+    /// Range that is allowed in files.
     allowed: [f64; 2],
-    /// Allowed range in fits.
+    /// Range that is allowed in fits.
     fitted: [f64; 2],
     /// True if the light is proportional to the coefficient.
     pub(crate) is_linear: bool,

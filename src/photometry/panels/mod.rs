@@ -1,4 +1,5 @@
-//! Satellites of any number of flat panels and of parts without orientation: attitudes, obstruction, and light.
+//! Satellites of any number of flat panels and of spheres for parts without orientation: attitudes, obstruction, and
+//! light.
 
 mod assembly;
 mod attitude;

@@ -8,49 +8,49 @@ use super::shapes::SpherePhase;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelsSpec {
-    /// Named numbers to which laws and spheres refer, in the order of the covariance.
+    /// Named numbers to which laws and spheres may refer, in the order of the covariance.
     pub parameters: Vec<PanelParameter>,
     /// The panels.
     pub panels: Vec<PanelSpec>,
-    /// Spheres, for parts without an orientation.
+    /// Spheres, which represent parts without an orientation.
     #[serde(default)]
     pub spheres: Vec<SphereSpec>,
     /// Pairs of panels of which one may shade or hide the other.
     #[serde(default)]
     pub blocking: Vec<BlockingSpec>,
-    /// True if the laws of every face are checked to reflect no more than they receive.
+    /// If true, it is checked that the laws of a face do not reflect more light than they receive.
     #[serde(default)]
     pub conserves_energy: bool,
 }
 
-/// A named number.
+/// Named number to which laws and spheres may refer.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelParameter {
-    /// Name used by laws.
+    /// Name by which laws and spheres refer to the number.
     pub name: String,
     /// Value.
     pub value: f64,
 }
 
-/// One flat rectangle.
+/// One flat rectangular panel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelSpec {
     /// Name.
     pub name: String,
-    /// Position of u = v = 0 in the body frame (x towards the Sun's azimuth, z to the zenith), m.
+    /// Position of the point u = v = 0 in the body frame (x towards the Sun's azimuth, z to the zenith), m.
     pub anchor_m: [f64; 3],
     /// Extent along the edge u, m.
     pub u_m: [f64; 2],
     /// Extent along the edge v, m.
     pub v_m: [f64; 2],
-    /// Attitude law.
+    /// Rule for the attitude of the panel.
     pub attitude: AttitudeSpec,
     /// Laws of the front; their light is summed.
     #[serde(default)]
     pub front: Vec<LawSpec>,
-    /// Laws of the back.
+    /// Laws of the back; their light is summed.
     #[serde(default)]
     pub back: Vec<LawSpec>,
     /// Laws of light that falls on the front and is seen from behind.
@@ -61,7 +61,7 @@ pub struct PanelSpec {
     pub earthshine: bool,
 }
 
-/// A sphere, for a part without an orientation. It is never shaded or hidden and receives no earthshine.
+/// Sphere, which represents a part without an orientation. It is never shaded or hidden and receives no earthshine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereSpec {
@@ -75,59 +75,59 @@ pub struct SphereSpec {
     pub phase: SpherePhase,
 }
 
-/// A pair of panels of which one blocks light of the other.
+/// Pair of panels, of which one may shade or hide the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlockingSpec {
-    /// Panel that loses light.
+    /// Name of the panel that loses light.
     pub panel: String,
-    /// Panel that blocks it.
+    /// Name of the panel that shades or hides it.
     pub by: String,
 }
 
-/// An attitude law.
+/// Rule that determines the attitude of a panel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
 pub enum AttitudeSpec {
-    /// Facing straight down; u along y, v towards the Sun's azimuth.
+    /// The panel faces straight down; u is along y, and v points towards the Sun's azimuth.
     Nadir {},
-    /// Upright and turned to the Sun's azimuth, leaning back by the offset.
+    /// The panel is upright, turned to the Sun's azimuth, and leans back by the offset.
     SunAzimuth {
         /// Angle of the normal above the chassis plane, degrees.
         offset_deg: OffsetSpec,
     },
-    /// Facing the Sun, or a direction above it.
+    /// The panel faces the Sun, or a direction above it.
     SunTracking {
         /// Angle of the normal above the Sun, degrees.
         offset_deg: OffsetSpec,
     },
-    /// Fixed in the body frame.
+    /// The axes are fixed in the body frame.
     Fixed {
-        /// Normal, of any length.
+        /// Normal of the front; its length is arbitrary.
         normal: [f64; 3],
-        /// Edge v, of any length, at right angles to the normal.
+        /// Edge v, perpendicular to the normal; its length is arbitrary.
         v: [f64; 3],
     },
 }
 
-/// An angle, constant or as a function of the Sun's latitude.
+/// Angle that is constant or depends on the Sun's latitude.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "degrees, or rows of [Sun's latitude, offset] in degrees")]
 pub enum OffsetSpec {
-    /// Degrees.
+    /// Constant angle, degrees.
     Constant(f64),
-    /// Rows of (Sun's latitude, offset), degrees, by increasing latitude; linear interpolation, constant beyond the
-    /// ends.
+    /// Rows of the Sun's latitude and the angle, degrees, in order of latitude. The angle is interpolated linearly and
+    /// constant beyond the ends.
     Table(Vec<[f64; 2]>),
 }
 
-/// A number, or the name of a parameter.
+/// Value of a coefficient: a number, or the name of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "a number or the name of a parameter")]
 pub enum Coefficient {
     /// A fixed value.
     Number(f64),
-    /// Value of this parameter.
+    /// The value of the parameter with this name.
     Parameter(String),
 }
 
@@ -135,7 +135,7 @@ pub enum Coefficient {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
 pub enum LawSpec {
-    /// Lambert's law.
+    /// Lambert's law (diffuse reflection).
     Lambert {
         /// Fraction of the incident power that is reflected.
         albedo: Coefficient,
@@ -151,16 +151,16 @@ pub enum LawSpec {
     Abg {
         /// Amplitude, sr⁻¹.
         a: Coefficient,
-        /// Shoulder.
+        /// Value B that determines where the flat top ends.
         b: Coefficient,
-        /// Slope.
+        /// Slope of the wing.
         g: Coefficient,
     },
     /// A Gaussian-like lobe.
     Gaussian {
         /// Peak value, sr⁻¹.
         peak_per_sr: Coefficient,
-        /// 1 - cos θ at 1/e of the peak.
+        /// The value of 1 - cos θ at which the lobe is 1/e of its peak.
         width: Coefficient,
     },
     /// A lobe about the transmitted direction.
@@ -181,16 +181,17 @@ pub enum LawSpec {
     Facets {
         /// Reflectance of a facet.
         weight: Coefficient,
-        /// Rms slope along one axis.
+        /// Root mean square slope along one axis.
         slope: Coefficient,
     },
-    /// A binomial expansion of the logarithm; its coefficients are numbers of a laboratory fit.
+    /// A binomial expansion of the logarithm of the reflectance. Its coefficients are those of a fit to laboratory
+    /// data.
     Binomial {
         /// Coefficients b\[k\]\[i\].
         b: Vec<Vec<f64>>,
         /// Coefficients c\[k\]\[j\], with as many rows as b.
         c: Vec<Vec<f64>>,
-        /// Ratio of successive widths.
+        /// Ratio of the widths of successive lobes.
         d: f64,
         /// Index of the widest lobe.
         first: i32,

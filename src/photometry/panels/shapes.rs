@@ -1,5 +1,5 @@
-//! Shapes of panels: polygons and rectangles. Spheres, for parts without an orientation, are never shaded or hidden,
-//! cast no shadow, and receive no earthshine.
+//! Shapes of the parts of a satellite: polygons, rectangles and spheres. Spheres represent parts without an
+//! orientation. They are never shaded or hidden, cast no shadow, and receive no earthshine.
 
 use std::f64::consts::PI;
 
@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 use super::attitude::Axes;
 use crate::photometry::phase::lambert_sphere;
 
-/// Largest number of corners: the intersection of eight quadrilaterals, each cut by a plane and by the panel, has no
-/// more corners.
+/// Largest number of corners. The intersection of eight quadrilaterals, each cut by a plane and by the panel, has at
+/// most this many.
 const MAX_CORNERS: usize = 48;
 
-/// A convex polygon of at most 48 corners in the plane of a panel (u and v along its edges), metres.
+/// Convex polygon of at most 48 corners in the plane of a panel, in metres; u and v are along the edges of the panel.
 #[derive(Copy, Clone, Debug)]
 pub struct PanelPolygon {
     corners: [[f64; 2]; MAX_CORNERS],
@@ -27,14 +27,14 @@ impl Default for PanelPolygon {
 }
 
 impl PanelPolygon {
-    /// Creates a polygon from corners in order; those beyond the capacity are dropped.
+    /// Creates a polygon from corners in order; corners beyond the capacity are dropped.
     pub fn new(corners: &[[f64; 2]]) -> Self {
         let mut polygon = Self::default();
         corners.iter().for_each(|&corner| polygon.push(corner));
         polygon
     }
 
-    /// Returns the corners in order; empty for an empty polygon.
+    /// Returns the corners in order; none for an empty polygon.
     pub fn corners(&self) -> &[[f64; 2]] {
         &self.corners[..self.len]
     }
@@ -44,7 +44,7 @@ impl PanelPolygon {
         self.signed_area_m2().abs()
     }
 
-    /// Returns the part within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
+    /// Returns the part of the polygon with `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
     pub fn clipped_to_rectangle(&self, u: [f64; 2], v: [f64; 2]) -> Self {
         self.clipped(|p| p[0] - u[0]).clipped(|p| u[1] - p[0]).clipped(|p| p[1] - v[0]).clipped(|p| v[1] - p[1])
     }
@@ -58,12 +58,12 @@ impl PanelPolygon {
         }
         let edges = corners.iter().zip(corners.iter().cycle().skip(1));
         edges.fold(*self, |kept, (a, b)| {
-            // Left of each edge, for anticlockwise corners.
+            // For anticlockwise corners, the part to the left of each edge is kept.
             kept.clipped(|p| turn * ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])))
         })
     }
 
-    /// Adds a corner; cutting a convex polygon by a line adds at most one, so the capacity suffices.
+    /// Adds a corner. Cutting a convex polygon by a line adds at most one corner, so that the capacity suffices.
     pub fn push(&mut self, corner: [f64; 2]) {
         if let Some(slot) = self.corners.get_mut(self.len) {
             *slot = corner;
@@ -73,13 +73,13 @@ impl PanelPolygon {
 
     fn signed_area_m2(&self) -> f64 {
         let corners = self.corners();
-        // Shoelace formula.
+        // Area by the shoelace formula.
         let doubled: f64 =
             corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
         0.5 * doubled
     }
 
-    /// Returns the part where a linear function is not negative.
+    /// Returns the part of the polygon where a linear function is not negative.
     fn clipped(&self, inside: impl Fn([f64; 2]) -> f64) -> Self {
         let mut kept = Self::default();
         let corners = self.corners();
@@ -97,16 +97,17 @@ impl PanelPolygon {
     }
 }
 
-/// Largest number of panels that may block one panel; each casts a shadow and hides a part.
+/// Largest number of panels that may block one panel. Each of them may shade a part and hide a part.
 pub const MOST_BLOCKERS: usize = 4;
 
-/// Returns the area of the union of convex shapes, m²: |A ∪ B ∪ …| = Σ|A| - Σ|A ∩ B| + …; empty intersections are
+/// Returns the area of the union of convex shapes, m²: |A ∪ B ∪ …| = Σ|A| - Σ|A ∩ B| + …. Empty intersections are
 /// skipped early.
 pub fn union_area_m2(shapes: &[PanelPolygon]) -> f64 {
     signed(shapes, None)
 }
 
-/// Returns Σ over non-empty subsets, with alternating sign, of the area common to the subset and `within`.
+/// Returns the sum, over non-empty subsets and with alternating sign, of the area that the shapes of the subset and
+/// `within` share.
 fn signed(shapes: &[PanelPolygon], within: Option<&PanelPolygon>) -> f64 {
     let mut sum = 0.0;
     for (index, shape) in shapes.iter().enumerate() {
@@ -119,7 +120,7 @@ fn signed(shapes: &[PanelPolygon], within: Option<&PanelPolygon>) -> f64 {
     sum
 }
 
-/// A rectangle in the body frame: a point of its plane, its axes, and its extent along them, metres.
+/// Rectangle in the body frame, given by a point in its plane, its axes, and its extent along them, in metres.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PlacedRectangle {
     /// Position of u = v = 0, in the body frame.
@@ -145,25 +146,26 @@ impl PlacedRectangle {
         [(u0, v0), (u1, v0), (u1, v1), (u0, v1)].map(|(u, v)| self.anchor_m + self.axes.u * u + self.axes.v * v)
     }
 
-    /// Returns the part of this rectangle from which another blocks light from or to `direction` (unit vector, away
-    /// from the satellite), in u and v of this one; empty if nothing is blocked.
+    /// Returns the part of this rectangle for which another rectangle blocks light from or to `direction` (a unit
+    /// vector that points away from the satellite). The corners are in u and v of this rectangle; the polygon is empty
+    /// if nothing is blocked.
     ///
-    /// Exact for flat rectangles: only the part of the other on the side of this plane to which `direction` points can
-    /// block, and it is projected along `direction` onto the plane.
+    /// The result is exact for flat rectangles. Only the part of the other rectangle on that side of this plane to
+    /// which `direction` points can block light; it is projected along `direction` onto this plane.
     pub fn blocked_by(&self, other: &Self, direction: &Vector3<f64>) -> PanelPolygon {
         let along = self.axes.normal.dot(direction);
-        // Edge-on there is no light to block.
+        // A rectangle that is seen edge-on has no light that could be blocked.
         if along.abs() < 1e-12 {
             return PanelPolygon::default();
         }
         let side = along.signum();
-        // (height above this plane on the side of the direction, position)
+        // Each corner with its height above this plane, measured on the side of `direction`.
         let heights: [(f64, Vector3<f64>); 4] = other.corners_m().map(|corner| {
             let from_anchor = corner - self.anchor_m;
             (side * self.axes.normal.dot(&from_anchor), from_anchor)
         });
         let mut shape = PanelPolygon::default();
-        // Q = B - w (n·B)/(n·w): along the ray to the plane
+        // Q = B - w (n·B)/(n·w), the point where the ray through B meets the plane
         let mut project = |height: f64, position: Vector3<f64>| {
             let on_plane = position - direction * (height / along.abs());
             shape.push([on_plane.dot(&self.axes.u), on_plane.dot(&self.axes.v)]);
@@ -190,16 +192,16 @@ pub enum SpherePhase {
     Isotropic,
 }
 
-/// A sphere, or many parts with the light of one.
+/// A sphere, or several parts that together reflect like one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sphere {
-    /// Name in the file.
+    /// Name in the model file.
     pub name: String,
     /// Cross-section, m².
     pub area_m2: f64,
-    /// Fraction of the incident power that is reflected, in all directions together.
+    /// Fraction of the incident power that is reflected in all directions together.
     pub albedo: f64,
-    /// Dependence on the phase angle.
+    /// Dependence of the light on the phase angle.
     pub phase: SpherePhase,
 }
 

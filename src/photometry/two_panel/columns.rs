@@ -1,4 +1,4 @@
-//! Magnitudes of two panels over columns of geometries.
+//! Magnitudes of two-panel models for many geometries, which are given as columns.
 
 use crate::math::elementary::{fused, greater, sin_cos};
 use crate::math::vectors::{Kernel, widest_fused};
@@ -6,7 +6,8 @@ use crate::math::vectors::{Kernel, widest_fused};
 use super::equations::{Directions, magnitudes};
 use super::satellite::SatelliteModel;
 
-/// Directions of Sun and observer in the body frame as columns, radians; the shortest column determines the number.
+/// Directions of Sun and observer in the body frame, as columns in radians. The shortest column determines their
+/// number.
 #[derive(Copy, Clone, Debug)]
 pub struct BodyAngles<'a> {
     /// Latitude of the Sun above the chassis plane.
@@ -17,15 +18,15 @@ pub struct BodyAngles<'a> {
     pub observer_latitude_rad: &'a [f64],
 }
 
-/// Positions of satellites as columns, in the same geocentric axes as observer and Sun, km; the shortest column
-/// determines the number.
+/// Positions of satellites as columns, km, in the same geocentric axes as observer and Sun. The shortest column
+/// determines their number.
 #[derive(Copy, Clone, Debug)]
 pub struct SatellitePositions<'a> {
     /// First coordinate of each satellite.
     pub x_km: &'a [f64],
-    /// Second coordinate.
+    /// Second coordinate of each satellite.
     pub y_km: &'a [f64],
-    /// Third coordinate.
+    /// Third coordinate of each satellite.
     pub z_km: &'a [f64],
     /// Position of the observer.
     pub observer_km: [f64; 3],
@@ -33,20 +34,20 @@ pub struct SatellitePositions<'a> {
     pub sun_km: [f64; 3],
 }
 
-/// Source of directions in the body frame.
+/// Columns from which directions in the body frame are computed.
 #[derive(Copy, Clone)]
 pub(in crate::photometry) enum Columns<'a> {
     Angles(&'a BodyAngles<'a>),
     Positions(&'a SatellitePositions<'a>),
 }
 
-/// Number of geometries evaluated together: their intermediate values, some 7 kB, stay in the first-level cache.
+/// Number of geometries evaluated together. Their intermediate values, some 7 kB, fit into the first-level cache.
 const BLOCK: usize = 32;
 
 /// Smallest light for which a magnitude is computed, m² sr⁻¹.
 const LEAST_M2_SR: f64 = 1e-300;
 
-/// Writes magnitudes at 1000 km into `out`; NaN where no lit surface is visible. `zero_mag` is the magnitude of a
+/// Writes magnitudes at 1000 km into `out`; NaN where no lit surface is visible. `zero_mag` is the magnitude for a
 /// reflection of 1 m² sr⁻¹.
 pub(in crate::photometry) fn standard_magnitudes(
     model: &SatelliteModel,
@@ -100,7 +101,7 @@ impl Kernel for StandardMagnitudes<'_> {
     }
 }
 
-/// Computes directions from the latitude of the Sun and longitude and latitude of the observer.
+/// Computes directions from the latitude of the Sun and the longitude and latitude of the observer.
 #[inline(always)]
 fn of_angles<const F: bool>(angles: &[[f64; BLOCK]; 3]) -> Directions<BLOCK> {
     let [mut sun_x, mut sun_z, mut eye_x, mut eye_y, mut eye_z] = [[0.0; BLOCK]; 5];
@@ -119,7 +120,7 @@ fn of_angles<const F: bool>(angles: &[[f64; BLOCK]; 3]) -> Directions<BLOCK> {
     Directions { sun: [sun_x, sun_z], observer: [eye_x, eye_y, eye_z] }
 }
 
-/// Computes directions from positions of satellites, as [`crate::geometry::ViewingGeometry::new`].
+/// Computes directions from positions of satellites, as [`crate::geometry::ViewingGeometry::new`] does.
 #[inline(always)]
 fn of_positions<const F: bool>(positions: &[[f64; BLOCK]; 3], observer: [f64; 3], sun: [f64; 3]) -> Directions<BLOCK> {
     let [mut sun_x, mut sun_z, mut eye_x, mut eye_y, mut eye_z] = [[0.0; BLOCK]; 5];
@@ -134,7 +135,7 @@ fn of_positions<const F: bool>(positions: &[[f64; BLOCK]; 3], observer: [f64; 3]
         let per_radius_km = 1.0 / norm::<F>(p);
         let per_radius_sun = per_radius_km / norm::<F>(s);
         let per_eye_km = 1.0 / norm::<F>(e);
-        // With the Sun in the zenith azimuths are undefined: the observer is then taken at an azimuth of 90°.
+        // If the Sun is in the zenith, azimuths are undefined; the observer is then placed at an azimuth of 90°.
         let per_across_eye = per_eye_km / greater(across_km2, f64::MIN_POSITIVE);
         sun_x[lane] = across_km2 * per_radius_sun;
         sun_z[lane] = dot::<F>(p, s) * per_radius_sun;

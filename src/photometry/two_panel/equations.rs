@@ -1,12 +1,13 @@
 //! The equations of the two-panel model (Lu 2024, sections 2.1 and 2.3) for N geometries at once.
 //!
-//! Single magnitudes use N = 1; columns and fits use blocks, whose loops the compiler vectorises. `F` is true on
-//! machines with fused multiply-add ([`crate::math::vectors::widest_fused`]).
+//! Single magnitudes use N = 1. Columns and fits use blocks of geometries, whose loops the compiler vectorises. `F` is
+//! true on machines with fused multiply-add ([`crate::math::vectors::widest_fused`]).
 //!
 //! # Shadow and obstruction by the chassis
 //!
-//! The sail is mounted on the chassis edge that faces away from the Sun, a hinge along y. In the plane of the sail u
-//! runs along the hinge from its middle and v up the sail; in the body frame a point of it is
+//! The sail (solar array) is mounted on the edge of the chassis that faces away from the Sun. This edge is a hinge
+//! along y. In the plane of the sail, u runs along the hinge from its middle, and v up the sail. In the body frame a
+//! point of the sail is
 //!
 //! ```text
 //! P(u, v) = (-v sin POA, u, v cos POA)        normal n = (cos POA, 0, sin POA)
@@ -19,20 +20,21 @@
 //! x = v (n·w)/(-w_z)        y = u + v cos POA w_y/(-w_z)
 //! ```
 //!
-//! so it is blocked where n·w > 0 (otherwise it leaves in the other direction), v ≤ h, and |y| ≤ w_base/2, with
+//! so it is blocked if n·w > 0 (otherwise the ray leaves in the other direction), v ≤ h, and |y| ≤ w_base/2, with
 //!
 //! ```text
 //! h = l_base (-w_z)/(n·w)
 //! ```
 //!
-//! That is a parallelogram on the hinge, sheared sideways; for the Sun w_y = 0 and it is a rectangle. With w the Sun h
-//! is that of the paper's eq. 15, with w the observer it is y_p. **The paper's eq. 17 prints sin² δ_sun where this
-//! derivation (and ray casting) gives sin² δ_obs**; the printed form is wrong by up to 0.74 in the blocked fraction.
-//! The condition for obstruction is n·w > 0, not cos α > 0: with POA = -3° the latter is wrong by up to 0.86.
+//! The blocked points form a parallelogram on the hinge that is sheared sideways; for the Sun w_y = 0, and it is a
+//! rectangle. If w is the Sun, h is that of eq. 15 in Lu (2024); if w is the observer, it is y_p. **Eq. 17 in Lu (2024)
+//! prints sin² δ_sun where this derivation (and ray casting) gives sin² δ_obs**; the printed form is wrong by up to
+//! 0.74 in the blocked fraction. The condition for obstruction is n·w > 0, not cos α > 0, which is wrong by up to 0.86
+//! for POA = -3°.
 //!
 //! The lost part of the sail is the area of shadow ∪ view, cut to the sail. At each height v the three shapes are
-//! intervals in u, so the area is the integral of interval lengths that are piecewise linear in v, in closed form.
-//! Tests compare it with clipped polygons and with single rays.
+//! intervals in u. The area is therefore the integral of interval lengths that are piecewise linear in v, and has a
+//! closed form. Tests compare it with clipped polygons and with single rays.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, LN_10, TAU};
 
@@ -41,13 +43,13 @@ use nalgebra::Vector3;
 use crate::math::elementary::{exp, fused, greater, lesser, ln};
 use crate::photometry::model_file::SatelliteShape;
 
-/// Logarithm of a mirror cosine that is not positive: every power of it is 0.
+/// Value used as the logarithm of a mirror cosine that is not positive, so that every power of the cosine is 0.
 const NO_LOBE: f64 = -1e5;
 
 /// Divisor used in place of a cosine of 0.
 const TINY: f64 = 1e-60;
 
-/// A rectangular sail hinged to the edge of a rectangular chassis.
+/// A rectangular sail (solar array) that is hinged to the edge of a rectangular chassis.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ChassisAndSail {
     sin_panel_offset: f64,
@@ -56,20 +58,20 @@ pub struct ChassisAndSail {
     base_m2: f64,
     sail_length_m: f64,
     base_length_m: f64,
-    /// The smaller width.
+    /// The smaller of the widths of sail and chassis, m.
     narrow_m: f64,
-    /// Half the sum of both widths.
+    /// Half the sum of the two widths, m.
     half_sum_m: f64,
-    /// Half the sum of the smaller width and that of the chassis.
+    /// Half the sum of the smaller width and the width of the chassis, m.
     half_both_m: f64,
 }
 
 /// Fractions of the sail's area that reflect no light to the observer.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Blocked {
-    /// Fraction shaded by the chassis or hidden behind it: BF of the paper, [0, 1].
+    /// Fraction that the chassis shades or hides, BF in Lu (2024), [0, 1].
     pub shadow_or_hidden: f64,
-    /// Fraction shaded by the chassis: BF' of the paper, [0, 1].
+    /// Fraction that the chassis shades, BF' in Lu (2024), [0, 1].
     pub shadow: f64,
 }
 
@@ -87,7 +89,8 @@ pub(crate) struct OpenSail<const N: usize> {
     pub lit_and_seen_m2: [f64; N],
 }
 
-/// Geometry without coefficients: open areas times cosines, m², and logarithms of the mirror cosines.
+/// Quantities that depend on the geometry but not on the coefficients: open areas times cosines, m², and logarithms of
+/// mirror cosines.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(crate) struct LitPanels<const N: usize> {
     /// Front of the sail: cos φ_i cos φ_r A (1 - BF).
@@ -134,8 +137,8 @@ impl ChassisAndSail {
         self.base_m2
     }
 
-    /// Returns the blocked fractions of the sail for unit vectors to Sun and observer in the body frame (the Sun's y is
-    /// taken as 0).
+    /// Returns the blocked fractions of the sail. The arguments are unit vectors to the Sun (whose y is taken as 0) and
+    /// the observer, in the body frame.
     pub fn blocked(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Blocked {
         self.blocked_of(&self.open_sail::<false, 1>(&Directions::new(to_sun, to_observer)))
     }
@@ -145,13 +148,13 @@ impl ChassisAndSail {
         Blocked { shadow_or_hidden: lost(open.lit_and_seen_m2), shadow: lost(open.lit_m2) }
     }
 
-    /// Returns a sail without shadow or obstruction.
+    /// Returns the areas of a sail that is neither shaded nor hidden.
     #[cfg(feature = "fit")]
     pub(crate) fn whole_sail<const N: usize>(&self) -> OpenSail<N> {
         OpenSail { lit_m2: [self.sail_m2; N], lit_and_seen_m2: [self.sail_m2; N] }
     }
 
-    /// Returns the parts of the sail that the chassis neither shades nor hides.
+    /// Returns the areas of the parts of the sail that the chassis does not shade, and does neither shade nor hide.
     #[inline(always)]
     pub(crate) fn open_sail<const F: bool, const N: usize>(&self, directions: &Directions<N>) -> OpenSail<N> {
         let [sun_x, sun_z] = &directions.sun;
@@ -164,8 +167,9 @@ impl ChassisAndSail {
             let below = greater(-eye_z[lane], TINY);
             let aside = greater((self.cos_panel_offset * eye_y[lane]).abs(), TINY);
             let (shear, per_shear) = (aside / below, below / aside);
-            // |S ∪ V| = |S| + |V| - |S ∩ V|, each cut to the sail. S is an upright strip `narrow_m` wide about the
-            // middle; V at height v is an interval of the chassis' width, off the middle by shear v.
+            // |S ∪ V| = |S| + |V| - |S ∩ V|, where the shadow S and the hidden part V are each cut to the sail. S is an
+            // upright strip of width `narrow_m` about the middle. V at height v is an interval of the chassis' width,
+            // displaced from the middle by shear v.
             let shade_m2 = self.narrow_m * shade_m;
             let view_m2 = overlap_m2(self.half_sum_m, self.narrow_m, shear, per_shear, view_m);
             let both_m2 = overlap_m2(self.half_both_m, self.narrow_m, shear, per_shear, lesser(view_m, shade_m));
@@ -176,7 +180,8 @@ impl ChassisAndSail {
         OpenSail { lit_m2, lit_and_seen_m2 }
     }
 
-    /// Returns the height up the sail, m, below which the chassis blocks light to or from a direction of this x and z.
+    /// Returns the height on the sail, m, below which the chassis blocks light to or from a direction with these x and
+    /// z.
     #[inline(always)]
     fn height_m<const F: bool>(&self, x: f64, z: f64) -> f64 {
         // h = l_base (-sin δ) / (n · w)                                  Lu (2024), eqs. 15 and 17 (corrected)
@@ -185,7 +190,7 @@ impl ChassisAndSail {
         if z < 0.0 && facing > 0.0 { height_m } else { 0.0 }
     }
 
-    /// Computes projected areas and mirror angles; logarithms only of the lobes (sail, chassis) that are `selected`.
+    /// Computes projected areas and mirror angles; logarithms only for the lobes (sail, chassis) that are `selected`.
     #[inline(always)]
     pub(crate) fn lit<const F: bool, const N: usize>(
         &self,
@@ -222,8 +227,8 @@ impl ChassisAndSail {
 }
 
 impl<const N: usize> LitPanels<N> {
-    /// Returns five terms, in the order c1 to c5, m² sr⁻¹: B_total is Σ c_k times these; lobes without an exponent are
-    /// 0.
+    /// Returns five terms, in the order c1 to c5, m² sr⁻¹; B_total is the sum of c_k times these terms. The term of a
+    /// lobe without an exponent is 0.
     #[inline(always)]
     pub(crate) fn basis<const F: bool>(&self, exponents: [Option<f64>; 2]) -> [[f64; N]; 5] {
         let mut basis = [[0.0; N]; 5];
@@ -235,7 +240,7 @@ impl<const N: usize> LitPanels<N> {
         basis
     }
 
-    /// Returns B_total in sunlight, m² sr⁻¹, without storing its parts.
+    /// Returns B_total in sunlight, m² sr⁻¹, without storing its terms.
     #[inline(always)]
     pub(crate) fn light<const F: bool>(&self, c: &[f64; 5], exponents: [Option<f64>; 2]) -> [f64; N] {
         let mut light = [0.0; N];
@@ -259,7 +264,7 @@ impl<const N: usize> LitPanels<N> {
     }
 }
 
-/// Returns a lobe of weight 1, sr⁻¹.
+/// Returns the value of a lobe of weight 1, sr⁻¹.
 #[inline(always)]
 fn lobe<const F: bool>(exponent: Option<f64>, ln_cosine: f64) -> f64 {
     let Some(n) = exponent else { return 0.0 };
@@ -268,7 +273,7 @@ fn lobe<const F: bool>(exponent: Option<f64>, ln_cosine: f64) -> f64 {
     if ln_cosine > NO_LOBE { value } else { 0.0 }
 }
 
-/// Returns the derivative by the exponent of a lobe with known value and exponent.
+/// Returns the derivative of a lobe with respect to its exponent, from the value of the lobe and the exponent.
 #[inline(always)]
 pub(crate) fn slope_of_lobe(lobe: f64, exponent: f64, ln_cosine: f64) -> f64 {
     // ∂/∂n of (n + 2)/2π cosⁿθ: itself times 1/(n + 2) + ln cos θ
@@ -282,7 +287,7 @@ fn weighted<const F: bool>(c: &[f64; 5], basis: [f64; 5]) -> f64 {
     fused::<F>(c[0], basis[0], fused::<F>(c[3], basis[3], diffuse))
 }
 
-/// Returns Σ c_k b_k, lane by lane.
+/// Returns Σ c_k b_k for each of N elements.
 #[inline(always)]
 pub(crate) fn weighted_sum<const F: bool, const N: usize>(c: &[f64; 5], basis: &[[f64; N]; 5]) -> [f64; N] {
     let mut sum = [0.0; N];
@@ -292,8 +297,8 @@ pub(crate) fn weighted_sum<const F: bool, const N: usize>(c: &[f64; 5], basis: &
     sum
 }
 
-/// Computes magnitudes of reflected light; `zero_mag` is the magnitude of 1 m² sr⁻¹, and light is at least
-/// `least_m2_sr`.
+/// Computes the magnitudes of reflected light. `zero_mag` is the magnitude of 1 m² sr⁻¹; light below `least_m2_sr` is
+/// replaced by `least_m2_sr`.
 #[inline(always)]
 pub(crate) fn magnitudes<const F: bool, const N: usize>(
     light_m2_sr: &[f64; N],
@@ -308,10 +313,10 @@ pub(crate) fn magnitudes<const F: bool, const N: usize>(
     magnitudes
 }
 
-/// Returns ∫ clamp(reach - slope v, 0, flat) dv over 0 ≤ v ≤ height: the common area of two strips, one of them
-/// inclined.
+/// Returns ∫ clamp(reach - slope v, 0, flat) dv over 0 ≤ v ≤ height. This is the area that two strips have in common,
+/// one of which is inclined.
 ///
-/// `reach` is half the sum of their widths and at least the smaller width `flat`.
+/// `reach` is half the sum of the widths of the strips and at least the smaller width, `flat`.
 #[inline(always)]
 fn overlap_m2(reach: f64, flat: f64, slope: f64, per_slope: f64, height: f64) -> f64 {
     let full = lesser((reach - flat) * per_slope, height);

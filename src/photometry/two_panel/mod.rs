@@ -1,4 +1,5 @@
-//! Chassis and sail of Lu (2024): one set of equations for single geometries, columns of them, and fits.
+//! Chassis and sail (solar array) of Lu (2024): one set of equations for single geometries, for columns of geometries,
+//! and for fits.
 
 mod columns;
 mod equations;

@@ -1,5 +1,5 @@
 //! Frames in files. `target_frame` reads a frame into which streaks are injected, `write` writes the copy with streaks.
-//! `synthetic` simulates a frame with the exposure of `synthetic_shot`, `star_trails` its trailed stars.
+//! `synthetic` simulates a frame, `synthetic_shot` holds its exposure, and `star_trails` draws its trailed stars.
 
 mod star_trails;
 mod synthetic;

@@ -1,4 +1,4 @@
-//! Trailed stars of a synthetic frame with a telescope that does not track the stars.
+//! Star trails in a synthetic frame whose telescope does not track the stars.
 
 use rayon::prelude::*;
 
@@ -12,37 +12,37 @@ use crate::frames::{Direction, Gcrs};
 use crate::images::{Patch, PixelPosition, Plane};
 use crate::streaks::{BRIGHTEST_E, RadialProfile, RandomStars, Star};
 
-/// Star with a direction on the sky.
+/// A star with a direction on the sky.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct SkyStar {
     /// Direction of the star.
     pub direction: Direction<Gcrs>,
-    /// Light of the star in the exposure, electrons.
+    /// Light that the star would give if it were in the frame for the whole exposure, electrons.
     pub flux_e: f64,
     /// Interval in which the star may be over the frame, seconds after the shutter opened.
     pub over_s: [f64; 2],
 }
 
-/// Distance of stars, km: any distance so large that they are in focus.
+/// Distance of stars, km: so large that they are in focus.
 const RANGE_KM: f64 = 1e15;
 
-/// Number of points of a trail: enough for cubic interpolation even if the telescope turns by tens of degrees.
+/// Number of points of a trail, enough for cubic interpolation even if the telescope turns by tens of degrees.
 const MOMENTS: u32 = 16;
 
-/// Largest mean number of stars that trail over a frame.
+/// Largest expected number of stars that trail over a frame.
 const MAX_MEAN_STARS: f64 = 1e6;
 
 /// Number of trails kept in memory at once.
 const TRAILS_AT_ONCE: usize = 256;
 
-/// Draws random stars that pass over the chip, or within `reach_pix` of it, at any time of the exposure.
+/// Draws random stars that pass over the chip, or within `reach_pix` of it, at some time of the exposure.
 ///
-/// The stars are distributed uniformly in a strip along their motion. It is as wide as the chip's diagonal, and longer
-/// by the length of a trail. The position of each star on the sky is computed from its place in the strip, for the time
-/// at which it is nearest to the middle of the chip.
+/// The stars are distributed uniformly in a strip along their motion, as wide as the diagonal of the chip plus the
+/// reach, and longer than wide by the length of a trail. The direction of each star is computed from its position in
+/// the strip at the time when the star is nearest to the middle of the chip.
 ///
 /// # Errors
-/// The errors of [`RandomStars::draw`], and more than a million expected stars.
+/// The errors of [`RandomStars::draw`], and an expected number of more than a million stars.
 pub(super) fn draw_stars(
     field: &RandomStars,
     chip: &Chip,
@@ -50,7 +50,7 @@ pub(super) fn draw_stars(
     reach_pix: f64,
 ) -> Result<Vec<SkyStar>, StreaksError> {
     let Tracking::Rate { reference_s, .. } = shot.tracking else { return Ok(Vec::new()) };
-    // Pixels per second at the middle of the chip and of the exposure.
+    // Motion of the stars in pixels per second, at the middle of the chip and at the reference time of the WCS.
     let step_s = 1e-3 * shot.exposure_s;
     let at = |time_s: f64| chip.wcs.to_pixel(shot.tracking.seen(&shot.centre, time_s, &shot.centre));
     let Some((before, after)) = at(reference_s - step_s).zip(at(reference_s + step_s)) else { return Ok(Vec::new()) };
@@ -63,14 +63,15 @@ pub(super) fn draw_stars(
     StreaksError::check_range("background: stars that trail over the frame", expected, 0.0, MAX_MEAN_STARS)?;
     let middle = chip.middle();
     let on_sky = |star: Star| {
-        // Positions in the strip at the time for which the world coordinates hold.
+        // Position of the star in the strip at the reference time of the WCS.
         let (u, v) = (star.at.x - 0.5 * (columns as f64 - 1.0), star.at.y - 0.5 * (rows as f64 - 1.0));
         let nearest_s = if speed > 0.0 { (reference_s - u / speed).clamp(0.0, shot.exposure_s) } else { reference_s };
         let u = u + speed * (nearest_s - reference_s);
         let position =
             PixelPosition { x: middle.x + u * along[0] - v * along[1], y: middle.y + u * along[1] + v * along[0] };
         let seen = chip.wcs.to_sky(position)?;
-        // Twice the time in which the width of the strip is crossed: the ends are outside.
+        // Twice the time in which a star crosses the width of the strip, so that both ends of the trail are off the
+        // chip.
         let half_s = if speed > 0.0 { width / speed } else { shot.exposure_s };
         Some(SkyStar {
             direction: shot.tracking.stood(&seen, nearest_s, &shot.centre),
@@ -81,11 +82,11 @@ pub(super) fn draw_stars(
     Ok(field.draw(rows, columns, 0.0, shot.seed)?.into_iter().filter_map(on_sky).collect())
 }
 
-/// Adds the trails of stars, each with constant brightness, to the light of a frame. The unit of `chip` is the electron:
-/// a star of magnitude 0 gives one electron in the exposure.
+/// Adds the trails of stars, each of constant brightness, to the light of a frame. The count scale of `chip` is such
+/// that a star of magnitude 0 gives one electron in the exposure.
 ///
 /// # Errors
-/// An invalid path, or a star over the frame that is too bright.
+/// A path is invalid, or a star over the frame is too bright.
 pub(super) fn add_trails(
     light: &mut Plane,
     stars: &[SkyStar],
@@ -109,7 +110,7 @@ pub(super) fn add_trails(
         Ok(paths.iter().map(|chip_path| draw(&chip_path.path, profile, chip.rows, chip.columns)).collect())
     };
     for batch in stars.chunks(TRAILS_AT_ONCE) {
-        // Trails are drawn in parallel and added in order, so the sums do not depend on the threads.
+        // Trails are drawn in parallel and added in order, so that the sums do not depend on the number of threads.
         let trails = batch.par_iter().map(trail).collect::<Result<Vec<_>, StreaksError>>()?;
         trails.iter().flatten().for_each(|patch| patch.add_to(light));
     }

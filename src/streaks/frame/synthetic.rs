@@ -1,4 +1,4 @@
-//! Synthetic frames for injections: sky, stars and detector from a description.
+//! Synthetic frames with sky, stars and detector noise, simulated from a description.
 
 use std::path::Path;
 
@@ -18,7 +18,7 @@ use crate::images::{
 use crate::output::format_utc;
 use crate::streaks::{Blur, RadialProfile, RandomStars, Star, background, flux_e};
 
-/// Synthetic frame, as described by a TOML file.
+/// Description of a synthetic frame, read from a TOML file.
 ///
 /// ```
 /// let frame = streakcast::streaks::SyntheticFrame::from_toml(
@@ -43,14 +43,14 @@ pub struct SyntheticFrame {
     pub rows: usize,
     /// Side of a pixel, arcsec, 0.001 to 600.
     pub pixel_scale_arcsec: f64,
-    /// Position angle of the direction in which rows increase, degrees from north through east.
+    /// Position angle of the direction in which row numbers increase, degrees from north through east.
     #[serde(default)]
     pub rotation_deg: f64,
-    /// Magnitude of a star of one electron per second.
+    /// Magnitude of a star that gives one electron per second.
     pub zero_point_1s_mag: f64,
     /// Surface brightness of the sky, mag per square arcsecond.
     pub sky_mag_arcsec2: f64,
-    /// Random stars of a given density.
+    /// Random stars; `None` for none.
     #[serde(default)]
     pub stars: Option<StarField>,
     /// CSV file of stars with the columns `ra_deg`, `dec_deg` and `magnitude`.
@@ -64,13 +64,13 @@ pub struct SyntheticFrame {
     pub compress: bool,
 }
 
-/// Random stars.
+/// Density and magnitudes of random stars.
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct StarField {
-    /// Mean number per million pixels.
+    /// Mean number of stars per million pixels.
     pub per_megapixel: f64,
-    /// Logarithmic slope of the star counts with magnitude.
+    /// Logarithmic slope of the star counts with magnitude: N(< m) ∝ 10^(slope m).
     pub slope: f64,
     /// Brightest magnitude, mag.
     pub brightest_mag: f64,
@@ -82,7 +82,7 @@ impl SyntheticFrame {
     /// Reads the description from TOML; `origin` is the name of the file in errors.
     ///
     /// # Errors
-    /// Text that is not TOML, unknown or missing keys, values out of range.
+    /// The text is not TOML, a key is unknown or missing, or a value is out of range.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, StreaksError> {
         let frame: Self = toml::from_str(text).map_err(|error| StreaksError::Toml {
             origin: origin.to_owned(),
@@ -105,15 +105,15 @@ impl SyntheticFrame {
         Ok(self.detector.validate().map_err(|error| error.at("synthetic frame"))?)
     }
 
-    /// Computes the counts of sky and stars after the detector, and the world coordinates of the frame.
+    /// Computes the counts of sky and stars, with the effects of the detector, and the world coordinates of the frame.
     ///
     /// # Errors
-    /// Values out of range and invalid lists of stars.
+    /// A value is out of range, or the list of stars is invalid.
     pub fn expose(&self, shot: &SyntheticShot<'_>) -> Result<(Plane, Wcs), StreaksError> {
         let rotation_rad = self.rotation_deg.to_radians();
         let wcs = Wcs::tangent(shot.centre, self.pixel_scale_arcsec, rotation_rad, self.columns, self.rows)?;
         let profile = RadialProfile::of(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
-        // Magnitude of one electron in the whole exposure.
+        // Magnitude of a star of one electron in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * shot.exposure_s.log10();
         let field = self.stars.map(|field| RandomStars {
             per_megapixel: field.per_megapixel,
@@ -127,7 +127,7 @@ impl SyntheticFrame {
             .as_deref()
             .map_or(Ok(Vec::new()), |path| listed_stars(path, zero_point_mag, shot.exposure_s))?;
         let reach_pix = profile.pixel_reach_pix().min(200.0);
-        // Electrons per pixel: 10^(-0.4 (μ - ZP)) times the area of the pixel.
+        // Electrons per pixel from the sky's surface brightness μ: 10^(-0.4 (μ - ZP)) times the area of the pixel.
         let area_arcsec2 = self.pixel_scale_arcsec * self.pixel_scale_arcsec;
         let sky_e = 10f64.powf(-0.4 * (self.sky_mag_arcsec2 - zero_point_mag)) * area_arcsec2;
         let light = match shot.tracking {
@@ -152,7 +152,7 @@ impl SyntheticFrame {
         Ok((counts, wcs))
     }
 
-    /// Returns the frame as a chip on which a star of magnitude 0 gives one electron.
+    /// Returns the frame as a chip whose count scale gives one electron for a star of magnitude 0.
     fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, StreaksError> {
         Ok(Chip {
             hdu: 0,
@@ -166,11 +166,11 @@ impl SyntheticFrame {
         })
     }
 
-    /// Writes the frame with cards for world coordinates, exposure, zero point and gain, from which
-    /// [`crate::streaks::TargetFrame`] opens it.
+    /// Writes the frame with header cards for world coordinates, exposure, zero point and gain.
+    /// [`crate::streaks::TargetFrame`] reads these cards.
     ///
     /// # Errors
-    /// Values out of range, invalid lists of stars, and files that cannot be written; no partial file remains.
+    /// A value is out of range, the list of stars is invalid, or the file cannot be written; no partial file remains.
     pub fn write(&self, shot: &SyntheticShot<'_>, path: &Path) -> Result<(), StreaksError> {
         let (counts, wcs) = self.expose(shot)?;
         let whole = self.detector.quantisation.is_some();
@@ -190,7 +190,7 @@ impl SyntheticFrame {
 
     fn cards(&self, shot: &SyntheticShot<'_>, wcs: &Wcs) -> Vec<Card> {
         let detector = &self.detector;
-        // Magnitude of one count in the whole exposure.
+        // Magnitude of a star of one count in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * (shot.exposure_s / detector.gain_e_adu).log10();
         let date = format_utc(shot.opened, 6);
         let texts = [

@@ -1,4 +1,4 @@
-//! Frame in a file into which streaks are injected: its chips, exposure and count scale.
+//! Frame in a file into which streaks are injected, with its chips, exposure and count scale.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -11,68 +11,69 @@ use super::super::error::StreaksError;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{Calibration, CountBasis, ExposureTime, FrameFile, Header, ImagesError, LightArea, PixelUnit, Wcs};
 
-/// Values of a frame that override its header.
+/// Values that replace those of a frame's header.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameOverrides {
-    /// Shutter opening.
+    /// Time at which the shutter opened.
     pub start: Option<Epoch>,
-    /// Length of the exposure, seconds.
+    /// Exposure time, seconds.
     pub duration_s: Option<f64>,
-    /// Only these HDUs; all images with world coordinates if empty.
+    /// Numbers of the HDUs to use, from 0; if empty, all images with world coordinates are used.
     pub hdus: Vec<usize>,
-    /// Zero point, mag, and the counts to which it refers.
+    /// Zero point, mag, and whether it is the magnitude of one count in the whole exposure or of one count per second.
     pub zero_point: Option<(f64, CountBasis)>,
-    /// Electrons per count.
+    /// Gain, electrons per count.
     pub gain_e_adu: Option<f64>,
-    /// Side of a pixel, arcsec, for random streaks in frames without world coordinates.
+    /// Side of a pixel, arcsec; used for random streaks in frames without world coordinates.
     pub pixel_scale_arcsec: Option<f64>,
 }
 
-/// Chip of a frame, with the values of its header that determine noise and saturation.
+/// Chip of a frame, with the header values that determine noise and saturation.
 #[derive(Clone, Debug)]
 pub struct TargetChip {
-    /// Pixels, world coordinates and count scale.
+    /// Size, world coordinates and count scale.
     pub chip: Chip,
-    /// Electrons per unit of the frame: the gain, multiplied by the exposure if the frame contains counts per second;
-    /// `None` if it is unknown.
+    /// Electrons per unit of the frame; `None` if unknown. This is the gain, multiplied by the exposure time if the
+    /// frame contains counts per second.
     pub electrons_per_unit: Option<f64>,
-    /// Saturation level of pixels, in the unit of the frame.
+    /// Count at which a pixel is saturated, in the unit of the frame.
     pub saturation: Option<f64>,
-    /// Least and greatest count of a frame of whole numbers.
+    /// Smallest and largest count that a frame of integers can hold.
     pub whole_range: Option<(f64, f64)>,
     /// HDU with the variance of each pixel, if the file is a masked image of Rubin's pipelines.
     pub variance_hdu: Option<usize>,
 }
 
-/// Opened frame.
+/// Frame whose file has been opened.
 #[derive(Clone, Debug)]
 pub struct TargetFrame {
     /// The file.
     pub file: FrameFile,
-    /// Shutter opening.
+    /// Time at which the shutter opened.
     pub opened: Epoch,
     /// Exposure time, seconds.
     pub exposure_s: f64,
-    /// Images of the frame, at least one.
+    /// Chips with images, at least one.
     pub chips: Vec<TargetChip>,
-    /// HDUs of images without valid world coordinates, with the reason.
+    /// HDUs of images without valid world coordinates, each with the reason.
     pub left_out: Vec<(usize, String)>,
     /// Filter or band as written in the header.
     pub filter: Option<String>,
     /// Names of instrument, telescope and observatory in the header, in this order.
     pub observatory: Vec<String>,
-    /// Planes named by a mask in the file, with their bits.
+    /// Bit of each mask plane that a mask in the file names.
     pub mask_planes: BTreeMap<String, u32>,
 }
 
 impl TargetFrame {
     /// Opens a frame and reads its headers.
     ///
-    /// The images are all HDUs of two axes with world coordinates that are not masks or weights, or the HDUs of the
-    /// overrides. A zero point is required in the header of each image, in that of the file, or in the overrides.
+    /// The images are the HDUs in the overrides, or else all two-dimensional HDUs with world coordinates that are not
+    /// masks or weights. Each image needs a zero point in its header, in the primary header or in the overrides.
     ///
     /// # Errors
-    /// A file that cannot be read, a frame without images or without time, length or zero point, and invalid values.
+    /// The file cannot be read; it has no images; the start, the exposure time or the zero point is missing; or a value
+    /// is invalid.
     pub fn open(path: &Path, overrides: &FrameOverrides) -> Result<Self, StreaksError> {
         let file = FrameFile::open(path)?;
         let shown = path.display().to_string();
@@ -114,13 +115,14 @@ impl TargetFrame {
         })
     }
 
-    /// Pointing of the telescope, and the radius of the circle around it that contains all chips, radians.
+    /// Returns the middle of all chips on the sky, and the radius in radians of the circle around it that contains
+    /// them.
     pub fn circle(&self) -> Option<(Direction<Gcrs>, f64)> {
         circle_of(self.chips.iter().map(|target| &target.chip))
     }
 }
 
-/// Returns the HDUs of images that contain light.
+/// Returns the numbers of the HDUs that contain images of the sky.
 fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, ImagesError> {
     if !overrides.hdus.is_empty() {
         let mut hdus = overrides.hdus.clone();
@@ -128,7 +130,7 @@ fn images(file: &FrameFile, overrides: &FrameOverrides) -> Result<Vec<usize>, Im
         hdus.dedup();
         for &hdu in &hdus {
             file.header(hdu)?;
-            // Rejects an HDU that is not an image.
+            // This call rejects an HDU that is not an image.
             file.image_size(hdu)?;
         }
         return Ok(hdus);
@@ -149,7 +151,7 @@ fn exposure(headers: &[&Header; 2], overrides: &FrameOverrides, path: &str) -> R
     Ok((start, duration_s))
 }
 
-/// Returns the world coordinates of a chip, and true if they come from its header.
+/// Returns the world coordinates of a chip, and whether they come from its header (true) or are a substitute (false).
 fn chip_wcs(file: &FrameFile, hdu: usize, overrides: &FrameOverrides) -> Result<(Wcs, bool), ImagesError> {
     let error = match Wcs::from_header(file.header(hdu)?) {
         Ok(wcs) => return Ok((wcs, true)),
@@ -194,7 +196,7 @@ fn target_chip(
         }
     };
     let scale = match basis {
-        // In a frame in counts per second, both definitions of the zero point are the same.
+        // In a frame in counts per second, the magnitude of one count and that of one count per second are the same.
         CountBasis::Second if calibration.is_rate => CountScale::of_frame(mag, exposure_s),
         CountBasis::Frame => CountScale::of_frame(mag, exposure_s),
         CountBasis::Second => CountScale::of_counts_per_second(mag, exposure_s),
@@ -205,7 +207,7 @@ fn target_chip(
     let name = info.name.clone();
     let light_area = LightArea::from_header(file.header(hdu)?, rows, columns);
     let is_flux = calibration.pixel_unit == PixelUnit::Flux;
-    // The header of a frame in electrons, or in a calibrated flux, often keeps the gain of the raw counts.
+    // The header of a frame in electrons or in a calibrated flux often still contains the gain of the raw counts.
     let gain_e_adu = overrides.gain_e_adu.or(match calibration.pixel_unit {
         PixelUnit::Electrons => Some(1.0),
         PixelUnit::Flux => None,
@@ -221,8 +223,8 @@ fn target_chip(
     })
 }
 
-/// Returns the variance plane of a masked image of Rubin's pipelines: the HDU after the planes IMAGE and MASK (EXTNAME,
-/// or EXTTYPE if tiles are compressed), of the same size.
+/// Returns the HDU of the variance plane that belongs to an image of Rubin's pipelines: the HDU of the same size after
+/// the planes IMAGE and MASK. The planes are named by EXTNAME, or by EXTTYPE if the file is compressed in tiles.
 fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, ImagesError> {
     let is_plane = |hdu: usize, name: &str| {
         let header = file.header(hdu).ok();
@@ -233,7 +235,7 @@ fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, ImagesErro
     Ok((are_planes && file.image_size(hdu + 2)? == file.image_size(hdu)?).then_some(hdu + 2))
 }
 
-/// Returns the planes in the `MP_` keywords of any mask in the file.
+/// Returns the mask planes, with their bits, in the `MP_` keywords of all masks in the file.
 fn mask_planes(file: &FrameFile) -> Result<BTreeMap<String, u32>, ImagesError> {
     let mut planes = BTreeMap::new();
     for info in file.hdus() {

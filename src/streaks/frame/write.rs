@@ -1,4 +1,4 @@
-//! Copy of a frame with streaks: pixels, masks, truth tables, and cards that describe the injection.
+//! Copy of a frame with streaks: pixels, masks, truth tables, and header cards that describe the injection.
 
 use std::path::Path;
 
@@ -14,46 +14,46 @@ use crate::images::{
 };
 use crate::output::{Column, Kind, Table, Value};
 
-/// Options for the conversion of light to counts and for the truth.
+/// Options for the conversion of light to counts and for the truth that is written.
 #[derive(Clone, Debug)]
 pub struct InjectOptions {
-    /// If true, adds photon noise if the gain is known, and limits pixels to their saturation level if that is known;
-    /// if false, adds the light only.
+    /// If true, photon noise is added where the gain is known, and pixels are limited to the saturation level where
+    /// that is known. If false, only the light is added.
     pub noise: bool,
-    /// Custom detector, used instead of the detector stages that the header implies. Its gain is ignored; the gain of the
-    /// frame is used ([`TargetChip::electrons_per_unit`]).
+    /// Detector to use in place of the detector effects that the header implies. Its gain is ignored; the gain of the
+    /// frame ([`TargetChip::electrons_per_unit`]) is used.
     pub detector: Option<Detector>,
     /// Seed of the noise. The same seed gives the same frame.
     pub seed: u64,
-    /// Bits of the masks.
+    /// Bits of the mask planes.
     pub planes: MaskPlanes,
-    /// If true, masks and truth tables are appended to the file, and the variance of the light is added to the plane of
-    /// variances if the file has one.
+    /// If true, masks and truth tables are appended to the file. If the file has a variance plane, the variance of the
+    /// added light is added to it.
     pub write_truth: bool,
-    /// Lines of HISTORY that describe the injection.
+    /// HISTORY lines that describe the injection.
     pub history: Vec<String>,
 }
 
-/// Report on a frame with streaks.
+/// Result of the injection into one frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Injected {
-    /// Counts of changed pixels of all chips.
+    /// Numbers of changed pixels, summed over all chips.
     pub changed: Changed,
-    /// HDUs with unknown gain, in which the light has no noise.
+    /// HDUs with unknown gain, to which the light was added without noise.
     pub without_gain: Vec<usize>,
 }
 
-/// Writes a copy of the frame with streaks. All cards, extensions and tables are kept, and unchanged data are identical
-/// to the last bit.
+/// Writes a copy of the frame with streaks. All header cards, extensions and tables are kept, and unchanged data are
+/// identical to the last bit.
 ///
-/// If a chip has a plane of variances ([`TargetChip::variance_hdu`]) and the light has noise, the variance of the light
-/// is added to that plane. If requested, one mask for each chip with streaks (`MASK`, or `MASK_<chip>` if there are
-/// several chips or a mask of that name exists) and the tables `STREAKS` and `STREAK_POINTS` are appended after the
-/// HDUs of the frame. Chips without streaks are not changed. The streaks come from [`crate::streaks::draw_on_chip`], in
-/// any order.
+/// If a chip has a variance plane ([`TargetChip::variance_hdu`]) and noise was added, the variance of the light is
+/// added to that plane. If requested, a mask for each chip with streaks and the tables `STREAKS` and `STREAK_POINTS`
+/// are appended after the HDUs of the frame. A mask is named `MASK`, or `MASK_<chip>` if there are several chips or
+/// `MASK` exists. Chips without streaks are not changed. The streaks come from [`crate::streaks::draw_on_chip`], in any
+/// order.
 ///
 /// # Errors
-/// [`StreaksError`]; an existing file at `output` is then kept.
+/// [`StreaksError`]; an existing file at `output` is then left unchanged.
 pub fn inject(
     frame: &TargetFrame,
     streaks: &[DrawnStreak<'_>],
@@ -122,20 +122,21 @@ fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
     })
 }
 
-/// Returns the quantisation of a frame of whole counts, with which light of less than a count is rounded at random, not
-/// to zero. It is not used for 32-bit counts, which exceed single precision and for which rounding is negligible.
+/// Returns the quantisation of a frame of integer counts. With it, light of less than a count is rounded up or down at
+/// random instead of always to zero. It is not used for 32-bit counts, which exceed single precision and for which
+/// rounding is negligible.
 fn quantisation(target: &TargetChip) -> Option<Quantisation> {
     let (least_adu, greatest_adu) = target.whole_range?;
     (greatest_adu <= 65_535.0 && least_adu >= -65_536.0).then_some(Quantisation { least_adu, greatest_adu })
 }
 
-/// Adds the light without a detector.
+/// Adds the light to the pixels without the effects of a detector.
 fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), ImagesError> {
     let mut spans = streaks.iter().flat_map(|streak| streak.patch.iter());
     spans.try_for_each(|span| copy.add(target.chip.hdu, span.row, span.first_column, span.values))
 }
 
-/// Returns one sigma of a chip's pixels, from some of its rows.
+/// Returns the standard deviation of the noise in a chip's pixels, estimated from some of its rows.
 fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, ImagesError> {
     const ROWS: usize = 48;
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
@@ -145,8 +146,8 @@ fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, Images
     Ok(noise_of(&lit_of_rows.map(|value| *value as f32).collect::<Vec<_>>()))
 }
 
-/// Adds light through a detector. The whole chip is read, since full wells apply to the sum of existing and added
-/// light. Returns the changes of the illuminated pixels, in order.
+/// Adds light through a detector and returns the changes of the illuminated pixels, in order. The whole chip is read,
+/// because saturation depends on the sum of existing and added light.
 fn expose(
     copy: &mut FrameCopy<'_>,
     frame: &TargetFrame,
@@ -163,7 +164,7 @@ fn expose(
         patch
     };
     let patches: Vec<Patch> = streaks.iter().map(|streak| electrons(&streak.patch)).collect();
-    // Each chip has its own random numbers.
+    // Each chip has its own random numbers, from a seed that depends on its HDU.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     let (mut added, _) =
         detector.added_light(&before, &patches, seed).map_err(|error| error.in_hdu(frame.file.path(), hdu))?;
@@ -178,8 +179,9 @@ fn expose(
     Ok(added)
 }
 
-/// Adds the variance of the light to the plane of variances, if any: n electrons have a variance of n, in the unit of
-/// the frame n / gain². As in the pipelines that wrote the plane, n is the measured and not the expected number.
+/// Adds the variance of the added light to the variance plane, if there is one. The variance of n electrons is n, or n
+/// / gain² in the unit of the frame. As in the pipelines that wrote the plane, n is the number measured (with noise),
+/// not the expected number.
 fn add_variance(copy: &mut FrameCopy<'_>, target: &TargetChip, added: &[AddedLight]) -> Result<(), ImagesError> {
     let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_per_unit) else { return Ok(()) };
     for of_span in added.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column)) {
@@ -245,7 +247,7 @@ fn append_masks(
     Ok(())
 }
 
-/// Converts a table to columns of a FITS file; times and lists become text.
+/// Converts a table to the columns of a FITS table; times and lists become text.
 fn fits_columns(table: &Table) -> Vec<TableColumn> {
     let column = |(index, column): (usize, &Column)| {
         let cells = table.rows.iter().map(|row| &row[index]);

@@ -1,4 +1,4 @@
-//! Injection into an image in memory, through a file in a scratch folder.
+//! Injection of streaks into an image in memory, by way of a temporary file.
 
 use std::path::{Path, PathBuf};
 
@@ -7,18 +7,18 @@ use super::run::Injections;
 use crate::images::{FrameFile, Header, ImageValues, NewImage, Pixels, write_frame};
 use crate::output::ScratchFolder;
 
-/// Image with streaks.
+/// Result of an injection into an image in memory.
 #[derive(Clone, Debug)]
 pub struct ArrayInjected {
-    /// Pixels, with the type and order of those given.
+    /// Pixels with streaks, in the type and order of the input.
     pub image: ImageValues,
-    /// Bits of each pixel; `None` if no streak crosses the image.
+    /// Mask of each pixel, as bits; `None` if no streak crosses the image.
     pub mask: Option<Vec<i32>>,
-    /// Truth and warnings of the frame.
+    /// Truth tables and warnings.
     pub injections: Injections,
 }
 
-/// Image in memory, written to a temporary file for the injection, so that the result is identical to that for a file.
+/// Image in memory. It is written to a temporary file, so that the result is the same as for a file.
 #[derive(Debug)]
 pub struct ArrayFrame<'a> {
     image: &'a ImageValues,
@@ -26,7 +26,8 @@ pub struct ArrayFrame<'a> {
 }
 
 impl<'a> ArrayFrame<'a> {
-    /// Writes the image into a new folder inside `scratch`, which is removed afterwards. `cards` are its header.
+    /// Writes the image and the header `cards` to a new folder in `scratch`, which is removed when this value is
+    /// dropped.
     ///
     /// # Errors
     /// The file cannot be written.
@@ -36,23 +37,23 @@ impl<'a> ArrayFrame<'a> {
         Ok(frame)
     }
 
-    /// Returns the file of the image.
+    /// Returns the path of the file that contains the input image.
     pub fn input(&self) -> PathBuf {
         self.folder.path().join("image")
     }
 
-    /// Returns the file to write.
+    /// Returns the path of the file to which the injection must write its result.
     pub fn output(&self) -> PathBuf {
         self.folder.path().join("injected")
     }
 
-    /// Reads the image with streaks.
+    /// Reads the image with streaks from the output file.
     ///
     /// # Errors
     /// The file cannot be read.
     pub fn finish(self, mut injections: Injections) -> Result<ArrayInjected, StreaksError> {
         for frame in &mut injections.frames {
-            // The column contains the name of the scratch file.
+            // The first column contains the name of the temporary file.
             frame.truth.columns.remove(0);
             frame.truth.rows.iter_mut().for_each(|row| drop(row.remove(0)));
         }

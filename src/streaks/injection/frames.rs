@@ -1,4 +1,4 @@
-//! Frames of an injection: existing files, or synthetic frames that are made one at a time.
+//! Frames of an injection: existing files, or synthetic frames that are created one at a time.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use crate::images::HduKind;
 use crate::output::ScratchFolder;
 
 pub struct Frames<'a> {
-    /// Existing frames. Of synthetic frames only the first, since all have the same time and centre.
+    /// Existing frames, or the first of the synthetic frames; all synthetic frames have the same time and centre.
     known: Vec<TargetFrame>,
     maker: Option<SyntheticMaker<'a>>,
 }
@@ -35,18 +35,19 @@ impl<'a> Frames<'a> {
             overrides: FrameOverrides { start: None, duration_s: None, ..plan.overrides.clone() },
             scratch: ScratchFolder::new(folder.unwrap_or(Path::new(".")))?,
         };
-        // Only the header of this frame is used, so it is made without stars, which is faster.
+        // Only the header of this frame is used. It is made without stars, which is faster.
         let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.frame.clone() };
         let first = maker.make(&starless, 0, 0)?;
         Ok(Self { known: vec![first], maker: Some(maker) })
     }
 
-    /// Returns the frames that are available before the injection starts.
+    /// Returns the frames that exist before the injection starts.
     pub fn known(&self) -> &[TargetFrame] {
         &self.known
     }
 
-    /// Rejects names ending in .fz for a frame without compressed tiles, because its copy has none either.
+    /// Rejects output names that end in .fz for frames that are not compressed in tiles, because their copies are not
+    /// compressed either.
     pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), StreaksError> {
         let is_tiled =
             |frame: &TargetFrame| frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
@@ -64,7 +65,7 @@ impl<'a> Frames<'a> {
         Ok(())
     }
 
-    /// Calls a function with one frame. A synthetic frame is created before the call and removed after it.
+    /// Calls a function with one frame. A synthetic frame is created before the call and deleted after it.
     pub fn with_frame<T>(
         &self,
         index: usize,
@@ -80,7 +81,8 @@ impl<'a> Frames<'a> {
             Some(maker) => {
                 let frame = maker.make(&maker.synthetic.frame, index + 1, seed)?;
                 let result = work(&frame);
-                // The streaks are in a copy. A file that cannot be removed now is removed with the scratch folder.
+                // The frame is no longer needed, because the streaks are in a copy. If its file cannot be deleted here,
+                // it is deleted with the temporary folder.
                 let _ = std::fs::remove_file(frame.file.path());
                 result
             }

@@ -1,4 +1,4 @@
-//! Moving lights of a frame: satellites of a sky, or random streaks.
+//! Moving lights of a frame: satellites above a site, or random streaks.
 
 use std::path::Path;
 
@@ -17,21 +17,21 @@ use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Radius of random lights, m: that of a small satellite.
+/// Radius of random lights, m, which is that of a small satellite.
 const RANDOM_RADIUS_M: f64 = 1.0;
 
-/// Sky over the frames, with its provenance.
+/// Satellites above the site of the frames, with their provenance.
 #[derive(Copy, Clone, Debug)]
 pub struct InjectionSky<'a> {
-    /// Satellites over the site.
+    /// Propagated satellites and their models.
     pub sky: &'a Sky,
-    /// Earth orientation.
+    /// Table of Earth orientation parameters.
     pub eop: &'a EopTable,
-    /// Provenance of the satellites.
+    /// Provenance of the elements and models.
     pub provenance: &'a Provenance,
 }
 
-/// Returns the sources of one frame.
+/// Returns the sources of light that may cross one frame.
 pub fn sources(
     plan: &InjectionPlan,
     sky: Option<InjectionSky<'_>>,
@@ -80,8 +80,7 @@ fn random_sources(
         number => number,
     };
     let streaks = RandomStreaks { number, ..random.streaks };
-    // The tracks are drawn in the coordinates of the frame, so that they cross it with any tracking, and extend across
-    // the whole frame.
+    // Tracks are drawn in the coordinates of the frame, so that with any tracking they extend across the whole frame.
     let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, |drawn, _| direction_on(chips(), drawn));
     let tracking = plan.tracking(frame.exposure_s);
     let source = |(number, mut track): (usize, SkyTrack)| {
@@ -104,7 +103,7 @@ fn area_deg2(chip: &Chip) -> f64 {
     side_deg * side_deg * chip.light_area.pixels() as f64
 }
 
-/// Returns the lines of HISTORY: the sources and their provenance.
+/// Returns the HISTORY lines of a frame: the sources and their provenance.
 pub fn history(
     provenance: &Provenance,
     plan: &InjectionPlan,
@@ -130,21 +129,21 @@ pub fn history(
     lines
 }
 
-/// Returns the least and greatest number, to a thousandth.
+/// Returns the least and the greatest of some numbers as text, with three decimals.
 fn span(numbers: impl Iterator<Item = f64> + Clone) -> Option<String> {
     let [least, greatest] = [numbers.clone().min_by(f64::total_cmp)?, numbers.max_by(f64::total_cmp)?];
     let [least, greatest] = [least, greatest].map(|number| format!("{number:.3}"));
     Some(if least == greatest { least } else { format!("{least} to {greatest}") })
 }
 
-/// Returns a value as text, truncated to a few cards.
+/// Returns a value as text, truncated to the length of a few header cards.
 fn shortened(value: &serde_json::Value) -> String {
     const LONGEST: usize = 600;
     let text = value.to_string();
     if text.chars().count() <= LONGEST { text } else { text.chars().take(LONGEST).chain("...".chars()).collect() }
 }
 
-/// Adds frame, optics and photometry to the provenance of the truth.
+/// Adds properties of the frame, the optics and the photometry to the provenance of the truth.
 pub fn state(
     provenance: &mut Provenance,
     frame: &TargetFrame,
@@ -170,7 +169,7 @@ pub fn state(
     );
 }
 
-/// Returns true for a part of a source with light.
+/// Returns true if a part of a source is lit at some time.
 pub fn has_light(part: &SourcePart) -> bool {
     part.track.points.iter().any(|point| point.magnitude.is_some())
 }

@@ -1,7 +1,8 @@
-//! Injection of streaks into frames: [`InjectionPlan`] describes it, [`Injection`] opens the frames, draws and writes.
+//! Injection of streaks into frames. [`InjectionPlan`] describes an injection; [`Injection`] opens the frames and runs
+//! it.
 //!
-//! `frames` opens or makes frames, `lights` finds the moving lights of a frame, `run` draws and writes them; `array`
-//! treats images in memory.
+//! `frames` opens or creates frames, `lights` finds the moving lights of a frame, `run` draws and writes them, and
+//! `array` injects streaks into images in memory.
 
 mod array;
 mod frames;

@@ -13,75 +13,75 @@ use crate::frames::{Direction, Gcrs};
 use crate::images::Detector;
 use crate::photometry::{Band, MagSystem, PhotometryOptions};
 
-/// Frames, light, optics, detector and truth of an injection.
+/// Frames, lights, optics, detector and output options of an injection.
 #[derive(Clone, Debug)]
 pub struct InjectionPlan {
-    /// Frames in files; empty for synthetic frames.
+    /// Paths of existing frames; empty if synthetic frames are made.
     pub images: Vec<PathBuf>,
-    /// Synthetic frames.
+    /// Description of synthetic frames; `None` for existing frames.
     pub synthetic: Option<SyntheticPlan>,
-    /// Values that override the headers.
+    /// Values that replace those of the headers.
     pub overrides: FrameOverrides,
     /// Rate of the telescope, arcsec/s towards east and north; `None` for sidereal tracking.
     pub tracking_arcsec_s: Option<[f64; 2]>,
-    /// Random streaks; `None` for satellites.
+    /// Random streaks; `None` for streaks of satellites.
     pub random: Option<RandomPlan>,
-    /// Changes of brightness.
+    /// Changes of the brightness of satellites along their tracks.
     pub modulation: Modulation,
-    /// If true, chassis and solar array are drawn as two lights.
+    /// If true, chassis and solar array of a satellite are drawn as two lights.
     pub resolve_panels: bool,
-    /// Image of a star.
+    /// Seeing and telescope.
     pub optics: Optics,
     /// Name of the shape of a star's image, for the history of the frame.
     pub psf_name: String,
-    /// Name of the telescope.
+    /// Name of the telescope; `None` if it is not given.
     pub telescope: Option<String>,
-    /// Detector.
+    /// Detector that replaces the detector implied by the header; `None` to use the implied one.
     pub detector: Option<Detector>,
-    /// Photometry, in V if no band is given.
+    /// Photometric options; the band is V if none is given.
     pub photometry: PhotometryOptions,
-    /// True if no band is given, so that the frame's filter determines it.
+    /// True if no band is given, so that the filter of each frame determines the band.
     pub band_of_filter: bool,
-    /// Zero point of the magnitudes; that of the band if omitted.
+    /// Zero point system of the magnitudes; the system of the band if `None`.
     pub mag_system: Option<MagSystem>,
-    /// If true, photon noise of the added electrons is drawn.
+    /// If true, photon noise of the added electrons is simulated.
     pub noise: bool,
-    /// Seed.
+    /// Seed of noise and random streaks.
     pub seed: u64,
     /// Number of points along each streak in the table of points.
     pub truth_points: usize,
-    /// Bits of the mask.
+    /// Survey or pipeline whose mask bits are used.
     pub mask_preset: MaskPreset,
-    /// If true, no extensions of mask and truth are written.
+    /// If true, neither masks nor truth tables are appended to the file.
     pub pixels_only: bool,
 }
 
-/// Synthetic frames.
+/// Description and exposure of synthetic frames.
 #[derive(Clone, Debug)]
 pub struct SyntheticPlan {
-    /// Description.
+    /// Description of the sky, the stars and the detector.
     pub frame: SyntheticFrame,
-    /// File of the description.
+    /// Path of the file with the description.
     pub path: PathBuf,
-    /// Shutter opening.
+    /// Time at which the shutter opened.
     pub opened: Epoch,
-    /// Length of the exposure, seconds.
+    /// Exposure time, seconds.
     pub exposure_s: f64,
-    /// Centre of the frame.
+    /// Direction of the centre of the frame.
     pub centre: Direction<Gcrs>,
 }
 
-/// Random streaks: their number, or the number per square degree.
+/// Distribution of random streaks, and the meaning of their number.
 #[derive(Copy, Clone, Debug)]
 pub struct RandomPlan {
-    /// Number, magnitudes and rates.
+    /// Number, magnitudes and angular rates.
     pub streaks: RandomStreaks,
-    /// True if the number is per square degree.
+    /// True if the number is per square degree, false if it is per frame.
     pub is_per_square_degree: bool,
 }
 
 impl InjectionPlan {
-    /// Returns the motion of the telescope in an exposure of this length.
+    /// Returns the tracking of the telescope in an exposure of `exposure_s` seconds.
     pub fn tracking(&self, exposure_s: f64) -> Tracking {
         self.tracking_arcsec_s.map_or(Tracking::Sidereal, |[east, north]| Tracking::Rate {
             east_rad_s: (east / 3600.0).to_radians(),
@@ -90,8 +90,8 @@ impl InjectionPlan {
         })
     }
 
-    /// Returns the photometry of a frame, and a warning if the band is unknown. The band is the given one, else the first
-    /// word of the filter in the header.
+    /// Returns the photometric options of a frame, and a warning if its filter is not a known band. The band is the one
+    /// given in the plan, or else the first word of the filter in the header.
     pub(super) fn photometry_of(&self, frame: &TargetFrame) -> (PhotometryOptions, Option<String>) {
         let word = frame.filter.as_deref().and_then(|filter| filter.split_whitespace().next());
         let band = word.map(|word| word.trim_end_matches('\'').parse::<Band>());
@@ -100,7 +100,7 @@ impl InjectionPlan {
                 let system = self.mag_system.unwrap_or(band.usual_system());
                 (PhotometryOptions { band, system, ..self.photometry }, None)
             }
-            // Random streaks have a magnitude without a band.
+            // Magnitudes of random streaks are used as given, without a band.
             Some(Err(_)) if self.random.is_none() => {
                 let filter = frame.filter.as_deref().unwrap_or_default();
                 let warning =

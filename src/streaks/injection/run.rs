@@ -1,4 +1,4 @@
-//! Run of an injection: opens frames, finds lights, draws and writes them.
+//! Run of an injection: opens the frames, finds the lights, and draws and writes the streaks.
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
@@ -21,33 +21,33 @@ use crate::geometry::Site;
 use crate::images::{ImagesError, PixelPosition};
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
-/// Line of a streak on a chip, for pictures.
+/// Line of a streak on a chip, by which pictures mark the streak.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
     /// HDU of the chip.
     pub hdu: usize,
-    /// Points along the streak.
+    /// Points along the streak, pixels.
     pub line: Vec<PixelPosition>,
     /// Half width of the marked area, pixels.
     pub half_width_pix: f64,
-    /// Length, pixels.
+    /// Length of the streak, pixels.
     pub length_pix: f64,
 }
 
-/// Report on one frame with streaks.
+/// Result of the injection into one frame.
 #[derive(Clone, Debug)]
 pub struct InjectedFrame {
-    /// Written file.
+    /// Path of the written file.
     pub output: PathBuf,
-    /// Truth: one row for each streak and chip.
+    /// Truth table, with one row for each streak on each chip.
     pub truth: Table,
-    /// Truth as rows for Rubin's `source_injection`.
+    /// The same streaks as a catalogue for Rubin's `source_injection`.
     pub trails: Table,
-    /// Points along the streaks.
+    /// Table of points along the streaks.
     pub points: Table,
-    /// Lines of the streaks.
+    /// Lines of the streaks, for pictures.
     pub marks: Vec<Mark>,
-    /// Bits of the masks.
+    /// Bits of the mask planes.
     pub planes: MaskPlanes,
     /// Summary in one line.
     pub summary: String,
@@ -55,20 +55,20 @@ pub struct InjectedFrame {
     pub warnings: Vec<String>,
 }
 
-/// Report on all frames of an injection.
+/// Results of an injection into all frames.
 #[derive(Clone, Debug)]
 pub struct Injections {
-    /// Frames in the order of the outputs.
+    /// Results for each frame, in the order of the outputs.
     pub frames: Vec<InjectedFrame>,
-    /// Remarks about values from headers.
+    /// Remarks about values taken from headers.
     pub remarks: Vec<String>,
     /// Warnings about all frames.
     pub warnings: Vec<String>,
-    /// Provenance.
+    /// Provenance of the truth.
     pub provenance: Provenance,
 }
 
-/// Injection after its frames have been opened.
+/// Injection whose frames have been opened.
 pub struct Injection<'a> {
     plan: &'a InjectionPlan,
     outputs: &'a [PathBuf],
@@ -76,11 +76,12 @@ pub struct Injection<'a> {
 }
 
 impl<'a> Injection<'a> {
-    /// Checks the outputs, one for each frame on file or synthetic frame, and opens the frames.
+    /// Checks the outputs and opens the frames. There is one output for each existing or synthetic frame.
     ///
     /// # Errors
-    /// An output that cannot be written completely (no folder, a pipe, a device, a compressed file), in which case no
-    /// frame is read; or a frame that cannot be opened or made.
+    /// - An output cannot be written completely: its folder is missing, or it is a pipe, a device or a compressed file.
+    ///   No frame is read in this case.
+    /// - A frame cannot be opened or created.
     pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, StreaksError> {
         for output in outputs {
             reject_packed(output)?;
@@ -91,14 +92,14 @@ impl<'a> Injection<'a> {
         Ok(Self { plan, outputs, frames })
     }
 
-    /// Returns the first shutter opening and the last closing; `None` without a frame.
+    /// Returns the time of the first shutter opening and of the last shutter closing; `None` if there are no frames.
     pub fn span(&self) -> Option<(Epoch, Epoch)> {
         let frames = self.frames.known();
         let first = frames.iter().map(|frame| frame.opened).min();
         first.zip(frames.iter().map(|frame| seconds_after(frame.opened, frame.exposure_s)).max())
     }
 
-    /// Returns the sites of the observatories in the headers, each once.
+    /// Returns the sites of the observatories named in the headers, without repetition.
     pub fn observatories(&self) -> Vec<Site> {
         let mut sites: Vec<Site> = Vec::new();
         for frame in self.frames.known() {
@@ -111,11 +112,11 @@ impl<'a> Injection<'a> {
         sites
     }
 
-    /// Injects streaks into all frames, on all threads of the current pool: satellites of the sky, or random streaks.
+    /// Injects streaks of satellites, or random streaks, into all frames, on all threads of the current pool.
     ///
     /// # Errors
-    /// Errors of frames, detectors, passes and drawing. Each output is written completely or not at all. If one frame of
-    /// several fails, other frames may have been written; the error contains their number.
+    /// Errors of frames, detectors, passes and drawing. Each output is written completely or not at all. If one of
+    /// several frames fails, others may have been written; the error contains their number.
     pub fn run(&self, sky: Option<InjectionSky<'_>>) -> Result<Injections, StreaksError> {
         let (plan, known) = (self.plan, self.frames.known());
         let left_out = known.iter().flat_map(|frame| {
@@ -151,7 +152,7 @@ impl<'a> Injection<'a> {
     }
 }
 
-/// Rejects names of compressed files, since frames are never compressed as a whole.
+/// Rejects names of compressed files, because the program does not compress whole files.
 fn reject_packed(output: &Path) -> Result<(), StreaksError> {
     let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
@@ -162,7 +163,7 @@ fn reject_packed(output: &Path) -> Result<(), StreaksError> {
     Ok(())
 }
 
-/// Returns a remark about the pixels of a frame without added light.
+/// Returns a remark about pixels of the frame that are not illuminated, to which no light is added.
 fn overscan(frame: &TargetFrame) -> Option<String> {
     let is_cut = |chip: &&Chip| chip.light_area.pixels() < chip.rows * chip.columns;
     let cut: Vec<&Chip> = frame.chips.iter().map(|target| &target.chip).filter(is_cut).collect();
@@ -193,7 +194,7 @@ fn one(
         optics: &plan.optics,
         truth_points: plan.truth_points,
     };
-    // A synthetic frame is a temporary file, so errors name the output.
+    // A synthetic frame is a temporary file, so errors name the output file instead.
     let shown = if plan.synthetic.is_some() { output } else { frame.file.path() };
     let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(has_light)).collect();
     let streaks: Vec<DrawnStreak<'_>> = frame
@@ -238,7 +239,7 @@ fn one(
     })
 }
 
-/// Returns the truth of one frame with the name of its file in each row.
+/// Returns the truth of one frame with the name of its file as the first column.
 fn with_file_name(mut truth: Table, frame: &Path) -> Table {
     let name = frame.file_name().unwrap_or_default().to_string_lossy().into_owned();
     truth.columns.insert(0, Column::new("image", Kind::Text, "File of the frame."));
@@ -246,7 +247,7 @@ fn with_file_name(mut truth: Table, frame: &Path) -> Table {
     truth
 }
 
-/// Returns the sources of the streaks, each once.
+/// Returns the sources of the streaks, without repetition.
 fn drawn_sources<'a>(streaks: &[DrawnStreak<'a>]) -> Vec<&'a Source> {
     let mut sources: Vec<&Source> = Vec::new();
     for streak in streaks {
@@ -287,13 +288,13 @@ fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {
     if hdus.is_empty() { Vec::new() } else { vec![without_gain] }
 }
 
-/// Returns the seed of one frame. The given seed is used for a single frame. For several frames it is mixed with the
+/// Returns the seed of one frame. A single frame uses the given seed. For several frames the seed is mixed with the
 /// number of the frame, so that two runs with adjacent seeds have no frame in common.
 fn seed_of(seed: u64, index: usize, count: usize) -> u64 {
     if count == 1 {
         return seed;
     }
-    // SplitMix64 finalizer, reduced to 53 bits, which all table formats can represent.
+    // The finalizer of SplitMix64, reduced to 53 bits, because all table formats can represent integers of 53 bits.
     let mut z =
         seed.wrapping_mul(0xd1b5_4a32_d192_ed03).wrapping_add((index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);

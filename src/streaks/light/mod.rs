@@ -1,6 +1,6 @@
-//! Moving lights on the sky. A `source` has one or more tracks (`sky_track`) of positions and magnitudes. `satellites`
-//! creates the sources of an exposure from a sky, `random_streaks` draws random ones. `modulation` adds tumbling, glints
-//! and light curves; `resolved` divides a satellite into chassis and solar array.
+//! Moving lights on the sky. A `source` has one or two tracks (`sky_track`) of directions and magnitudes. `satellites`
+//! creates the sources of an exposure from a sky, and `random_streaks` draws random tracks. `modulation` changes the
+//! brightness by tumbling, glints and light curves. `resolved` divides a satellite into chassis and solar array.
 
 mod modulation;
 mod random_streaks;

@@ -4,14 +4,14 @@ use super::super::error::StreaksError;
 
 use super::sky_track::{SkyPoint, SkyTrack};
 
-/// Brightness of a rotating body: a sine in magnitudes.
+/// Brightness of a rotating body, a sine curve in magnitudes.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Tumbling {
     /// Time from one maximum to the next, seconds.
     pub period_s: f64,
     /// Difference between the faintest and the brightest magnitude, mag.
     pub amplitude_mag: f64,
-    /// Phase at shutter opening, turns; at 0 the light is at its mean and increases.
+    /// Phase when the shutter opens, in turns. At phase 0 the brightness has its mean value and increases.
     pub phase: f64,
 }
 
@@ -20,21 +20,22 @@ pub struct Tumbling {
 pub struct Glint {
     /// Apparent magnitude of the flash alone at its peak.
     pub magnitude: f64,
-    /// Time of the peak after the closest approach to the middle of the frame, seconds; negative if it is before.
+    /// Time of the peak relative to the closest approach to the middle of the frame, seconds; negative if the peak is
+    /// earlier.
     pub offset_s: f64,
     /// Full width at half maximum of the Gaussian flash, seconds.
     pub duration_s: f64,
 }
 
-/// Custom light curve: magnitudes added at times after the shutter opened.
+/// Custom light curve: magnitudes to add as a function of the time after the shutter opened.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightCurve {
     points: Vec<(f64, f64)>,
 }
 
 impl LightCurve {
-    /// Creates a light curve from (seconds after the shutter opened, magnitudes to add), linear between the points and
-    /// constant beyond the ends.
+    /// Creates a light curve from pairs of seconds after the shutter opened and magnitudes to add. The curve is linear
+    /// between the points, and constant before the first and after the last one.
     ///
     /// # Errors
     /// Fewer than two points, numbers that are not finite, or times that do not increase.
@@ -60,7 +61,7 @@ impl LightCurve {
         Ok(Self { points })
     }
 
-    /// Returns the magnitudes to add at a time.
+    /// Returns the magnitudes to add at `time_s` seconds after the shutter opened.
     pub fn at(&self, time_s: f64) -> f64 {
         let after = self.points.partition_point(|point| point.0 <= time_s);
         match (after.checked_sub(1).and_then(|before| self.points.get(before)), self.points.get(after)) {
@@ -75,7 +76,7 @@ impl LightCurve {
     }
 }
 
-/// All changes of brightness along a track.
+/// All changes of brightness along a track, which are applied together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Modulation {
     /// Rotation of the body.
@@ -86,14 +87,14 @@ pub struct Modulation {
     pub curve: Option<LightCurve>,
 }
 
-/// Number of points in the shortest change of brightness.
+/// Number of points during the shortest change of brightness.
 const STEPS_IN_A_CHANGE: f64 = 16.0;
 
 /// Full width at half maximum of a Gaussian in standard deviations: 2 √(2 ln 2).
 const FWHM_SIGMAS: f64 = 2.354_820_045_030_949;
 
-/// Largest number of points of a refined track: shorter periods, far below the crossing time of a pixel, appear as
-/// constant light.
+/// Largest number of points of a refined track. A change with a period too short for this number of points (far below
+/// the time in which the light crosses a pixel) appears as constant light.
 const MOST_POINTS: f64 = 50_000.0;
 
 impl Modulation {
@@ -118,13 +119,13 @@ impl Modulation {
         Ok(())
     }
 
-    /// Returns true if the brightness is not changed.
+    /// Returns true if the brightness is not changed at all.
     pub fn is_none(&self) -> bool {
         *self == Self::default()
     }
 
-    /// Returns the track with changed brightness, with enough points to resolve the changes; glints are relative to
-    /// `middle_s`, seconds after the shutter opened. Points in the Earth's shadow stay dark.
+    /// Returns the track with changed brightness and with enough points to resolve the changes. The times of glints are
+    /// relative to `middle_s`, seconds after the shutter opened. Points in the Earth's shadow stay dark.
     pub fn applied(&self, track: &SkyTrack, middle_s: f64) -> SkyTrack {
         if self.is_none() || track.points.is_empty() {
             return track.clone();

@@ -9,14 +9,14 @@ use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::frames::{Direction, Gcrs};
 
-/// Distribution of random streaks.
+/// Number, magnitudes and rates of random streaks.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct RandomStreaks {
     /// Number of streaks in a frame.
     pub number: StreakNumber,
-    /// Apparent magnitudes, uniform between the brightest and the faintest.
+    /// Range of apparent magnitudes, the brighter first; magnitudes are distributed uniformly.
     pub magnitude: [f64; 2],
-    /// Angular rates, rad/s, uniform in their logarithm between the slowest and the fastest.
+    /// Range of angular rates, rad/s, the slower first; logarithms of rates are distributed uniformly.
     pub rate_rad_s: [f64; 2],
 }
 
@@ -25,18 +25,18 @@ pub struct RandomStreaks {
 pub enum StreakNumber {
     /// Exactly this number of streaks, all of which touch the frame.
     Exactly(usize),
-    /// Number from a Poisson distribution with this mean.
+    /// Poisson-distributed number with this mean.
     OnAverage(f64),
 }
 
-/// Speed of low satellites relative to an observer, km/s. The angular rate and this speed determine the distance of a
-/// random light, and with it the defocus.
+/// Speed of low satellites relative to an observer, km/s. The distance of a random light, and with it its defocus, is
+/// this speed divided by the angular rate.
 const PASSING_KM_S: f64 = 7.6;
 
-/// Number of the random stream of the streaks, which makes it independent of stars and noise with the same seed.
+/// Constant combined with the seed, so that the streaks are independent of stars and noise with the same seed.
 const OWN_STREAM: u64 = 0x5354_5245_414b_5321;
 
-/// Points along one track.
+/// Number of points of one track.
 const POINTS: usize = 65;
 
 /// Largest number of streaks in one frame.
@@ -46,7 +46,7 @@ impl RandomStreaks {
     /// Checks all ranges.
     ///
     /// # Errors
-    /// A range outside the allowed one, or with ends in the wrong order.
+    /// A number is outside its allowed range, or the ends of a range are in the wrong order.
     pub fn check(&self) -> Result<(), StreaksError> {
         let held = |what: &str, [from, to]: [f64; 2], allowed: &str, [least, most]: [f64; 2]| {
             let right = from >= least && to <= most && from <= to;
@@ -63,14 +63,14 @@ impl RandomStreaks {
         held("rates (deg/s)", rates_deg_s, "1e-4 to 10, the slower first", [1e-4, 10.0])
     }
 
-    /// Returns the tracks of one frame.
+    /// Returns the tracks of the random streaks of one frame.
     ///
-    /// `place` is called once for each streak: it converts three numbers in [0, 1) and a random time of the exposure,
-    /// seconds after the shutter opened, to a direction in the frame. The light passes through it at that time, in a
-    /// random direction of motion. Tracks extend to `radius_rad` on both sides of it, or from the opening to the
-    /// closing of the shutter.
+    /// `place` is called once for each streak. It converts three random numbers in [0, 1) and a random time, in seconds
+    /// after the shutter opened, to a direction in the frame. The light passes this direction at that time, moving in a
+    /// random direction. Its track extends `radius_rad` to either side, or from the opening to the closing of the
+    /// shutter if that is shorter.
     ///
-    /// The streaks depend only on the seed, not on other random numbers of the frame.
+    /// The streaks depend only on the seed, not on the other random numbers of the frame.
     pub fn tracks(
         &self,
         seed: u64,
@@ -81,7 +81,7 @@ impl RandomStreaks {
         let mut random = ChaCha8Rng::seed_from_u64(seed ^ OWN_STREAM);
         let number = match self.number {
             StreakNumber::Exactly(number) => number,
-            // A Poisson distribution with mean 0 is not defined: there are no streaks.
+            // With a mean of 0, for which `Poisson` is not defined, there are no streaks.
             StreakNumber::OnAverage(mean) => {
                 Poisson::new(mean).map_or(0, |poisson| (poisson.sample(&mut random) as usize).min(MOST_STREAKS))
             }
@@ -110,7 +110,8 @@ impl RandomStreaks {
     }
 }
 
-/// Returns a uniform motion along the great circle through `centre`, which it passes at `passing_s`.
+/// Returns a track of constant angular rate along a great circle through `centre`, which the light passes at
+/// `passing_s`.
 fn straight(
     centre: &Direction<Gcrs>,
     position_angle_rad: f64,

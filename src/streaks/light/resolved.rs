@@ -1,7 +1,8 @@
-//! Chassis and solar array of near satellites as two lights.
+//! Chassis and solar array of a near satellite, drawn as two lights.
 //!
-//! A solar array of 10 m at 550 km has an apparent length of 4", more than good seeing. Each panel is a light at its own
-//! centre, with its fraction of the light of the brightness model. The fractions include mutual shadowing.
+//! A solar array of 10 m at 550 km has an apparent length of 4", more than good seeing. Each of the two panels is a
+//! light at its own centre, with its fraction of the satellite's light according to the brightness model. The fractions
+//! include the shadow of each panel on the other.
 
 use nalgebra::Vector3;
 
@@ -10,7 +11,7 @@ use crate::frames::{Direction, Gcrs, Position, seconds_between};
 use crate::passes::{Exposure, Pass};
 use crate::photometry::{BrightnessModel, Earthshine};
 
-/// Two panels of a satellite along one pass.
+/// Chassis and solar array of a satellite along one pass.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedPanels {
     moments: Vec<PanelMoment>,
@@ -20,22 +21,22 @@ pub struct ResolvedPanels {
     pub sail_radius_m: f64,
 }
 
-/// Fraction of the chassis, and offset of the solar array, at one time.
+/// Relative brightness and separation of the two panels at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 struct PanelMoment {
     time_s: f64,
     /// Fraction of the light from the chassis, 0 to 1.
     base_share: f64,
-    /// Vector from the centre of the chassis to that of the sail as seen by the observer, radians on the sky (across
-    /// the line of sight).
+    /// Vector from the centre of the chassis to the centre of the solar array, projected across the line of sight,
+    /// radians.
     sail_offset: Vector3<f64>,
 }
 
 impl ResolvedPanels {
-    /// Computes the panels from the samples of a pass. `observer` returns the position of the observer at a time after
-    /// the shutter opened, km from the Earth's centre.
+    /// Computes the panels at the samples of a pass. `observer` returns the position of the observer, km from the
+    /// Earth's centre, at a time in seconds after the shutter opened.
     ///
-    /// `None` if the model does not have two panels, or the pass has no samples with light.
+    /// `None` if the model does not have two panels, or if no sample of the pass is lit.
     pub fn of_pass(
         pass: &Pass,
         exposure: &Exposure,
@@ -46,7 +47,7 @@ impl ResolvedPanels {
         let panels = model.satellite()?;
         let shape = model.file()?.shape.as_ref()?;
         let (sin, cos) = shape.panel_offset_deg.to_radians().sin_cos();
-        // From the hinge: chassis (L_b / 2, 0, 0), sail L_s / 2 (-sin POA, 0, cos POA).
+        // Centres relative to the hinge: chassis (L_b / 2, 0, 0), solar array L_s / 2 (-sin POA, 0, cos POA).
         let half_sail_m = 0.5 * shape.sail_length_m;
         let sail_in_body = Vector3::new(-sin * half_sail_m - 0.5 * shape.base_length_m, 0.0, cos * half_sail_m);
         let moment = |sample: &crate::passes::TrackPoint| {
@@ -73,7 +74,7 @@ impl ResolvedPanels {
         })
     }
 
-    /// Returns the tracks of the chassis and of the solar array; their light adds up to that of the track.
+    /// Returns the tracks of the chassis and of the solar array; their light sums to the light of the given track.
     pub fn split(&self, track: &SkyTrack) -> [SkyTrack; 2] {
         let part = |is_sail: bool| {
             let points = track.points.iter().map(|point| {
@@ -82,7 +83,7 @@ impl ResolvedPanels {
                 let offset = if is_sail { here.sail_offset } else { Vector3::zeros() };
                 SkyPoint {
                     direction: Direction::from_vector((point.direction.vector() + offset).normalize()),
-                    // m - 2.5 log10 share; a share of 0 is dark.
+                    // The magnitude is m - 2.5 log10 share; a part with a share of 0 is dark.
                     magnitude: point.magnitude.filter(|_| share > 0.0).map(|magnitude| magnitude - 2.5 * share.log10()),
                     ..*point
                 }
@@ -92,7 +93,8 @@ impl ResolvedPanels {
         [part(false), part(true)]
     }
 
-    /// Interpolates linearly between two samples; the end values apply beyond the ends.
+    /// Interpolates linearly between two samples; before the first and after the last sample, that sample's values are
+    /// used.
     fn at(&self, time_s: f64) -> PanelMoment {
         let after = self.moments.partition_point(|moment| moment.time_s <= time_s);
         let last = self.moments.len() - 1;
@@ -111,8 +113,8 @@ impl ResolvedPanels {
 
 /// Returns the axes of the body frame as columns, in GCRS: z to the satellite's zenith, x towards the Sun's longitude.
 ///
-/// The observer's direction is given in both frames and determines, with the zenith, the third axis. `None` if the
-/// observer is in the satellite's zenith or nadir, where the longitude is not defined.
+/// The direction of the observer is given in both frames. Together with the zenith it determines the third axis. `None`
+/// if the observer is in the satellite's zenith or nadir, where the longitude is undefined.
 fn body_axes(
     direction: &Direction<Gcrs>,
     range_km: f64,
@@ -124,7 +126,7 @@ fn body_axes(
     let back = -direction.vector();
     let level = (back - zenith * zenith.dot(&back)).try_normalize(1e-9)?;
     let (sin, cos) = to_observer.longitude_rad().sin_cos();
-    // level = x cos α + y sin α, and z × level = -x sin α + y cos α.
+    // The horizontal part of the observer's direction is level = x cos α + y sin α, and z × level = -x sin α + y cos α.
     let ahead = zenith.cross(&level);
     let x = level * cos - ahead * sin;
     let y = level * sin + ahead * cos;

@@ -1,4 +1,4 @@
-//! Satellites that cross an exposure, as lights to be drawn.
+//! Satellites that cross the field during an exposure, as lights to be drawn.
 
 use super::super::error::StreaksError;
 use super::modulation::Modulation;
@@ -11,41 +11,41 @@ use crate::passes::{Exposure, Field, Pass, PassOptions, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::streaks::tracking::Tracking;
 
-/// Number of samples of a pass. The brightness changes by less than a thousandth between two of them, except in the
-/// penumbra, which contains dozens of samples.
+/// Number of samples of a pass. The brightness changes by less than a thousandth from one sample to the next, except in
+/// the penumbra, which contains dozens of samples.
 const SAMPLES: usize = 257;
 
-/// Margin around the chips, radians (0.1°), so that a track begins and ends where no light of its image reaches a chip.
+/// Margin around the chips, radians (0.1°). It makes each track begin and end where its image does not reach a chip.
 const MARGIN_RAD: f64 = 1.7e-3;
 
 /// Options for the light of satellites.
 #[derive(Copy, Clone, Debug)]
 pub struct SatelliteLight<'a> {
-    /// Band, system, extinction.
+    /// Band, magnitude system and extinction.
     pub photometry: &'a PhotometryOptions,
     /// Changes of brightness along the track.
     pub modulation: &'a Modulation,
-    /// If true, chassis and solar array are separate lights for models with both.
+    /// If true, chassis and solar array are separate lights, for models that have both.
     pub resolve_panels: bool,
     /// Tracking of the telescope.
     pub tracking: &'a Tracking,
 }
 
-/// Satellites of one exposure.
+/// Lights of the satellites in one exposure.
 #[derive(Clone, Debug, Default)]
 pub struct SatelliteExposure {
-    /// Satellites with light anywhere on their track through the field.
+    /// Satellites that are lit somewhere on their track through the field.
     pub sources: Vec<Source>,
-    /// Satellites without a position.
+    /// Satellites whose position cannot be computed.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Returns all satellites that are sunlit while they are within `radius_rad` (plus a small margin) of the pointing and
-/// the shutter is open. If the telescope tracks a moving target, the radius is extended to the whole strip of the sky
-/// over which the frame moves.
+/// Returns the satellites that are sunlit while they are within `radius_rad` (plus a small margin) of the pointing and
+/// the shutter is open. If the telescope tracks a moving target, the search covers the whole strip of the sky over
+/// which the frame moves.
 ///
 /// # Errors
-/// [`StreaksError`] if passes cannot be computed, or the field is more than half the sky.
+/// [`StreaksError`] if passes cannot be computed, or if the field covers more than half of the sky.
 pub fn satellites(
     sky: &Sky,
     eop: &EopTable,
@@ -76,7 +76,7 @@ fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &Pass, light: &S
     }
 }
 
-/// Returns the two panels; `None` for models without panels, and for telescopes in orbit.
+/// Returns chassis and solar array; `None` for models without panels and for telescopes in orbit.
 fn panels(
     sky: &Sky,
     eop: &EopTable,

@@ -5,31 +5,31 @@ use nalgebra::Vector3;
 use crate::frames::{Direction, Gcrs, seconds_between};
 use crate::passes::{Exposure, Pass};
 
-/// Light at one time.
+/// Direction, distance and magnitude of a light at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SkyPoint {
     /// Seconds after the shutter opened.
     pub time_s: f64,
     /// ICRS astrometric topocentric direction: the position relative to catalogue stars.
     pub direction: Direction<Gcrs>,
-    /// Distance from the observer, km, which determines the defocus and the apparent size.
+    /// Distance from the observer, km; it determines the defocus and the apparent size.
     pub range_km: f64,
-    /// Apparent magnitude without motion; `None` if the light is not visible (in the Earth's shadow).
+    /// Apparent magnitude of the light, irrespective of its motion; `None` if it is dark (in the Earth's shadow).
     pub magnitude: Option<f64>,
 }
 
-/// Track of a light: points in time order. Positions between them are interpolated smoothly, magnitudes linearly.
+/// Track of a moving light. Between its points, directions are interpolated smoothly and magnitudes linearly.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SkyTrack {
-    /// Points with increasing times.
+    /// Points in order of time.
     pub points: Vec<SkyPoint>,
 }
 
 impl SkyTrack {
     /// Returns the sampled track of a pass, from entry to exit.
     ///
-    /// The pass must have samples ([`crate::passes::PassOptions::samples`]), close enough that the light changes little
-    /// from one to the next; without them the track is empty.
+    /// The pass must have samples ([`crate::passes::PassOptions::samples`]), so close that the brightness changes
+    /// little from one sample to the next. The track of a pass without samples is empty.
     pub fn of_pass(pass: &Pass, exposure: &Exposure) -> Self {
         let points = pass.samples.iter().map(|sample| SkyPoint {
             time_s: seconds_between(exposure.start, sample.epoch),
@@ -40,10 +40,10 @@ impl SkyTrack {
         Self { points: points.collect() }
     }
 
-    /// Returns the same track with more points, at most `longest_s` apart, including the original ones.
+    /// Returns the same track with points added so that adjacent points are at most `longest_s` seconds apart.
     ///
-    /// Positions are interpolated by a cubic through the four nearest points, magnitudes linearly between two points. If
-    /// one of the two points is dark, the light between them is dark.
+    /// Directions are interpolated by a cubic through the four nearest points, magnitudes linearly between two points.
+    /// If one of the two points is dark, the interpolated light is dark.
     pub fn refined(&self, longest_s: f64) -> Self {
         let mut points = Vec::with_capacity(self.points.len());
         for (index, pair) in self.points.windows(2).enumerate() {
@@ -66,7 +66,8 @@ impl SkyTrack {
         Self { points }
     }
 
-    /// Returns the direction at a fraction of the time from point `index` to the next, by Lagrange's cubic in time.
+    /// Returns the direction at a fraction (0 to 1) of the time from point `index` to the next, by cubic interpolation
+    /// in time.
     fn direction_between(&self, index: usize, share: f64) -> Direction<Gcrs> {
         let last = self.points.len() - 1;
         let first = index.saturating_sub(1).min(last.saturating_sub(3));
@@ -84,15 +85,16 @@ impl SkyTrack {
         Direction::from_vector(sum.normalize())
     }
 
-    /// Returns the time of the closest approach to a direction, seconds after the shutter opened; `None` for a track
-    /// without points. `seen` converts a point of the track to the frame of that direction, which may move.
+    /// Returns the time at which the light is nearest to the direction `place`, seconds after the shutter opened;
+    /// `None` for a track without points. `seen` converts a point of the track to the frame of `place`, which may move
+    /// with the telescope.
     pub fn closest_s(&self, place: &Direction<Gcrs>, seen: impl Fn(&SkyPoint) -> Direction<Gcrs>) -> Option<f64> {
         let away = |index: usize| seen(&self.points[index]).separation_rad(place);
         let nearest = (0..self.points.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))?;
         if nearest == 0 || nearest + 1 == self.points.len() {
             return Some(self.points[nearest].time_s);
         }
-        // Vertex of the parabola through the squares of three distances.
+        // Vertex of the parabola through the squares of the three smallest distances.
         let [before, here, after] = [nearest - 1, nearest, nearest + 1].map(|index| away(index).powi(2));
         let (from_s, to_s) = (self.points[nearest - 1].time_s, self.points[nearest + 1].time_s);
         let bend = before - 2.0 * here + after;

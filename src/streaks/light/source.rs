@@ -1,4 +1,4 @@
-//! Source of a streak: a satellite, or a random light.
+//! Source of a streak: a satellite or a random light.
 
 use std::fmt;
 use std::sync::Arc;
@@ -18,7 +18,7 @@ pub enum SourceName {
         /// Name in the element set; empty if it has none.
         name: Arc<str>,
     },
-    /// Random light, with its number in its frame, from 1.
+    /// A random light, with its number in the frame, from 1.
     Random(usize),
 }
 
@@ -32,16 +32,16 @@ impl fmt::Display for SourceName {
     }
 }
 
-/// Moving light with all data of its streak.
+/// A satellite or random light, with the data that are written about its streak.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// Name of the source.
     pub name: SourceName,
-    /// Source of the magnitude, as written in tables.
+    /// Origin of the magnitude, as written in tables.
     pub mag_source: String,
     /// Time from the epoch of the elements to the exposure, days; `None` for a random streak.
     pub element_age_days: Option<f64>,
-    /// One or two lights that together form the source.
+    /// The one or two lights that form the source.
     pub parts: Vec<SourcePart>,
 }
 
@@ -50,16 +50,17 @@ pub struct Source {
 pub struct SourcePart {
     /// `whole`, `chassis` or `array`.
     pub label: &'static str,
-    /// Position and magnitude.
+    /// Directions and magnitudes.
     pub track: SkyTrack,
-    /// Radius of a disk of the same area, m.
+    /// Radius of a disk with the area of this part, m.
     pub radius_m: f64,
 }
 
 impl Source {
-    /// Returns the parts of a track with modulated brightness: one disk of the satellite's size, or its two panels.
+    /// Returns the lights of a source, with modulated brightness: one disk of the size of the satellite, or its two
+    /// panels.
     ///
-    /// Glints are relative to `middle_s`, seconds after the shutter opened.
+    /// The times of glints are relative to `middle_s`, seconds after the shutter opened.
     pub fn parts(
         track: &SkyTrack,
         modulation: &Modulation,

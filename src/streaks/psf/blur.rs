@@ -1,26 +1,27 @@
-//! Blur of a point: seeing, defocus, and the size of the body.
+//! Blur of a point of light by seeing, defocus and the size of the body.
 
 use serde::Deserialize;
 
 use super::super::error::StreaksError;
 use super::seeing::Seeing;
 
-/// Greatest radius of defocus and of the body, pixels.
+/// Largest accepted radius of the defocus ring and of the body, pixels.
 const GREATEST_RADIUS_PIX: f64 = 200.0;
 
-/// Seeing, convolved with the ring of the defocused pupil and with a uniform disk for the body.
+/// Seeing, convolved with the ring-shaped image of the defocused pupil and with a uniform disk for the body.
 ///
-/// Through a telescope that is focused on the stars, with an aperture of outer and inner radius r_o and r_i, a point at
-/// range d has the image of a ring with the angular radii r_o/d and r_i/d (Tyson et al. 2020, AJ 160, 226, section 4.2; Ragazzoni 2020, PASP 132, 114502).
+/// In a telescope focused on the stars, whose aperture has the outer and inner radii r_o and r_i, the image of a point
+/// at range d is a ring with the angular radii r_o/d and r_i/d (Tyson et al. 2020, AJ 160, 226, section 4.2; Ragazzoni
+/// 2020, PASP 132, 114502).
 #[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Blur {
     /// Profile of a star's image.
     pub seeing: Seeing,
-    /// Outer radius of the ring, \[0, 200\] pixels; 0 in focus.
+    /// Outer radius of the defocus ring, \[0, 200\] pixels; 0 in focus.
     #[serde(default)]
     pub outer_radius_pix: f64,
-    /// Inner radius of the ring, pixels, at most 0.99 of the outer one.
+    /// Inner radius of the defocus ring, pixels, at most 0.99 of the outer radius.
     #[serde(default)]
     pub inner_radius_pix: f64,
     /// Radius of the body, a uniform disk, \[0, 200\] pixels; 0 for a point.
@@ -34,7 +35,7 @@ impl Blur {
         Self { seeing, outer_radius_pix: 0.0, inner_radius_pix: 0.0, body_radius_pix: 0.0 }
     }
 
-    /// Checks all numbers.
+    /// Checks that all numbers are in range.
     ///
     /// # Errors
     /// A number out of range.
@@ -50,7 +51,7 @@ impl Blur {
         Ok(())
     }
 
-    /// Radius within which the profile may have sharp edges, pixels.
+    /// Returns the radius within which the profile may have sharp edges, pixels.
     pub(super) fn flat_radius_pix(&self) -> f64 {
         self.outer_radius_pix + self.body_radius_pix
     }

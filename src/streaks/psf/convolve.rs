@@ -1,4 +1,4 @@
-//! Seeing convolved with the ring of defocus and the disk of a body.
+//! Convolution of the seeing with the ring of the defocused pupil and the disk of the body.
 
 use std::f64::consts::PI;
 
@@ -9,18 +9,19 @@ use super::blur::Blur;
 use super::curve::Curve;
 use super::seeing::Seeing;
 
-/// Fraction of the flux beyond which wings are cut. This light is moved inwards, not lost.
+/// Fraction of the flux that the wings beyond the cut contain. The flux is moved inwards, not lost.
 const CUT_SHARE: f64 = 1e-4;
-/// Brightness of a line, relative to its middle, below which wings are cut. For a Gaussian this limit is the stricter one.
+/// Brightness of a line, relative to its maximum, at which wings are cut. For a Gaussian this limit is reached at a
+/// larger radius than [`CUT_SHARE`].
 const CUT_BRIGHTNESS: f64 = 1e-5;
 
-/// Greatest radius of the wings, pixels.
+/// Largest accepted radius of the wings, pixels.
 const GREATEST_REACH_PIX: f64 = 4000.0;
 
-/// Returns the surface brightness of a point of unit flux.
+/// Returns the surface brightness of a point of unit flux as a function of radius.
 ///
 /// # Errors
-/// Wings beyond 4000 pixels.
+/// The wings extend beyond 4000 pixels.
 pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
     let (seeing, fwhm) = (&blur.seeing, blur.seeing.narrowest_fwhm_pix());
     let (outer, inner, body) = (blur.outer_radius_pix, blur.inner_radius_pix, blur.body_radius_pix);
@@ -34,19 +35,19 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
     }
     let rule = Rule { nodes: gauss_legendre(8), step_pix: 1.2 * fwhm };
     let gain = cut_gain(seeing, seeing_reach, &rule);
-    // f(r) (1 + g (r/R)⁴) up to R
+    // Seeing with its wings cut at R: f(r) (1 + g (r/R)⁴) for r up to R.
     let cut = |r: f64| seeing.at(r) * (1.0 + gain * (r / seeing_reach).powi(4));
     let core = blur.flat_radius_pix() + 2.0 * fwhm;
     let mut profile = Curve::of(2.0 * fwhm, seeing_reach, fwhm, cut);
     if outer > 0.0 {
         profile = Curve::of(core, seeing_reach + outer, fwhm, |r| {
-            // A ring is a disk minus a smaller one.
+            // The convolution with a ring is the difference of convolutions with two disks.
             let disk = |a: f64| if a > 0.0 { a * a * disk_mean(&profile, a, r, &rule) } else { 0.0 };
             (disk(outer) - disk(inner)) / (outer * outer - inner * inner)
         });
     }
     if body > 0.0 {
-        // The edges of a ring are a small part of the range of these integrals.
+        // The edges of a ring occupy a small part of the range of the integrals over the body.
         let rule = Rule { nodes: rule.nodes.clone(), step_pix: rule.step_pix.max(0.01 * outer) };
         profile = Curve::of(core, reach_pix, fwhm, |r| disk_mean(&profile, body, r, &rule));
     }
@@ -56,21 +57,21 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, StreaksError> {
     Ok(profile)
 }
 
-/// Returns the factor g for which seeing times 1 + g (r/R)⁴ has unit flux within the radius R. The core keeps its
-/// brightness: for a Moffat profile with a β of 2.5, a fiftieth of the light at R/2 is added there.
+/// Returns the factor g for which the seeing multiplied by 1 + g (r/R)⁴ has unit flux within the radius R. The
+/// brightness of the core is unchanged; for a Moffat profile with β = 2.5, the brightness at R/2 grows by a fiftieth.
 fn cut_gain(seeing: &Seeing, reach: f64, rule: &Rule) -> f64 {
     let added = |r: f64| 2.0 * PI * r * (r / reach).powi(4) * seeing.at(r);
     seeing.beyond(reach) / rule.integrate(0.0, reach, 0.5 * rule.step_pix, added)
 }
 
-/// Gauss rule that is applied in several panels, and the length over which profiles are smooth.
+/// Gauss-Legendre rule that is applied to several panels, and the length over which profiles are smooth.
 struct Rule {
     nodes: Vec<(f64, f64)>,
     step_pix: f64,
 }
 
 impl Rule {
-    /// ∫ from `from` to `to`, in equal panels no longer than `step`; 0 for an empty range.
+    /// Returns the integral from `from` to `to`, in equal panels no longer than `step`; 0 for an empty range.
     fn integrate(&self, from: f64, to: f64, step: f64, function: impl Fn(f64) -> f64) -> f64 {
         let count = ((to - from) / step).ceil().max(0.0);
         let width = (to - from) / count;
@@ -82,14 +83,16 @@ impl Rule {
     }
 }
 
-/// Returns the mean of a `profile` over a disk of radius `a` at a distance `r` from the profile's centre, pixels.
+/// Returns the mean of `profile` over a disk of radius `a` whose centre is at distance `r` from the profile's centre;
+/// lengths in pixels.
 ///
-/// Circles of radius s about the profile's centre lie within the disk if s < a - r, and by an arc 2 α if |r - a| < s <
-/// r + a:
+/// A circle of radius s around the profile's centre lies within the disk if s < a - r, and has an arc of angle 2 α in
+/// the disk if |r - a| < s < r + a:
 ///
 /// 2 α(s) = 2 arccos((r² + s² - a²) / 2 r s),   mean = 1/(π a²) [ ∫₀^(a-r) 2π s f(s) ds + ∫ 2 α s f(s) ds ].
 ///
-/// The arc increases like a square root from both ends; the substitution s = m - h cos θ makes it smooth.
+/// The arc grows like a square root from both ends of its range; the substitution s = m - h cos θ makes the integrand
+/// smooth.
 fn disk_mean(profile: &Curve, a: f64, r: f64, rule: &Rule) -> f64 {
     let full =
         rule.integrate(0.0, (a - r).clamp(0.0, profile.end_pix()), rule.step_pix, |s| 2.0 * PI * s * profile.at(s));

@@ -1,23 +1,23 @@
-//! Tables of functions of a radius: dense in the core of a profile, sparse in its wings.
+//! Tabulated functions of a radius, with close nodes in the core of a profile and distant nodes in its wings.
 
-/// Density of the nodes: number per σ of the seeing at the centre (σ of a Gaussian of the same full width), and number
-/// of e-folds of the radius between nodes at the end.
+/// Density of the nodes. At the centre there are this many nodes per σ of the seeing (the σ of a Gaussian of the same
+/// FWHM); at the end, the radius grows by this fraction from one node to the next.
 const NODES_PER_SIGMA: f64 = 48.0;
 const END_STEP: f64 = 0.1;
 
-/// Values at equal steps of t = r / (r + core), with cubic interpolation, 0 beyond the end.
+/// Values at equal steps of t = r / (r + core), interpolated by cubics; the value is 0 beyond the end.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Curve {
     core_pix: f64,
     end_pix: f64,
-    /// Number of steps up to t = 1, an infinite radius.
+    /// Number of steps from t = 0 to t = 1, which is an infinite radius.
     scale: f64,
     values: Vec<f64>,
 }
 
 impl Curve {
-    /// Tabulates a function of the radius in pixels. Up to about `core_pix` it may change as fast as seeing of `fwhm_pix`;
-    /// beyond, it must be smooth.
+    /// Tabulates a function of the radius (pixels) up to `end_pix`. Up to about `core_pix` the function may change as
+    /// fast as seeing of width `fwhm_pix`; beyond `core_pix` it must be smooth.
     pub fn of(core_pix: f64, end_pix: f64, fwhm_pix: f64, function: impl FnMut(f64) -> f64) -> Self {
         let intervals = (NODES_PER_SIGMA * core_pix / (0.425 * fwhm_pix)).max(end_pix / (END_STEP * core_pix));
         let intervals = intervals.ceil().clamp(256.0, 8192.0) as usize;
@@ -26,22 +26,22 @@ impl Curve {
         Self { core_pix, end_pix, scale, values: (0..=intervals).map(radius).map(function).collect() }
     }
 
-    /// Radius of the last node, pixels.
+    /// Returns the radius of the last node, pixels.
     pub fn end_pix(&self) -> f64 {
         self.end_pix
     }
 
-    /// Greatest value at a node.
+    /// Returns the greatest value at a node.
     pub fn greatest(&self) -> f64 {
         self.values.iter().copied().fold(0.0, f64::max)
     }
 
-    /// Multiplies all values.
+    /// Multiplies all values by a factor.
     pub fn scale(&mut self, factor: f64) {
         self.values.iter_mut().for_each(|value| *value *= factor);
     }
 
-    /// Value at a radius of at least 0, pixels.
+    /// Returns the value at a radius of at least 0, pixels.
     #[inline]
     pub fn at(&self, r_pix: f64) -> f64 {
         const SIXTH: f64 = 1.0 / 6.0;

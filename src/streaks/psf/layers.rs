@@ -1,4 +1,4 @@
-//! Layers of a profile: the core on fine cells, the wings on increasingly coarse cells.
+//! Layers of a profile: the core on a fine grid of cells, the wings on increasingly coarse grids.
 
 use std::ops::Range;
 
@@ -6,56 +6,58 @@ use crate::images::{Patch, PatchRows};
 
 use super::curve::Curve;
 
-/// Lagrange weights of four cells at a quarter of a cell after the second of them.
+/// Lagrange weights of four adjacent cells, for a position a quarter of a cell beyond the second cell.
 pub(super) const QUARTER: [f32; 4] = [-0.054_687_5, 0.820_312_5, 0.273_437_5, -0.039_062_5];
 
-/// Error of cubic interpolation between cells, relative to the light of a line.
+/// Largest error of the cubic interpolation between cells, relative to the light of a line.
 const TOLERANCE: f64 = 1.5e-4;
-/// Number of stamps per full width at half maximum, along each axis. Linear interpolation between stamps has an error of
-/// δ²/8 f'', at most 4·10⁻⁴ of the peak. The wings, fainter by a factor of thirty or more, need fewer stamps.
+/// Number of stamps (images of a point at tabulated positions) per FWHM, along each axis. Linear interpolation between
+/// stamps has an error of δ²/8 f'', at most 4·10⁻⁴ of the peak. The wings, fainter by a factor of thirty or more, need
+/// fewer stamps.
 const STAMPS_PER_FWHM: f64 = 57.0;
 const STAMPS_PER_WING: f64 = 20.0;
-/// Greatest number of stamps along an axis times their radius in cells: 32 MB.
+/// Largest product of the number of stamps along an axis and their radius in cells, for which the stamps take 32 MB.
 const MOST_STAMP_CELLS: f64 = 2000.0;
-/// Mean distance of the points that form a line, relative to the full width at half maximum. The light of points at
-/// equal distances s varies by the Fourier transform of the profile at 1/s: 3·10⁻⁴ for a Moffat profile with a β of
-/// 2.5, less for all others.
+/// Mean distance of the points that form a line, relative to the FWHM. The brightness of a line of points at equal
+/// distances s varies by the Fourier transform of the profile at 1/s, which is 3·10⁻⁴ for a Moffat profile with β = 2.5
+/// and less for all other profiles.
 const STEP_PER_FWHM: f64 = 0.45;
-/// Width of the wings, and distance of the points that form a line of wings, relative to the radius at which the wings
-/// begin.
+/// Width of the wings, and distance of the points that form a line in the wings, both relative to the radius at which
+/// the wings begin.
 const WING_WIDTH: f64 = 0.45;
 const WING_STEP: f64 = 0.22;
-/// Least radius of the profile in cells: coarser cells would spread light far beyond it.
+/// Smallest radius of a layer in cells; on coarser cells its light would be spread far beyond its radius.
 const LEAST_CELLS: f64 = 8.0;
 
-/// Part of a profile that is drawn on cells 2^level times the size of the finest ones.
+/// Part of a profile that is drawn on a grid whose cells are 2^level times as large as those of the finest grid.
 ///
-/// The light on cells is tabulated as stamps for many positions of a point within a cell. Each stamp is a row of cells,
-/// for one position of the point along rows and one distance from the point along columns.
+/// The light of a point in each cell is tabulated as stamps, for many positions of the point within a cell. Each stamp
+/// is one row of cells, for one position of the point along the row and one distance of the row from the point.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layer {
-    /// Greatest mean distance of points that form a line, pixels of the mean scale.
+    /// Largest allowed mean distance of the points that form a line, pixels of the mean scale.
     pub step_pix: f64,
-    /// Positions in a cell, along each axis.
+    /// Number of tabulated positions within a cell (phases), along each axis.
     phases: i64,
-    /// For each distance along columns, in phases: lit cells to either side of the point's cell.
+    /// Number of lit cells to either side of the point's cell, for each distance of the row from the point, in phases.
     reach: Vec<i64>,
-    /// Cells in a row of a stamp, and in front of the point's cell.
+    /// Number of cells in a stamp, and number of cells in front of the point's cell.
     width: usize,
     half: i64,
-    /// `(phases + 1, distances, width)`
+    /// Light in the cells of the stamps, with axes `(phases + 1, distances, width)`.
     stamps: Vec<f32>,
 }
 
 impl Layer {
-    /// Splits a profile, in the unit of the light of one cell of the finest grid, of sides `cell_pix`.
+    /// Splits a profile into layers. Values are in units of the light of one cell of the finest grid, whose sides are
+    /// `cell_pix`.
     ///
-    /// Layer k is w_k - w_(k+1). w_0 is the profile itself; w_k equals it beyond a radius R_k, and within R_k is its
-    /// Taylor polynomial of second degree in r². R_k is the least radius with which w_k is smooth on cells of 2^k.
-    /// Layer k is 0 beyond R_(k+1).
+    /// Layer k is w_k - w_(k+1), where w_0 is the profile itself. w_k equals the profile beyond a radius R_k; inside
+    /// R_k it is the Taylor polynomial of second degree in r². R_k is the smallest radius for which w_k is smooth on
+    /// cells of side 2^k. Layer k is 0 beyond R_(k+1).
     pub fn split(profile: &Curve, cell_pix: [f64; 2], fwhm_pix: f64) -> Vec<Self> {
         let mut wings = vec![Wing::new(profile, 0.0)];
-        // Error times width, the same for a line of unit light.
+        // The product of error and width is the same for every line of unit light.
         let allowed = 0.6 * TOLERANCE * profile.greatest() * fwhm_pix;
         loop {
             let cell = cell_pix[0].max(cell_pix[1]) * f64::from(1_u32 << wings.len());
@@ -66,7 +68,7 @@ impl Layer {
             let first = (1.3 * last).max(fwhm_pix).max(4.0 * cell);
             let radii = std::iter::successors(Some(first), |from| Some(1.12 * from));
             let radii = radii.take_while(|from| *from < 0.7 * profile.end_pix());
-            // The previous radius is tried first, because the coarser cells may replace the finer ones completely.
+            // The previous radius is tried first: if it suffices, the coarser cells replace the finer ones completely.
             let mut found = std::iter::once(last).chain(radii).map(|from| Wing::new(profile, from));
             let Some(next) = found.find(|wing| wing.is_smooth(cell, allowed, fwhm_pix)) else { break };
             wings.push(next);
@@ -95,7 +97,7 @@ impl Layer {
         let [half, rows] = radius.map(|radius| radius.ceil() as usize);
         let distances = (rows + 1) * phases + 1;
         let reach = |distance: usize| {
-            // The distance is one phase less, because the stamps of two distances are interpolated.
+            // The distance is reduced by one phase, because the stamps of two adjacent distances are interpolated.
             let share = (distance as f64 - 1.0).max(0.0) / (radius[1] * phases as f64);
             (radius[0] * (1.0 - share * share).max(0.0).sqrt()).ceil() as i64
         };
@@ -103,7 +105,7 @@ impl Layer {
         let mut stamps = Vec::new();
         if radius_pix > 0.0 {
             stamps.reserve((phases + 1) * distances * width);
-            // Indexed by the distances from the point along both axes, in phases.
+            // Values indexed by the distance from the point along both axes, in phases.
             let [dx, dy] = cell_pix.map(|side| side / phases as f64);
             let along = (half + 1) * phases + 1;
             let near: Vec<f32> = (0..distances * along)
@@ -124,7 +126,7 @@ impl Layer {
         self.stamps.is_empty()
     }
 
-    /// Adds the cells illuminated by a point to the extents.
+    /// Adds the cells that a point illuminates to the extents.
     pub fn cover(&self, at: [f64; 2], extents: &mut PatchRows) {
         let position = self.position(at);
         for (row, columns, _) in self.rows(position, extents.rows(), extents.columns()) {
@@ -132,7 +134,7 @@ impl Layer {
         }
     }
 
-    /// Adds `light` times the layer around a point.
+    /// Adds the layer around a point, multiplied by `light`.
     pub fn add_to(&self, canvas: &mut Patch, at: [f64; 2], light: f64) {
         let position = self.position(at);
         let [after, above] = [0, 1].map(|axis| at[axis] * self.phases as f64 - position[axis] as f64);
@@ -154,12 +156,13 @@ impl Layer {
         }
     }
 
-    /// Returns the position of a point, rounded down to phases.
+    /// Returns the position of a point in phases, rounded down.
     fn position(&self, at: [f64; 2]) -> [i64; 2] {
         at.map(|position| (position * self.phases as f64).floor() as i64)
     }
 
-    /// Returns the rows and columns of a grid illuminated by a point, and the distance of each row above it in phases.
+    /// Returns the rows and columns of a grid that a point illuminates, and for each row its distance from the point in
+    /// phases.
     fn rows(
         &self,
         position: [i64; 2],
@@ -178,17 +181,17 @@ impl Layer {
     }
 }
 
-/// Wings of a profile beyond a radius, with a smooth continuation inside that radius.
+/// The wings of a profile beyond a radius R, with a smooth continuation inside R.
 struct Wing<'a> {
     profile: &'a Curve,
     from_pix: f64,
-    /// Powers of r² - R².
+    /// Coefficients of the powers of r² - R² inside the radius R.
     inside: [f64; 3],
 }
 
 impl<'a> Wing<'a> {
     fn new(profile: &'a Curve, from_pix: f64) -> Self {
-        // Derivatives with respect to r² from three values.
+        // The derivatives with respect to r² are computed from three values.
         let (square, step) = (from_pix * from_pix, 0.1 * from_pix * from_pix);
         let [before, value, after] = [square - step, square, square + step].map(|square| profile.at(square.sqrt()));
         let per = if step > 0.0 { 1.0 / step } else { 0.0 };
@@ -204,8 +207,8 @@ impl<'a> Wing<'a> {
         self.inside[0] + x * (self.inside[1] + x * self.inside[2])
     }
 
-    /// Returns true if interpolation between cells, as in `points`, has an error below `allowed` divided by the local
-    /// width of the light.
+    /// Returns true if interpolation between cells, as done in `points`, has an error below `allowed` divided by the
+    /// local width of the light.
     fn is_smooth(&self, cell_pix: f64, allowed: f64, fwhm_pix: f64) -> bool {
         let count = (self.profile.end_pix() / cell_pix * 2.0).ceil() as usize + 2;
         (0..count).all(|number| {

@@ -1,6 +1,6 @@
-//! Point spread functions. `seeing` is the profile of a star, `blur` adds defocus and the size of the body, `convolve`
-//! computes their convolution as a `curve` of the radius. `profile` averages the curve over pixels and splits it into
-//! `layers`, with which `points` draws points of light.
+//! Point spread functions. `seeing` is the profile of a star, `blur` adds defocus and the size of the body, and
+//! `convolve` tabulates their convolution as a `curve` of the radius. `profile` averages this curve over pixels and
+//! splits it into `layers`, which `points` uses to draw points of light.
 
 mod blur;
 mod convolve;

@@ -1,40 +1,41 @@
 //! Drawing of points of light: stars, and lines as sums of points.
 //!
-//! Each layer of the profile is summed over the points on a grid of its own cells. Beginning with the coarsest grid,
-//! each grid is interpolated to the next finer one, and the finest is summed into pixels. Straight and bent lines,
-//! ends, jumps, and points at rest are drawn in the same way.
+//! For each layer of the profile, the light of all points is summed on the layer's own grid of cells. Beginning with
+//! the coarsest grid, the light is interpolated to the next finer grid; the finest grid is summed into pixels. Straight
+//! and curved lines, ends, jumps of brightness and stationary points are all drawn in this way.
 
 use crate::images::{Patch, PatchRows, PixelPosition};
 
 use super::layers::QUARTER;
 use super::profile::RadialProfile;
 
-/// Cells around the frame on coarse grids, for interpolation.
+/// Number of cells around the frame on coarse grids, needed for interpolation.
 const MARGIN: usize = 4;
 
-/// Point of light.
+/// A point of light.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PointLight {
-    /// Position on the frame.
+    /// Position in the frame, pixels.
     pub at: PixelPosition,
-    /// Flux.
+    /// Flux, in the unit of the drawn light.
     pub light: f64,
 }
 
-/// Draws a point in a frame of `rows` by `columns`: `flux` times the profile's average over each pixel.
+/// Draws a point in a frame of `rows` by `columns` pixels. Each pixel is `flux` times the average of the profile over
+/// it.
 ///
-/// Pixels are accurate to 10⁻³ of the peak. The sum over all pixels is `flux` to 2·10⁻⁴ if the whole profile lies on
-/// the frame. The patch is empty for a position or a flux that is not finite.
+/// Pixels are accurate to 10⁻³ of the peak. If the whole profile lies in the frame, the pixels sum to `flux` within
+/// 2·10⁻⁴. The patch is empty if the position or the flux is not finite.
 pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: usize, columns: usize) -> Patch {
     let is_finite = at.x.is_finite() && at.y.is_finite() && flux.is_finite();
     let point = is_finite.then_some(PointLight { at, light: flux });
     draw_points(profile, rows, columns, |_| point.into_iter().collect())
 }
 
-/// Draws points in a frame of `rows` by `columns`.
+/// Draws the points of lines in a frame of `rows` by `columns` pixels.
 ///
-/// `points_of` returns the points that form a line with at most the given mean distance between them, pixels of the mean
-/// scale. It is called for each layer, because the wings allow a greater distance than the core.
+/// `points_of` is called for each layer with the largest allowed mean distance between points (pixels of the mean
+/// scale), and returns the points. The wings allow a greater distance than the core, so they need fewer points.
 pub fn draw_points(
     profile: &RadialProfile,
     rows: usize,
@@ -70,19 +71,20 @@ pub fn draw_points(
 
 /// Grid of cells over a frame.
 struct Grid {
-    /// Side of a cell, in the parts into which pixels are divided.
+    /// Side of a cell, in units of the parts into which pixels are divided.
     cells: f64,
-    /// Cells around the frame.
+    /// Number of cells around the frame.
     margin: usize,
 }
 
 impl Grid {
-    /// Returns the number of cells along a side of this number of parts.
+    /// Returns the number of cells along a side that has this number of parts.
     fn count(&self, parts: usize) -> usize {
         parts.div_ceil(self.cells as usize) + 2 * self.margin
     }
 
-    /// Returns the positions of a point among the cells with its light: two halves if parts are oblong.
+    /// Returns the positions of a point in units of cells, with its light. If parts are oblong, the point is two half
+    /// points.
     fn positions(&self, point: &PointLight, profile: &RadialProfile) -> impl Iterator<Item = ([f64; 2], f64)> + use<> {
         let (parts, shift) = (profile.parts(), profile.shift_parts());
         let cell = |pix: f64, axis: usize| (pix + 0.5) * parts[axis] as f64 / self.cells - 0.5 + self.margin as f64;
@@ -93,12 +95,12 @@ impl Grid {
         sides.iter().map(move |side| ([0, 1].map(|axis| centre[axis] + side * shift[axis]), light))
     }
 
-    /// Returns the index of the coarse cell around a cell of this grid.
+    /// Returns the index of the cell of the next coarser grid that contains a cell of this grid.
     fn coarse(&self, cell: usize) -> usize {
         cell / 2 + MARGIN - self.margin / 2
     }
 
-    /// Adds the cells within those of a grid half as fine to the extents.
+    /// Adds to the extents the cells of this grid that lie within the cells of the next coarser grid.
     fn cover(&self, coarse: &Patch, extents: &mut PatchRows) {
         let back = MARGIN - self.margin / 2;
         for span in coarse.iter() {
@@ -111,7 +113,7 @@ impl Grid {
         }
     }
 
-    /// Sets the light to that of a grid half as fine, by cubic interpolation along both axes.
+    /// Sets the light to that of the next coarser grid, by cubic interpolation along both axes.
     fn refine(&self, coarse: &Patch, fine: &mut Patch) {
         let mut backwards = QUARTER;
         backwards.reverse();

@@ -1,4 +1,4 @@
-//! Light of a point on the pixels of a detector.
+//! Light of a point in the pixels of a detector.
 
 use crate::math::quadrature::gauss_legendre;
 
@@ -8,32 +8,32 @@ use super::convolve::blurred;
 use super::curve::Curve;
 use super::layers::Layer;
 
-/// Least ratio of the sides of pixels.
+/// Smallest accepted ratio of the sides of a pixel.
 const LEAST_ASPECT: f64 = 0.4;
-/// Least full width at half maximum of the seeing, in units of the side of a part of a pixel. With it, the average over
-/// the square of a part is isotropic to 4·10⁻⁴ of the peak.
+/// Smallest ratio of the FWHM of the seeing to the side of a part of a pixel. At this ratio, the average over a square
+/// part is isotropic to 4·10⁻⁴ of the peak.
 const PARTS_PER_FWHM: f64 = 2.5;
-/// Largest radius of a profile in parts of pixels, which limits memory and time. Only for seeing narrower than 1/200 of
-/// the radius (sharp rings of hundreds of pixels), parts are wider than [`PARTS_PER_FWHM`] requires, and the pixels of a
-/// point are accurate to about 2 % of the peak.
+/// Largest radius of a profile in parts of pixels, which limits memory and time. If the seeing is narrower than 1/200
+/// of the radius (sharp rings of hundreds of pixels), this makes parts wider than [`PARTS_PER_FWHM`] requires, and the
+/// pixels of a point are accurate to only about 2 % of the peak.
 const MOST_REACH_PARTS: f64 = 500.0;
 
-/// Light of a point on the detector: round on the sky, of unit flux, averaged over the area of each pixel.
+/// Image of a point of unit flux on the detector, round on the sky and averaged over the area of each pixel.
 ///
-/// For seeing narrower than 2.5 pixels, pixels are divided into parts, and the light of the parts is summed. The stored
-/// profile is averaged over a square with the shorter side of a part. For oblong parts, the mean of two such profiles
-/// side by side replaces the average over the longer side.
+/// If the seeing is narrower than 2.5 pixels, each pixel is divided into parts, whose light is summed. The stored
+/// profile is averaged over a square with the shorter side of a part. If parts are oblong, two such profiles side by
+/// side approximate the average over the longer side.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialProfile {
     blur: Blur,
-    /// Brightness per pixel of a line of unit light by the distance from it, averaged over the square; pixels of the
-    /// mean scale.
+    /// Brightness per pixel of a line of unit light, averaged over the square, as a function of the distance from the
+    /// line in pixels of the mean scale.
     line: Curve,
     /// Width and height of a pixel in pixels of the mean scale.
     sides_pix: [f64; 2],
-    /// Parts of a pixel along a row, and along a column.
+    /// Number of parts of a pixel along a row and along a column.
     parts: [usize; 2],
-    /// Distance of the two profiles from the centre of an oblong part, in parts.
+    /// Distances of the two profiles from the centre of an oblong part, in parts.
     shift_parts: [f64; 2],
     layers: Vec<Layer>,
     fwhm_pix: f64,
@@ -41,16 +41,17 @@ pub struct RadialProfile {
 }
 
 impl RadialProfile {
-    /// Computes the profile of a blur: in about a millisecond for seeing alone, in some milliseconds for a ring.
+    /// Computes the profile of a blur. This takes about a millisecond for seeing alone and some milliseconds for a
+    /// ring.
     ///
     /// # Errors
-    /// A number out of range, an inner radius too near to the outer one, wings beyond 4000 pixels.
+    /// A number is out of range, the inner radius is too near the outer one, or the wings extend beyond 4000 pixels.
     pub fn of(blur: &Blur) -> Result<Self, StreaksError> {
         Self::on_oblong(blur, 1.0)
     }
 
-    /// Computes the profile on pixels `aspect` times as wide (along rows) as high, within [0.4, 2.5]. Lengths of the
-    /// blur are in pixels of the mean scale, the side of a square of the same area.
+    /// Computes the profile on pixels that are `aspect` times as wide (along rows) as high, from 0.4 to 2.5. Lengths of
+    /// the blur are in pixels of the mean scale: the side of a square with the area of a pixel.
     ///
     /// # Errors
     /// The errors of [`of`](Self::of).
@@ -64,7 +65,7 @@ impl RadialProfile {
         let parts = sides_pix.map(|side| (side / part_pix).ceil().max(1.0) as usize);
         let cell = [0, 1].map(|axis| sides_pix[axis] / parts[axis] as f64);
         let shorter = cell[0].min(cell[1]);
-        // A box of side h has a variance of h²/12.
+        // The average over a length h adds h²/12 to the variance.
         let shift_parts = cell.map(|side| ((side * side - shorter * shorter) / 12.0).max(0.0).sqrt() / side);
         let core = blur.flat_radius_pix() + 2.0 * fwhm;
         let reach = profile.end_pix() + shorter * std::f64::consts::FRAC_1_SQRT_2;
@@ -72,7 +73,7 @@ impl RadialProfile {
         let averaged = Curve::of(core, reach, fwhm, |r| {
             offsets.iter().map(|([x, y], weight)| weight * profile.at((r + x).hypot(*y))).sum()
         });
-        // Width that remains of the seeing after averaging over parts.
+        // Width of the seeing that remains after averaging over parts.
         let width = PARTS_PER_FWHM * part_pix;
         let step = 0.2 * width;
         let line = Curve::of(core, reach, fwhm, |v| {
@@ -85,13 +86,13 @@ impl RadialProfile {
         Ok(Self { blur: *blur, line, sides_pix, parts, shift_parts, layers, fwhm_pix, reach_pix })
     }
 
-    /// Blur of the profile.
+    /// Returns the blur from which the profile was computed.
     pub fn blur(&self) -> &Blur {
         &self.blur
     }
 
-    /// Returns the light in a pixel of a long straight line of unit light per pixel of its length, at `angle_rad` from
-    /// the rows and a distance from the centre of the pixel.
+    /// Returns the light that a long straight line gives to a pixel, for unit light per pixel of length. The line is at
+    /// `angle_rad` from the rows, and `across_pix` pixels from the centre of the pixel.
     pub fn line(&self, across_pix: f64, angle_rad: f64) -> f64 {
         let per_pix = self.mean_pixels_across(angle_rad);
         let [cos, sin] =
@@ -102,7 +103,7 @@ impl RadialProfile {
         for row in 0..self.parts[1] {
             for column in 0..self.parts[0] {
                 for side in sides {
-                    // Distance from the centre of the pixel, mean pixels.
+                    // Distance from the centre of the pixel, pixels of the mean scale.
                     let [x, y] = [0, 1].map(|axis| {
                         let position = [column, row][axis] as f64 + 0.5 + side * self.shift_parts[axis];
                         (position / parts[axis] - 0.5) * self.sides_pix[axis]
@@ -114,29 +115,30 @@ impl RadialProfile {
         per_pix * sum / (parts[0] * parts[1] * sides.len() as f64)
     }
 
-    /// Returns the length in pixels of the mean scale of one pixel across a line at `angle_rad` from the rows on the
-    /// sky: 1 for square pixels.
+    /// Returns the length, in pixels of the mean scale, of one pixel measured across a line that is at `angle_rad` from
+    /// the rows. It is 1 for square pixels.
     pub fn mean_pixels_across(&self, angle_rad: f64) -> f64 {
-        // Areas are conserved: across times along is 1.
+        // A pixel has unit area, so the product of the lengths across and along is 1.
         1.0 / self.mean_pixels([angle_rad.cos(), angle_rad.sin()])
     }
 
-    /// Returns the length of a vector along rows and columns, in pixels of the mean scale.
+    /// Returns the length, in pixels of the mean scale, of a vector given along rows and columns in pixels.
     pub fn mean_pixels(&self, [x, y]: [f64; 2]) -> f64 {
         (x * self.sides_pix[0]).hypot(y * self.sides_pix[1])
     }
 
-    /// Full width at half of the greatest brightness, pixels of the mean scale; for a ring, that of its outer edge.
+    /// Returns the full width at half of the greatest brightness, pixels of the mean scale. For a ring it is measured
+    /// at the outer edge.
     pub fn fwhm_pix(&self) -> f64 {
         self.fwhm_pix
     }
 
-    /// Greatest radius of the profile, pixels along the shorter side.
+    /// Returns the greatest radius of the profile, pixels along the shorter side.
     pub fn reach_pix(&self) -> f64 {
         self.reach_pix
     }
 
-    /// Greatest distance of an illuminated pixel from a point, pixels.
+    /// Returns the greatest distance between a point and the centre of a pixel that it illuminates, pixels.
     pub fn pixel_reach_pix(&self) -> f64 {
         self.reach_pix + std::f64::consts::FRAC_1_SQRT_2
     }
@@ -154,8 +156,8 @@ impl RadialProfile {
     }
 }
 
-/// Returns the nodes of a square, as offsets from its centre, with weights that sum to 1, at two angles: the average
-/// over both has no harmonics below the sixteenth.
+/// Returns nodes and weights for the average over a square, as offsets from its centre; the weights sum to 1. The nodes
+/// are those of squares at two angles, so that the average has no angular harmonics below the sixteenth.
 fn square(side: f64) -> Vec<([f64; 2], f64)> {
     let rule = gauss_legendre(4);
     let mut nodes = Vec::new();

@@ -1,4 +1,4 @@
-//! Seeing: a Gaussian, a Moffat profile, or two Gaussians.
+//! Seeing: a Gaussian, a Moffat profile, or the sum of two Gaussians.
 
 use std::f64::consts::{LN_2, PI};
 
@@ -6,11 +6,12 @@ use serde::Deserialize;
 
 use super::super::error::StreaksError;
 
-/// Least full width at half maximum, pixels. The drawing time increases with its inverse square. Narrower profiles would
-/// differ from this one only for points within a tenth of a pixel from the borders of pixels.
+/// Smallest FWHM, pixels. The drawing time grows with the inverse square of the FWHM. Narrower profiles would differ
+/// from this one only for points within a tenth of a pixel of a pixel border.
 const LEAST_FWHM_PIX: f64 = 0.1;
 const GREATEST_FWHM_PIX: f64 = 100.0;
-/// Least β: below 2 a Moffat profile has a hundredth of its light beyond 50 widths, far outside the measured range.
+/// Smallest exponent β. Below 2, a Moffat profile has a hundredth of its light beyond 50 FWHM, far outside the range in
+/// which seeing is measured.
 const LEAST_BETA: f64 = 2.0;
 const GREATEST_BETA: f64 = 100.0;
 
@@ -33,9 +34,9 @@ pub enum Seeing {
     },
     /// A narrow and a wide Gaussian about the same centre.
     DoubleGaussian {
-        /// Width of the narrow one, \[0.1, 100\] pixels.
+        /// FWHM of the narrow Gaussian, \[0.1, 100\] pixels.
         fwhm_pix: f64,
-        /// Width of the wide one, from that of the narrow one to 100 pixels.
+        /// FWHM of the wide Gaussian, from that of the narrow one to 100 pixels.
         wide_fwhm_pix: f64,
         /// Fraction of the flux in the wide Gaussian, \[0, 1\].
         wide_share: f64,
@@ -43,7 +44,7 @@ pub enum Seeing {
 }
 
 impl Seeing {
-    /// Width of the narrowest part, full width at half maximum, pixels.
+    /// Returns the FWHM of the narrowest part, pixels.
     pub fn narrowest_fwhm_pix(&self) -> f64 {
         match *self {
             Self::Gaussian { fwhm_pix } | Self::Moffat { fwhm_pix, .. } | Self::DoubleGaussian { fwhm_pix, .. } => {
@@ -52,7 +53,7 @@ impl Seeing {
         }
     }
 
-    /// Checks widths and fractions.
+    /// Checks that widths, exponent and fraction are in range.
     ///
     /// # Errors
     /// A number outside its range or not finite.
@@ -68,7 +69,7 @@ impl Seeing {
         }
     }
 
-    /// Surface brightness at a radius, per square pixel.
+    /// Returns the surface brightness at a radius (pixels), per square pixel.
     pub(super) fn at(&self, r_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp() / (2.0 * PI * sigma * sigma);
         match *self {
@@ -83,7 +84,7 @@ impl Seeing {
         }
     }
 
-    /// Fraction of the flux beyond a radius.
+    /// Returns the fraction of the flux beyond a radius, pixels.
     pub(super) fn beyond(&self, r_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp();
         match *self {
@@ -95,7 +96,7 @@ impl Seeing {
         }
     }
 
-    /// Brightness of a long line at a distance from it, in an arbitrary unit.
+    /// Returns the brightness of a long line at a distance (pixels) from the line, in an arbitrary unit.
     pub(super) fn line(&self, v_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (v_pix / sigma).powi(2)).exp() / sigma;
         match *self {
@@ -107,7 +108,7 @@ impl Seeing {
         }
     }
 
-    /// Radius beyond which a condition is true, pixels.
+    /// Returns the radius beyond which a condition is true, pixels.
     pub(super) fn radius_where(&self, is_true: impl Fn(f64) -> bool) -> f64 {
         let mut bounds = [0.0, self.narrowest_fwhm_pix()];
         while !is_true(bounds[1]) {

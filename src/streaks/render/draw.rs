@@ -1,4 +1,4 @@
-//! Drawing of a path: points of light at the nodes of a Gauss rule.
+//! Drawing of a path as points of light at the nodes of a quadrature rule.
 
 use crate::images::{Patch, PixelPosition};
 use crate::math::quadrature::gauss_legendre;
@@ -6,21 +6,22 @@ use crate::streaks::{PointLight, RadialProfile, draw_points};
 
 use super::path::{Piece, StreakPath};
 
-/// Largest number of nodes of a Gauss rule. Two more nodes are used than the distance of the points requires, because the
-/// light is a cubic function of time.
+/// Largest number of nodes of a quadrature rule. A rule has two more nodes than the distance of the points requires,
+/// because the light is a cubic function of time.
 const MOST_NODES: usize = 32;
 const MORE_NODES: usize = 2;
-/// Largest number of Gauss rules in an interval. Longer intervals are halved, and halves off the frame are omitted.
+/// Largest number of quadrature rules in an interval. Longer intervals are halved, and halves outside the frame are
+/// omitted.
 const MOST_RULES: f64 = 8.0;
 
-/// Draws a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
+/// Draws a path in a frame of `rows` by `columns` pixels. The result is in the unit of the path's rates times seconds.
 ///
-/// Each pixel is the average of the profile over its area, integrated along the path, accurate to 10⁻³ of the peak and
-/// of the flux, including ends, jumps of brightness and bends. The path is a sum of points that are close enough for
-/// the light of a line.
+/// Each pixel is the profile averaged over its area and integrated along the path. It is accurate to 10⁻³ of the peak
+/// and of the flux, also at ends, jumps of brightness and bends. The path is drawn as a sum of points that are close
+/// enough to form a line.
 ///
-/// The profile is the same along the whole path, and should be that at the middle of the part on the frame. If the range
-/// changes by 1 % on the frame, the radius of a ring is wrong by 0.5 % at both ends.
+/// The profile is the same along the whole path; it should be the profile at the middle of the part in the frame. If
+/// the range changes by 1 % within the frame, the radius of a defocus ring is wrong by 0.5 % at both ends.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
     let mut rules = vec![Vec::new(); MOST_NODES + 1];
     let reach = profile.pixel_reach_pix() + 1.0;
@@ -37,7 +38,7 @@ pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: us
                 if !is_near {
                     continue;
                 }
-                // The speed on a cubic is at most three times the longest side of its control polygon.
+                // The speed along a cubic is at most three times the longest side of its Bézier control polygon.
                 let sides = (1..4).map(|i| profile.mean_pixels([x[i] - x[i - 1], y[i] - y[i - 1]]));
                 let steps = 3.0 * sides.fold(0.0, f64::max) / step_pix;
                 let count = (steps / (MOST_NODES - MORE_NODES) as f64).ceil().max(1.0);
@@ -66,19 +67,19 @@ pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: us
     })
 }
 
-/// Returns the light of a piece in a duration about a time, as a point.
+/// Returns the light that a piece emits in `duration_s` seconds around a time, as a point.
 fn point(piece: &Piece, since_s: f64, duration_s: f64) -> PointLight {
     let at = PixelPosition { x: piece.x.at(since_s), y: piece.y.at(since_s) };
     PointLight { at, light: duration_s * piece.rate.at(since_s) }
 }
 
-/// Returns a Gauss rule on (0, 1) with nodes moved to nearly even distances (Hale and Trefethen 2008, SIAM J. Numer.
-/// Anal. 46, 930, section 3.1). Gauss nodes are π/2 times as far apart in the middle as on average, so a line would
-/// need a third more of them.
+/// Returns a quadrature rule on (0, 1) whose nodes are almost evenly spaced (Hale and Trefethen 2008, SIAM J. Numer.
+/// Anal. 46, 930, section 3.1). Nodes of a Gauss rule are π/2 times as far apart in the middle as on average, so a
+/// third more of them would be needed.
 fn even_rule(nodes: usize) -> Vec<(f64, f64)> {
-    /// Error for constants, ρ^-2n.
+    /// Logarithm of the error for a constant function, ρ^-2n.
     const LN_ERROR: f64 = -11.5;
-    // x = asin(α t) / asin(α), singular at t = ±1/α, on the ellipse (ρ + 1/ρ)/2 = 1/α
+    // The map x = asin(α t) / asin(α) is singular at t = ±1/α, on the ellipse (ρ + 1/ρ)/2 = 1/α.
     let rho = (-0.5 * LN_ERROR / nodes as f64).exp();
     let alpha = 2.0 / (rho + 1.0 / rho);
     let moved = |(x, weight): (f64, f64)| {

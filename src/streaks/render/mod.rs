@@ -1,4 +1,5 @@
-//! Paths of light: `path` describes position and brightness in time by `spline`s, `draw` sums the light over points.
+//! Paths of light: `path` describes position and brightness as `spline`s in time, `draw` draws a path as a sum of
+//! points.
 
 mod draw;
 mod path;

@@ -1,4 +1,4 @@
-//! Path of a light over a frame: position and brightness during the exposure.
+//! Path of a light over a frame: its position and brightness during the exposure.
 
 use super::super::error::StreaksError;
 use crate::images::PixelPosition;
@@ -6,22 +6,23 @@ use crate::math::quadrature::gauss_legendre;
 
 use super::spline::{Cubic, limited_slopes, smooth_slopes};
 
-/// Greatest coordinate, pixels: larger than any frame.
+/// Largest accepted coordinate, pixels; larger than any frame.
 const FARTHEST_PIX: f64 = 1e9;
 
-/// Least time between nodes, seconds.
+/// Smallest accepted time between nodes, seconds.
 const LEAST_STEP_S: f64 = 1e-9;
 
-/// Position and brightness at a time.
+/// Position and brightness of a light at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PathNode {
     /// Seconds after the shutter opened.
     pub time_s: f64,
-    /// Position on the frame.
+    /// Position in the frame, pixels.
     pub at: PixelPosition,
-    /// Frame counts or electrons per second, at least 0; drawn light is in this unit times seconds.
+    /// Brightness in counts of the frame or electrons per second, at least 0. Drawn light has the unit of the rate
+    /// times seconds.
     pub rate: f64,
-    /// Rate immediately after this time, if the brightness jumps (edge of a glint, lamp switched on).
+    /// Rate immediately after this time, if the brightness jumps (edge of a glint, lamp switched on); otherwise `None`.
     pub rate_after: Option<f64>,
 }
 
@@ -32,18 +33,19 @@ impl PathNode {
     }
 }
 
-/// Position and brightness of a light in time, smooth between nodes.
+/// Position and brightness of a light as functions of time, smooth between nodes.
 ///
-/// Positions follow the cubic spline through the nodes, with continuous speed and curvature: 2 nodes give a line, 3 a
-/// parabola. Rates follow the same kind of spline, limited if it would overshoot between steps of brightness, never
-/// below 0, and interrupted at jumps. The path begins at the first node and ends at the last.
+/// Positions follow the cubic spline through the nodes, with continuous speed and curvature; two nodes give a straight
+/// line, three a parabola. Rates follow the same kind of spline, limited so that it does not overshoot at steps of
+/// brightness and is never below 0; the spline is interrupted at jumps. The path begins at the first node and ends at
+/// the last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreakPath {
     nodes: Vec<PathNode>,
     pieces: Vec<Piece>,
 }
 
-/// Path from one node to the next.
+/// Part of a path from one node to the next.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Piece {
     pub start_s: f64,
@@ -54,10 +56,10 @@ pub(super) struct Piece {
 }
 
 impl StreakPath {
-    /// Builds the path through nodes in the order of their times.
+    /// Creates the path through nodes, which must be in order of time.
     ///
     /// # Errors
-    /// Fewer than two nodes, times that do not increase, numbers that are not finite, rates below 0.
+    /// There are fewer than two nodes, times do not increase, a number is not finite, or a rate is below 0.
     pub fn new(nodes: Vec<PathNode>) -> Result<Self, StreaksError> {
         check(&nodes)?;
         let times: Vec<f64> = nodes.iter().map(|node| node.time_s).collect();
@@ -79,7 +81,7 @@ impl StreakPath {
         Ok(Self { nodes, pieces })
     }
 
-    /// Nodes as given.
+    /// Returns the nodes as given.
     pub fn nodes(&self) -> &[PathNode] {
         &self.nodes
     }
@@ -88,19 +90,19 @@ impl StreakPath {
         &self.pieces
     }
 
-    /// Returns ∫ rate dt: all the light of the path, on the frame or not.
+    /// Returns ∫ rate dt, the light of the whole path inside and outside the frame.
     pub fn total(&self) -> f64 {
         self.pieces.iter().map(|piece| piece.rate.integral(piece.duration_s)).sum()
     }
 
-    /// Position at a time, seconds after the shutter opened. Before the first node it is that of the first node, after the
-    /// last node that of the last one.
+    /// Returns the position at a time, seconds after the shutter opened. Before the first and after the last node it is
+    /// the position of that node.
     pub fn point_at(&self, time_s: f64) -> PixelPosition {
         let (piece, since_s) = self.piece_at(time_s);
         PixelPosition { x: piece.x.at(since_s), y: piece.y.at(since_s) }
     }
 
-    /// Rate at a time, in the unit of the nodes; 0 before the first and after the last node.
+    /// Returns the rate at a time, in the unit of the nodes; 0 before the first and after the last node.
     pub fn rate_at(&self, time_s: f64) -> f64 {
         let (first, last) = (self.nodes[0].time_s, self.nodes[self.nodes.len() - 1].time_s);
         if !(first..=last).contains(&time_s) {
@@ -110,7 +112,7 @@ impl StreakPath {
         piece.rate.at(since_s)
     }
 
-    /// Length of the whole path, pixels.
+    /// Returns the length of the whole path, pixels.
     pub fn length_pix(&self) -> f64 {
         let rule = gauss_legendre(8);
         let length = |piece: &Piece| {
@@ -160,7 +162,7 @@ fn check(nodes: &[PathNode]) -> Result<(), StreaksError> {
     Ok(())
 }
 
-/// Returns the rates between nodes, with a separate curve between jumps.
+/// Returns the rate between each two nodes as a cubic; splines do not continue across jumps.
 fn rates(nodes: &[PathNode], times: &[f64]) -> Vec<Cubic> {
     let mut cubics = Vec::with_capacity(nodes.len() - 1);
     let mut start = 0;

@@ -1,7 +1,8 @@
-//! Curves through nodes in time: a smooth spline for positions, and a spline without overshoot for brightness.
+//! Splines through nodes in time: a smooth one for positions, and one that does not overshoot for brightness.
 
-/// Returns the slopes at the nodes of the cubic spline with continuous second derivatives. The slope at each end is that
-/// of the cubic through the four nodes next to it, or of the parabola or line if there are only three or two nodes.
+/// Returns the slopes at the nodes of the cubic spline with continuous second derivatives. The slope at an end is that
+/// of the cubic through the four nearest nodes. With only three or two nodes it is that of the parabola or line through
+/// them.
 ///
 /// `times` must increase; both slices have the same length of at least 2.
 pub(super) fn smooth_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
@@ -54,16 +55,16 @@ fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
     sum
 }
 
-/// Returns the slopes of the smooth spline, limited if it would overshoot (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq.
-/// 3.29: Hyman's rule that preserves smooth extrema), and limited so that a cubic between values of at least 0 does not
-/// fall below 0.
+/// Returns the slopes of the smooth spline, limited where it would overshoot (Huynh 1993, SIAM J. Numer. Anal. 30, 57,
+/// eq. 3.29: Hyman's rule that preserves smooth extrema). The slopes are also limited so that a cubic between values of
+/// at least 0 does not fall below 0.
 ///
 /// `times` must increase; both slices have the same length of at least 2.
 pub(super) fn limited_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = times.len();
     let step = |i: usize| times[i + 1] - times[i];
     let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
-    // Second divided differences; those at the ends are copied from their neighbours.
+    // Second divided differences; at both ends the neighbouring value is used.
     let bend = |i: usize| {
         let i = i.clamp(1, count - 2);
         (rise(i) - rise(i - 1)) / (step(i - 1) + step(i))
@@ -77,7 +78,7 @@ pub(super) fn limited_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
             let most = (3.0 * monotone.abs()).max(1.5 * smooth.abs());
             *slope = lesser(*slope, most.copysign(if monotone == 0.0 { smooth } else { monotone }));
         }
-        // The Bézier points next to the node: f + h s / 3 and f - h s / 3.
+        // The Bézier points next to the node are f + h s / 3 and f - h s / 3; they must not be negative.
         if i + 1 < count {
             *slope = slope.max(-3.0 * values[i] / step(i));
         }
@@ -88,7 +89,7 @@ pub(super) fn limited_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     slopes
 }
 
-/// Returns the number with the smaller absolute value if both have the same sign, else 0.
+/// Returns the number with the smaller absolute value if both have the same sign, otherwise 0.
 fn lesser(a: f64, b: f64) -> f64 {
     if a * b <= 0.0 {
         0.0
@@ -99,15 +100,15 @@ fn lesser(a: f64, b: f64) -> f64 {
     }
 }
 
-/// Cubic between two nodes.
+/// Cubic polynomial between two nodes.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Cubic {
-    /// Coefficients of the powers of the time since the first node.
+    /// Coefficients of the powers of the time since the first of the two nodes.
     powers: [f64; 4],
 }
 
 impl Cubic {
-    /// Creates the cubic from values and slopes at two nodes `step` apart.
+    /// Creates the cubic from the values and slopes at two nodes that are `step` apart.
     pub fn between(values: [f64; 2], slopes: [f64; 2], step: f64) -> Self {
         let rise = (values[1] - values[0]) / step;
         let second = (3.0 * rise - 2.0 * slopes[0] - slopes[1]) / step;
@@ -133,7 +134,7 @@ impl Cubic {
         time * (a + time * (b / 2.0 + time * (c / 3.0 + time * d / 4.0)))
     }
 
-    /// Returns the Bézier points of the curve between two times; the curve lies between the least and the greatest of
+    /// Returns the Bézier points of the curve between two times. The curve lies between the smallest and the largest of
     /// them.
     pub fn control_points(&self, from: f64, to: f64) -> [f64; 4] {
         let third = (to - from) / 3.0;

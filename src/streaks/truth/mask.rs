@@ -1,4 +1,4 @@
-//! Masks of streaks: spans of pixels and the bit planes that mark them.
+//! Masks of streaks: runs of pixels, and the bit planes that mark them.
 
 use std::collections::BTreeMap;
 
@@ -6,29 +6,29 @@ use super::super::drawn::DrawnStreak;
 use crate::images::AddedLight;
 use crate::streaks::error::StreaksError;
 
-/// Fraction of a streak's brightest pixel below which light is not marked as injected, because it is not measurable.
+/// Fraction of the brightest pixel of a streak below which light is not marked as injected, because it is too faint to
+/// be measured.
 const FAINTEST_SHARE: f32 = 1e-4;
 
-/// In a frame without noise, pixels above this fraction of the brightest pixel are marked as streak.
+/// Fraction of the brightest pixel of a streak above which pixels of a frame without noise are marked as streak.
 const SHARE_WITHOUT_NOISE: f32 = 0.1;
 
-/// Adjacent pixels in one row of a mask.
+/// Run of adjacent pixels in one row of a mask.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MaskSpan {
     /// Row, counted from 0.
     pub row: usize,
     /// Column of the first pixel, counted from 0.
     pub first_column: usize,
-    /// Values of this pixel and of those to its right.
+    /// Mask values of the first pixel and of those to its right.
     pub values: Vec<i32>,
 }
 
-/// Returns the masked spans of a chip in the order of rows; the spans of several streaks in one row are joined. All
-/// other pixels are 0.
+/// Returns the mask of a chip as one run of pixels per row, in the order of rows. Pixels outside the runs are 0.
 ///
-/// `INJECTED` marks all pixels with more than 10⁻⁴ of the brightest pixel of a streak. `STREAK` and `INJECTED` mark
-/// those in which the light of all streaks together exceeds `noise`, one sigma of the frame's pixels; if that is 0,
-/// those above a tenth of the streak's brightest pixel.
+/// `INJECTED` marks pixels with more than 10⁻⁴ of the light of a streak's brightest pixel. `STREAK` and `INJECTED` mark
+/// pixels in which the light of all streaks together exceeds `noise`, the standard deviation of the frame's pixels. If
+/// `noise` is 0, they mark pixels above a tenth of a streak's brightest pixel.
 pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
     let peaks: Vec<f32> = streaks
         .iter()
@@ -75,12 +75,12 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
         .collect()
 }
 
-/// Returns the masked spans of light that a detector moved outside the streaks: bled columns and ghosts are `INJECTED`
-/// if the signal exceeds `noise`, one sigma of the frame's pixels; if that is 0, if it exceeds 10⁻⁴ of the chip's
-/// strongest signal. `added` is in order; adjacent pixels of a row are in one span.
+/// Returns the mask of light that a detector moved outside the streaks, such as bled columns and ghosts. Pixels are
+/// `INJECTED` if the signal exceeds `noise`, the standard deviation of the frame's pixels, or, if `noise` is 0, 10⁻⁴ of
+/// the chip's strongest signal. `added` is in the order of rows and columns; adjacent pixels of a row form one run.
 ///
-/// They are not marked as `STREAK`: a streak detector should find the line, and pipelines mask bleeding and ghosts by
-/// other planes.
+/// These pixels are not marked as `STREAK`, because a streak detector should find only the line, and pipelines mask
+/// bleeding and ghosts by other planes.
 pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
     let strongest = added.iter().map(|light| light.signal_adu.abs()).fold(0.0, f32::max);
     let threshold = if noise > 0.0 { noise } else { FAINTEST_SHARE * strongest };
@@ -94,9 +94,9 @@ pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> V
         .collect()
 }
 
-/// Returns one sigma of a frame's pixels about their median, from the median of absolute differences (times 1.4826, for
-/// a Gaussian), which stars and streaks hardly change. Computed from a sample of the finite pixels; 0 for a frame of
-/// one value.
+/// Returns the standard deviation of a frame's pixels, estimated as 1.4826 times the median absolute deviation from the
+/// median, which stars and streaks hardly change. It is computed from a sample of the finite pixels, and is 0 for a
+/// frame in which all pixels are equal.
 pub fn noise_of(values: &[f32]) -> f32 {
     const SAMPLED: usize = 100_000;
     let step = (values.len() / SAMPLED).max(1);
@@ -110,11 +110,11 @@ pub fn noise_of(values: &[f32]) -> f32 {
     median(&mut sample).map_or(0.0, |deviation| 1.4826 * deviation)
 }
 
-/// Survey or pipeline with the bits used in masks.
+/// Survey or pipeline whose mask bits are used.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum MaskPreset {
-    /// Named planes with `MP_` keywords. Bits named by the frame's own mask are kept; `STREAK` and `INJECTED` use the
-    /// lowest free ones.
+    /// Named planes with `MP_` keywords. Planes that the frame's own mask names keep their bits; otherwise `STREAK` and
+    /// `INJECTED` get the lowest free bits.
     #[default]
     Lsst,
     /// DES data management: `BADPIX_STREAK` = 1024, bit 10 (Morganson et al. 2018, table 9).
@@ -128,7 +128,7 @@ pub enum MaskPreset {
     Hst,
 }
 
-/// Bits of the two planes.
+/// Bits of the mask planes for streaks and for injected light.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct MaskPlanes {
     /// Pixels in which a streak exceeds the noise, which a streak detector should find.
@@ -137,17 +137,17 @@ pub struct MaskPlanes {
     pub injected_bit: u32,
 }
 
-/// Highest bit of a signed 32-bit image that keeps its numbers positive.
+/// Highest bit of a signed 32-bit integer for which mask values stay positive.
 const HIGHEST_BIT: u32 = 30;
 
-/// Bit of injected light for surveys that define no plane for it; none of them uses this bit.
+/// Bit of injected light for surveys without a plane for it; none of these surveys uses this bit.
 const UNUSED_BIT: u32 = HIGHEST_BIT;
 
 impl MaskPreset {
     /// All presets.
     pub const ALL: [Self; 5] = [Self::Lsst, Self::Desdm, Self::Last, Self::Ztf, Self::Hst];
 
-    /// Name on the command line.
+    /// Returns the name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Lsst => "lsst",
@@ -158,7 +158,7 @@ impl MaskPreset {
         }
     }
 
-    /// Returns a preset by name, in any case.
+    /// Returns a preset by its name; upper and lower case are equivalent.
     ///
     /// # Errors
     /// An unknown name.
@@ -168,10 +168,10 @@ impl MaskPreset {
         })
     }
 
-    /// Returns the bits, given the planes named by the frame's own mask (without `MP_`).
+    /// Returns the bits, given the planes that the frame's own mask names (names without `MP_`).
     ///
     /// # Errors
-    /// A mask of the frame that uses all bits.
+    /// The mask of the frame uses all bits.
     pub fn planes(self, own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
         let streak_bit = match self {
             Self::Lsst => return named(own),
@@ -184,7 +184,7 @@ impl MaskPreset {
     }
 }
 
-/// Returns the planes of these names if the mask has them, else the lowest free bits.
+/// Returns the bits of the `STREAK` and `INJECTED` planes of the frame's mask, or the lowest free bits.
 fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
     let mut taken: Vec<u32> = own.values().copied().collect();
     let mut bit = |plane: &'static str| -> Result<u32, StreaksError> {
@@ -201,7 +201,7 @@ fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
 }
 
 impl MaskPlanes {
-    /// Returns the value of a pixel: in both planes if the streak exceeds the noise, else only in that of injected
+    /// Returns the mask value of a pixel: both bits if the streak exceeds the noise, otherwise only that of injected
     /// light.
     pub fn value(&self, stands_out: bool) -> i32 {
         let injected = 1i32 << self.injected_bit;

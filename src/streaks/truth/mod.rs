@@ -1,4 +1,4 @@
-//! Truth of drawn streaks: `table` (truth tables), `mask` (pixels and the bits that mark them).
+//! True parameters of drawn streaks: `table` (truth tables), `mask` (marked pixels and their bits).
 
 mod mask;
 mod table;

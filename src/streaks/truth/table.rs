@@ -1,14 +1,15 @@
-//! Truth tables of injected streaks: one row a streak, one row a point, and injection catalogues of Rubin's pipelines.
+//! Truth tables of injected streaks, with one row per streak or per point, and injection catalogues for Rubin's
+//! pipelines.
 
 use super::super::drawn::{DrawnStreak, StreakPoint};
 use super::super::light::SourceName;
 use crate::images::{effective_magnitude, surface_brightness_mag_arcsec2};
 use crate::output::{Column, Kind, Table, Value};
 
-/// Streak with the other data of its row: its number in the file, from 1, and the exposure time.
+/// Streak with the other data of its row in the truth table.
 #[derive(Copy, Clone, Debug)]
 pub struct TruthRow<'a> {
-    /// Number of the streak.
+    /// Number of the streak in the file, from 1.
     pub number: usize,
     /// The streak.
     pub streak: &'a DrawnStreak<'a>,
@@ -18,7 +19,7 @@ pub struct TruthRow<'a> {
     pub seed: u64,
 }
 
-/// Column with the function that returns its cell in a row.
+/// Column with the function that returns the value of its cell.
 struct Field {
     column: Column,
     value: fn(&TruthRow<'_>) -> Value,
@@ -160,7 +161,7 @@ fn dec_deg(row: &TruthRow<'_>, point: &StreakPoint) -> Value {
     row.streak.is_on_sky.then(|| point.direction.latitude_rad().to_degrees()).into()
 }
 
-/// Returns a function of magnitude, width, rate and exposure time at the middle of the streak.
+/// Returns a value computed from magnitude, width, rate and exposure time at the middle of the streak.
 fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> Value {
     let magnitude = row.streak.middle.and_then(|point| point.magnitude);
     magnitude
@@ -173,7 +174,7 @@ pub fn truth_rows<'a>(streaks: &'a [DrawnStreak<'a>], exposure_s: f64, seed: u64
     streaks.iter().zip(1..).map(|(streak, number)| TruthRow { number, streak, exposure_s, seed }).collect()
 }
 
-/// Returns the table of streaks, one row each.
+/// Returns the table of streaks, with one row per streak.
 pub fn truth_table(rows: &[TruthRow<'_>]) -> Table {
     Table {
         columns: FIELDS.iter().map(|field| field.column).collect(),
@@ -181,7 +182,7 @@ pub fn truth_table(rows: &[TruthRow<'_>]) -> Table {
     }
 }
 
-/// Returns the table of points along the streaks, one row each.
+/// Returns the table of points along the streaks, with one row per point.
 pub fn points_table(rows: &[TruthRow<'_>]) -> Table {
     let columns = vec![
         Column::new("streak", Kind::Integer, "Number of the streak in this file, from 1."),
@@ -210,9 +211,10 @@ pub fn points_table(rows: &[TruthRow<'_>]) -> Table {
     Table { columns, rows }
 }
 
-/// Returns the rows of Rubin's `source_injection` catalogues: trails of constant brightness, `beta` degrees from the x
-/// axis towards the y axis of the chip, `mag` for each pixel of their length (its engine multiplies the flux of `mag`
-/// by `trail_length`). Changes along a streak and defocus cannot be represented.
+/// Returns the catalogue of trails for Rubin's `source_injection`. Trails have constant brightness; `beta` is their
+/// angle in degrees from the x axis towards the y axis of the chip, and `mag` the magnitude of each pixel of their
+/// length, because `source_injection` multiplies the flux of `mag` by `trail_length`. A catalogue cannot represent
+/// defocus or changes of brightness along a streak.
 pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
     let columns = vec![
         Column::new("injection_id", Kind::Integer, "Number of the streak in the truth."),
@@ -226,7 +228,7 @@ pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
     let trail = |row: &TruthRow<'_>| {
         let streak = row.streak;
         let (middle, angle_deg) = (streak.middle.filter(|_| streak.is_on_sky)?, streak.angle_deg()?);
-        // Σ counts = flux(mag) × length                        lsst.source.injection, make_galsim_trail
+        // Sum of the counts = flux(mag) × length               lsst.source.injection, make_galsim_trail
         let mag = streak.zero_point_mag - 2.5 * (streak.patch.sum() / streak.length_pix).log10();
         Some(vec![
             row.number.into(),
@@ -235,7 +237,7 @@ pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
             "Trail".into(),
             mag.into(),
             streak.length_pix.into(),
-            // A line has no direction: angles below 180 degrees are sufficient.
+            // A line has no sense of direction, so the angle is reduced to [0, 180) degrees.
             angle_deg.rem_euclid(180.0).into(),
         ])
     };
