@@ -92,14 +92,15 @@ pub fn compare_forms(
         let held = settings.held.iter().filter(|(name, _)| names.contains(name) && !one.free.contains(name));
         FitSettings { free: one.free.clone(), held: held.cloned().collect(), ..settings.clone() }
     };
-    let fitted: Vec<(&dyn Form, FitSettings)> = forms.iter().map(|one| (&*one.form, with_settings(one))).collect();
+    type Fitted<'a> = (&'a dyn Form, FitSettings);
+    let fitted: Vec<Fitted<'_>> = forms.iter().map(|one| (&*one.form, with_settings(one))).collect();
     let split = match tracks {
         Some((measurements, options)) => Folds::of_tracks(measurements, options, folds)?,
         None => Folds::of_points(&points, folds)?,
     };
     let held_out = cross_validate(&fitted, &split)?;
     let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
-    let score = |((one, (form, settings)), unseen): ((&CompetingForm, &(&dyn Form, FitSettings)), Vec<UnseenPoint>)| {
+    let score = |((one, (form, settings)), unseen): ((&CompetingForm, &Fitted<'_>), Vec<UnseenPoint>)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
         let held_out_mag: Vec<f64> = unseen.iter().map(UnseenPoint::residual_mag).collect();
         let empty = || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: one.name.clone() };
