@@ -61,7 +61,7 @@ pub struct IdentifyConfig {
     /// Length of the streak with its unit, for example 8arcmin
     #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
     pub length: Option<String>,
-    /// Frame (FITS) of the streak: source of world coordinates and times
+    /// Frame (FITS) of the streak: source of world coordinates, times and, if no site is given, the site
     #[cfg_attr(all(feature = "cli", feature = "fits", unix), arg(long, value_name = "FILE"))]
     #[cfg_attr(all(feature = "cli", not(all(feature = "fits", unix))), arg(skip))]
     pub image: Option<PathBuf>,
@@ -197,6 +197,21 @@ impl IdentifyConfig {
             )?,
         };
         Ok(IdentifyPlan { streak, source })
+    }
+
+    /// Returns the configuration; if it has no site, with that of the frame's header and a remark that names it.
+    ///
+    /// # Errors
+    /// The frame cannot be read or has no site.
+    pub fn with_site_of_frame(&self, config: Config) -> Result<(Config, Option<String>), ConfigError> {
+        #[cfg(all(feature = "fits", unix))]
+        if let Some(path) = self.image.as_ref().filter(|_| !config.has_viewpoint()) {
+            let site = super::identify_frame::site(path, self.hdu)?;
+            let site = site.ok_or_else(|| super::site::no_site_in(&path.display().to_string()))?;
+            let (config, remark) = config.at_site_of_header(&site);
+            return Ok((config, Some(remark)));
+        }
+        Ok((config, None))
     }
 
     fn ends(&self) -> Result<Line, ConfigError> {

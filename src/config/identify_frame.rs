@@ -6,7 +6,8 @@ use hifitime::Epoch;
 
 use super::error::ConfigError;
 use crate::frames::{Direction, Gcrs};
-use crate::images::{ExposureTime, FrameFile, Header, PixelPosition, Wcs};
+use crate::geometry::Site;
+use crate::images::{ExposureTime, FrameFile, Header, PixelPosition, Wcs, site_from_headers};
 
 /// Reads a pixel `1024.5,2048`, counted from 1.
 pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
@@ -97,4 +98,11 @@ pub(super) fn exposure(
         .map_or_else(|| ExposureTime::start_from_headers(&headers, duration_s), Ok)
         .map_err(|error| fail(&error))?;
     Ok((start, duration_s))
+}
+
+/// Returns the site in the header of a frame; `None` if it has none.
+pub(super) fn site(path: &Path, hdu: Option<usize>) -> Result<Option<Site>, ConfigError> {
+    let (file, hdu) = image(path, hdu)?;
+    let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
+    site_from_headers(&headers).map_err(|error| ConfigError::Frame(error.at(path.display())))
 }

@@ -5,11 +5,12 @@ use std::sync::Arc;
 
 use hifitime::Epoch;
 
-use super::document::{Config, SiteConfig};
+use super::document::Config;
 use super::error::ConfigError;
 use super::injection::InjectionConfig;
 use super::prepared::PreparedSky;
-use super::values::{NameOrTable, Numbers, parse_angle_deg, parse_duration_s};
+use super::site::no_site_in;
+use super::values::{Numbers, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
 use crate::input;
@@ -40,7 +41,7 @@ pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError>
 /// Puts streaks into frames: one output for each image, or for each synthetic frame.
 ///
 /// The function `sky`, if given, returns the sky for the night of the frames. Otherwise the sky is prepared from the
-/// configuration, with the observatory named in the headers if the configuration has no site.
+/// configuration, with the site of the headers if the configuration has none.
 ///
 /// # Errors
 /// [`ConfigError`]; each output is written whole or not at all.
@@ -56,7 +57,7 @@ pub fn inject_frames(
     if let Some(sky) = sky {
         return Ok(opened.run(Some(injection_sky(&*sky(first)?)))?);
     }
-    let (config, remark) = with_observatory(config, &opened)?;
+    let (config, remark) = with_site_of_frames(config, &opened)?;
     let prepared = config.prepare(first, last)?;
     let mut injections = opened.run(Some(injection_sky(&prepared)))?;
     injections.warnings.extend(prepared.warnings);
@@ -86,22 +87,19 @@ fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
     InjectionSky { sky: &prepared.sky, eop: &prepared.eop, provenance: &prepared.provenance }
 }
 
-/// Returns the configuration, with the observatory of the headers and a remark if it has no site.
-fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
-    let site = &config.site;
-    if site.named.is_some() || site.mpc.is_some() || site.lat.is_some() || config.observer_elements.is_some() {
+/// Returns the configuration, with the site of the headers and a remark if it has none.
+fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
+    if config.has_viewpoint() {
         return Ok((config.clone(), None));
     }
-    match &opened.observatories()[..] {
-        [] => Ok((config.clone(), None)),
+    match &opened.sites()?[..] {
+        [] => Err(no_site_in("the frames")),
         [site] => {
-            let code = site.mpc_code.as_deref().unwrap_or("no code");
-            let named = Some(NameOrTable::Name(site.name.clone()));
-            let config = Config { site: SiteConfig { named, ..config.site.clone() }, ..config.clone() };
-            Ok((config, Some(format!("site {} ({code}) from the header", site.name))))
+            let (config, remark) = config.at_site_of_header(site);
+            Ok((config, Some(remark)))
         }
         [first, second, ..] => Err(ConfigError::invalid(format!(
-            "the frames are from two observatories ({}, {}); allowed: frames of one observatory",
+            "the frames are from two sites ({}, {}); allowed: frames of one site",
             first.name, second.name
         ))),
     }

@@ -8,6 +8,8 @@ use super::values::{NameOrTable, SiteTable, in_range};
 use crate::elements::{ElementSet, Keep, Satellites};
 use crate::frames::Orientation;
 use crate::geometry::{EarthLimb, GeometryError, Observer, Site};
+#[cfg(all(feature = "fits", unix))]
+use crate::images::SITE_KEYWORDS;
 use crate::orbit::Propagator;
 use crate::passes::{OrbitingObserver, Viewpoint};
 
@@ -85,6 +87,29 @@ impl Config {
         Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
     }
 
+    /// Returns the configuration at the site of a frame's header, and a remark that names it.
+    #[cfg(all(feature = "fits", unix))]
+    pub(super) fn at_site_of_header(&self, site: &Site) -> (Self, String) {
+        let table = SiteTable {
+            name: Some(site.name.clone()),
+            latitude_deg: Some(site.latitude_rad.to_degrees()),
+            longitude_deg: Some(site.longitude_rad.to_degrees()),
+            height_m: Some(site.height_m),
+            mpc: None,
+        };
+        let (named, what) = match &site.mpc_code {
+            Some(code) => (NameOrTable::Name(site.name.clone()), code.clone()),
+            None => {
+                let (lat_deg, lon_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
+                let what = format!("latitude {lat_deg:.5}, longitude {lon_deg:.5} deg, height {:.0} m", site.height_m);
+                (NameOrTable::Table(table), what)
+            }
+        };
+        let site_config = SiteConfig { named: Some(named), ..self.site.clone() };
+        let config = Self { site: site_config, ..self.clone() };
+        (config, format!("site {} ({what}) from the header", site.name))
+    }
+
     /// Returns the element set of the telescope in orbit nearest to a moment.
     fn observer_set(&self, moment: Epoch) -> Result<ElementSet, ConfigError> {
         let catalogue = match &self.observer_elements {
@@ -108,6 +133,12 @@ impl Config {
         let first = sets.swap_remove(0);
         if count > 1 { Err(ConfigError::SeveralObservers { count, first: first.norad_id.0 }) } else { Ok(first) }
     }
+}
+
+/// Returns the error of frames without a site in their headers.
+#[cfg(all(feature = "fits", unix))]
+pub(super) fn no_site_in(frames: &str) -> ConfigError {
+    ConfigError::invalid(format!("missing site; specify {SITES} (the header of {frames} lacks it: {SITE_KEYWORDS})"))
 }
 
 /// Returns the site of a name; if no known name is similar, the error lists other ways to specify a site.

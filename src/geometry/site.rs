@@ -69,6 +69,26 @@ impl Site {
         })
     }
 
+    /// Creates a site from its Earth-fixed position (ITRS), metres.
+    ///
+    /// tan φ = (z + e'² b sin³ β) / (p - e² a cos³ β),  tan β = z / ((1 - f) p): Bowring 1976, Survey Review 23, 323;
+    /// below 0.1 mm near the ground.
+    ///
+    /// # Errors
+    /// A height beyond -11 km..100 km, or a number that is not finite.
+    pub fn from_itrs_m(name: &str, [x_m, y_m, z_m]: [f64; 3]) -> Result<Self, GeometryError> {
+        let a_m = EARTH_EQUATORIAL_RADIUS_KM * 1e3;
+        let e2 = EARTH_FLATTENING * (2.0 - EARTH_FLATTENING);
+        let (b_m, second_e2) = (a_m * (1.0 - EARTH_FLATTENING), e2 / (1.0 - e2));
+        let axis_m = x_m.hypot(y_m);
+        let (sin_beta, cos_beta) = z_m.atan2((1.0 - EARTH_FLATTENING) * axis_m).sin_cos();
+        let latitude_rad = (z_m + second_e2 * b_m * sin_beta.powi(3)).atan2(axis_m - e2 * a_m * cos_beta.powi(3));
+        let (sin_lat, cos_lat) = latitude_rad.sin_cos();
+        // h = p cos φ + z sin φ - a √(1 - e² sin² φ)
+        let height_m = axis_m * cos_lat + z_m * sin_lat - a_m * (1.0 - e2 * sin_lat * sin_lat).sqrt();
+        Self::new_deg(name, latitude_rad.to_degrees(), y_m.atan2(x_m).to_degrees(), height_m)
+    }
+
     /// Returns a site of the bundled table by one of its names or its MPC code; case, blanks, hyphens and other
     /// punctuation are ignored.
     ///
@@ -301,6 +321,19 @@ mod tests {
             let theirs = Site::new_deg(name, latitude, longitude, height).expect(name);
             let distance_m = (ours.itrs() - theirs.itrs()).norm_km() * 1e3;
             assert!(distance_m < CAMPUS_M, "{name}: {distance_m:.0} m");
+        }
+    }
+
+    #[test]
+    fn verif_positions_and_coordinates_agree() {
+        for site in Site::all() {
+            let itrs_m = site.itrs().vector() * 1e3;
+            let back = Site::from_itrs_m(&site.name, [itrs_m.x, itrs_m.y, itrs_m.z]).unwrap();
+            let distance_m = (back.itrs() - site.itrs()).norm_km() * 1e3;
+            assert!(distance_m < 1e-4 && (back.height_m - site.height_m).abs() < 1e-4, "{}: {distance_m} m", site.name);
+        }
+        for out in [[0.0; 3], [f64::NAN, 1.0, 6.4e6], [7e6, 0.0, 0.0]] {
+            assert!(Site::from_itrs_m("none", out).is_err(), "{out:?}");
         }
     }
 

@@ -53,6 +53,17 @@ pub struct Identified {
     pub left_out: Vec<LeftOut>,
 }
 
+/// Total probability of the candidates below which none of them fits.
+const LEAST_PROBABILITY: f64 = 0.01;
+
+impl Identified {
+    /// Returns true if none of the candidates fits: a satellite without an element set is a hundred times as probable as all
+    /// of them together.
+    pub fn is_without_fit(&self) -> bool {
+        1.0 - self.unknown_probability < LEAST_PROBABILITY
+    }
+}
+
 /// Finds all satellites that may have caused a streak, on all threads of the current pool.
 ///
 /// The delay of a candidate and its distance from the streak are at most six sigmas, or 30 s and 1° if these are

@@ -22,7 +22,9 @@ pub use detector::{
     Saturation, Vignetting,
 };
 pub use error::ImagesError;
-pub use exposure::{Calibration, CountBasis, ExposureTime, HeaderValue, PixelUnit, ZeroPoint};
+pub use exposure::{
+    Calibration, CountBasis, ExposureTime, HeaderValue, PixelUnit, SITE_KEYWORDS, ZeroPoint, site_from_headers,
+};
 #[cfg(all(feature = "fits", unix))]
 pub use fits::{
     Bitpix, Cells, Changed, FrameCopy, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat, Pixels, Rice,

@@ -1,17 +1,123 @@
 //! Files that are written completely or not at all. The data go to a temporary file in the folder of the target, which
 //! is renamed at the end.
+//!
+//! A program that ends at a signal removes its temporary files with [`remove_unfinished`]. Those of a process that was
+//! killed are removed by the next process that writes into the folder: a process keeps its temporary files locked, and
+//! the system drops the locks when it ends.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use tempfile::{Builder, NamedTempFile, TempDir};
+
+/// Beginning of the names of temporary files and folders.
+const PREFIX: &str = ".streakcast-";
+/// File in a temporary folder that is locked while the folder is in use.
+const LOCK: &str = "lock";
+
+/// Temporary files of this process.
+struct Unfinished {
+    /// Temporary files and folders.
+    paths: BTreeSet<PathBuf>,
+    /// Folders in which the files of ended processes were removed.
+    cleaned: BTreeSet<PathBuf>,
+}
+
+static UNFINISHED: Mutex<Unfinished> = Mutex::new(Unfinished { paths: BTreeSet::new(), cleaned: BTreeSet::new() });
+
+fn unfinished() -> MutexGuard<'static, Unfinished> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes all temporary files and folders of this process, for a program that ends at a signal; finished outputs are kept.
+///
+/// Afterwards no output can be begun or finished in this process: threads that try it wait for the end of the process.
+pub fn remove_unfinished() {
+    let unfinished = unfinished();
+    unfinished.paths.iter().for_each(|path| remove(path));
+    std::mem::forget(unfinished);
+}
+
+/// Number of attempts to remove a folder, in which another thread may create files meanwhile.
+const ATTEMPTS: usize = 100;
+
+fn remove(path: &Path) {
+    // The file may be gone already.
+    if path.is_dir() {
+        let _ = (0..ATTEMPTS).find(|_| std::fs::remove_dir_all(path).is_ok() || !path.exists());
+    } else {
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+/// Removes the temporary files of ended processes from a folder, once in each process.
+#[cfg(unix)]
+fn remove_abandoned(folder: &Path) {
+    if !unfinished().cleaned.insert(folder.to_owned()) {
+        return;
+    }
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    for entry in entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(PREFIX)) {
+        let (path, Ok(kind)) = (entry.path(), entry.file_type()) else { continue };
+        let locked = if kind.is_dir() { path.join(LOCK) } else { path.clone() };
+        // Files on systems without locks are kept.
+        if let Some(file) = File::options().write(true).open(locked).ok().filter(|_| kind.is_dir() || kind.is_file())
+            && file.try_lock().is_ok()
+        {
+            remove(&path);
+        }
+    }
+}
+
+#[cfg(not(unix))]
+fn remove_abandoned(_: &Path) {}
+
+/// Locks a file until it is closed. Waits for a process that tests whether the file is in use, and returns false if that
+/// process has removed it.
+#[cfg(unix)]
+fn lock(file: &File, path: &Path) -> bool {
+    // A system without locks reports an error.
+    let _ = file.lock();
+    path.exists()
+}
+
+/// On Windows a lock would also exclude other handles of this process.
+#[cfg(not(unix))]
+fn lock(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// Entry in the list of temporary files, which ends with this value.
+#[derive(Debug)]
+struct Listed(PathBuf);
+
+impl Listed {
+    /// Creates a temporary file or folder and its entry, so that no file is without one.
+    fn create<T>(create: impl FnOnce() -> io::Result<T>, path: impl Fn(&T) -> &Path) -> io::Result<(T, Self)> {
+        let mut unfinished = unfinished();
+        let created = create()?;
+        let path = path(&created).to_owned();
+        unfinished.paths.insert(path.clone());
+        Ok((created, Self(path)))
+    }
+}
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        unfinished().paths.remove(&self.0);
+    }
+}
 
 /// Unfinished output file. If it is dropped without [`finish`](AtomicFile::finish), the temporary file is deleted.
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: NamedTempFile,
     target: PathBuf,
+    /// Dropped after the temporary file.
+    _listed: Listed,
 }
 
 impl AtomicFile {
@@ -31,13 +137,19 @@ impl AtomicFile {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        remove_abandoned(folder);
         let mut builder = Builder::new();
-        builder.prefix(".streakcast-").suffix(".part");
+        builder.prefix(PREFIX).suffix(".part");
         // A new file gets the usual permissions; by default temporary files are readable only by their owner.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let temporary = builder.tempfile_in(folder).map_err(|error| folder_error(folder, &error))?;
-        Ok(Self { temporary, target })
+        loop {
+            let (temporary, listed) = Listed::create(|| builder.tempfile_in(folder), NamedTempFile::path)
+                .map_err(|error| folder_error(folder, &error))?;
+            if lock(temporary.as_file(), temporary.path()) {
+                return Ok(Self { temporary, target, _listed: listed });
+            }
+        }
     }
 
     /// Checks that a file can be created at `target`, for use before a long computation.
@@ -63,8 +175,10 @@ impl AtomicFile {
     /// # Errors
     /// The file cannot be renamed or opened.
     pub fn take(&mut self, made: &Path) -> io::Result<()> {
+        let file = File::options().read(true).write(true).open(made)?;
+        lock(&file, made);
         std::fs::rename(made, self.path())?;
-        *self.temporary.as_file_mut() = File::options().read(true).write(true).open(self.path())?;
+        *self.temporary.as_file_mut() = file;
         Ok(())
     }
 
@@ -98,7 +212,13 @@ impl AtomicFile {
 
 /// A temporary folder, removed with all its files when dropped.
 #[derive(Debug)]
-pub struct ScratchFolder(TempDir);
+pub struct ScratchFolder {
+    folder: TempDir,
+    /// Dropped after the folder.
+    _listed: Listed,
+    /// The file [`LOCK`], locked.
+    _lock: File,
+}
 
 impl ScratchFolder {
     /// Creates the folder in `parent`.
@@ -106,12 +226,21 @@ impl ScratchFolder {
     /// # Errors
     /// `parent` is missing or not writable.
     pub fn new(parent: &Path) -> io::Result<Self> {
-        Builder::new().prefix("streakcast-").tempdir_in(parent).map(Self).map_err(|error| folder_error(parent, &error))
+        remove_abandoned(parent);
+        loop {
+            let (folder, listed) = Listed::create(|| Builder::new().prefix(PREFIX).tempdir_in(parent), TempDir::path)
+                .map_err(|error| folder_error(parent, &error))?;
+            let file = folder.path().join(LOCK);
+            let locked = File::create(&file).map_err(|error| folder_error(parent, &error))?;
+            if lock(&locked, &file) {
+                return Ok(Self { folder, _listed: listed, _lock: locked });
+            }
+        }
     }
 
     /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
-        self.0.path()
+        self.folder.path()
     }
 }
 
@@ -203,6 +332,37 @@ mod tests {
             assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
         }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn files_of_ended_processes_are_removed_and_those_in_use_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let made = |name: &str| {
+            let path = folder.path().join(name);
+            path.parent().map(std::fs::create_dir_all).unwrap().unwrap();
+            File::create(&path).unwrap()
+        };
+        for name in [".streakcast-a.part", ".streakcast-b/lock", ".streakcast-b/out.fits", "streakcast-c.part"] {
+            drop(made(name));
+        }
+        let in_use = [made(".streakcast-d.part"), made(".streakcast-e/lock")];
+        in_use.iter().for_each(|file| file.lock().unwrap());
+        // A folder without its lock is just being made.
+        std::fs::create_dir(folder.path().join(".streakcast-f")).unwrap();
+        let (file, scratch) =
+            (AtomicFile::new(&folder.path().join("out.csv")).unwrap(), ScratchFolder::new(folder.path()).unwrap());
+        // Other processes see the locks of this one.
+        for path in [file.path().to_owned(), scratch.path().join(LOCK)] {
+            assert!(File::options().write(true).open(path).unwrap().try_lock().is_err());
+        }
+        drop((file, scratch));
+        let mut left: Vec<String> = std::fs::read_dir(folder.path())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        left.sort();
+        assert_eq!(left, [".streakcast-d.part", ".streakcast-e", ".streakcast-f", "streakcast-c.part"]);
     }
 
     #[test]

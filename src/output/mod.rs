@@ -13,7 +13,7 @@ mod table;
 mod text;
 mod votable;
 
-pub use atomic::{AtomicFile, ScratchFolder, check_target, write_atomically};
+pub use atomic::{AtomicFile, ScratchFolder, check_target, remove_unfinished, write_atomically};
 pub(crate) use delimited::{csv_cell, ecsv_column};
 pub use delimited::{write_csv, write_ecsv};
 pub use json::{Section, write_json, write_json_lines};

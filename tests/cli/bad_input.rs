@@ -542,6 +542,7 @@ fn pipes_and_devices_are_refused() {
         fails(&[strict, SITE, &["--elements", path]], &parts);
         fails(&[strict, SITE, SHELLS, &["--eop", path]], &parts);
         fails(&[strict, SITE, SHELLS, &["--config", path]], &parts);
+        fails(&[strict, SITE, SHELLS, &["--status-file", path]], &parts);
         let targets: &[&str] = &["gate", "--strict", "--exposure", "30s", "--target", "M31", "--fov", "3.5deg"];
         fails(&[targets, SITE, SHELLS, &["--targets", path]], &parts);
     }

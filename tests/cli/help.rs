@@ -166,3 +166,49 @@ fn element_sets_that_cannot_be_propagated_are_counted_on_one_line() {
     let (code, _, stderr) = run(&[&arguments[..], &["--verbose", "--quiet"]].concat(), folder.path());
     assert!(code == 2 && stderr.contains("--quiet"), "{stderr}");
 }
+
+/// The script of bash, loaded into bash, completes verbs and flags.
+#[cfg(unix)]
+#[test]
+fn bash_completes_verbs_and_flags() {
+    let folder = tempfile::tempdir().unwrap();
+    let script = folder.path().join("streakcast.bash");
+    let (code, text, stderr) = run(&["completions", "bash"], folder.path());
+    assert_eq!((code, stderr.as_str()), (0, ""));
+    std::fs::write(&script, text).unwrap();
+    let complete = |words: &[&str]| {
+        let (last, count) = (words.len() - 1, words.join("' '"));
+        let bash = format!(
+            "source '{}'; COMP_WORDS=('{count}'); COMP_CWORD={last}; _streakcast streakcast '{}' '{}'; echo \"${{COMPREPLY[@]}}\"",
+            script.display(),
+            words[last],
+            words[last - 1]
+        );
+        let output = std::process::Command::new("bash").args(["--norc", "-c", &bash]).output().unwrap();
+        assert!(output.status.success() && output.stderr.is_empty(), "{output:?}");
+        String::from_utf8(output.stdout).unwrap().trim().to_owned()
+    };
+    assert_eq!(complete(&["streakcast", "fl"]), "flag");
+    assert_eq!(complete(&["streakcast", "flag", "--fail"]), "--fail-on");
+    assert_eq!(complete(&["streakcast", "map", "bo"]), "body");
+    for shell in ["zsh", "fish", "powershell", "elvish"] {
+        let (code, text, _) = run(&["completions", shell], folder.path());
+        assert!(code == 0 && text.contains("fail-on"), "{shell}");
+    }
+}
+
+#[test]
+fn every_verb_has_a_manual_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let (code, stdout, stderr) = run(&["man", "-o", "pages"], folder.path());
+    assert_eq!((code, stdout.as_str()), (0, ""), "{stderr}");
+    let page = |name: &str| std::fs::read_to_string(folder.path().join("pages").join(name)).unwrap();
+    for verb in subcommands(&help(&[])) {
+        let text = page(&format!("streakcast-{verb}.1"));
+        assert!(text.contains(".SH NAME") && text.contains("Examples:"), "{verb}");
+        for inner in subcommands(&help(&[verb])) {
+            page(&format!("streakcast-{verb}-{inner}.1"));
+        }
+    }
+    assert!(page("streakcast.1").contains("flag") && stderr.starts_with("wrote "), "{stderr}");
+}

@@ -73,6 +73,23 @@ fn no_candidate_ends_with_1() {
 }
 
 #[test]
+fn rows_of_satellites_that_do_not_fit_are_omitted() {
+    // The streak of the pass, shifted by 0.16 deg across the track.
+    let pass = pass();
+    let end = |which: &str| {
+        let ra_deg = pass[format!("{which}_ra_deg")].as_f64().unwrap();
+        format!("{},{}", ra_deg + 0.16, pass[format!("{which}_dec_deg")])
+    };
+    let (enter, exit) = (end("enter"), end("exit"));
+    let words = ["--end", &enter, "--end", &exit, "--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
+    let (code, stdout, stderr) = run(&[&["identify"], &SKY[..4], &words, &["--format", "json"]]);
+    let answer: Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!((code, answer["candidates"].as_array().unwrap().len()), (1, 0), "{stderr}");
+    assert!(answer["provenance"]["options"]["candidates"].as_u64().unwrap() > 0, "{answer}");
+    assert!(stderr.contains("no candidate fits: ") && stderr.contains(" arcsec from the streak"), "{stderr}");
+}
+
+#[test]
 fn invalid_streaks_give_one_line() {
     let folder = tempfile::tempdir().unwrap();
     let region = path(&folder, "a.reg");
@@ -140,7 +157,7 @@ fn valid_a_frame_provides_position_and_time() {
     let frame = data.join("frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz").display().to_string();
     for file in ["supgp/starlink_supgp_2020-02-23.tle", "supgp/starlink_supgp_2020-02-25.tle"] {
         let elements = data.join("tle").join(file).display().to_string();
-        let sky = ["identify", "--elements", &elements, "--mpc", "W84", "-q", "--image", &frame];
+        let sky = ["identify", "--elements", &elements, "-q", "--image", &frame];
         let (code, _, stderr) = run(&[&sky, &["--from-pix", "1,68.5", "--to-pix", "68.02,1"]]);
         assert!(code == 2 && stderr.contains("images; specify one with --hdu"), "{stderr}");
         let hdu = hdu_of_s28(&frame).to_string();
@@ -157,6 +174,8 @@ fn valid_a_frame_provides_position_and_time() {
         ]);
         assert_eq!(answer["candidates"][0]["name"], "STARLINK-1102", "{answer}");
         assert_eq!(answer["streak"][0]["start_utc"], "2020-03-06T00:04:15.410235Z", "{answer}");
+        // OBS-LONG of this frame has the wrong sign; the site is that of DECam.
+        assert_eq!(answer["provenance"]["site"]["mpc_code"], "W84", "{answer}");
     }
 }
 

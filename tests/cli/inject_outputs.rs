@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::Path;
 
-use crate::common::cli::{path, run};
-use crate::common::injected::{RANDOM, SKY};
-use streakcast::images::{Card, FrameFile};
+use crate::common::cli::{path, records, run};
+use crate::common::injected::{RANDOM, SKY, column};
+use streakcast::images::{Card, FrameFile, Header, ImageValues, NewImage, Pixels, write_frame};
 use tempfile::TempDir;
 
 /// Description file of synthetic frames.
@@ -149,4 +149,67 @@ fn verif_history_and_tables_contain_the_settings() {
     let header = file.header(table).unwrap();
     let column = (1..).find(|number| header.text(&format!("TTYPE{number}")).as_deref() == Some("norad_id")).unwrap();
     assert_eq!(header.integer(&format!("TNULL{column}")), Some(-1));
+}
+
+/// Two chips side by side: a streak over both is one streak in two pieces.
+#[test]
+fn pieces_of_streaks_on_a_mosaic_are_counted_apart() {
+    let folder = TempDir::new().unwrap();
+    let (frame, output, truth) = (path(&folder, "mosaic.fits"), path(&folder, "out.fits"), path(&folder, "truth.csv"));
+    let cards = |crpix: f64| {
+        let text = format!(
+            "CTYPE1  = 'RA---TAN'\nCTYPE2  = 'DEC--TAN'\nCRVAL1  = 10.0\nCRVAL2  = -30.0\nCRPIX1  = {crpix}\nCRPIX2  = 100.0\n\
+             CD1_1   = -2.8E-4\nCD1_2   = 0.0\nCD2_1   = 0.0\nCD2_2   = 2.8E-4\nGAIN    = 2.0\nMAGZERO = 28.0\n"
+        );
+        Header::from_text(&text).cards().to_vec()
+    };
+    let pixels = ImageValues::new(200, Pixels::F32(vec![100.0; 40_000])).unwrap();
+    let (left, right) = (cards(200.0), cards(0.0));
+    let image = |name, cards| NewImage { name, values: &pixels, cards, rice: None };
+    write_frame(Path::new(&frame), &[image("A", &left), image("B", &right)]).unwrap();
+    let shot = ["--start", "2024-08-14T00:00:00Z", "--zero-point", "28", "--truth", &truth, "--seed", "3"];
+    let random: Vec<&str> = RANDOM.iter().copied().filter(|word| *word != "--quiet").collect();
+    let (code, _, stderr) = run(&[&["inject", "--image", &frame, "-o", &output], &shot, &random]);
+    assert_eq!(code, 0, "{stderr}");
+    let rows = records(&std::fs::read_to_string(&truth).unwrap());
+    let ids: std::collections::BTreeSet<String> = column(&rows, "name").into_iter().collect();
+    let (streaks, pieces) = (ids.len(), rows.len() - 1);
+    assert!(pieces > streaks, "{rows:?}");
+    assert!(stderr.contains(&format!(": {streaks} streaks of random lights in {pieces} pieces, ")), "{stderr}");
+}
+
+/// An interrupted run removes its temporary files; those of a killed one are removed by the next run.
+#[cfg(unix)]
+#[test]
+fn no_temporary_files_remain() {
+    use std::process::{Command, Stdio};
+    let folder = TempDir::new().unwrap();
+    let frames = path(&folder, "frames");
+    fs::create_dir(&frames).unwrap();
+    let description = sky(&folder);
+    let temporary = || -> Vec<String> {
+        let names = fs::read_dir(&frames).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
+        names.filter(|name| name.starts_with(".streakcast-")).collect()
+    };
+    // More frames than any machine writes before the signal.
+    let arguments = ["inject", "--synthetic", &description, "-o", &frames, "--frames", "100000"];
+    let ended_by = |signal: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));
+        let mut child = command.args(arguments).args(RANDOM).stderr(Stdio::null()).spawn().unwrap();
+        while temporary().is_empty() {
+            assert!(child.try_wait().unwrap().is_none(), "the run ended");
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().unwrap();
+        assert!(sent.success() && child.wait().unwrap().code().is_none(), "{signal}");
+    };
+    for signal in ["-INT", "-TERM"] {
+        ended_by(signal);
+        assert_eq!(temporary(), Vec::<String>::new(), "{signal}");
+    }
+    ended_by("-KILL");
+    assert!(!temporary().is_empty());
+    let output = path(&folder, "frames/one.fits");
+    assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &output], RANDOM]).0, 0);
+    assert_eq!(temporary(), Vec::<String>::new());
 }

@@ -53,7 +53,7 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_observed() {
     // The header gives the instrument's position: that of the observatory is 70 m away, 11" at this satellite.
     let overrides = FrameOverrides { zero_point: Some((30.0, CountBasis::Frame)), ..FrameOverrides::default() };
     let frame = TargetFrame::open(&folder.join(FRAME), &overrides).unwrap();
-    let site = frame.observatory.iter().find_map(|named| Site::by_name(named).ok()).unwrap();
+    let site = frame.site().unwrap().unwrap();
     assert_eq!(site.mpc_code.as_deref(), Some("W84"));
     // Elements 11.5 days old, and 9.5 days old within a manoeuvre: distance of the track from the streak, arcmin, and a
     // field that it just crosses (the track bends by 3" within a degree). The streak is measured to half a pixel,

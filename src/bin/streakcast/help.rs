@@ -30,6 +30,10 @@ const SITE: Group = Group {
     usage: "(--site <NAME> | --mpc <CODE> | --lat <DEG> --lon <DEG>)",
     rule: "",
 };
+const SITE_OR_FRAME: Group = Group {
+    marked_heading: "Site (required: --site, --mpc, or --lat and --lon; with --image also from the header)",
+    ..SITE
+};
 const FIELD: Group = Group {
     heading: "Camera",
     marked_heading: "Camera (required: --fov, --field or --telescope)",
@@ -173,7 +177,7 @@ const VERBS: &[VerbHelp] = &[
     VerbHelp {
         path: "identify",
         flags: &[],
-        groups: &[STREAK, SATELLITES, SITE],
+        groups: &[STREAK, SATELLITES, SITE_OR_FRAME],
         examples: [
             "--end 280,-30 --end 280.5,-30.3 --start 2024-08-14T03:30:00Z --exposure 30s --shells oneweb --mpc X05",
             "--image frame.fits --from-pix 12,940 --to-pix 2030,1105 --elements active.tle --mpc X05",
@@ -358,6 +362,8 @@ const VERBS: &[VerbHelp] = &[
     ),
     verb("sites", ["", "rubin --format json"]),
     verb("shells", ["", "starlink --format csv"]),
+    verb("completions", ["bash", "zsh"]),
+    verb("man", ["-o man", "-o man --quiet"]),
 ];
 
 /// Adds required flags and examples to the help of all verbs.

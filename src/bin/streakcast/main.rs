@@ -9,6 +9,7 @@ mod notices;
 mod output;
 mod required;
 mod screen;
+mod signals;
 mod verbs;
 
 use std::process::ExitCode;
@@ -38,6 +39,7 @@ use verbs::plot::PlotArguments;
 use verbs::reproduce::ReproduceArguments;
 #[cfg(feature = "serve")]
 use verbs::serve::ServeArguments;
+use verbs::shell_files::{CompletionsArguments, ManArguments};
 use verbs::statistics::StatisticsArguments;
 use verbs::windows::WindowsArguments;
 
@@ -96,6 +98,10 @@ enum Verb {
     Sites(ListArguments),
     /// List the simulated constellations for --shells
     Shells(ListArguments),
+    /// Write the completions of a shell to standard output
+    Completions(CompletionsArguments),
+    /// Write the manual pages into a folder
+    Man(ManArguments),
 }
 
 fn main() -> ExitCode {
@@ -105,6 +111,14 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return report_usage(&error, command),
     };
+    #[cfg(feature = "serve")]
+    let is_server = matches!(arguments.verb, Verb::Serve(_));
+    #[cfg(not(feature = "serve"))]
+    let is_server = false;
+    // The server has handlers of its own, and writes no files.
+    if !is_server {
+        signals::remove_files_at_end();
+    }
     exit_code(match arguments.verb {
         Verb::Passes(typed) => verbs::passes::run(*typed),
         Verb::Flag(typed) => verbs::flag::run(*typed),
@@ -131,5 +145,7 @@ fn main() -> ExitCode {
         Verb::Reproduce(typed) => verbs::reproduce::run(typed),
         Verb::Sites(typed) => verbs::lists::sites(&typed),
         Verb::Shells(typed) => verbs::lists::shells(&typed),
+        Verb::Completions(typed) => verbs::shell_files::completions(&typed, command),
+        Verb::Man(typed) => verbs::shell_files::man(&typed, command),
     })
 }

@@ -1,11 +1,12 @@
 //! Messages on standard error: warnings, summaries, progress.
 
 use std::io::{IsTerminal, Write, stderr};
+use std::path::Path;
 use std::time::Duration;
 
 use hifitime::Epoch;
 use indicatif::{ProgressBar, ProgressStyle};
-use streakcast::config::PreparedSky;
+use streakcast::config::{Config, PreparedSky};
 use streakcast::orbit::LeftOut;
 
 use crate::screen::printable;
@@ -28,6 +29,16 @@ impl Notices {
     /// Sets whether a warning of satellites left out lists all of them.
     pub fn with_details(self, verbose: bool) -> Self {
         Self { verbose, ..self }
+    }
+
+    /// Returns the writer of a configuration.
+    pub fn of(config: &Config) -> Self {
+        Self::new(config.run.quiet.unwrap_or(false)).with_details(config.run.verbose.unwrap_or(false))
+    }
+
+    /// Prints the name of a file that was written.
+    pub fn wrote(&self, path: &Path) {
+        self.info(&format!("wrote {}", path.display()));
     }
 
     /// Prints warnings, one on each line.

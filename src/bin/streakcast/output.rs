@@ -10,7 +10,8 @@ use streakcast::output::{
     write_votable,
 };
 
-use crate::screen::{Style, render};
+use crate::notices::Notices;
+use crate::screen::{Style, printable, render, terminal_width};
 
 /// Path of standard output.
 const STANDARD_OUTPUT: &str = "-";
@@ -130,11 +131,11 @@ impl Output {
         matches!(self.format, Format::Json | Format::JsonLines)
     }
 
-    /// Writes a result: a file atomically, standard output directly.
-    pub fn write(&self, answer: &Answer<'_>) -> anyhow::Result<()> {
+    /// Writes a result: a file atomically, with a notice, standard output directly.
+    pub fn write(&self, answer: &Answer<'_>, notices: &Notices) -> anyhow::Result<()> {
         let styled = self.is_styled();
-        self.put(|out| match self.format {
-            Format::Table => out.write_all(render(answer.main, &answer.style, styled).as_bytes()),
+        let write_data = |out: &mut dyn Write| match self.format {
+            Format::Table => out.write_all(render(answer.main, &answer.style, styled, self.width()).as_bytes()),
             Format::Csv => write_csv(out, answer.main, answer.provenance),
             Format::Ecsv => write_ecsv(out, answer.main, answer.provenance),
             Format::Json => write_json(out, &answer.sections, answer.provenance),
@@ -147,6 +148,15 @@ impl Output {
                 streakcast::output::write_parquet(&mut bytes, answer.main, answer.provenance)?;
                 out.write_all(&bytes)
             }
+        };
+        self.put(notices, |out| {
+            if self.format == Format::Table || !self.is_on_terminal() {
+                return write_data(out);
+            }
+            // A terminal obeys control characters in names and identifiers.
+            let mut bytes = Vec::new();
+            write_data(&mut bytes)?;
+            out.write_all(printable(&String::from_utf8_lossy(&bytes)).as_bytes())
         })
     }
 
@@ -160,25 +170,40 @@ impl Output {
     pub fn write_tables<'a>(
         &self,
         tables: impl Iterator<Item = (&'a Table, &'a [crate::screen::Shown])>,
+        notices: &Notices,
     ) -> anyhow::Result<()> {
         let styled = self.is_styled();
-        let texts: Vec<String> =
-            tables.map(|(table, columns)| render(table, &Style { columns, bold_row: None }, styled)).collect();
-        self.write_text(&texts.join("\n"))
+        let texts: Vec<String> = tables
+            .map(|(table, columns)| render(table, &Style { columns, bold_row: None }, styled, self.width()))
+            .collect();
+        self.write_text(&texts.join("\n"), notices)
+    }
+
+    /// Returns the width of the terminal that shows the table; `None` for files and pipes.
+    fn width(&self) -> Option<usize> {
+        if self.is_on_terminal() { terminal_width() } else { None }
+    }
+
+    fn is_on_terminal(&self) -> bool {
+        self.path.is_none() && stdout().is_terminal()
     }
 
     fn is_styled(&self) -> bool {
-        self.path.is_none() && stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|no| no.is_empty())
+        self.is_on_terminal() && std::env::var_os("NO_COLOR").is_none_or(|no| no.is_empty())
     }
 
     /// Writes text unchanged.
-    pub fn write_text(&self, text: &str) -> anyhow::Result<()> {
-        self.put(|out| out.write_all(text.as_bytes()))
+    pub fn write_text(&self, text: &str, notices: &Notices) -> anyhow::Result<()> {
+        self.put(notices, |out| out.write_all(text.as_bytes()))
     }
 
-    fn put(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+    fn put(&self, notices: &Notices, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
         match &self.path {
-            Some(path) => write_atomically(path, write).map_err(|error| cannot_write(path, &error)),
+            Some(path) => {
+                write_atomically(path, write).map_err(|error| cannot_write(path, &error))?;
+                notices.wrote(path);
+                Ok(())
+            }
             None => {
                 let mut out = BufWriter::new(stdout().lock());
                 write(&mut out)?;
@@ -209,10 +234,11 @@ fn check_name(path: &Path) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Writes a file of bytes atomically.
-#[cfg(any(feature = "fit", all(feature = "fits", unix), feature = "plot"))]
-pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
-    write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))
+/// Writes a file of bytes atomically, with a notice.
+pub fn write_bytes(path: &Path, bytes: &[u8], notices: &Notices) -> anyhow::Result<()> {
+    write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))?;
+    notices.wrote(path);
+    Ok(())
 }
 
 pub fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {

@@ -43,8 +43,19 @@ pub struct Style<'a> {
     pub bold_row: Option<usize>,
 }
 
-/// Returns the table as text, with one line per row.
-pub fn render(table: &Table, style: &Style<'_>, styled: bool) -> String {
+/// Characters to which texts are shortened before a column is omitted.
+const LEAST_TEXT: usize = 24;
+/// Characters around the content of a column.
+const PADDING: usize = 2;
+
+/// Returns the width of the terminal on standard output, characters; `None` elsewhere.
+pub fn terminal_width() -> Option<usize> {
+    Screen::new().width().map(usize::from)
+}
+
+/// Returns the table as text, with one line per row, at most `width` characters wide if it is given: texts are shortened
+/// and the last columns omitted, with a line that names them.
+pub fn render(table: &Table, style: &Style<'_>, styled: bool, width: Option<usize>) -> String {
     let mut screen = Screen::new();
     screen.load_style(NOTHING).set_content_arrangement(comfy_table::ContentArrangement::Disabled);
     if styled {
@@ -62,32 +73,90 @@ pub fn render(table: &Table, style: &Style<'_>, styled: bool) -> String {
             has_values(index).then_some((index, shown))
         })
         .collect();
-    screen.set_header(columns.iter().map(|(_, shown)| Cell::new(shown.heading).add_attribute(Attribute::Bold)));
-    for (number, row) in table.rows.iter().enumerate() {
-        screen.add_row(columns.iter().filter_map(|&(index, shown)| {
-            let mut column = table.columns[index];
-            column.kind = match (column.kind, shown.decimals) {
-                (Kind::Real { .. }, Some(decimals)) => Kind::Real { decimals },
-                (Kind::Time { .. }, Some(decimals)) => Kind::Time { decimals },
-                (kind, _) => kind,
-            };
-            let value = row.get(index)?;
-            let text = printable(&column.text(value)).into_owned();
-            let mut cell = Cell::new(if text.is_empty() { "-" } else { &text });
-            if matches!(column.kind, Kind::Real { .. } | Kind::Integer) {
+    let cells: Vec<Vec<String>> = table.rows.iter().map(|row| cell_texts(table, row, &columns)).collect();
+    let fitted = Fitted::new(&columns, table, &cells, width);
+    let shown = &columns[..fitted.columns];
+    screen.set_header(shown.iter().map(|(_, shown)| Cell::new(shown.heading).add_attribute(Attribute::Bold)));
+    for (number, texts) in cells.iter().enumerate() {
+        screen.add_row(shown.iter().zip(texts).map(|(&(index, _), text)| {
+            let is_text = matches!(table.columns[index].kind, Kind::Text | Kind::List { .. });
+            let text = if is_text { shortened(text, fitted.longest_text) } else { Cow::Borrowed(text.as_str()) };
+            let mut cell = Cell::new(&text);
+            if matches!(table.columns[index].kind, Kind::Real { .. } | Kind::Integer) {
                 cell = cell.set_alignment(CellAlignment::Right);
             }
             if let Some(color) = color(&text) {
                 cell = cell.fg(color);
             }
-            Some(if style.bold_row == Some(number) { cell.add_attribute(Attribute::Bold) } else { cell })
+            if style.bold_row == Some(number) { cell.add_attribute(Attribute::Bold) } else { cell }
         }));
     }
     let mut text: String = screen.lines().map(|line| line.trim_end().to_owned() + "\n").collect();
     if table.rows.is_empty() {
         text.push_str("(none)\n");
     }
+    if let Some(width) = width
+        && fitted.columns < columns.len()
+    {
+        let names: Vec<&str> = columns[fitted.columns..].iter().map(|(_, shown)| shown.heading).collect();
+        text += &format!("(not shown in {width} characters: {}; --format csv has all columns)\n", names.join(", "));
+    }
     text
+}
+
+/// Returns the texts of the cells of one row.
+fn cell_texts(table: &Table, row: &[Value], columns: &[(usize, &Shown)]) -> Vec<String> {
+    let cell = |&(index, shown): &(usize, &Shown)| {
+        let mut column = table.columns[index];
+        column.kind = match (column.kind, shown.decimals) {
+            (Kind::Real { .. }, Some(decimals)) => Kind::Real { decimals },
+            (Kind::Time { .. }, Some(decimals)) => Kind::Time { decimals },
+            (kind, _) => kind,
+        };
+        let text = row.get(index).map(|value| column.text(value)).unwrap_or_default();
+        if text.is_empty() { "-".to_owned() } else { printable(&text).into_owned() }
+    };
+    columns.iter().map(cell).collect()
+}
+
+/// Columns and length of texts that fit into a width.
+struct Fitted {
+    /// Number of columns, from the first.
+    columns: usize,
+    /// Characters of the longest text.
+    longest_text: usize,
+}
+
+impl Fitted {
+    fn new(columns: &[(usize, &Shown)], table: &Table, cells: &[Vec<String>], width: Option<usize>) -> Self {
+        let all = Self { columns: columns.len(), longest_text: usize::MAX };
+        let Some(width) = width else { return all };
+        let widths: Vec<(usize, bool)> = (0..columns.len())
+            .map(|number| {
+                let (index, shown) = columns[number];
+                let longest = cells.iter().map(|row| row[number].chars().count()).max().unwrap_or(0);
+                let is_text = matches!(table.columns[index].kind, Kind::Text | Kind::List { .. });
+                (longest.max(shown.heading.chars().count()), is_text)
+            })
+            .collect();
+        let total = |count: usize, longest_text: usize| -> usize {
+            let one = |&(longest, is_text): &(usize, bool)| if is_text { longest.min(longest_text) } else { longest };
+            widths[..count].iter().map(|column| one(column) + PADDING).sum()
+        };
+        let count = (1..=columns.len()).rev().find(|&count| total(count, LEAST_TEXT) <= width).unwrap_or(1);
+        // The longest texts that fit beside the other columns.
+        let longest = widths.iter().map(|(longest, _)| *longest).max().unwrap_or(0);
+        let longest_text = (LEAST_TEXT..=longest).rev().find(|&longest| total(count, longest) <= width);
+        Self { columns: count.min(columns.len()), longest_text: longest_text.unwrap_or(LEAST_TEXT) }
+    }
+}
+
+/// Returns a text of at most `most` characters, with an ellipsis if it was longer.
+fn shortened(text: &str, most: usize) -> Cow<'_, str> {
+    match text.char_indices().nth(most) {
+        None => Cow::Borrowed(text),
+        Some(_) => Cow::Owned(text.chars().take(most.saturating_sub(1)).chain(['\u{2026}']).collect()),
+    }
 }
 
 fn color(text: &str) -> Option<Color> {
@@ -97,5 +166,37 @@ fn color(text: &str) -> Option<Color> {
         "avoid" => Some(Color::Red),
         "invalid" => Some(Color::Magenta),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use streakcast::output::Column;
+
+    use super::*;
+
+    #[test]
+    fn tables_fit_and_name_what_they_omit() {
+        let columns = vec![
+            Column::new("id", Kind::Text, ""),
+            Column::new("why", Kind::Text, ""),
+            Column::real("ra", "deg", 3, ""),
+        ];
+        let why = "a reason of more than thirty characters";
+        let table = Table { columns, rows: vec![vec!["a".into(), why.into(), 12.5.into()]] };
+        let style = Style { columns: &[shown("id", "id"), shown("why", "why"), shown("ra", "RA deg")], bold_row: None };
+        let lines = |width| -> Vec<String> {
+            let text = render(&table, &style, false, width);
+            assert!(text.lines().take(2).all(|line| width.is_none_or(|width| line.chars().count() <= width)), "{text}");
+            text.lines().map(str::to_owned).collect()
+        };
+        assert!(lines(None)[1].contains(why) && lines(None).len() == 2);
+        assert_eq!(lines(Some(60)), lines(None));
+        let shortened = lines(Some(45));
+        assert!(shortened[1].contains("a reason of more than thirty c\u{2026}") && shortened[1].ends_with("12.500"));
+        assert_eq!(shortened.len(), 2);
+        let narrow = lines(Some(30));
+        assert!(narrow[1].contains("a reason of more than t\u{2026}"), "{narrow:?}");
+        assert_eq!(narrow[2], "(not shown in 30 characters: RA deg; --format csv has all columns)");
     }
 }

@@ -7,11 +7,12 @@ use rusqlite::{Connection, ErrorCode, OpenFlags};
 
 use super::super::error::ScheduleError;
 use super::columns::{Cell, ColumnMap, RawTable, ScheduleFormat, display};
-use crate::input::LARGEST_INPUT;
 
-/// Largest number of rows: Rubin's ten years have 2.1 million. A view can have rows without end.
-const MOST_ROWS: usize = 10_000_000;
-/// Largest number of instructions of SQLite's virtual machine: ten times those of the largest number of rows, which
+/// Largest number of rows: Rubin's ten years have 2.1 million. A view can have rows without end; these take 1.2 GB.
+const MOST_ROWS: usize = 4_000_000;
+/// Largest number of bytes of text: identifiers and bands of the largest number of rows, with 125 bytes each.
+const MOST_TEXT: u64 = 500_000_000;
+/// Largest number of instructions of SQLite's virtual machine: twenty-five times those of the largest number of rows, which
 /// takes some ten seconds. A view can also compute without end and return no row.
 const MOST_INSTRUCTIONS: i32 = 1_000_000_000;
 
@@ -71,8 +72,8 @@ fn read_bounded(path: &Path, most_rows: usize, most_instructions: i32) -> Result
         let cells = cells.map_err(sqlite)?;
         text_bytes +=
             cells.iter().map(|cell| if let Cell::Text(text) = cell { text.len() as u64 } else { 0 }).sum::<u64>();
-        if text_bytes > LARGEST_INPUT {
-            return Err(without_end(format!("SQLite with more than {LARGEST_INPUT} bytes of text; split it")));
+        if text_bytes > MOST_TEXT {
+            return Err(without_end(format!("SQLite with more than {MOST_TEXT} bytes of text; split it")));
         }
         table.rows.push(Ok(cells));
     }

@@ -9,7 +9,10 @@ use super::super::chip::{Chip, circle_of};
 use super::super::count_scale::CountScale;
 use super::super::error::StreaksError;
 use crate::frames::{Direction, Gcrs};
-use crate::images::{Calibration, CountBasis, ExposureTime, FrameFile, Header, ImagesError, LightArea, PixelUnit, Wcs};
+use crate::geometry::Site;
+use crate::images::{
+    Calibration, CountBasis, ExposureTime, FrameFile, Header, ImagesError, LightArea, PixelUnit, Wcs, site_from_headers,
+};
 
 /// Values that replace those of a frame's header.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -59,8 +62,6 @@ pub struct TargetFrame {
     pub left_out: Vec<(usize, String)>,
     /// Filter or band as written in the header.
     pub filter: Option<String>,
-    /// Names of instrument, telescope and observatory in the header, in this order.
-    pub observatory: Vec<String>,
     /// Bit of each mask plane that a mask in the file names.
     pub mask_planes: BTreeMap<String, u32>,
 }
@@ -102,17 +103,25 @@ impl TargetFrame {
         }
         let first_headers = headers(first)?;
         let calibration = Calibration::from_headers(&first_headers);
-        let text = |keyword: &str| first_headers.iter().find_map(|header| header.text(keyword));
         Ok(Self {
             opened,
             exposure_s,
             chips,
             left_out: left_out.into_iter().map(|(hdu, error)| (hdu, error.to_string())).collect(),
             filter: calibration.band.map(|band| band.value),
-            observatory: ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY"].into_iter().filter_map(text).collect(),
             mask_planes: mask_planes(&file)?,
             file,
         })
+    }
+
+    /// Returns the site in the header of the first image, or else in that of the file; `None` if they have none.
+    ///
+    /// # Errors
+    /// A position that is not on the Earth.
+    pub fn site(&self) -> Result<Option<Site>, ImagesError> {
+        let first = self.chips.first().map_or(0, |target| target.chip.hdu);
+        let headers = [self.file.header(first)?, self.file.header(0)?];
+        site_from_headers(&headers).map_err(|error| error.at(&self.file.path().display().to_string()))
     }
 
     /// Returns the middle of all chips on the sky, and the radius in radians of the circle around it that contains

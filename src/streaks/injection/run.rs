@@ -19,7 +19,10 @@ use super::plan::InjectionPlan;
 use crate::frames::{Direction, seconds_after};
 use crate::geometry::Site;
 use crate::images::{ImagesError, PixelPosition};
-use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
+use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value, counted};
+
+/// Largest distance of two positions of one observatory, km.
+const ONE_SITE_KM: f64 = 1.0;
 
 /// Line of a streak on a chip, by which pictures mark the streak.
 #[derive(Clone, Debug, PartialEq)]
@@ -99,17 +102,17 @@ impl<'a> Injection<'a> {
         first.zip(frames.iter().map(|frame| seconds_after(frame.opened, frame.exposure_s)).max())
     }
 
-    /// Returns the sites of the observatories named in the headers, without repetition.
-    pub fn observatories(&self) -> Vec<Site> {
+    /// Returns the sites in the headers; of several within a kilometre the first.
+    ///
+    /// # Errors
+    /// A position that is not on the Earth.
+    pub fn sites(&self) -> Result<Vec<Site>, StreaksError> {
         let mut sites: Vec<Site> = Vec::new();
         for frame in self.frames.known() {
-            if let Some(site) = frame.observatory.iter().find_map(|named| Site::by_name(named).ok())
-                && !sites.iter().any(|known| known.name == site.name)
-            {
-                sites.push(site);
-            }
+            let is_new = |site: &Site| !sites.iter().any(|known| (known.itrs() - site.itrs()).norm_km() < ONE_SITE_KM);
+            sites.extend(frame.site()?.filter(is_new));
         }
-        sites
+        Ok(sites)
     }
 
     /// Injects streaks of satellites, or random streaks, into all frames, on all threads of the current pool.
@@ -266,16 +269,18 @@ fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected
         [one] => format!("{}", one.name),
         _ => format!("{} satellites", sources.len()),
     };
-    let number = match streaks.len() {
-        1 => "1 streak".to_owned(),
-        number => format!("{number} streaks"),
+    let number = counted(sources.len(), "streak", "streaks");
+    // A streak on several detectors, or of separate panels, has several rows in the truth table.
+    let pieces = match streaks.len() {
+        pieces if pieces > sources.len() => format!(" in {pieces} pieces"),
+        _ => String::new(),
     };
     let brightest = brightest.map_or_else(String::new, |magnitude| format!(", brightest {magnitude:.1} mag"));
     let clipped = match injected.changed.clipped {
         0 => String::new(),
         clipped => format!(", {clipped} of them limited to the range of their type"),
     };
-    format!("{number} of {of}{brightest}; {} pixels changed{clipped}", injected.changed.pixels)
+    format!("{number} of {of}{pieces}{brightest}; {} pixels changed{clipped}", injected.changed.pixels)
 }
 
 fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {

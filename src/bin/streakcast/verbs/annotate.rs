@@ -54,7 +54,7 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     };
     let written = annotate(&schedule, judged.schedule.format, &output, &annotation)?;
     for path in written {
-        judged.notices.info(&format!("wrote {}", path.display()));
+        judged.notices.wrote(&path);
     }
     Ok(Outcome::Done)
 }

@@ -54,7 +54,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     // The default is text also outside of a terminal.
     let is_text = format.is_none_or(|format| format == "table" || format == "text");
     let output = Output::new(if is_text { Some("table") } else { format }, typed.output.output.clone())?;
-    begin(&config)?;
+    let notices = begin(&config)?;
     let (now, source) = match &typed.now {
         Some(now) => (parse_moment(now, config.time_scale()?)?, MomentSource::Given),
         None => (crate::clock::now(), MomentSource::Clock),
@@ -69,7 +69,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     health.findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     let findings = finding_table(&health.findings);
     if is_text {
-        output.write_text(&printable(&page(&health, &cached, now)))?;
+        output.write_text(&printable(&page(&health, &cached, now)), &notices)?;
     } else {
         let mut provenance = Provenance::new();
         provenance.state("now_utc", format_utc(now, 0));
@@ -83,18 +83,21 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
                 .collect::<Vec<_>>(),
         );
         let state = health.elements.clone().unwrap_or_default();
-        output.write(&Answer {
-            sections: vec![
-                Section { name: "findings", table: &findings },
-                Section { name: "element_ages", table: &age_table(&state) },
-                Section { name: "models", table: &kind_table(&state) },
-                Section { name: "unmatched", table: &unmatched_table(&state) },
-                Section { name: "cache", table: &cache_table(&cached) },
-            ],
-            main: &findings,
-            provenance: &provenance,
-            style: Style { columns: &[], bold_row: None },
-        })?;
+        output.write(
+            &Answer {
+                sections: vec![
+                    Section { name: "findings", table: &findings },
+                    Section { name: "element_ages", table: &age_table(&state) },
+                    Section { name: "models", table: &kind_table(&state) },
+                    Section { name: "unmatched", table: &unmatched_table(&state) },
+                    Section { name: "cache", table: &cache_table(&cached) },
+                ],
+                main: &findings,
+                provenance: &provenance,
+                style: Style { columns: &[], bold_row: None },
+            },
+            &notices,
+        )?;
     }
     let count = |severity| health.findings.iter().filter(|finding| finding.severity == severity).count();
     match health.worst() {

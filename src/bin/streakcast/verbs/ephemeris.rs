@@ -68,15 +68,18 @@ pub fn run(typed: EphemerisArguments) -> anyhow::Result<Outcome> {
     let elements = prepared.sky.elements();
     let rows = found.points.iter().map(|place| EphemerisRow { place, elements: &elements[place.element_index] });
     let table = ephemeris_table(rows);
-    output.write(&Answer {
-        sections: vec![
-            Section { name: "ephemeris", table: &table },
-            Section { name: "left_out", table: &left_out_table(&found.left_out) },
-        ],
-        main: &table,
-        provenance: &prepared.provenance,
-        style: Style { columns: ON_SCREEN, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![
+                Section { name: "ephemeris", table: &table },
+                Section { name: "left_out", table: &left_out_table(&found.left_out) },
+            ],
+            main: &table,
+            provenance: &prepared.provenance,
+            style: Style { columns: ON_SCREEN, bold_row: None },
+        },
+        &notices,
+    )?;
     Ok(if found.points.is_empty() { Outcome::No } else { Outcome::Done })
 }
 

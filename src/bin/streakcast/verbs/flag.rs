@@ -86,12 +86,15 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let judged = judge(&config, &schedule, typed.shard)?;
     let flags = flag_table_with_exposures(&judged.report.flags, &judged.schedule.exposures);
     let left_out = left_out_table(&judged.report.left_out);
-    output.write(&Answer {
-        sections: vec![Section { name: "flags", table: &flags }, Section { name: "left_out", table: &left_out }],
-        main: &flags,
-        provenance: &judged.provenance,
-        style: Style { columns: ON_SCREEN, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![Section { name: "flags", table: &flags }, Section { name: "left_out", table: &left_out }],
+            main: &flags,
+            provenance: &judged.provenance,
+            style: Style { columns: ON_SCREEN, bold_row: None },
+        },
+        &judged.notices,
+    )?;
     if typed.fail_on.is_some() {
         check_judged(&judged.report, &schedule)?;
     }

@@ -140,22 +140,25 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     }
     if let Some(curves) = &curves {
         let table = light_curve_table(rows());
-        curves.write(&Answer {
-            sections: vec![Section { name: "light_curves", table: &table }],
-            main: &table,
-            provenance: &prepared.provenance,
-            style: Style { columns: &[], bold_row: None },
-        })?;
+        curves.write(
+            &Answer {
+                sections: vec![Section { name: "light_curves", table: &table }],
+                main: &table,
+                provenance: &prepared.provenance,
+                style: Style { columns: &[], bold_row: None },
+            },
+            &notices,
+        )?;
     }
     match document {
         Some(Document::Calendar) => {
             let empty = why_invisible.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
-            output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty))?;
+            output.write_text(&calendar(rows(), &site, crate::clock::now(), alarm_s, empty), &notices)?;
         }
         Some(Document::TrackingData) => {
-            output.write_text(&tdm(rows(), &site, crate::clock::now(), angles, &prepared.provenance))?
+            output.write_text(&tdm(rows(), &site, crate::clock::now(), angles, &prepared.provenance), &notices)?
         }
-        Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry))?,
+        Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry), &notices)?,
         None => {
             let readable = readable_table(rows(), offset_s.unwrap_or(0.0));
             let columns = PassColumns {
@@ -165,16 +168,19 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
             };
             let passes = pass_table(rows(), columns);
             let columns = if offset_s.is_some() { BY_LOCAL_TIME } else { BY_UTC };
-            output.write(&Answer {
-                sections: vec![
-                    Section { name: "night", table: &night_table(&found, why_empty.as_deref()) },
-                    Section { name: "passes", table: &passes },
-                    Section { name: "left_out", table: &left_out_table(&found.found.left_out) },
-                ],
-                main: if output.is_table() { &readable } else { &passes },
-                provenance: &prepared.provenance,
-                style: Style { columns, bold_row: brightest(&found) },
-            })?;
+            output.write(
+                &Answer {
+                    sections: vec![
+                        Section { name: "night", table: &night_table(&found, why_empty.as_deref()) },
+                        Section { name: "passes", table: &passes },
+                        Section { name: "left_out", table: &left_out_table(&found.found.left_out) },
+                    ],
+                    main: if output.is_table() { &readable } else { &passes },
+                    provenance: &prepared.provenance,
+                    style: Style { columns, bold_row: brightest(&found) },
+                },
+                &notices,
+            )?;
         }
     }
     match why_empty {

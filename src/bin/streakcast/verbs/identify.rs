@@ -6,7 +6,9 @@ use clap::Args;
 use serde_json::json;
 use streakcast::config::{Config, IdentifyConfig, STREAK_FORMS, state_scales};
 use streakcast::frames::seconds_after;
-use streakcast::identify::{CandidateRow, Identified, IdentifyOptions, candidate_table, identify_streak, streak_table};
+use streakcast::identify::{
+    CandidateRow, Identified, IdentifyOptions, Offset, candidate_table, identify_streak, streak_table,
+};
 use streakcast::output::{Section, counted};
 
 use super::judged::begin;
@@ -61,9 +63,11 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     }
     let config = typed.config.with_file()?;
     check_required(&config, &typed.streak)?;
+    let (config, remark) = typed.streak.with_site_of_frame(config)?;
     let plan = typed.streak.resolve(&config)?;
     let output = typed.output.open(&config)?;
     let notices = begin(&config)?;
+    remark.iter().for_each(|remark| notices.info(remark));
     let streak = &plan.streak;
     let options = IdentifyOptions {
         include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
@@ -87,24 +91,29 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
             "unknown_probability": (found.unknown_probability * 1e6).round() / 1e6,
         }),
     );
-    let rows = found.candidates.iter().take(typed.top).map(|candidate| CandidateRow {
+    // Without a fit the rows would be those of satellites far away.
+    let top = if found.is_without_fit() { 0 } else { typed.top };
+    let rows = found.candidates.iter().take(top).map(|candidate| CandidateRow {
         candidate,
         elements: &prepared.sky.elements()[candidate.element_index],
         photometry: &options.photometry,
     });
     let candidates = candidate_table(rows);
-    output.write(&Answer {
-        sections: vec![
-            Section { name: "streak", table: &streak_table(streak) },
-            Section { name: "candidates", table: &candidates },
-            Section { name: "left_out", table: &left_out_table(&found.left_out) },
-        ],
-        main: &candidates,
-        provenance: &prepared.provenance,
-        style: Style { columns: ON_SCREEN, bold_row: (!found.candidates.is_empty()).then_some(0) },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![
+                Section { name: "streak", table: &streak_table(streak) },
+                Section { name: "candidates", table: &candidates },
+                Section { name: "left_out", table: &left_out_table(&found.left_out) },
+            ],
+            main: &candidates,
+            provenance: &prepared.provenance,
+            style: Style { columns: ON_SCREEN, bold_row: (!candidates.rows.is_empty()).then_some(0) },
+        },
+        &notices,
+    )?;
     summary(&notices, &found, &prepared.sky);
-    Ok(if found.candidates.is_empty() { Outcome::No } else { Outcome::Done })
+    Ok(if candidates.rows.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
 /// Checks that streak, times, satellites and site are given.
@@ -116,13 +125,12 @@ fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()
     let has_times = !streak.times.is_empty() || streak.image.is_some();
     let has_start = has_times || streak.start.is_some() || config.exposure.start.is_some();
     let has_duration = has_times || streak.exposure.is_some() || config.exposure.duration.is_some();
-    Required::of(config)
+    let required = Required::of(config)
         .input(has_streak, "streak", STREAK_FORMS)
         .input(has_start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z, or --times")
         .input(has_duration, "exposure time", "--exposure TIME, for example 30s, or --times")
-        .satellites()
-        .site()
-        .check()
+        .satellites();
+    if streak.image.is_some() { required.check() } else { required.site().check() }
 }
 
 fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky) {
@@ -133,7 +141,18 @@ fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky)
     let elements = &sky.elements()[best.element_index];
     let name = if elements.name.is_empty() { best.norad_id.to_string() } else { elements.name.to_string() };
     let counted = counted(found.candidates.len(), "candidate", "candidates");
-    if best.probability >= LIKELY {
+    if found.is_without_fit() {
+        let Offset { value: delay_s, sigma } = best.along_track_s;
+        notices.info(&format!(
+            "no candidate fits: a satellite outside of these elements has probability {:.4}; the most probable of {counted} is {name}, {:.1} s {} \
+             (sigma {sigma:.1} s) and {:.0} arcsec from the streak (sigma {:.0} arcsec)",
+            found.unknown_probability,
+            delay_s.abs(),
+            if delay_s < 0.0 { "early" } else { "late" },
+            best.cross_track_rad.value.abs().to_degrees() * 3600.0,
+            best.cross_track_rad.sigma.to_degrees() * 3600.0
+        ));
+    } else if best.probability >= LIKELY {
         notices.info(&format!("{counted}: {name} with probability {:.3}", best.probability));
     } else {
         notices.info(&format!(

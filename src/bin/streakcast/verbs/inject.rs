@@ -12,6 +12,7 @@ use streakcast::output::{Section, Table};
 use streakcast::streaks::{InjectedFrame, Injections};
 
 use crate::failure::Outcome;
+use crate::notices::Notices;
 use crate::output::{Answer, Format, Output, check_whole};
 #[cfg(feature = "plot")]
 use crate::output::{check, write_bytes};
@@ -88,7 +89,7 @@ impl Outputs {
     }
 
     /// Writes the tables of truth and trails, with the rows of all frames.
-    pub fn write_tables(&self, done: &Injections) -> anyhow::Result<()> {
+    pub fn write_tables(&self, done: &Injections, notices: &Notices) -> anyhow::Result<()> {
         type Choice = fn(&InjectedFrame) -> &Table;
         let truth: Choice = |frame| &frame.truth;
         let trails: Choice = |frame| &frame.trails;
@@ -97,12 +98,15 @@ impl Outputs {
             let (Some(output), Some(first)) = (output, frames.next()) else { continue };
             let mut table = first.clone();
             frames.for_each(|other| table.rows.extend(other.rows.iter().cloned()));
-            output.write(&Answer {
-                sections: vec![Section { name, table: &table }],
-                main: &table,
-                provenance: &done.provenance,
-                style: Style { columns: &[], bold_row: None },
-            })?;
+            output.write(
+                &Answer {
+                    sections: vec![Section { name, table: &table }],
+                    main: &table,
+                    provenance: &done.provenance,
+                    style: Style { columns: &[], bold_row: None },
+                },
+                notices,
+            )?;
         }
         Ok(())
     }
@@ -195,11 +199,11 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     notices.warn(&done.warnings);
     for frame in &done.frames {
         notices.warn(&frame.warnings);
-        notices.info(&format!("{}: {}", frame.output.display(), frame.summary));
+        notices.info(&format!("wrote {}: {}", frame.output.display(), frame.summary));
     }
     #[cfg(feature = "plot")]
-    pictures(&typed, &done)?;
-    outputs.write_tables(&done)?;
+    pictures(&typed, &done, &notices)?;
+    outputs.write_tables(&done, &notices)?;
     Ok(Outcome::Done)
 }
 
@@ -252,7 +256,7 @@ fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
 
 /// Writes pictures of the chip with the longest streak, or of the first chip if there is no streak.
 #[cfg(feature = "plot")]
-fn pictures(typed: &InjectArguments, done: &Injections) -> anyhow::Result<()> {
+fn pictures(typed: &InjectArguments, done: &Injections, notices: &Notices) -> anyhow::Result<()> {
     use streakcast::images::{FrameFile, Overlay, preview_png};
     let pictures = [(&typed.preview, false), (&typed.preview_marked, true)];
     // Pictures are for one frame.
@@ -268,7 +272,7 @@ fn pictures(typed: &InjectArguments, done: &Injections) -> anyhow::Result<()> {
         let marks = frame.marks.iter().filter(|mark| is_marked && mark.hdu == hdu);
         let overlays: Vec<Overlay> =
             marks.map(|mark| Overlay { line: mark.line.clone(), half_width_pix: mark.half_width_pix }).collect();
-        write_bytes(path, &preview_png(&plane, &overlays)?)?;
+        write_bytes(path, &preview_png(&plane, &overlays)?, notices)?;
     }
     Ok(())
 }

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::anyhow;
-use hifitime::Epoch;
+use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
 use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
@@ -11,8 +11,8 @@ use streakcast::images::Telescope;
 use streakcast::output::{Provenance, Table, format_utc};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{
-    FlagReport, Policy, Schedule, ScheduledExposure, Shard, StreakColumns, StreakRow, Verdict, VerdictKind,
-    flag_exposures, streak_table,
+    FlagReport, Policy, Schedule, ScheduleFormat, ScheduledExposure, Shard, StreakColumns, StreakRow, Verdict,
+    VerdictKind, flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
@@ -44,7 +44,7 @@ pub fn begin(config: &Config) -> anyhow::Result<Notices> {
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    Ok(Notices::new(config.run.quiet.unwrap_or(false)).with_details(config.run.verbose.unwrap_or(false)))
+    Ok(Notices::of(config))
 }
 
 /// Reads and judges a schedule, or its share of a batch.
@@ -172,6 +172,12 @@ pub fn flag_rows(
 /// Returns warnings about the schedule.
 pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option<&Telescope>) -> Vec<String> {
     let mut warnings = Vec::new();
+    if schedule.format == ScheduleFormat::Opsim && schedule.time_scale != TimeScale::UTC {
+        warnings.push(format!(
+            "opsim databases have {} in UTC, but it is read as {}: crossings are those of other times unless the file was converted",
+            schedule.start_column, schedule.time_scale
+        ));
+    }
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
         warnings

@@ -7,6 +7,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 
 use crate::arguments::OutputArguments;
 use crate::failure::Outcome;
+use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -56,12 +57,15 @@ pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
             })
             .collect(),
     };
-    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(&Answer {
-        sections: vec![Section { name: "sites", table: &table }],
-        main: &table,
-        provenance: &Provenance::new(),
-        style: Style { columns: SITES_ON_SCREEN, bold_row: None },
-    })?;
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
+        &Answer {
+            sections: vec![Section { name: "sites", table: &table }],
+            main: &table,
+            provenance: &Provenance::new(),
+            style: Style { columns: SITES_ON_SCREEN, bold_row: None },
+        },
+        &Notices::new(false),
+    )?;
     Ok(Outcome::Done)
 }
 
@@ -94,11 +98,14 @@ pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
             })
             .collect(),
     };
-    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(&Answer {
-        sections: vec![Section { name: "shells", table: &table }],
-        main: &table,
-        provenance: &Provenance::new(),
-        style: Style { columns: SHELLS_ON_SCREEN, bold_row: None },
-    })?;
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(
+        &Answer {
+            sections: vec![Section { name: "shells", table: &table }],
+            main: &table,
+            provenance: &Provenance::new(),
+            style: Style { columns: SHELLS_ON_SCREEN, bold_row: None },
+        },
+        &Notices::new(false),
+    )?;
     Ok(Outcome::Done)
 }

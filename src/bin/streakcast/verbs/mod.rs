@@ -25,5 +25,6 @@ pub mod plot;
 pub mod reproduce;
 #[cfg(feature = "serve")]
 pub mod serve;
+pub mod shell_files;
 pub mod statistics;
 pub mod windows;

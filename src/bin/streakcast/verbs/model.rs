@@ -10,6 +10,7 @@ use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use streakcast::photometry::{ModelFile, ModelLibrary};
 
 use crate::failure::Outcome;
+use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 
@@ -95,7 +96,7 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(format, typed.list.output.output)?;
     if output.is_json() || format.is_none() {
         let text = model.file().map(ModelFile::to_json).unwrap_or_default();
-        output.write_text(&(text + "\n"))?;
+        output.write_text(&(text + "\n"), &Notices::new(false))?;
         return Ok(Outcome::Done);
     }
     write(&output, &table_of(&library, &[typed.name.as_str()]))
@@ -142,11 +143,14 @@ fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {
 }
 
 fn write(output: &Output, table: &Table) -> anyhow::Result<Outcome> {
-    output.write(&Answer {
-        sections: vec![Section { name: "models", table }],
-        main: table,
-        provenance: &Provenance::new(),
-        style: Style { columns: ON_SCREEN, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![Section { name: "models", table }],
+            main: table,
+            provenance: &Provenance::new(),
+            style: Style { columns: ON_SCREEN, bold_row: None },
+        },
+        &Notices::new(false),
+    )?;
     Ok(Outcome::Done)
 }

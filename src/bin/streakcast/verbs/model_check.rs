@@ -56,11 +56,14 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
         provenance.state(&format!("photometry {}", set.path()), set.source());
     }
     let table = comparison_table(&rows);
-    output.write(&Answer {
-        sections: vec![Section { name: "comparisons", table: &table }],
-        main: &table,
-        provenance: &provenance,
-        style: Style { columns: CHECK_ON_SCREEN, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![Section { name: "comparisons", table: &table }],
+            main: &table,
+            provenance: &provenance,
+            style: Style { columns: CHECK_ON_SCREEN, bold_row: None },
+        },
+        &notices,
+    )?;
     Ok(Outcome::Done)
 }

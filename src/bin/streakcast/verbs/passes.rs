@@ -80,16 +80,19 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     let bold_row = (0..found.len())
         .filter(|&row| brightest(&found[row]).is_some())
         .min_by(|&a, &b| brightest(&found[a]).partial_cmp(&brightest(&found[b])).unwrap_or(std::cmp::Ordering::Equal));
-    output.write(&Answer {
-        sections: vec![
-            Section { name: "exposures", table: &exposures },
-            Section { name: "passes", table: &passes },
-            Section { name: "left_out", table: &left_out },
-        ],
-        main: &passes,
-        provenance: &prediction.prepared.provenance,
-        style: Style { columns: ON_SCREEN, bold_row },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![
+                Section { name: "exposures", table: &exposures },
+                Section { name: "passes", table: &passes },
+                Section { name: "left_out", table: &left_out },
+            ],
+            main: &passes,
+            provenance: &prediction.prepared.provenance,
+            style: Style { columns: ON_SCREEN, bold_row },
+        },
+        &prediction.notices,
+    )?;
     summary(&prediction, found);
     Ok(if found.is_empty() { Outcome::No } else { Outcome::Done })
 }

@@ -125,15 +125,18 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         Paper::Bassa2022 => of_bassa()?,
     };
     let table = reproduced_table(&rows);
-    output.write(&Answer {
-        sections: vec![Section { name: "reproduced", table: &table }],
-        main: &table,
-        provenance: &provenance,
-        style: Style {
-            columns: if typed.paper == Paper::Bassa2022 { METHOD_ON_SCREEN } else { ON_SCREEN },
-            bold_row: None,
+    output.write(
+        &Answer {
+            sections: vec![Section { name: "reproduced", table: &table }],
+            main: &table,
+            provenance: &provenance,
+            style: Style {
+                columns: if typed.paper == Paper::Bassa2022 { METHOD_ON_SCREEN } else { ON_SCREEN },
+                bold_row: None,
+            },
         },
-    })?;
+        &notices,
+    )?;
     let mut printed: Vec<String> = Vec::new();
     for row in &rows {
         let reason =

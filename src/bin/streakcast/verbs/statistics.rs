@@ -159,14 +159,17 @@ pub fn run(mut typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         statistics_table(found.iter().flat_map(|(latitude_rad, request, counts)| {
             counts.iter().map(move |count| (*latitude_rad, request, count))
         }));
-    output.write(&Answer {
-        sections: vec![
-            Section { name: "statistics", table: &table },
-            Section { name: "left_out", table: &left_out_table(&left_out) },
-        ],
-        main: &table,
-        provenance: &provenance,
-        style: Style { columns: ON_SCREEN, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![
+                Section { name: "statistics", table: &table },
+                Section { name: "left_out", table: &left_out_table(&left_out) },
+            ],
+            main: &table,
+            provenance: &provenance,
+            style: Style { columns: ON_SCREEN, bold_row: None },
+        },
+        &notices,
+    )?;
     Ok(Outcome::Done)
 }

@@ -132,7 +132,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     );
     if let Some(shape) = shape {
         let (text, left_out) = shape.text(&found, overhead_s);
-        output.write_text(&text)?;
+        output.write_text(&text, &notices)?;
         if !left_out.is_empty() {
             let names: Vec<&str> = left_out.iter().map(|listed| listed.name.as_str()).collect();
             notices.warn(&[format!(
@@ -142,16 +142,19 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
         }
     } else {
         let windows = window_table(&found);
-        output.write(&Answer {
-            sections: vec![
-                Section { name: "windows", table: &windows },
-                Section { name: "targets", table: &window_target_table(&found) },
-                Section { name: "left_out", table: &left_out_table(&report.left_out) },
-            ],
-            main: &windows,
-            provenance: &prepared.provenance,
-            style: Style { columns: ON_SCREEN, bold_row: None },
-        })?;
+        output.write(
+            &Answer {
+                sections: vec![
+                    Section { name: "windows", table: &windows },
+                    Section { name: "targets", table: &window_target_table(&found) },
+                    Section { name: "left_out", table: &left_out_table(&report.left_out) },
+                ],
+                main: &windows,
+                provenance: &prepared.provenance,
+                style: Style { columns: ON_SCREEN, bold_row: None },
+            },
+            &notices,
+        )?;
     }
     let count: usize = report.by_target.iter().map(|one| one.windows.len()).sum();
     notices.info(&format!("{} targets: {count} windows", listed.len()));

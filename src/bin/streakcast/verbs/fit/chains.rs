@@ -66,6 +66,7 @@ pub fn sample(
     })?;
     bar.finish_and_clear();
     save(&chain)?;
+    typed.chains.iter().for_each(|path| input.notices.wrote(path));
     let found = posterior(&chain, fit, typed.burn_in);
     let slow = found.marginals.iter().filter(|marginal| !marginal.autocorrelation.is_trusted);
     for marginal in slow {

@@ -98,19 +98,22 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     if output.is_table() {
         let parts = [(&offsets, OFFSETS_ON_SCREEN), (&rivals, PAIRS_ON_SCREEN), (&standings, STANDINGS_ON_SCREEN)];
         return output
-            .write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty()))
+            .write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty()), &input.notices)
             .map(|()| Outcome::Done);
     }
-    output.write(&Answer {
-        sections: vec![
-            Section { name: "panel_offsets", table: &offsets },
-            Section { name: "rivals", table: &rivals },
-            Section { name: "standings", table: &standings },
-            Section { name: "dropped", table: &dropped },
-        ],
-        main: &standings,
-        provenance: &provenance,
-        style: Style { columns: STANDINGS_ON_SCREEN, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![
+                Section { name: "panel_offsets", table: &offsets },
+                Section { name: "rivals", table: &rivals },
+                Section { name: "standings", table: &standings },
+                Section { name: "dropped", table: &dropped },
+            ],
+            main: &standings,
+            provenance: &provenance,
+            style: Style { columns: STANDINGS_ON_SCREEN, bold_row: None },
+        },
+        &input.notices,
+    )?;
     Ok(Outcome::Done)
 }

@@ -54,14 +54,17 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
     };
     #[cfg(feature = "plot")]
     if let Some(path) = &typed.picture {
-        super::report::pixels_picture(path, input.reduction.as_ref(), typed.layer)?;
+        super::report::pixels_picture(path, input.reduction.as_ref(), typed.layer, &input.notices)?;
     }
-    output.write(&Answer {
-        sections: vec![Section { name, table: &table }, Section { name: "dropped", table: &dropped }],
-        main: &table,
-        provenance: &provenance,
-        style: Style { columns, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![Section { name, table: &table }, Section { name: "dropped", table: &dropped }],
+            main: &table,
+            provenance: &provenance,
+            style: Style { columns, bold_row: None },
+        },
+        &input.notices,
+    )?;
     Ok(Outcome::Done)
 }
 
@@ -119,11 +122,14 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
     provenance.state("max_range_rms_km", typed.max_range_rms_km);
     provenance.state("max_phase_rms_deg", typed.max_phase_rms_deg);
     provenance.state("least_lead", typed.least_lead);
-    output.write(&Answer {
-        sections: vec![Section { name: "tracks", table: &table }],
-        main: &table,
-        provenance: &provenance,
-        style: Style { columns: ON_SCREEN, bold_row: None },
-    })?;
+    output.write(
+        &Answer {
+            sections: vec![Section { name: "tracks", table: &table }],
+            main: &table,
+            provenance: &provenance,
+            style: Style { columns: ON_SCREEN, bold_row: None },
+        },
+        &notices,
+    )?;
     Ok(if sure > 0 { Outcome::Done } else { Outcome::No })
 }

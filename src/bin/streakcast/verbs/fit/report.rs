@@ -73,14 +73,15 @@ pub fn write(path: &Path, results: &FitResults, file: &ModelFile) -> anyhow::Res
     let drawn = pictures(results, file)?;
     let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
     let report = text(results, file, &names);
+    let notices = &results.input.notices;
     if is_html(path) {
         let page = report.to_html(|name| names.get(name).map(|one| data_url(&one.2)));
-        return write_bytes(path, page.as_bytes());
+        return write_bytes(path, page.as_bytes(), notices);
     }
     for (name, (_, _, bytes)) in &names {
-        write_bytes(&path.with_file_name(name), bytes)?;
+        write_bytes(&path.with_file_name(name), bytes, notices)?;
     }
-    write_bytes(path, report.to_markdown().as_bytes())
+    write_bytes(path, report.to_markdown().as_bytes(), notices)
 }
 
 fn text(results: &FitResults, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> Report {
@@ -208,6 +209,7 @@ mod drawn {
     };
 
     use super::{Drawn, FitResults};
+    use crate::notices::Notices;
     use crate::output::write_bytes;
 
     /// HEALPix resolution of maps of residuals.
@@ -330,7 +332,12 @@ mod drawn {
     }
 
     /// Draws figure 2 for one layer, or figure 3 for all pixels.
-    pub fn pixels_picture(path: &Path, reduction: Option<&Reduction>, layer_deg: Option<f64>) -> anyhow::Result<()> {
+    pub fn pixels_picture(
+        path: &Path,
+        reduction: Option<&Reduction>,
+        layer_deg: Option<f64>,
+        notices: &Notices,
+    ) -> anyhow::Result<()> {
         let reduction =
             reduction.ok_or_else(|| anyhow!("--picture is given with --raw-points; allowed: with reduced pixels"))?;
         let picture = match layer_deg {
@@ -363,6 +370,6 @@ mod drawn {
                 })?
             }
         };
-        write_bytes(path, &picture.to_bytes(PictureFormat::of(path)?)?)
+        write_bytes(path, &picture.to_bytes(PictureFormat::of(path)?)?, notices)
     }
 }

@@ -65,7 +65,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
     };
     let file = file(&results)?;
-    output.write_text(&(file.to_json() + "\n"))?;
+    output.write_text(&(file.to_json() + "\n"), notices)?;
     if let Some(path) = &typed.report {
         report::write(path, &results, &file)?;
     }

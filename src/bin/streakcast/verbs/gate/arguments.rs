@@ -11,7 +11,7 @@ use streakcast::config::{
 };
 use streakcast::frames::{Direction, Gcrs, parse_moment};
 use streakcast::geometry::Site;
-use streakcast::input::is_stream;
+use streakcast::input::{check_regular, is_stream};
 use streakcast::schedule::MagnitudeLimit;
 
 use super::clock::Clock;
@@ -126,6 +126,10 @@ impl Request {
         let config = flags.with_file()?;
         if let Some(path) = config.files().iter().find(|path| is_stream(path)) {
             return Err(stream_error(path));
+        }
+        // Opening a named pipe would wait for its reader.
+        if let Some(path) = typed.status_file.as_ref().filter(|path| path.exists()) {
+            check_regular(path).map_err(|error| anyhow!("status file {}: {error}", path.display()))?;
         }
         let has_name = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
         let has_pointing = config.exposure.target.is_some() || config.exposure.ra.is_some();

@@ -11,6 +11,7 @@ use streakcast::plot::{Picture, PictureFormat, paper_picture};
 
 use super::arguments::{MapPaperArguments, PictureName};
 use crate::failure::Outcome;
+use crate::notices::Notices;
 use crate::output::{check, write_bytes};
 use crate::verbs::judged::begin;
 
@@ -19,9 +20,9 @@ pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::R
     path.map(|path| Ok(picture().to_bytes(PictureFormat::of(path)?)?)).transpose()
 }
 
-pub fn write(path: Option<&Path>, bytes: Option<Vec<u8>>) -> anyhow::Result<()> {
+pub fn write(path: Option<&Path>, bytes: Option<Vec<u8>>, notices: &Notices) -> anyhow::Result<()> {
     match (path, bytes) {
-        (Some(path), Some(bytes)) => write_bytes(path, &bytes),
+        (Some(path), Some(bytes)) => write_bytes(path, &bytes, notices),
         _ => Ok(()),
     }
 }
@@ -52,7 +53,7 @@ pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
         pictures.push((path, picture.to_bytes(format)?));
     }
     for (path, bytes) in &pictures {
-        write_bytes(path, bytes)?;
+        write_bytes(path, bytes, &notices)?;
     }
     Ok(Outcome::Done)
 }

@@ -11,6 +11,7 @@ use streakcast::output::{Provenance, Section, Table};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 
 use crate::failure::Outcome;
+use crate::notices::Notices;
 #[cfg(all(feature = "fits", unix))]
 use crate::output::write_bytes;
 use crate::output::{Answer, Output};
@@ -70,13 +71,15 @@ pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> a
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid);
-            write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN)?;
+            write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN, &notices)?;
         }
         #[cfg(all(feature = "fits", unix))]
-        Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
+        Target::Fits(path, grid) => {
+            write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?, &notices)?
+        }
     }
     #[cfg(feature = "plot")]
-    pictures::write(to.picture.as_deref(), picture)?;
+    pictures::write(to.picture.as_deref(), picture, &notices)?;
     Ok(Outcome::Done)
 }
 
@@ -110,13 +113,15 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid);
-            write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN)?;
+            write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN, &notices)?;
         }
         #[cfg(all(feature = "fits", unix))]
-        Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
+        Target::Fits(path, grid) => {
+            write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?, &notices)?
+        }
     }
     #[cfg(feature = "plot")]
-    pictures::write(to.picture.as_deref(), picture)?;
+    pictures::write(to.picture.as_deref(), picture, &notices)?;
     Ok(Outcome::Done)
 }
 
@@ -162,11 +167,20 @@ fn provenance_of(facts: &[Fact]) -> Provenance {
     provenance
 }
 
-fn write_table(output: &Output, table: &Table, provenance: &Provenance, shown: &[Shown]) -> anyhow::Result<()> {
-    output.write(&Answer {
-        sections: vec![Section { name: "directions", table }],
-        main: table,
-        provenance,
-        style: Style { columns: shown, bold_row: None },
-    })
+fn write_table(
+    output: &Output,
+    table: &Table,
+    provenance: &Provenance,
+    shown: &[Shown],
+    notices: &Notices,
+) -> anyhow::Result<()> {
+    output.write(
+        &Answer {
+            sections: vec![Section { name: "directions", table }],
+            main: table,
+            provenance,
+            style: Style { columns: shown, bold_row: None },
+        },
+        notices,
+    )
 }

@@ -8,11 +8,13 @@ use super::arguments::PlotCornerArguments;
 use crate::failure::Outcome;
 
 use super::target::Target;
+use crate::notices::Notices;
 
 /// Largest number of parameters in a picture.
 const MOST: usize = 9;
 
 pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
+    let notices = Notices::new(false);
     // No data file: the chains contain the data.
     let target = Target::of_table(&typed.picture)?;
     let (chain, about) = read_chain(&typed.chains)?;
@@ -36,6 +38,9 @@ pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
     let default_title =
         format!("Posterior: {} walkers, {} steps after burn-in", chain.walkers(), chain.steps() - burn_in);
     let title = typed.title.title.as_deref().unwrap_or(&default_title);
-    target.write_picture(&corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?)?;
+    target.write_picture(
+        &corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?,
+        &notices,
+    )?;
     Ok(Outcome::Done)
 }

@@ -26,14 +26,14 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let config = Config { exposure: typed.exposure, include_dark, ..typed.config }.with_file()?;
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
-        begin(&config)?;
+        let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "passes")?;
         let exposure = Pointing::stated(&columns).ok_or_else(|| {
             anyhow!("table {} does not state its exposure; allowed: output of passes", path.display())
         })?;
         let field = stated_field(&config, &columns)?;
-        target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?)?;
+        target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?, &notices)?;
         return Ok(outcome(&columns));
     }
     required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
@@ -44,7 +44,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     // Read from the provenance of the table, so that a file gives the same picture.
     let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result does not state its exposure"))?;
     let picture = picture(&columns, &exposure, Some(&config.field_of_view()?), title)?;
-    target.write(&picture, "passes", &table, &prediction.prepared.provenance)?;
+    target.write(&picture, "passes", &table, &prediction.prepared.provenance, &prediction.notices)?;
     Ok(outcome(&columns))
 }
 

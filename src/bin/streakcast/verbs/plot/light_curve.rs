@@ -45,7 +45,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     let site = site_of(&config)?;
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
-        begin(&config)?;
+        let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
         let clock = Clock::new(typed.clock.utc_offset, site.or_else(|| columns.site()).as_ref());
@@ -60,7 +60,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         } else {
             of_forecast(&columns, typed.norad, typed.limit_mag, clock.as_ref(), title)?
         };
-        target.write_picture(&picture)?;
+        target.write_picture(&picture, &notices)?;
         return Ok(Outcome::Done);
     }
     let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
@@ -105,7 +105,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         .state("track", json!({ "name": &*name, "in_field_utc": chords, "shutter_utc": shutter }));
     let columns = Columns::of(&table, &prediction.prepared.provenance);
     let picture = picture(&columns, typed.limit_mag, clock.as_ref(), title)?;
-    target.write(&picture, "track", &table, &prediction.prepared.provenance)?;
+    target.write(&picture, "track", &table, &prediction.prepared.provenance, &prediction.notices)?;
     Ok(Outcome::Done)
 }
 

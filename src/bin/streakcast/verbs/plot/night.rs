@@ -84,9 +84,9 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             let mut of_night = table.clone();
             let mut kept = keep.iter();
             of_night.rows.retain(|_| kept.next().copied().unwrap_or(false));
-            target.write(&picture, "exposures", &of_night, provenance)?;
+            target.write(&picture, "exposures", &of_night, provenance, &notices)?;
         }
-        None => target.write_picture(&picture)?,
+        None => target.write_picture(&picture, &notices)?,
     }
     Ok(Outcome::Done)
 }

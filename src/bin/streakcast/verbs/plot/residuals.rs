@@ -78,7 +78,7 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     if model_of(&config.model_library()?, &typed.model)?.is_of_panels() {
         provenance.state("earthshine", photometry.earthshine.name());
     }
-    target.write(&picture, "residuals", &found.table(), &provenance)?;
+    target.write(&picture, "residuals", &found.table(), &provenance, &notices)?;
     Ok(Outcome::Done)
 }
 

@@ -6,6 +6,7 @@ use super::arguments::{PictureArguments, PlotArguments, PlotBodyArguments, PlotS
 use super::residuals::Chart;
 use super::target::{Target, data_path, only};
 use crate::failure::Outcome;
+use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Style, shown};
 use crate::verbs::map::{MapBodyArguments, MapOutputArguments, MapSkyArguments};
@@ -77,15 +78,18 @@ pub fn list() -> anyhow::Result<Outcome> {
         ],
         rows: PLOTS.iter().map(|row| row.iter().map(|text| (*text).into()).collect()).collect(),
     };
-    Output::new(None, None)?.write(&Answer {
-        sections: vec![Section { name: "plots", table: &table }],
-        main: &table,
-        provenance: &Provenance::new(),
-        style: Style {
-            columns: &[shown("plot", "plot"), shown("shows", "shows"), shown("needs", "needs")],
-            bold_row: None,
+    Output::new(None, None)?.write(
+        &Answer {
+            sections: vec![Section { name: "plots", table: &table }],
+            main: &table,
+            provenance: &Provenance::new(),
+            style: Style {
+                columns: &[shown("plot", "plot"), shown("shows", "shows"), shown("needs", "needs")],
+                bold_row: None,
+            },
         },
-    })?;
+        &Notices::new(false),
+    )?;
     Ok(Outcome::Done)
 }
 

@@ -15,12 +15,12 @@ use super::curves::{Curve, SECTIONS, curves, shells_caption};
 use super::target::Target;
 
 pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
-    begin(&Config::default())?;
+    let notices = begin(&Config::default())?;
     let target = Target::of_table(&typed.picture)?;
     let columns = Columns::read_first(&typed.from, SECTIONS)?;
     let found = curves(&columns, &typed.norad)?;
     let clock = Clock::new(typed.utc_offset, None);
-    target.write_picture(&picture(&columns, found, clock.as_ref(), typed.title.title.as_deref())?)?;
+    target.write_picture(&picture(&columns, found, clock.as_ref(), typed.title.title.as_deref())?, &notices)?;
     Ok(Outcome::Done)
 }
 

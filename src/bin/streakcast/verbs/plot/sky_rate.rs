@@ -52,7 +52,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
             true => equatorial_rate::picture(&columns, title)?,
             false => picture(&columns, title)?,
         };
-        target.write_picture(&drawn)?;
+        target.write_picture(&drawn, &notices)?;
         return Ok(Outcome::Done);
     }
     let inputs = required(&config, &typed.picture).satellites().site().field();
@@ -68,7 +68,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     if typed.equatorial {
         let (table, provenance) = equatorial_rate::compute(&typed, &config, &directions, &notices)?;
         let drawn = equatorial_rate::picture(&Columns::of(&table, &provenance), title)?;
-        target.write(&drawn, "directions", &table, &provenance)?;
+        target.write(&drawn, "directions", &table, &provenance, &notices)?;
         return Ok(Outcome::Done);
     }
     let over_s = parse_duration_s("over", &typed.over)?;
@@ -117,7 +117,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         }),
     );
     let picture = picture(&Columns::of(&table, &provenance), title)?;
-    target.write(&picture, "directions", &table, &provenance)?;
+    target.write(&picture, "directions", &table, &provenance, &notices)?;
     Ok(Outcome::Done)
 }
 

@@ -11,6 +11,7 @@ use streakcast::plot::{Picture, SunAltitude, sun_altitude};
 
 use super::arguments::PlotSunAltitudeArguments;
 use crate::failure::Outcome;
+use crate::notices::Notices;
 use crate::verbs::judged::{begin, given_field};
 use crate::verbs::map::site_of;
 
@@ -45,12 +46,12 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     let title = typed.title.title.as_deref();
     let limit = config.rules.limit_mag.as_ref().and_then(|limit| limit.of(config.light.band.as_deref()));
     if let Some(path) = &typed.from {
-        begin(&config)?;
+        let notices = begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "exposures")?;
         let caption = columns.site().map(|site| format!("Site: {}.", site.name)).unwrap_or_default();
         let limit = limit.or_else(|| columns.limit_mag());
-        target.write_picture(&picture(&columns, limit, typed.bin, title, &caption)?)?;
+        target.write_picture(&picture(&columns, limit, typed.bin, title, &caption)?, &notices)?;
         return Ok(Outcome::Done);
     }
     let inputs = required(&config, &typed.picture).satellites().site().field();
@@ -66,7 +67,7 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         None => grid(&typed, &config, limit)?,
     };
     let picture = picture(&Columns::of(&table, &provenance), limit, typed.bin, title, &caption)?;
-    target.write(&picture, "exposures", &table, &provenance)?;
+    target.write(&picture, "exposures", &table, &provenance, &Notices::of(&config))?;
     Ok(Outcome::Done)
 }
 

@@ -9,6 +9,7 @@ use streakcast::output::{Provenance, Section, Table};
 use streakcast::plot::{Picture, PictureFormat};
 
 use super::arguments::PictureArguments;
+use crate::notices::Notices;
 use crate::output::{Answer, Output, check, write_bytes};
 use crate::required::Required;
 use crate::screen::Style;
@@ -64,26 +65,36 @@ impl Target {
     }
 
     /// Draws all pictures before it writes the first file, so that an error leaves no file.
-    pub fn write(&self, picture: &Picture, name: &str, table: &Table, provenance: &Provenance) -> anyhow::Result<()> {
+    pub fn write(
+        &self,
+        picture: &Picture,
+        name: &str,
+        table: &Table,
+        provenance: &Provenance,
+        notices: &Notices,
+    ) -> anyhow::Result<()> {
         let drawn = self.pictures.iter().map(|(path, format)| Ok((path, picture.to_bytes(*format)?)));
         let drawn = drawn.collect::<anyhow::Result<Vec<_>>>()?;
         if let Some(data) = &self.data {
-            data.write(&Answer {
-                sections: vec![Section { name, table }],
-                main: table,
-                provenance,
-                style: Style { columns: &[], bold_row: None },
-            })?;
+            data.write(
+                &Answer {
+                    sections: vec![Section { name, table }],
+                    main: table,
+                    provenance,
+                    style: Style { columns: &[], bold_row: None },
+                },
+                notices,
+            )?;
         }
         for (path, bytes) in drawn {
-            write_bytes(path, &bytes)?;
+            write_bytes(path, &bytes, notices)?;
         }
         Ok(())
     }
 
     /// Writes a picture of an input table.
-    pub fn write_picture(&self, picture: &Picture) -> anyhow::Result<()> {
-        self.write(picture, "", &Table::default(), &Provenance::new())
+    pub fn write_picture(&self, picture: &Picture, notices: &Notices) -> anyhow::Result<()> {
+        self.write(picture, "", &Table::default(), &Provenance::new(), notices)
     }
 }
 

@@ -1,0 +1,64 @@
+//! `completions` and `man`: completions for shells and manual pages, made from the definition of the command line.
+
+use std::fs;
+use std::path::PathBuf;
+
+use anyhow::anyhow;
+use clap::{Args, Command};
+use clap_complete::{Shell, generate};
+use clap_mangen::Man;
+
+use crate::failure::Outcome;
+use crate::notices::Notices;
+use crate::output::{Output, check, write_bytes};
+
+#[derive(Args)]
+pub struct CompletionsArguments {
+    /// Shell
+    #[arg(value_enum)]
+    pub shell: Shell,
+}
+
+#[derive(Args)]
+pub struct ManArguments {
+    /// Folder, created if it is missing
+    #[arg(long, short, value_name = "FOLDER", required = true)]
+    pub output: PathBuf,
+    /// Suppress the list of written files
+    #[arg(long, short)]
+    pub quiet: bool,
+}
+
+/// Writes the completions of one shell to standard output.
+pub fn completions(typed: &CompletionsArguments, mut command: Command) -> anyhow::Result<Outcome> {
+    let mut script = Vec::new();
+    generate(typed.shell, &mut command, "streakcast", &mut script);
+    let script = String::from_utf8(script)?;
+    Output::new(Some("csv"), None)?.write_text(&script, &Notices::new(false))?;
+    Ok(Outcome::Done)
+}
+
+/// Writes one page for the program, each verb and each of their subcommands, all or none.
+pub fn man(typed: &ManArguments, mut command: Command) -> anyhow::Result<Outcome> {
+    command.build();
+    let mut pages = Vec::new();
+    add_pages(&command, &mut pages)?;
+    let folder = &typed.output;
+    fs::create_dir_all(folder).map_err(|error| anyhow!("cannot create the folder {}: {error}", folder.display()))?;
+    let pages: Vec<(PathBuf, Vec<u8>)> = pages.into_iter().map(|(name, page)| (folder.join(name), page)).collect();
+    pages.iter().try_for_each(|(path, _)| check(path))?;
+    let notices = Notices::new(typed.quiet);
+    pages.iter().try_for_each(|(path, page)| write_bytes(path, page, &notices))?;
+    Ok(Outcome::Done)
+}
+
+fn add_pages(command: &Command, pages: &mut Vec<(String, Vec<u8>)>) -> anyhow::Result<()> {
+    let man = Man::new(command.clone());
+    let mut page = Vec::new();
+    man.render(&mut page)?;
+    pages.push((man.get_filename(), page));
+    command
+        .get_subcommands()
+        .filter(|inner| !inner.is_hide_set() && inner.get_name() != "help")
+        .try_for_each(|inner| add_pages(inner, pages))
+}
