@@ -241,9 +241,11 @@ fn unknown_arguments() {
     assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
     let policy = file(&folder, "r.toml", b"margin_s = -1\n");
     fails(&[&flag(&schedule), &["--policy", &policy]], &["r.toml: margin_s is -1; allowed: 0 to 3600 s"]);
-    for (verb, expected) in
-        [("passes", "how many of the crossings"), ("flag", "the verdict avoid"), ("annotate", "the verdict avoid")]
-    {
+    for (verb, expected) in [
+        ("passes", "probability of each crossing to be brighter"),
+        ("flag", "the verdict avoid"),
+        ("annotate", "the verdict avoid"),
+    ] {
         let (_, help, _) = run(&[&[verb, "-h"]]);
         let (_, after) = help.split_once("--limit-mag").unwrap();
         let own = after.split(" --").next().unwrap_or_default();
