@@ -168,9 +168,10 @@ impl Config {
                     Arc::new(BrightnessModel::from_json(&text, &path.display().to_string())?)
                 }
             };
-            for generation in assigned.kind.map_or(Generation::ALL.to_vec(), |kind| vec![kind]) {
-                choice = choice.with_model(generation, model.clone());
-            }
+            choice = match assigned.kind {
+                Some(kind) => choice.with_model(kind, model),
+                None => choice.with_model_for_all(&model),
+            };
         }
         let qs_mag = self.qs_mag.as_deref().or(self.models.as_ref().and_then(|models| models.qs_mag.as_deref()));
         if let Some(path) = qs_mag {

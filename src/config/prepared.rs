@@ -16,7 +16,7 @@ use crate::geometry::Site;
 use crate::orbit::{EphemerisCoverage, LeftOut};
 use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
-use crate::photometry::PhotometryOptions;
+use crate::photometry::{BrightObjects, PhotometryOptions};
 use crate::schedule::lowest_altitudes_rad;
 
 /// Largest number of rejected records listed in JSON; `rejected_count` counts all of them.
@@ -82,6 +82,10 @@ impl LoadedInputs {
                 .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
             provenance.attach("cut_short", warnings::cut_short(catalogue).collect::<Vec<_>>());
             elements = catalogue.at(middle);
+            let merged = merge_modules(&mut elements);
+            if !merged.is_empty() {
+                provenance.attach("modules_merged", merged);
+            }
         }
         let ephemerides = self.catalogue.as_ref().map_or(&[][..], |catalogue| &catalogue.ephemerides);
         let without_elements = without_elements(ephemerides, &elements);
@@ -193,6 +197,17 @@ impl PreparedSky {
         }
         Ok(Some(warnings::of_left_out(left_out.len(), self.sky.elements().len())))
     }
+}
+
+/// Removes the modules of stations that are in the elements themselves, because the magnitude of a station includes its
+/// modules; returns their names.
+fn merge_modules(elements: &mut Vec<ElementSet>) -> Vec<String> {
+    let table = BrightObjects::embedded();
+    let stations: BTreeSet<u32> = elements.iter().map(|set| set.norad_id.0).collect();
+    let is_module = |set: &ElementSet| table.station_of(set.norad_id.0).is_some_and(|id| stations.contains(&id));
+    let modules = elements.iter().filter(|set| is_module(set)).map(|set| set.name.to_string()).collect();
+    elements.retain(|set| !is_module(set));
+    modules
 }
 
 /// Adds the time scale and the photometry of a request to its provenance.

@@ -1,7 +1,8 @@
 //! Satellite generations, which determine the brightness model.
 //!
-//! The generation follows from the launch if it is in the table (Starlink to April 2025), otherwise from the name,
-//! otherwise from the most likely kind; [`Certainty`] gives the evidence. Names are those of CelesTrak and Space-Track.
+//! The generation of a Starlink follows from the launch if it is in the table ([`STARLINK_TABLE_DATE`]), otherwise from
+//! the name, otherwise from the most likely kind; that of other constellations from the name, or from the launch for an
+//! object without a name. [`Certainty`] gives the evidence. Names are those of CelesTrak and Space-Track.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -12,10 +13,31 @@ use serde::{Deserialize, Serialize};
 use super::element_set::{ElementSet, Origin};
 
 /// Table of launches and kinds.
-const LAUNCHES: &str = include_str!("starlink_launches.txt");
+const LAUNCHES: &str = include_str!("launches.txt");
 
-/// Launches with few Starlinks among other satellites: without a name the kind is unknown.
-const SHARED_LAUNCHES: [Launch; 2] = [Launch(2021, 6), Launch(2021, 59)];
+/// Last day of the table of Starlink launches.
+pub const STARLINK_TABLE_DATE: &str = "14 April 2025";
+
+/// Launches with other satellites too: without a name the kind is unknown. 2021-006 and 2021-059 carried few Starlinks,
+/// 2018-047 GRACE-FO, and 2023-068 OneWeb.
+const SHARED_LAUNCHES: [Launch; 4] = [Launch(2018, 47), Launch(2021, 6), Launch(2021, 59), Launch(2023, 68)];
+
+/// Lowest number in the names of Iridium NEXT; the first generation has numbers below 100.
+const FIRST_IRIDIUM_NEXT: u32 = 100;
+
+/// Catalogue numbers of Iridium NEXT from the launches of 2017 to 2019 and 2023, each first and last; from CelesTrak's
+/// catalogue of 14 August 2024.
+const IRIDIUM_NEXT_NORAD_IDS: [[u32; 2]; 9] = [
+    [41_917, 41_926],
+    [42_803, 42_812],
+    [42_955, 42_964],
+    [43_070, 43_079],
+    [43_249, 43_258],
+    [43_478, 43_482],
+    [43_569, 43_578],
+    [43_922, 43_931],
+    [56_726, 56_730],
+];
 
 /// A kind of satellite with its own brightness model.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -39,6 +61,9 @@ pub enum Generation {
     /// V2 Mini with an antenna for telephones, from January 2024 on; flies lower.
     #[serde(rename = "starlink-direct-to-cell")]
     StarlinkDirectToCell,
+    /// Iridium's second generation, launched from January 2017 on.
+    #[serde(rename = "iridium-next")]
+    IridiumNext,
     /// OneWeb.
     #[serde(rename = "oneweb")]
     OneWeb,
@@ -61,13 +86,14 @@ pub enum Generation {
 
 impl Generation {
     /// All kinds.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::StarlinkV09,
         Self::StarlinkV10,
         Self::StarlinkVisorSat,
         Self::StarlinkV15,
         Self::StarlinkV2Mini,
         Self::StarlinkDirectToCell,
+        Self::IridiumNext,
         Self::OneWeb,
         Self::Kuiper,
         Self::Qianfan,
@@ -85,6 +111,7 @@ impl Generation {
             Self::StarlinkV15 => "starlink-v1.5",
             Self::StarlinkV2Mini => "starlink-v2mini",
             Self::StarlinkDirectToCell => "starlink-direct-to-cell",
+            Self::IridiumNext => "iridium-next",
             Self::OneWeb => "oneweb",
             Self::Kuiper => "kuiper",
             Self::Qianfan => "qianfan",
@@ -92,6 +119,11 @@ impl Generation {
             Self::BlueBird => "bluebird",
             Self::Other => "other",
         }
+    }
+
+    /// Returns true for the kinds of Starlinks.
+    pub fn is_starlink(self) -> bool {
+        self.name().starts_with("starlink-")
     }
 
     /// Returns the kind with this [`name`](Self::name).
@@ -110,7 +142,7 @@ impl fmt::Display for Generation {
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Certainty {
-    /// The launch is in the table.
+    /// The launch, or the catalogue number, is in the table.
     Table,
     /// The name contains a constellation or its number.
     Name,
@@ -148,12 +180,15 @@ impl Launch {
 #[derive(Clone, Debug)]
 pub struct GenerationTable {
     launches: HashMap<Launch, Generation>,
+    /// Last Starlink launch.
+    last_starlink: Launch,
 }
 
 static EMBEDDED: LazyLock<GenerationTable> = LazyLock::new(|| GenerationTable::parse(LAUNCHES));
 
 impl GenerationTable {
-    /// Returns the table of the library: Starlink launches to 14 April 2025.
+    /// Returns the table of the library: Starlink launches to [`STARLINK_TABLE_DATE`], other constellations to April
+    /// 2026.
     pub fn embedded() -> &'static Self {
         &EMBEDDED
     }
@@ -161,6 +196,16 @@ impl GenerationTable {
     /// Returns the kind of a satellite.
     pub fn of(&self, set: &ElementSet) -> Generation {
         self.classify(set).0
+    }
+
+    /// Returns true for a real satellite whose kind is assumed: a Starlink launched after the table, of which a new kind
+    /// may exist, or an object with a kind by its launch or date only.
+    pub fn is_assumed(&self, set: &ElementSet) -> bool {
+        let (generation, certainty) = self.classify(set);
+        let is_later = || Launch::of(&set.international_designator).is_some_and(|launch| launch > self.last_starlink);
+        set.origin != Origin::Synthetic
+            && generation != Generation::Other
+            && (certainty == Certainty::Guess || (generation.is_starlink() && is_later()))
     }
 
     /// Returns the kind of a satellite and its evidence.
@@ -178,7 +223,11 @@ impl GenerationTable {
             return self.starlink(rest, launch, set.norad_id.0);
         }
         if name.is_empty() || strip_prefix_ignoring_case(name, "OBJECT ").is_some() {
-            // Without a name: most objects of a Starlink launch are Starlinks.
+            let id = set.norad_id.0;
+            if IRIDIUM_NEXT_NORAD_IDS.iter().any(|[first, last]| (*first..=*last).contains(&id)) {
+                return (Generation::IridiumNext, Certainty::Table);
+            }
+            // Without a name: most objects of a launch in the table are satellites of its kind.
             return match launch.and_then(|launch| Some((launch, *self.launches.get(&launch)?))) {
                 Some((launch, generation)) if !SHARED_LAUNCHES.contains(&launch) => (generation, Certainty::Guess),
                 _ => (Generation::Other, Certainty::Guess),
@@ -188,6 +237,7 @@ impl GenerationTable {
             ("ONEWEB", Generation::OneWeb),
             ("KUIPER", Generation::Kuiper),
             ("AMAZON LEO", Generation::Kuiper),
+            ("AMAZON-LEO", Generation::Kuiper),
             ("QIANFAN", Generation::Qianfan),
             ("HULIANWANG DIGUI", Generation::Guowang),
             ("HULIANWANG-DIGUI", Generation::Guowang),
@@ -196,15 +246,17 @@ impl GenerationTable {
             ("BLUEBIRD", Generation::BlueBird),
             ("SPACEMOBILE", Generation::BlueBird),
         ];
+        if let Some(rest) = strip_prefix_ignoring_case(name, "IRIDIUM") {
+            let is_next = number_at_start(rest).is_some_and(|number| number >= FIRST_IRIDIUM_NEXT);
+            return (if is_next { Generation::IridiumNext } else { Generation::Other }, Certainty::Name);
+        }
         let found = named.iter().find(|(prefix, _)| strip_prefix_ignoring_case(name, prefix).is_some());
         (found.map_or(Generation::Other, |(_, generation)| *generation), Certainty::Name)
     }
 
     /// Classifies a satellite whose name begins with STARLINK; `rest` is the text after it.
     fn starlink(&self, rest: &str, launch: Option<Launch>, norad_id: u32) -> (Generation, Certainty) {
-        let digits = rest.trim_start_matches(['-', ' ']);
-        let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
-        let number: Option<u32> = digits[..end].parse().ok();
+        let number = number_at_start(rest);
         // They share launches with V2 Mini.
         if rest.contains("[DTC]") || matches!(number, Some(11_000..=11_999)) {
             return (Generation::StarlinkDirectToCell, Certainty::Name);
@@ -213,7 +265,7 @@ impl GenerationTable {
         if number == Some(1436) {
             return (Generation::StarlinkVisorSat, Certainty::Name);
         }
-        let listed = launch.and_then(|launch| self.launches.get(&launch)).copied();
+        let listed = launch.and_then(|launch| self.launches.get(&launch)).copied().filter(|kind| kind.is_starlink());
         match (listed, number) {
             // Built with a visor and launched early: STARLINK-1521 of 2020-038 is on MMT-9's list of VisorSats.
             (Some(Generation::StarlinkV10), Some(1518..=2999)) => {
@@ -240,8 +292,17 @@ impl GenerationTable {
             let Some(generation) = Generation::by_name(generation) else { continue };
             launches.extend(list.split_whitespace().filter_map(Launch::of).map(|launch| (launch, generation)));
         }
-        Self { launches }
+        let starlinks = launches.iter().filter(|(_, generation)| generation.is_starlink());
+        let last_starlink = starlinks.map(|(launch, _)| *launch).max().unwrap_or(Launch(0, 0));
+        Self { launches, last_starlink }
     }
+}
+
+/// Returns the number after a constellation's name, as in `STARLINK-1436` and `IRIDIUM 102`.
+fn number_at_start(rest: &str) -> Option<u32> {
+    let digits = rest.trim_start_matches(['-', ' ']);
+    let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+    digits[..end].parse().ok()
 }
 
 /// Returns the kind launched at the time, for launches that are not in the table.
@@ -296,7 +357,8 @@ mod tests {
             .map(|line| line.split_whitespace().count() - 1)
             .sum();
         assert_eq!(GenerationTable::embedded().launches.len(), expected);
-        assert_eq!(expected, 249);
+        assert_eq!(expected, 298);
+        assert_eq!(GenerationTable::embedded().last_starlink, Launch(2025, 71));
     }
 
     #[test]

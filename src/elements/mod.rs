@@ -25,7 +25,7 @@ pub use ephemeris::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, 
 #[cfg(feature = "fit")]
 pub(crate) use epoch::parse_iso;
 pub use error::ElementsError;
-pub use generation::{Certainty, Generation, GenerationTable};
+pub use generation::{Certainty, Generation, GenerationTable, STARLINK_TABLE_DATE};
 pub use history::History;
 pub use on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km};
 pub use record::{ElementFormat, RejectReason, Rejected};

@@ -4,27 +4,34 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::elements::{ElementSet, Generation, GenerationTable};
-use crate::photometry::{BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
+use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
 /// Rule by which each element set gets a brightness model. The first that applies is used: the model of its generation,
-/// the object's standard magnitude, a prior for rocket bodies, a prior for any object.
+/// the object's standard magnitude in the given table, that of the built-in bright objects and classes of rocket bodies,
+/// a prior for rocket bodies, a prior for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
+    /// The same models with a source that says that the kind is assumed.
+    assumed: BTreeMap<Generation, Arc<BrightnessModel>>,
     standard_magnitudes: StandardMagnitudes,
+    /// Models of the bright objects, by name.
+    bright: BTreeMap<&'static str, Arc<BrightnessModel>>,
     rocket_body: Arc<BrightnessModel>,
     unknown: Arc<BrightnessModel>,
 }
 
-/// Returns the name of the default model of a generation; `None` if the generation has no default.
+/// Returns the name of the default model of a generation: of the built-in models of its satellites, the one with the best
+/// score on unseen points where there are any (`tests/fitting/default_models.rs`). `None` if there is no default.
 fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),
-        Generation::StarlinkVisorSat => Some("visorsat"),
-        Generation::StarlinkV15 => Some("starlink-v1.5"),
-        Generation::StarlinkV2Mini => Some("v2mini"),
+        Generation::StarlinkVisorSat => Some("visorsat-panels"),
+        Generation::StarlinkV15 => Some("starlink-v1.5-facets"),
+        Generation::StarlinkV2Mini => Some("v2mini-panels"),
         Generation::StarlinkDirectToCell => Some("direct-to-cell"),
-        Generation::OneWeb => Some("oneweb"),
+        Generation::IridiumNext => Some("iridium-next"),
+        Generation::OneWeb => Some("oneweb-panels"),
         Generation::Kuiper => Some("kuiper"),
         Generation::Qianfan => Some("qianfan"),
         Generation::Guowang => Some("guowang"),
@@ -52,9 +59,12 @@ impl ModelChoice {
                 by_generation.insert(generation, library.find(name)?);
             }
         }
+        let assumed = by_generation.iter().map(|(kind, model)| (*kind, Arc::new(model.with_assumed_kind())));
         Ok(Self {
+            assumed: assumed.collect(),
             by_generation,
             standard_magnitudes: StandardMagnitudes::default(),
+            bright: BrightObjects::embedded().iter().map(|one| (one.name, Arc::new(one.model()))).collect(),
             rocket_body: library.find("rocket-body")?,
             unknown: library.find("unknown")?,
         })
@@ -63,7 +73,16 @@ impl ModelChoice {
     /// Sets another model for one generation. A model for [`Generation::Other`] takes precedence over standard
     /// magnitudes and the priors for rocket bodies and unknown objects.
     pub fn with_model(mut self, generation: Generation, model: Arc<BrightnessModel>) -> Self {
+        self.assumed.insert(generation, Arc::new(model.with_assumed_kind()));
         self.by_generation.insert(generation, model);
+        self
+    }
+
+    /// Sets one model for all satellites, of any kind.
+    pub fn with_model_for_all(mut self, model: &Arc<BrightnessModel>) -> Self {
+        self.by_generation = Generation::ALL.map(|generation| (generation, model.clone())).into();
+        // The kind does not matter.
+        self.assumed.clone_from(&self.by_generation);
         self
     }
 
@@ -71,6 +90,11 @@ impl ModelChoice {
     pub fn with_standard_magnitudes(mut self, standard_magnitudes: StandardMagnitudes) -> Self {
         self.standard_magnitudes = standard_magnitudes;
         self
+    }
+
+    /// Returns the model of a generation; `None` for other satellites.
+    pub fn of_kind(&self, generation: Generation) -> Option<&BrightnessModel> {
+        self.by_generation.get(&generation).map(|model| &**model)
     }
 
     /// Returns true if the brightness of a satellite is unknown: it has no generation and no standard magnitude and is
@@ -81,12 +105,17 @@ impl ModelChoice {
 
     /// Returns the brightness model of one satellite.
     pub fn model_of(&self, elements: &ElementSet) -> Arc<BrightnessModel> {
-        let generation = GenerationTable::embedded().of(elements);
-        if let Some(model) = self.by_generation.get(&generation) {
+        let table = GenerationTable::embedded();
+        let models = if table.is_assumed(elements) { &self.assumed } else { &self.by_generation };
+        if let Some(model) = models.get(&table.of(elements)) {
             return model.clone();
         }
         if let Some(half_lit) = self.standard_magnitudes.get(elements.norad_id.0) {
             return Arc::new(BrightnessModel::from_standard_magnitude(half_lit));
+        }
+        let bright = BrightObjects::embedded().get(elements.norad_id.0, &elements.name);
+        if let Some(model) = bright.and_then(|object| self.bright.get(object.name)) {
+            return model.clone();
         }
         if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.unknown.clone() }
     }

@@ -10,19 +10,33 @@ use super::magnitude::Magnitude;
 /// Source of a magnitude; cloning it is fast.
 ///
 /// It is displayed as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or of
-/// a class of objects) or `prior` (unknown satellite).
+/// a class of objects) or `prior` (unknown satellite). The names of models of satellites whose kind is assumed end with
+/// ` (kind assumed)`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagnitudeSource {
     /// A model with reflection laws, by name.
     Brdf(Arc<str>),
     /// A phase function, by name.
     Phase(Arc<str>),
-    /// A diffuse sphere that is scaled to the standard magnitude of this object.
+    /// The standard magnitude of this object.
     StandardMagnitude,
     /// The mean of a constellation or class of objects, by name.
     Mean(Arc<str>),
     /// An assumed mean for unknown satellites, with an uncertainty that covers most of them.
     Prior,
+}
+
+impl MagnitudeSource {
+    /// Returns the source for satellites whose kind is assumed; a source without a name stays.
+    pub(super) fn of_assumed_kind(&self) -> Self {
+        let assumed = |name: &Arc<str>| Arc::from(format!("{name} (kind assumed)"));
+        match self {
+            Self::Brdf(name) => Self::Brdf(assumed(name)),
+            Self::Phase(name) => Self::Phase(assumed(name)),
+            Self::Mean(name) => Self::Mean(assumed(name)),
+            Self::StandardMagnitude | Self::Prior => self.clone(),
+        }
+    }
 }
 
 impl fmt::Display for MagnitudeSource {
@@ -176,5 +190,7 @@ mod tests {
         assert_eq!(MagnitudeSource::StandardMagnitude.to_string(), "stdmag");
         assert_eq!(MagnitudeSource::Mean("oneweb".into()).to_string(), "prior:oneweb");
         assert_eq!(MagnitudeSource::Prior.to_string(), "prior");
+        let assumed = MagnitudeSource::Phase("v2mini".into()).of_assumed_kind();
+        assert_eq!(assumed.to_string(), "phase:v2mini (kind assumed)");
     }
 }

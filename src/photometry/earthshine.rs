@@ -63,6 +63,7 @@ use std::sync::LazyLock;
 
 use nalgebra::Vector3;
 
+use super::brdf::Facets;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::math::elementary::{exp, fused, greater, ln, sin_cos};
 use crate::math::quadrature::gauss_legendre;
@@ -149,6 +150,26 @@ impl LitEarth {
         };
         let shine = widest_fused(Sum { earth: *self, resolution: Resolution::for_exponent(exponent), sink: shine });
         PanelEarthshine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
+    }
+
+    /// Returns the irradiance on a panel that faces down, as in [`Self::shine`], and the sum Σ dE f cos φ_i over its facets
+    /// of reflectance 1, sr⁻¹, for an observer below the panel; `exponent` is that of the lobe
+    /// ([`crate::photometry::brdf::Law::equivalent_exponent`]).
+    ///
+    /// No allocation. The facets are masked alike on each ring, because their panel is level.
+    pub(super) fn shine_on_facets(&self, facets: &Facets, to_observer: &Vector3<f64>, exponent: f64) -> [f64; 2] {
+        let cos_out = -to_observer.z;
+        let sums = FacetSums {
+            facets: *facets,
+            to_observer: (*to_observer).into(),
+            cos_out,
+            ring: (f64::NAN, 0.0),
+            irradiance: [0.0; LANES],
+            reflected: [0.0; LANES],
+        };
+        let sums = widest_fused(Sum { earth: *self, resolution: Resolution::for_exponent(exponent), sink: sums });
+        let reflected = facets.seen_per_cosine(cos_out) * sums.reflected.iter().sum::<f64>();
+        [sums.irradiance.iter().sum(), reflected]
     }
 
     /// Returns point sources that are equivalent to the lit ground: unit vectors from the satellite in the body frame,
@@ -295,6 +316,45 @@ impl Sink for PanelEarthshineSums {
         for lane in 0..LANES {
             self.irradiance[lane] += irradiance[lane];
             self.lobe[lane] += lobe[lane];
+        }
+    }
+}
+
+/// Sums of [`LitEarth::shine_on_facets`], lane by lane, without the masking towards the observer.
+struct FacetSums {
+    facets: Facets,
+    to_observer: [f64; 3],
+    cos_out: f64,
+    /// Cosine of incidence of the last ring, and the masking of facets at it.
+    ring: (f64, f64),
+    irradiance: [f64; LANES],
+    reflected: [f64; LANES],
+}
+
+impl Sink for FacetSums {
+    #[inline(always)]
+    fn take<const F: bool>(&mut self, group: &Group) {
+        let cos_in = -group.z;
+        if self.ring.0 != cos_in {
+            self.ring = (cos_in, self.facets.seen_per_cosine(cos_in));
+        }
+        let ([ox, oy, oz], variance) = (self.to_observer, self.facets.slope * self.facets.slope);
+        let sum_squared = (cos_in + self.cos_out) * (cos_in + self.cos_out);
+        // f = D G₁(s) G₁(o) / (4 cos φ_i cos φ_r), D = exp(-tan²β / 2w²) / (2π w² cos⁴β)    see `brdf::Facets`
+        let factor = 0.25 * cos_in * self.ring.1 * 0.5 * FRAC_1_PI / variance;
+        let mut reflected = [0.0; LANES];
+        for lane in 0..LANES {
+            for y in [group.y[lane], -group.y[lane]] {
+                let cos_phase = fused::<F>(ox, group.x[lane], fused::<F>(oy, y, oz * group.z));
+                // 1/cos²β = (2 + 2 s · o) / (cos φ_i + cos φ_r)²
+                let secant_squared = greater((2.0 + 2.0 * cos_phase) / sum_squared, 1.0);
+                let density = exp::<F>((0.5 - 0.5 * secant_squared) / variance) * secant_squared * secant_squared;
+                reflected[lane] += group.irradiance[lane] * density;
+            }
+        }
+        for lane in 0..LANES {
+            self.irradiance[lane] += 2.0 * group.irradiance[lane] * cos_in;
+            self.reflected[lane] += factor * reflected[lane];
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod band;
 pub mod brdf;
+mod bright_objects;
 mod brightness;
 pub mod earthshine;
 mod error;
@@ -17,6 +18,7 @@ mod standard_magnitudes;
 pub(crate) mod two_panel;
 
 pub use band::{Band, MagSystem};
+pub use bright_objects::{BrightObject, BrightObjects};
 pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 pub use error::PhotometryError;
 pub use error_distribution::ErrorDistribution;
@@ -26,6 +28,6 @@ pub use model::BrightnessModel;
 pub use model_file::{
     Coefficients, GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, PhasePolynomial, Provenance, SatelliteShape,
 };
-pub use phase::{DiffuseSphere, PhaseFunction};
+pub use phase::{DiffuseSphere, PhaseFunction, StandardObject};
 pub use standard_magnitudes::StandardMagnitudes;
 pub use two_panel::{Blocked, BodyAngles, ChassisAndSail, SatelliteModel, SatellitePositions, Terms};

@@ -10,9 +10,9 @@ use super::error::PhotometryError;
 use super::error_distribution::ErrorDistribution;
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, SatelliteShape};
-use super::panels::PanelAssembly;
+use super::panels::{PanelAssembly, PanelSensitivity};
 use super::parameter_sigma::ParameterSigmas;
-use super::phase::{DiffuseSphere, PhaseFunction};
+use super::phase::{PhaseFunction, StandardObject};
 use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, standard_magnitudes};
 use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::ViewingGeometry;
@@ -22,10 +22,9 @@ use crate::geometry::ViewingGeometry;
 /// survey by type is public.
 const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
-/// Uncertainty (one sigma) of a diffuse sphere that is scaled to a standard magnitude, mag. The value is assumed; it
-/// covers other shapes and aspects, and magnitudes estimated by eye. Authors of lists of standard magnitudes state an
-/// accuracy of a magnitude.
-const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
+/// One sigma of a magnitude from an object's standard magnitude, mag. Assumed, for shapes, aspects, and magnitudes
+/// estimated by eye; authors of such lists state an accuracy of a magnitude.
+pub(super) const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
 
 /// Assumed size of an unknown object, m.
 const UNKNOWN_SIZE_M: f64 = 3.0;
@@ -70,11 +69,15 @@ enum Law {
     TwoPanel(Box<SatelliteModel>),
     Panels(Box<PanelAssembly>),
     Phase(PhaseFunction),
-    Sphere(DiffuseSphere),
+    Object(StandardObject),
     Mean(StandardMagnitude),
 }
 
-/// Step of the panel offset for numerical derivatives, degrees.
+/// Step of the parameters of panels for derivatives, in their sigmas: well above rounding (1e-16), and small enough to be
+/// linear.
+const STEP_SIGMAS: f64 = 1e-3;
+
+/// Step of panel offsets for derivatives, degrees.
 const OFFSET_STEP_DEG: f64 = 1e-3;
 
 /// How the uncertainty of the parameters of a model is known.
@@ -85,11 +88,11 @@ enum ParameterUncertainty {
     /// By derivatives with respect to the coefficients of two panels. If the panel offset was fitted, too, with models
     /// at a smaller and a larger offset.
     Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
-    /// By pairs of assemblies, whose parameters are below and above the fitted ones along each axis of the covariance.
-    Pairs(Vec<[PanelAssembly; 2]>),
+    /// Derivatives by the parameters of panels.
+    Panels(ParameterSigmas, Box<PanelSensitivity>),
 }
 
-/// Brightness model: two panels, a list of panels, a phase function, a diffuse sphere or a mean.
+/// A brightness model: two panels, a list of panels, a phase function, a standard magnitude or a mean.
 ///
 /// Computing a magnitude allocates nothing, except for earthshine on lists of panels.
 #[derive(Clone, Debug, PartialEq)]
@@ -135,11 +138,11 @@ impl BrightnessModel {
         let (law, source) = match file.kind {
             ModelKind::Panels => {
                 let spec = file.panels.as_ref().ok_or_else(|| needs("panels"))?;
-                if let Some(sigmas) = sigmas {
-                    let values: Vec<f64> = spec.parameters.iter().map(|parameter| parameter.value).collect();
-                    let pairs = sigmas.pairs(&values);
-                    let pairs = pairs.iter().map(|pair| pair.each_ref().map(|values| spec.assemble(values)));
-                    uncertainty = ParameterUncertainty::Pairs(pairs.collect());
+                if let (Some(sigmas), Some(covariance)) = (sigmas, &file.covariance) {
+                    let variances = covariance.iter().enumerate().filter_map(|(i, row)| row.get(i));
+                    let steps: Vec<f64> = variances.map(|variance| STEP_SIGMAS * variance.sqrt()).collect();
+                    let sensitivity = PanelSensitivity::new(spec, &steps);
+                    uncertainty = ParameterUncertainty::Panels(sigmas, Box::new(sensitivity));
                 }
                 (Law::Panels(Box::new(spec.assemble(&[]))), MagnitudeSource::Brdf(name))
             }
@@ -186,22 +189,33 @@ impl BrightnessModel {
         })
     }
 
-    /// Returns a diffuse sphere for one object with a known standard magnitude (visual, taken as V Vega; at 1000 km and
-    /// a phase angle of 90°).
+    /// Returns the model of one object with known standard magnitude (visual, taken as V Vega; 1000 km, phase angle 90°)
+    /// and a sigma of 1 mag.
     pub fn from_standard_magnitude(half_lit: StandardMagnitude) -> Self {
+        let source = MagnitudeSource::StandardMagnitude;
+        Self::of_object(half_lit, STANDARD_MAGNITUDE_SIGMA_MAG, source, UNKNOWN_SIZE_M)
+    }
+
+    /// Returns the model of an object, or a class of objects, with a sigma and a source of its standard magnitude.
+    pub(super) fn of_object(half_lit: StandardMagnitude, sigma_mag: f64, source: MagnitudeSource, size_m: f64) -> Self {
         Self {
-            law: Law::Sphere(DiffuseSphere { half_lit }),
+            law: Law::Object(StandardObject { half_lit }),
             uncertainty: ParameterUncertainty::None,
-            source: MagnitudeSource::StandardMagnitude,
+            source,
             band: Band::V,
             system: MagSystem::Vega,
-            sigma_mag: STANDARD_MAGNITUDE_SIGMA_MAG,
-            sigma_outside_mag: STANDARD_MAGNITUDE_SIGMA_MAG,
+            sigma_mag,
+            sigma_outside_mag: sigma_mag,
             error_distribution: ErrorDistribution::default(),
             fitted_range: None,
-            size_m: UNKNOWN_SIZE_M,
+            size_m,
             file: None,
         }
+    }
+
+    /// Returns the model for satellites whose kind is assumed: its source says so.
+    pub fn with_assumed_kind(&self) -> Self {
+        Self { source: self.source.of_assumed_kind(), ..self.clone() }
     }
 
     /// Returns the magnitude at 1000 km in full sunlight without earthshine, in the model's own band and system. `None`
@@ -288,7 +302,7 @@ impl BrightnessModel {
                 StandardMagnitude::from_reflection(sunlight + earth_m2_sr, self.band.sun_magnitude(self.system))
             }
             Law::Phase(function) => Some(function.standard_magnitude(to_sun.separation_rad(to_observer))),
-            Law::Sphere(sphere) => sphere.standard_magnitude(to_sun.separation_rad(to_observer)),
+            Law::Object(object) => object.standard_magnitude(to_sun.separation_rad(to_observer)),
             Law::Mean(mean) => Some(*mean),
         }
     }
@@ -359,10 +373,9 @@ impl BrightnessModel {
                 }
                 (sigmas.variance_of_gradient(&all), b_total)
             }
-            (ParameterUncertainty::Pairs(pairs), Law::Panels(assembly)) => {
-                let values =
-                    pairs.iter().map(|pair| pair.each_ref().map(|moved| moved.b_total_m2_sr(to_sun, to_observer)));
-                (ParameterSigmas::variance_of_pairs(values), assembly.b_total_m2_sr(to_sun, to_observer))
+            (ParameterUncertainty::Panels(sigmas, sensitivity), Law::Panels(assembly)) => {
+                let (gradient, b_total) = sensitivity.gradient(assembly, to_sun, to_observer);
+                (sigmas.variance_of_gradient(&gradient), b_total)
             }
             _ => return None,
         };

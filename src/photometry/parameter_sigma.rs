@@ -2,10 +2,6 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-/// Step along each axis of the covariance, in sigmas. It is far above rounding (1e-16) and small enough for a linear
-/// response.
-const STEP_SIGMAS: f64 = 1e-3;
-
 /// Covariance of parameters, decomposed into independent directions, each with a length of one sigma.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ParameterSigmas {
@@ -36,20 +32,6 @@ impl ParameterSigmas {
         let along = |direction: &Vec<f64>| direction.iter().zip(gradient).map(|(d, g)| d * g).sum::<f64>();
         self.directions.iter().map(|direction| along(direction).powi(2)).sum()
     }
-
-    /// Returns pairs of sets of parameters, below and above the given ones along each direction, for
-    /// [`Self::variance_of_pairs`].
-    pub fn pairs(&self, parameters: &[f64]) -> Vec<[Vec<f64>; 2]> {
-        let moved = |direction: &[f64], by: f64| {
-            parameters.iter().zip(direction).map(|(parameter, d)| parameter + by * d).collect::<Vec<f64>>()
-        };
-        self.directions.iter().map(|direction| [STEP_SIGMAS, -STEP_SIGMAS].map(|by| moved(direction, by))).collect()
-    }
-
-    /// Returns the variance of a quantity from its values for each pair of [`Self::pairs`].
-    pub fn variance_of_pairs(values: impl Iterator<Item = [f64; 2]>) -> f64 {
-        values.map(|[plus, minus]| ((plus - minus) / (2.0 * STEP_SIGMAS)).powi(2)).sum()
-    }
 }
 
 #[cfg(test)]
@@ -64,9 +46,5 @@ mod tests {
         // 4·0.04 + 0.09 - 2·2·0.01
         let expected = 0.16 + 0.09 - 0.04;
         assert!((sigmas.variance_of_gradient(&gradient) - expected).abs() < 1e-14);
-        let value = |parameters: &Vec<f64>| parameters.iter().zip(gradient).map(|(p, g)| p * g).sum::<f64>();
-        let pairs = sigmas.pairs(&[1.0, 2.0, 3.0]);
-        let variance = ParameterSigmas::variance_of_pairs(pairs.iter().map(|[a, b]| [value(a), value(b)]));
-        assert!((variance - expected).abs() < 1e-10, "{variance}");
     }
 }

@@ -1,4 +1,5 @@
-//! Brightness as a function of only the phase angle: published polynomials, and diffuse spheres.
+//! Brightness as a function of the phase angle only: published polynomials, diffuse spheres, and objects of which only
+//! a standard magnitude is known.
 //!
 //! The polynomials are m(1000 km) = a0 + a1 φ + a2 φ² + …, with φ in degrees. They are invalid outside the phase angles
 //! of the fit (that of Starlink V1.5 gives 3.9 mag at 0° and 3.1 mag at 180°), so φ is clamped to the fitted range.
@@ -36,8 +37,27 @@ impl PhaseFunction {
     }
 }
 
-/// Diffuse sphere that is scaled to a standard magnitude. It is assumed for objects of which only the brightness is
-/// known.
+/// An object with no other data than its standard magnitude: its light falls linearly with the phase angle φ, as
+/// 1 - φ/180°.
+///
+/// This is the rule of Heavens-Above's predictions from 20° to 161° (`tests/library/standard_magnitudes.rs`); a
+/// Lambertian sphere is up to two magnitudes fainter at large phase angles.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct StandardObject {
+    /// Magnitude at 1000 km and phase angle 90°.
+    pub half_lit: StandardMagnitude,
+}
+
+impl StandardObject {
+    /// Returns the magnitude at 1000 km for a phase angle in [0, π]; `None` at π, where no lit surface is visible.
+    pub fn standard_magnitude(&self, phase_angle_rad: f64) -> Option<StandardMagnitude> {
+        // m = m(90°) - 2.5 log10(2 (1 - φ/180°))
+        let light = 2.0 * (1.0 - phase_angle_rad / PI);
+        (light > 0.0).then(|| StandardMagnitude(self.half_lit.0 - 2.5 * light.log10()))
+    }
+}
+
+/// A diffuse sphere scaled to a standard magnitude: the simplest form to compare fits with.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct DiffuseSphere {
     /// Magnitude at 1000 km and a phase angle of 90°.
@@ -92,5 +112,15 @@ mod tests {
         assert!((sphere.standard_magnitude(0.0).unwrap().0 - (6.0 - 2.5 * PI.log10())).abs() < 1e-12);
         assert!(sphere.standard_magnitude(3.0).unwrap().0 > 10.0);
         assert_eq!(sphere.standard_magnitude(4.0), None);
+    }
+
+    #[test]
+    fn verif_light_of_a_standard_object_is_linear_in_the_phase() {
+        let object = StandardObject { half_lit: StandardMagnitude(4.0) };
+        let at = |degrees: f64| object.standard_magnitude(degrees.to_radians()).map(|magnitude| magnitude.0);
+        assert!((at(90.0).unwrap() - 4.0).abs() < 1e-12);
+        assert!((at(0.0).unwrap() - (4.0 - 2.5 * 2_f64.log10())).abs() < 1e-12);
+        assert!((at(135.0).unwrap() - (4.0 + 2.5 * 2_f64.log10())).abs() < 1e-12);
+        assert_eq!(at(180.0), None);
     }
 }

@@ -1,4 +1,5 @@
-//! Magnitudes in bulk: time per direction on one core, for the two-panel model.
+//! Magnitudes in bulk: time per direction on one core, for the two-panel model; and whole predictions, with earthshine
+//! and sigma, for the default models beside the models that they replace.
 //!
 //! ```text
 //! cargo bench --bench magnitudes            medians of columns at once and one by one
@@ -7,9 +8,11 @@
 use std::time::Instant;
 
 use streakcast::geometry::ViewingGeometry;
-use streakcast::photometry::{BodyAngles, BrightnessModel, ModelLibrary};
+use streakcast::photometry::{BodyAngles, BrightnessModel, ModelLibrary, PhotometryOptions};
 
 const DIRECTIONS: usize = 20_000;
+/// Directions of a prediction with earthshine.
+const FEW: usize = 1000;
 const ROUNDS: usize = 51;
 
 fn main() {
@@ -38,6 +41,38 @@ fn main() {
         });
         println!("{name}: {at_once:.1} ns a direction at once, {one_by_one:.1} ns one by one");
     }
+    for (sun, pair) in [
+        (-0.2, ["starlink-v1.5", "starlink-v1.5-facets"]),
+        (0.0, ["starlink-v1.5", "starlink-v1.5-facets"]),
+        (-0.2, ["v2mini", "v2mini-panels"]),
+        (-0.2, ["visorsat", "visorsat-panels"]),
+        (-0.2, ["oneweb", "oneweb-panels"]),
+        (-0.2, ["unknown", "iridium-next"]),
+    ] {
+        let [before, after] = pair.map(|name| prediction_ns(name, sun, &columns[1], &columns[2]));
+        let ratio = after / before;
+        println!("Sun at {sun:.1} rad, {}: {before:.0} ns, {}: {after:.0} ns, ratio {ratio:.2}", pair[0], pair[1]);
+    }
+}
+
+/// Nanoseconds of a prediction with earthshine and sigma, the Sun at a latitude, radians.
+fn prediction_ns(name: &str, sun_rad: f64, longitudes_rad: &[f64], latitudes_rad: &[f64]) -> f64 {
+    let model = ModelLibrary::embedded().get(name).expect("shipped");
+    let options = PhotometryOptions::default();
+    let directions = longitudes_rad.iter().zip(latitudes_rad).take(FEW);
+    let geometries: Vec<ViewingGeometry> = directions
+        .filter_map(|(longitude, latitude)| ViewingGeometry::from_angles(sun_rad, *longitude, *latitude, 1000.0, 550.0))
+        .collect();
+    let mut sum = 0.0;
+    let all = median(|| {
+        sum += geometries
+            .iter()
+            .filter_map(|geometry| model.brightness(geometry, 1.0, &options))
+            .map(|it| it.sigma_mag)
+            .sum::<f64>();
+    });
+    assert!(sum > 0.0);
+    all * DIRECTIONS as f64 / geometries.len() as f64
 }
 
 /// Nanoseconds per direction.

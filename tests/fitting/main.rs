@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod default_models;
 mod error_distributions;
 mod fit_closed_circle;
 mod fit_panels;
@@ -11,3 +12,4 @@ mod fit_two_panel;
 mod measured;
 mod measured_real;
 mod model_validation;
+mod unseen_surveys;

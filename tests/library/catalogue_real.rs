@@ -263,7 +263,41 @@ fn valid_constellations_by_name() {
         (counts[&Generation::OneWeb], counts[&Generation::Kuiper], counts[&Generation::Qianfan]),
         (651, 238, 126)
     );
+    // Five launches of BlueBirds and BlueWalker 3; all of Iridium NEXT.
+    assert_eq!((counts[&Generation::IridiumNext], counts[&Generation::BlueBird]), (80, 7));
     assert!(counts[&Generation::StarlinkDirectToCell] > 600 && counts[&Generation::Guowang] > 150);
+}
+
+#[test]
+fn valid_kinds_without_a_name_and_assumed_kinds() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let table = GenerationTable::embedded();
+    let ids = std::fs::read_to_string(data.join("photometry/mmt9_cara/IDs_Iridium_2ndGen.txt")).unwrap();
+    let ids: Vec<u32> = ids.split_whitespace().filter_map(|id| id.parse().ok()).collect();
+    assert_eq!(ids.len(), 27);
+    let (mut iridium, mut later, mut earlier) = (0, 0, 0);
+    for mut set in read(data.join("tle/active/active_2026-04-25.txt"), Keep::Newest).element_sets {
+        let (kind, assumed) = (table.of(&set), table.is_assumed(&set));
+        iridium += usize::from(ids.contains(&set.norad_id.0) && kind == Generation::IridiumNext);
+        if kind.is_starlink() {
+            // The last launch of the table is 2025-071.
+            let is_later = set.international_designator.get(..8).is_some_and(|launch| launch > "2025-071");
+            assert_eq!(assumed, is_later, "{set:?}");
+            *(if is_later { &mut later } else { &mut earlier }) += 1;
+        } else {
+            assert!(!assumed, "{set:?}");
+        }
+        // The same satellite before it was named; three test objects are named after Guowang.
+        let was_test = set.name.starts_with("GUOWANG TEST");
+        set.name = "OBJECT A".into();
+        let is_dedicated = [Generation::Kuiper, Generation::Qianfan, Generation::Guowang, Generation::IridiumNext];
+        if is_dedicated.contains(&kind) && !was_test {
+            assert_eq!(table.of(&set), kind, "{set:?}");
+            assert_eq!(table.is_assumed(&set), kind != Generation::IridiumNext, "{set:?}");
+        }
+    }
+    eprintln!("{iridium} of {} Iridium NEXT of MMT-9's list; Starlinks {earlier} by table, {later} later", ids.len());
+    assert!(iridium == ids.len() && later > 3000 && earlier > 5000);
 }
 
 #[test]

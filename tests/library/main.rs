@@ -35,5 +35,6 @@ mod sgp4_verification;
 mod shadow;
 mod shells;
 mod space_observers;
+mod standard_magnitudes;
 mod station_keeping;
 mod statistics;

@@ -32,7 +32,7 @@ from calibrate_orbit_uncertainty import compare
 
 ROOT = Path(__file__).resolve().parents[2]
 DATA = Path(os.environ.get("STREAKCAST_DATA") or ROOT.parent / "shared/data")
-LAUNCHES = ROOT / "src/elements/starlink_launches.txt"
+LAUNCHES = ROOT / "src/elements/launches.txt"
 EVEN_STARTS, ODD_STARTS = (2, 9, 16, 23), (5, 12, 19, 26)
 AGES_DAY = (1, 2, 3, 5, 7, 10, 14, 21)
 CLASSES = ("Starlink15", "Starlink", "StarlinkStrongDrag", "DirectToCell")

@@ -9,7 +9,7 @@ use super::super::prepared::without_elements;
 use super::super::warnings::of_ephemerides_without_elements;
 use super::finding::{Finding, MomentSource, Severity};
 use crate::constants::DAY_S;
-use crate::elements::{ElementSet, Ephemeris, Generation, GenerationTable, Satellites};
+use crate::elements::{ElementSet, Ephemeris, Generation, GenerationTable, STARLINK_TABLE_DATE, Satellites};
 use crate::frames::seconds_between;
 use crate::math::quantile::median;
 use crate::orbit::{DragModel, OrbitClass, uncertainty};
@@ -129,6 +129,8 @@ pub struct ElementState {
     pub ephemerides: EphemerisState,
     /// Number of satellites of each generation with a model of its own.
     pub kinds: Vec<(Generation, usize)>,
+    /// Number of these with an assumed kind.
+    pub assumed: usize,
     /// Satellites with the default model, grouped by name, the most frequent name first.
     pub unmatched: Vec<Unmatched>,
 }
@@ -167,6 +169,7 @@ impl ElementState {
             median_along_track_sigma_s: median_or_0(sigmas),
             ephemerides: EphemerisState::of(catalogue, now),
             kinds: kinds.into_iter().collect(),
+            assumed: sets.iter().filter(|set| table.is_assumed(set)).count(),
             unmatched,
         }
     }
@@ -269,6 +272,12 @@ impl ElementState {
         let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
         let without: usize = self.unmatched.iter().map(|one| one.count).sum();
         let mut finding = format!("{known} of {} satellites have a model of their generation", self.satellites);
+        if self.assumed > 0 {
+            finding += &format!(
+                " ({} of an assumed kind: launched after the table of {STARLINK_TABLE_DATE}, or without a name)",
+                self.assumed
+            );
+        }
         let others = self.satellites.saturating_sub(known + without);
         if others > 0 {
             finding += &format!(", {others} have a standard magnitude or the model of rocket bodies and debris");

@@ -133,7 +133,7 @@ const SUBJECTS: &[Subject] = &[
         shell: Some((525.0, 53.0)),
         means: &[
             mean(7.87, None, "Mallama et al., arXiv 2306.06657 (mitigated)"),
-            mean(7.22, None, "Mallama et al., arXiv 2502.03651"),
+            mean(7.22, None, "Mallama et al., arXiv 2407.03092 (implied)"),
         ],
         curve: curve(&[2.630, 0.1065, -0.0005167], "Mallama et al., arXiv 2306.06657"),
         photometry: Some(DataSet::SlingshotV2),
@@ -142,8 +142,8 @@ const SUBJECTS: &[Subject] = &[
         name: "Starlink Direct-to-Cell",
         model_names: &["direct-to-cell", "starlink-dtc"],
         shell: Some((360.0, 53.0)),
-        means: &[mean(6.47, Some(1.32), "Mallama et al. 2025")],
-        curve: curve(&[3.365, 0.06376, -1.716e-4, -1.139e-6], "Mallama et al. 2025"),
+        means: &[mean(6.47, Some(1.32), "Mallama et al., arXiv 2502.03651")],
+        curve: curve(&[3.365, 0.06376, -1.716e-4, -1.139e-6], "Mallama et al., arXiv 2502.03651"),
         photometry: None,
     },
     Subject {

@@ -51,7 +51,7 @@ impl Facets {
 
     /// Returns the fraction of facets that are visible (or lit) from a direction, divided by the cosine between this
     /// direction and the normal. It is finite at grazing incidence, where both are 0.
-    fn seen_per_cosine(&self, cosine: f64) -> f64 {
+    pub(in crate::photometry) fn seen_per_cosine(&self, cosine: f64) -> f64 {
         // G₁ = 2 / (1 + erf a + e^(-a²) / (a √π)), a = cot θ / (√2 w)    Walter et al. (2007), eq. 26
         let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
         let a = cosine / (SQRT_2 * self.slope * sine);

@@ -176,6 +176,10 @@ impl PanelAssembly {
                 continue;
             }
             let open = 1.0 - self.share_blocked(panel, &placed, to_sun, &[to_observer]);
+            if let Some(reflected) = level_reflection_per_sr(&earth, &normal, &panel.front, to_observer) {
+                total += open * placed.area_m2() * reflected;
+                continue;
+            }
             for law in &panel.front {
                 let exponent = law.equivalent_exponent();
                 if exponent != resolved_exponent {
@@ -198,7 +202,12 @@ impl PanelAssembly {
         });
     }
 
-    fn each_lit_face(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>, mut take: impl FnMut(LitFace)) {
+    pub(super) fn each_lit_face(
+        &self,
+        to_sun: &Vector3<f64>,
+        to_observer: &Vector3<f64>,
+        mut take: impl FnMut(LitFace),
+    ) {
         for (number, panel) in self.panels.iter().enumerate() {
             let placed = panel.placed(to_sun);
             let incidence = Incidence::new(&placed.axes.normal, to_sun, to_observer);
@@ -244,6 +253,36 @@ impl PanelAssembly {
     }
 }
 
+/// Exponent of the lobe whose nodes are used for diffuse laws alone: a level panel sees the whole lit ground, without the
+/// kink at 90° for which a lobe of exponent 1 needs more.
+const DIFFUSE_EXPONENT: f64 = 5.0;
+
+/// Returns Σ dE f cos φ_i cos φ_r of a panel that faces down with one diffuse law, one law of facets, or both, sr⁻¹;
+/// `None` for another panel.
+fn level_reflection_per_sr(
+    earth: &LitEarth,
+    normal: &Vector3<f64>,
+    front: &[Law],
+    to_observer: &Vector3<f64>,
+) -> Option<f64> {
+    let is_level = normal.x == 0.0 && normal.y == 0.0 && normal.z < 0.0;
+    let facets = front.iter().find(|law| matches!(law, Law::Facets(_)));
+    let others = || front.iter().filter(|law| !matches!(law, Law::Lambert(_)));
+    if !is_level || others().count() > usize::from(facets.is_some()) {
+        return None;
+    }
+    let (irradiance, reflected) = match facets {
+        Some(law @ Law::Facets(facets)) => {
+            let [irradiance, reflected] = earth.shine_on_facets(facets, to_observer, law.equivalent_exponent());
+            (irradiance, facets.weight * reflected)
+        }
+        _ => (earth.shine(normal, to_observer, DIFFUSE_EXPONENT).irradiance, 0.0),
+    };
+    let albedo: f64 = front.iter().map(|law| if let Law::Lambert(law) = law { law.albedo } else { 0.0 }).sum();
+    // Lambert: f = albedo/π
+    Some((albedo / std::f64::consts::PI * irradiance + reflected) * normal.dot(to_observer))
+}
+
 /// Returns Σ dE f cos φ_i cos φ_r, sr⁻¹, for sources that light the front of a panel.
 fn reflected_per_sr(
     sources: &[(Vector3<f64>, f64)],
@@ -271,5 +310,41 @@ impl AssembledPanel {
 
     fn placed(&self, to_sun: &Vector3<f64>) -> PlacedRectangle {
         PlacedRectangle { anchor_m: self.anchor_m, axes: self.attitude.axes(to_sun), u_m: self.u_m, v_m: self.v_m }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photometry::brdf::{Facets, Lambert};
+
+    #[test]
+    fn verif_level_panels_by_rings_equal_the_sum_over_sources() {
+        let lambert = Law::Lambert(Lambert { albedo: 0.1 });
+        let down = -Vector3::z();
+        let mut compared = 0;
+        for (slope, tolerance) in [(0.08, 2e-3), (0.17, 1e-3), (0.4, 1e-3)] {
+            let facets = Law::Facets(Facets { weight: 0.2, slope });
+            for sun_deg in [-18.0_f64, -8.0, 0.0, 8.0, 60.0] {
+                let Some(earth) = LitEarth::new(sun_deg.to_radians(), 550.0) else { continue };
+                for (longitude, latitude) in [(0.0_f64, -80.0_f64), (40.0, -30.0), (120.0, -50.0), (180.0, -3.0)] {
+                    let [longitude, latitude] = [longitude, latitude].map(f64::to_radians);
+                    let to_observer = Vector3::new(
+                        latitude.cos() * longitude.cos(),
+                        latitude.cos() * longitude.sin(),
+                        latitude.sin(),
+                    );
+                    for front in [vec![facets.clone()], vec![lambert.clone()], vec![lambert.clone(), facets.clone()]] {
+                        let ours = level_reflection_per_sr(&earth, &down, &front, &to_observer).expect("level");
+                        let of = |law: &Law| reflected_per_sr(&earth.sources(200.0), &down, law, &to_observer);
+                        let expected: f64 = front.iter().map(of).sum();
+                        assert!((ours / expected - 1.0).abs() < tolerance, "{front:?} {sun_deg}: {ours} {expected}");
+                        compared += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(compared, 180);
+        assert_eq!(level_reflection_per_sr(&LitEarth::new(0.0, 550.0).unwrap(), &Vector3::z(), &[], &down), None);
     }
 }

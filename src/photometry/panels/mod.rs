@@ -5,6 +5,7 @@ mod assembly;
 mod attitude;
 mod build;
 mod panel_file;
+mod sensitivity;
 mod shapes;
 
 pub use assembly::{Face, LitFace, PanelAssembly, Part};
@@ -12,4 +13,5 @@ pub use attitude::{Attitude, PanelOffset};
 pub use panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
+pub(super) use sensitivity::PanelSensitivity;
 pub use shapes::{PanelPolygon, PlacedRectangle, Sphere, SpherePhase};

@@ -1,0 +1,261 @@
+//! Default models have the best score of all built-in candidates on unseen tracks, nights or degrees of the Sun's
+//! altitude.
+//!
+//! Models fitted for this project are fitted again without one fifth of the groups at a time and predict that fifth.
+//! Published models were made from other measurements, so all points are unseen for them. The quadratic in the phase
+//! angle, fitted on the same folds, shows whether panels are worth their parameters.
+//!
+//! The log score is the mean logarithm of the probability density of the residuals, mag⁻¹: that of two normal
+//! distributions of mean zero, a core and wings, fitted to the residuals of the other folds.
+//!
+//! Needs the data folder; skipped with a message without it.
+
+use std::path::Path;
+
+use streakcast::elements::Generation;
+use streakcast::fit::checks::compare;
+use streakcast::fit::measurements::{
+    Format, Measurements, PhotometryOptions, Placement, RecordReader, Selection, measure,
+};
+use streakcast::fit::{
+    FitPoint, FitSettings, Form, Loss, PanelsForm, PhaseForm, Problem, RawWeights, TwoPanelForm,
+    points_of_measurements, predict, rms,
+};
+use streakcast::passes::ModelChoice;
+use streakcast::photometry::{BrightnessModel, Earthshine, ModelKind, ModelLibrary};
+
+const FOLDS: usize = 5;
+
+/// Points that a candidate explains and predicts, each with the residual and its fold.
+type Residuals = Vec<(f64, usize)>;
+
+/// One survey of satellites of one kind.
+struct Survey {
+    kind: Generation,
+    path: &'static str,
+    format: Format,
+    height_km: Option<f64>,
+    /// Built-in models of this kind.
+    candidates: &'static [Candidate],
+}
+
+/// A built-in model with the settings of the fit that made it (docs/explanation/models.md).
+struct Candidate {
+    model: &'static str,
+    held: &'static [(&'static str, f64)],
+    loss: Loss,
+    /// Log score, mag⁻¹, and RMS, mag, on unseen points.
+    expected: [f64; 2],
+}
+
+/// Tolerance of the expected scores: optimisers stop at slightly different points on other machines.
+const SCORE_TOLERANCE: f64 = 0.003;
+
+const fn candidate(
+    model: &'static str,
+    held: &'static [(&'static str, f64)],
+    loss: Loss,
+    expected: [f64; 2],
+) -> Candidate {
+    Candidate { model, held, loss, expected }
+}
+
+const SURVEYS: [Survey; 5] = [
+    Survey {
+        kind: Generation::StarlinkV15,
+        path: "photometry/pomenis/pomenis_observations.csv",
+        format: Format::Pomenis,
+        height_km: None,
+        candidates: &[
+            candidate("starlink-v1.5-facets", &[], Loss::Squares, [-0.552, 0.480]),
+            candidate("starlink-v1.5", &[("c1", 0.0), ("n_sail", 5.0)], Loss::Squares, [-0.702, 0.532]),
+            candidate("starlink-v1.5-phase", &[], Loss::Squares, [-1.001, 0.672]),
+        ],
+    },
+    Survey {
+        kind: Generation::StarlinkV2Mini,
+        path: "photometry/slingshot_v2/Observations_in_field.csv",
+        format: Format::Slingshot,
+        height_km: None,
+        candidates: &[
+            candidate("v2mini-panels", &[("n_straight", 18.0)], Loss::SoftL1, [-0.843, 0.650]),
+            candidate("v2mini", &[], Loss::Squares, [-1.313, 0.944]),
+        ],
+    },
+    Survey {
+        kind: Generation::StarlinkVisorSat,
+        path: "derived/mmt9_starlink_visorsat.csv.gz",
+        format: Format::Mmt,
+        height_km: Some(540.0),
+        candidates: &[
+            candidate("visorsat-panels", &[("n_sail", 1.0)], Loss::Squares, [-0.871, 0.579]),
+            candidate("visorsat", &[], Loss::Squares, [-0.954, 0.600]),
+        ],
+    },
+    Survey {
+        kind: Generation::OneWeb,
+        path: "derived/mmt9_oneweb.csv.gz",
+        format: Format::Mmt,
+        height_km: Some(1200.0),
+        candidates: &[
+            candidate("oneweb-panels", &[("sail_diffuse", 0.0), ("n_straight", 1.6)], Loss::Squares, [-0.674, 0.477]),
+            candidate("oneweb", &[], Loss::Squares, [-0.913, 0.606]),
+        ],
+    },
+    Survey {
+        kind: Generation::IridiumNext,
+        path: "derived/mmt9_iridium2.csv.gz",
+        format: Format::Mmt,
+        height_km: Some(780.0),
+        candidates: &[candidate("iridium-next", &[], Loss::Squares, [-0.152, 0.268])],
+    },
+];
+
+#[test]
+fn valid_default_models_have_the_best_score_on_unseen_points() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let (library, defaults) = (ModelLibrary::embedded(), ModelChoice::default());
+    let mut unexpected = Vec::new();
+    for survey in &SURVEYS {
+        let points = survey.points(&data);
+        let folds = folds(&points);
+        let default = defaults.of_kind(survey.kind).and_then(|model| Some(model.file()?.name.clone())).unwrap();
+        let mut scores = Vec::new();
+        for candidate in survey.candidates {
+            let model = library.get(candidate.model).unwrap();
+            let score = score(&unseen_of_model(&model, candidate, &points, &folds));
+            println!("{}: {} {score:.3?} on {} points", survey.kind, candidate.model, points.len());
+            let is_as_expected =
+                score.iter().zip(candidate.expected).all(|(ours, expected)| (ours - expected).abs() < SCORE_TOLERANCE);
+            if !is_as_expected {
+                unexpected.push((candidate.model, score));
+            }
+            scores.push((candidate.model, score));
+        }
+        let quadratic = FitSettings::free(&["a0", "a1", "a2"]);
+        let quadratic = score(&unseen_of_form(&PhaseForm { degree: 2 }, &quadratic, &points, &folds));
+        println!("{}: quadratic in phase {quadratic:.3?}", survey.kind);
+        scores.push(("quadratic in phase", quadratic));
+        let best_log = scores.iter().max_by(|a, b| a.1[0].total_cmp(&b.1[0])).unwrap();
+        let best_rms = scores.iter().min_by(|a, b| a.1[1].total_cmp(&b.1[1])).unwrap();
+        assert_eq!((best_log.0, best_rms.0), (default.as_str(), default.as_str()), "{}: {scores:?}", survey.kind);
+        // Every built-in model of these satellites is a candidate.
+        let satellites = |name: &str| compare(&library.get(name).unwrap(), None)[0].satellites.unwrap();
+        let mut candidates: Vec<&str> = survey.candidates.iter().map(|one| one.model).collect();
+        candidates.sort_unstable();
+        let of_kind: Vec<&str> = library.names().filter(|name| satellites(name) == satellites(&default)).collect();
+        assert_eq!(of_kind, candidates, "{}", survey.kind);
+    }
+    assert!(unexpected.is_empty(), "{unexpected:?}");
+}
+
+impl Survey {
+    fn points(&self, data: &Path) -> Vec<FitPoint> {
+        let options = PhotometryOptions { format: Some(self.format), ..PhotometryOptions::default() };
+        let mut reader = RecordReader::open(&[data.join(self.path)], &options).unwrap();
+        let measured: Measurements =
+            measure(&mut reader, &Placement::recorded(self.height_km), &Selection::default()).unwrap();
+        points_of_measurements(&measured, &RawWeights::default())
+    }
+}
+
+/// Fold of each point; the points of one group stay together.
+fn folds(points: &[FitPoint]) -> Vec<usize> {
+    let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
+    groups.sort_unstable();
+    groups.dedup();
+    assert!(groups.len() >= 3 * FOLDS, "{} groups", groups.len());
+    points.iter().map(|point| groups.partition_point(|&other| other < point.group) % FOLDS).collect()
+}
+
+fn unseen_of_model(model: &BrightnessModel, candidate: &Candidate, points: &[FitPoint], folds: &[usize]) -> Residuals {
+    let file = model.file().unwrap();
+    let (band, system) = model.band();
+    let (earthshine, sun_magnitude) = (Earthshine::Computed, band.sun_magnitude(system));
+    let form: Box<dyn Form> = match (file.kind, &file.panels, file.shape.zip(file.coefficients)) {
+        (ModelKind::Panels, Some(spec), _) => Box::new(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
+        (ModelKind::TwoPanel, _, Some((shape, coefficients))) => {
+            Box::new(TwoPanelForm { shape, coefficients, earthshine, blocking: true, sun_magnitude })
+        }
+        _ => {
+            let residual = |point: &FitPoint| point.magnitude - model.standard_magnitude(&point.geometry).unwrap().0;
+            return points.iter().map(residual).zip(folds.iter().copied()).collect();
+        }
+    };
+    let held: Vec<(String, f64)> = candidate.held.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
+    let parameters = form.parameters().into_iter().map(|parameter| parameter.name);
+    // The panel offset of chassis and sail is not fitted.
+    let is_free = |name: &String| name != "panel_offset_deg" && held.iter().all(|(other, _)| other != name);
+    let free = parameters.filter(is_free).collect();
+    unseen_of_form(&*form, &FitSettings { free, held, loss: candidate.loss, ..FitSettings::default() }, points, folds)
+}
+
+/// Residuals of each fold about the fit of the others, for the points that the form explains.
+fn unseen_of_form(form: &dyn Form, settings: &FitSettings, points: &[FitPoint], folds: &[usize]) -> Residuals {
+    let mut unseen = Vec::new();
+    for fold in 0..FOLDS {
+        let side = |held: bool| -> Vec<FitPoint> {
+            points.iter().zip(folds).filter(|(_, of)| (**of == fold) == held).map(|(point, _)| *point).collect()
+        };
+        let (fitted, predicted) = (side(false), side(true));
+        let fit = Problem::new(form, &fitted, settings).unwrap().solve().unwrap();
+        let magnitudes = predict(form, &predicted, &fit.values());
+        unseen.extend(predicted.iter().zip(magnitudes).map(|(point, magnitude)| (point.magnitude - magnitude, fold)));
+    }
+    assert!(unseen.iter().all(|(residual, _)| residual.is_finite()), "a point that {} does not explain", form.name());
+    unseen
+}
+
+/// Log score, mag⁻¹, and RMS, mag.
+fn score(unseen: &Residuals) -> [f64; 2] {
+    let all: Vec<f64> = unseen.iter().map(|(residual, _)| *residual).collect();
+    let mut sum = 0.0;
+    for fold in 0..FOLDS {
+        let side = |same: bool| -> Vec<f64> {
+            unseen.iter().filter(|(_, of)| (*of == fold) == same).map(|(residual, _)| *residual).collect()
+        };
+        let distribution = CoreAndWings::fitted(&side(false));
+        sum += side(true).iter().map(|residual| distribution.density_per_mag(*residual).ln()).sum::<f64>();
+    }
+    [sum / all.len() as f64, rms(&all)]
+}
+
+/// Two normal distributions of mean zero.
+#[derive(Copy, Clone)]
+struct CoreAndWings {
+    sigma_mag: [f64; 2],
+    share: [f64; 2],
+}
+
+impl CoreAndWings {
+    /// Greatest likelihood by expectation and maximisation.
+    fn fitted(residuals_mag: &[f64]) -> Self {
+        let whole = rms(residuals_mag);
+        let mut now = Self { sigma_mag: [0.6 * whole, 1.8 * whole], share: [0.8, 0.2] };
+        for _ in 0..200 {
+            let mut sums = [[0.0_f64; 2]; 2];
+            for residual in residuals_mag {
+                let all = now.density_per_mag(*residual);
+                for (part, sums) in sums.iter_mut().enumerate() {
+                    let weight = now.part_per_mag(part, *residual) / all;
+                    sums[0] += weight;
+                    sums[1] += weight * residual * residual;
+                }
+            }
+            now.share = sums.map(|[weight, _]| weight / residuals_mag.len() as f64);
+            // No narrower than the errors of the surveys.
+            now.sigma_mag = sums.map(|[weight, square]| (square / weight).sqrt().max(0.05));
+        }
+        now
+    }
+
+    fn part_per_mag(&self, part: usize, residual_mag: f64) -> f64 {
+        let sigma = self.sigma_mag[part];
+        // s e^(-r²/2σ²) / (σ √2π)
+        self.share[part] * (-0.5 * (residual_mag / sigma).powi(2)).exp() / (sigma * std::f64::consts::TAU.sqrt())
+    }
+
+    fn density_per_mag(&self, residual_mag: f64) -> f64 {
+        self.part_per_mag(0, residual_mag) + self.part_per_mag(1, residual_mag)
+    }
+}

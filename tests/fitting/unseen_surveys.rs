@@ -1,0 +1,79 @@
+//! Sigma of default models on a survey that they were not fitted to: the Plaskett telescope's g' magnitudes of VisorSats
+//! and V1.0 (Boley et al. 2021), against models from MMT-9 and from Mallama's means.
+//!
+//! Needs the data folder; skipped with a message without it.
+
+use hifitime::Epoch;
+use streakcast::elements::{Generation, ReadOptions, Satellites};
+use streakcast::fit::{ResidualStatistics, sigma_68_mag};
+use streakcast::frames::EopTable;
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{ModelChoice, Sky};
+use streakcast::photometry::{Band, MagSystem, Magnitude, PhotometryOptions};
+
+/// Exposure for which the zero points of Boley et al. are, s.
+const EXPOSURE_S: f64 = 30.0;
+
+/// One measured satellite: name, time of its passage, apparent g' magnitude (AB).
+fn plaskett(folder: &std::path::Path) -> Vec<(String, Epoch, Magnitude)> {
+    let text = std::fs::read_to_string(folder.join("mags-streaks.dat")).unwrap();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split_whitespace().collect();
+        // A defunct satellite has another attitude.
+        if cells.get(12) != Some(&"+") {
+            return None;
+        }
+        let number = |cell: usize| cells[cell].parse::<f64>().unwrap();
+        let [zero_point, adu, pixels, background, streak, rate] = [1, 3, 4, 5, 6, 7].map(number);
+        let id = cells[0].trim_start_matches("starlink").trim_end_matches('v');
+        // Counts of the satellite in the time that it was inside the boxes: m = zero point - 2.5 log10(counts 30 s / t)
+        let magnitude = zero_point - 2.5 * ((adu - pixels * background) * EXPOSURE_S * rate / streak).log10();
+        let epoch = format!("2021-07-16T{} UTC", cells[9]).parse().unwrap();
+        Some((format!("STARLINK-{id}"), epoch, Magnitude(magnitude)))
+    };
+    text.lines().skip(1).filter(|line| !line.trim().is_empty()).filter_map(row).collect()
+}
+
+#[test]
+fn valid_sigma_on_another_survey() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let folder = data.join("photometry/boley2021_plaskett");
+    let sets = Satellites::read(&[folder.join("starlink.15JUL2021")], &ReadOptions::default()).unwrap().element_sets;
+    let site = Site::new_deg("DAO", 48.519974, -123.417006, 244.2).unwrap();
+    let choice = ModelChoice::default();
+    let sky = Sky::with_models(sets, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice);
+    let options = PhotometryOptions::in_band(Band::LsstG, MagSystem::Ab);
+    // Number of satellites, number within sigma, sigma that holds 68 %, mag.
+    for (kind, expected, expected_mag) in
+        [(Generation::StarlinkVisorSat, [14, 7], 1.01), (Generation::StarlinkV10, [8, 6], 0.46)]
+    {
+        let mut residuals = Vec::new();
+        let mut within = Vec::new();
+        for (name, epoch, magnitude) in plaskett(&folder) {
+            let index = sky.elements().iter().position(|set| &*set.name == name.as_str());
+            let Some(index) = index else { panic!("{name}") };
+            if choice.model_of(&sky.elements()[index]).source() != choice.of_kind(kind).unwrap().source() {
+                continue;
+            }
+            let (points, _) = sky.ephemeris(&[index], &[epoch], Some(&options)).unwrap();
+            let brightness = points[0].point.brightness.as_ref().unwrap();
+            let residual = magnitude.0 - brightness.magnitude.0;
+            println!(
+                "{kind} {name}: {:.2} observed, {:.2} +- {:.2} predicted, {residual:+.2}, phase {:.0} deg",
+                magnitude.0,
+                brightness.magnitude.0,
+                brightness.sigma_mag,
+                points[0].point.geometry.phase_angle_rad().to_degrees()
+            );
+            within.push(residual.abs() <= brightness.sigma_mag);
+            residuals.push(residual);
+        }
+        let statistics = ResidualStatistics::of(&residuals).unwrap();
+        let share = within.iter().filter(|within| **within).count();
+        let holds_68_mag = sigma_68_mag(&residuals);
+        println!("{kind}: {share} of {} within sigma; 68 % within {holds_68_mag:.2}; {statistics:.2?}", within.len());
+        assert_eq!([within.len(), share], expected, "{kind}");
+        // The magnitudes depend on the models and, by the positions of the satellites, on SGP4.
+        assert!((holds_68_mag - expected_mag).abs() < 0.02, "{kind}: {holds_68_mag}");
+    }
+}

@@ -1,0 +1,158 @@
+//! Magnitudes of objects of known standard magnitude compared with Heavens-Above, and the built-in bright objects.
+
+use hifitime::{Epoch, Unit};
+use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
+use streakcast::forecast::{ForecastRequest, Selection, forecast};
+use streakcast::frames::{EopTable, seconds_after};
+use streakcast::geometry::{Observer, Site, ViewingGeometry};
+use streakcast::orbit::DragModel;
+use streakcast::passes::{ModelChoice, Sky};
+use streakcast::photometry::{
+    BrightObjects, DiffuseSphere, MagnitudeSource, StandardMagnitude, StandardMagnitudes, StandardObject,
+};
+
+/// Rounding of Heavens-Above's magnitudes and times, mag; a pass by the zenith brightens by 0.03 mag in a second.
+const PRINTED_MAG: f64 = 0.1;
+
+fn elements(data: &std::path::Path, id: u32) -> ElementSet {
+    let text = std::fs::read_to_string(data.join("reference/heavens_above/heavens_above.tle")).unwrap();
+    let lines: Vec<&str> = text.lines().filter(|line| line.starts_with("1 ") || line.starts_with("2 ")).collect();
+    let sets = Satellites::from_bytes("heavens_above", lines.join("\n").as_bytes(), &ReadOptions::default()).unwrap();
+    sets.element_sets.into_iter().find(|set| set.norad_id == NoradId(id)).unwrap()
+}
+
+fn sky(set: ElementSet, site: Site) -> Sky {
+    let eop = EopTable::embedded().without_polar_motion();
+    Sky::with_models(vec![set], Observer::new(site), eop, &ModelChoice::default()).with_drag(DragModel::Published)
+}
+
+/// Rows of one pass: clock, distance, km, magnitude.
+fn events(text: &str, date: &str) -> Vec<(String, f64, f64)> {
+    let pass = text.split("Date:").find(|pass| pass.trim_start().starts_with(date)).unwrap();
+    let row = |line: &str| {
+        let cells: Vec<&str> = line.split('\t').collect();
+        let number = |cell: usize| cells.get(cell)?.replace(',', "").parse::<f64>().ok();
+        Some(((*cells.get(1)?).to_owned(), number(4)?, number(5)?))
+    };
+    pass.lines().filter_map(row).collect()
+}
+
+/// HST over San Antonio and Envisat over Cape Town, with the places and intrinsic magnitudes of the tests of passpredict
+/// (MIT), from which the rows come.
+#[test]
+fn valid_phase_rule_of_standard_magnitudes_against_heavens_above() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let text = std::fs::read_to_string(data.join("reference/heavens_above/heavens_above_events.txt")).unwrap();
+    let passes = [
+        (20_580, "31 January 2022", "2022-01-31", -6.0, Site::new_deg("San Antonio", 29.4246, -98.4951, 0.0)),
+        (27_386, "06 February 2022", "2022-02-06", 2.0, Site::new_deg("Cape Town", -33.929, 18.4174, 0.0)),
+    ];
+    let (mut phases_deg, mut differences) = (Vec::new(), Vec::new());
+    for (id, date, day, offset_h, site) in passes {
+        let sky = sky(elements(&data, id), site.unwrap());
+        let object = BrightObjects::embedded().get(id, "").unwrap();
+        for (clock, distance_km, printed) in events(&text, date) {
+            let local: Epoch = format!("{day}T{clock} UTC").parse().unwrap();
+            let (points, _) = sky.ephemeris(&[0], &[local - offset_h * Unit::Hour], None).unwrap();
+            let point = &points[0].point;
+            // Printed to a kilometre and a second.
+            assert!((point.range_km - distance_km).abs() < 8.0, "{clock}: {} {distance_km}", point.range_km);
+            let phase_rad = point.geometry.phase_angle_rad();
+            let half_lit = object.half_lit;
+            // Illuminated fraction of a sphere, as in QuickSat: (1 + cos φ)/2.
+            let fraction = half_lit.0 - 2.5 * (1.0 + phase_rad.cos()).log10();
+            let rules = [
+                StandardObject { half_lit }.standard_magnitude(phase_rad).unwrap().0,
+                fraction,
+                DiffuseSphere { half_lit }.standard_magnitude(phase_rad).unwrap().0,
+            ];
+            let difference = rules.map(|rule| StandardMagnitude(rule).at_range(point.range_km).0 - printed);
+            println!("{id} {clock} phase {:.1} deg: linear, fraction, sphere {difference:.2?}", phase_rad.to_degrees());
+            phases_deg.push(phase_rad.to_degrees());
+            differences.push(difference);
+        }
+    }
+    assert_eq!(differences.len(), 10);
+    let (least, greatest) =
+        phases_deg.iter().fold((180.0_f64, 0.0_f64), |(a, b), phase| (a.min(*phase), b.max(*phase)));
+    println!("phases {least:.0} to {greatest:.0} deg");
+    assert!(least < 30.0 && greatest > 150.0, "{least} {greatest}");
+    let worst = |rule: usize| differences.iter().map(|one| one[rule].abs()).fold(0.0, f64::max);
+    println!("largest differences {:.2} {:.2} {:.2}", worst(0), worst(1), worst(2));
+    assert!(worst(0) < PRINTED_MAG && worst(1) > 10.0 * PRINTED_MAG && worst(2) > 20.0 * PRINTED_MAG);
+}
+
+/// The brightest moments of 15 passes of the ISS with its built-in magnitude.
+#[test]
+fn valid_iss_without_a_file_against_heavens_above() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let sky = sky(elements(&data, 25_544), Site::new_deg("Zurich", 47.3744, 8.541, 0.0).unwrap());
+    let start: Epoch = "2022-01-21T12:00:00 UTC".parse().unwrap();
+    let request = ForecastRequest {
+        samples: 201,
+        max_magnitude: Some(3.0),
+        ..ForecastRequest::new(start, seconds_after(start, 10.0 * 86_400.0))
+    };
+    let found = forecast(&sky, &request, &Selection::default()).unwrap();
+    let text = std::fs::read_to_string(data.join("reference/heavens_above/heavens_above_passes.csv")).unwrap();
+    let mut compared = 0;
+    for line in text.lines().skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let begin: Epoch = format!("{}T{} UTC", cells[8], cells[10]).parse().unwrap();
+        let begin = begin - 1.0 * Unit::Hour;
+        let pass = found.found.passes.iter().filter_map(|pass| Some((pass, pass.visible.as_ref()?)));
+        let near = |epoch: Epoch| (epoch - begin).abs() < 60.0 * Unit::Second;
+        let (pass, _) = pass.into_iter().find(|(_, visible)| near(visible.begin.epoch)).unwrap();
+        let magnitudes = pass.samples.iter().filter_map(|sample| Some(sample.brightness.as_ref()?.magnitude.0));
+        let (ours, printed) = (magnitudes.fold(f64::INFINITY, f64::min), cells[9].parse::<f64>().unwrap());
+        println!("{line}: {ours:.2}");
+        assert!((ours - printed).abs() < 0.2, "{line}: {ours}");
+        compared += 1;
+    }
+    assert_eq!(compared, 15);
+}
+
+/// Class means are those of the listed magnitudes.
+#[test]
+fn valid_class_means_of_rocket_bodies() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let bytes = std::fs::read(data.join("metadata/qs.mag")).unwrap();
+    let listed = StandardMagnitudes::from_qs_mag(&String::from_utf8_lossy(&bytes)).unwrap();
+    let path = data.join("tle/fullcat/TLE3_2023-04-07.txt");
+    let catalogue = Satellites::read(&[path], &ReadOptions::default()).unwrap();
+    let table = BrightObjects::embedded();
+    for class in table.iter().filter(|object| object.norad_id.is_none()) {
+        let of_class = catalogue
+            .element_sets
+            .iter()
+            .filter(|set| table.get(set.norad_id.0, &set.name).is_some_and(|object| object.name == class.name));
+        let magnitudes: Vec<f64> = of_class.filter_map(|set| Some(listed.get(set.norad_id.0)?.0)).collect();
+        let mean = magnitudes.iter().sum::<f64>() / magnitudes.len() as f64;
+        assert!(magnitudes.len() >= 5 && (mean - class.half_lit.0).abs() < 0.02, "{class:?}: {mean}");
+    }
+}
+
+#[test]
+fn verif_built_in_objects_have_their_models() {
+    let named = |id: u32, name: &str| {
+        let text = "1 25544U 98067A   22021.68747065 -.00000457  00000-0  00000+0 0  9996\n\
+                    2 25544  51.6270 342.0904 0006847  44.2808  14.3181 15.49598315322461\n";
+        let mut set =
+            Satellites::from_bytes("iss", text.as_bytes(), &ReadOptions::default()).unwrap().element_sets[0].clone();
+        set.norad_id = NoradId(id);
+        set.name = name.into();
+        set
+    };
+    let choice = ModelChoice::default();
+    let source = |id: u32, name: &str| choice.model_of(&named(id, name)).source().to_string();
+    assert_eq!(source(25_544, "ISS (ZARYA)"), "stdmag");
+    assert_eq!(source(19_120, "SL-16 R/B"), "prior:sl-16-rocket-body");
+    assert_eq!(source(19_120, "CZ-99 R/B"), "prior:rocket-body");
+    assert_eq!(source(12, "VANGUARD 2"), "prior");
+    // A table of the user comes first.
+    let table = StandardMagnitudes::from_qs_mag("25544   98 67A    ISS            -2.0              348\n").unwrap();
+    let own = ModelChoice::default().with_standard_magnitudes(table).model_of(&named(25_544, "ISS"));
+    let geometry = ViewingGeometry::from_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2, 1000.0, 420.0).unwrap();
+    assert!((own.standard_magnitude(&geometry).unwrap().0 - (1.4526 - 2.0)).abs() < 1e-4);
+    assert_eq!(*own.source(), MagnitudeSource::StandardMagnitude);
+}
