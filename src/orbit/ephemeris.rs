@@ -1,18 +1,18 @@
 //! Interpolated ephemeris of one satellite: states in TEME, and errors from the covariance.
 //!
 //! Position and velocity at a time are those of the Lagrange polynomial of degree 7 through the positions of eight
-//! states. Its error on an orbit of radius r and rate ω is the sum of the neglected eighth derivative and of the errors δ
-//! of the positions, which the basis polynomials ℓᵢ amplify:
+//! states. Its error on an orbit of radius r and rate ω is the sum of the neglected eighth derivative and of the errors
+//! δ of the positions, which the basis polynomials ℓᵢ amplify:
 //!
 //! ```text
 //! r ω⁸ / 8! · Π |t - tᵢ| + δ Σ |ℓᵢ(t)|
 //! ```
 //!
 //! Where steps are equal, the eight states are those around the time; the first term is 0.7 m at 550 km and the longest
-//! step, a twentieth of a revolution, and 9 m in the first and last interval. Where steps are unequal, neighbours may be
-//! so close together that the second term is large, or all on one side so that the first is: then states with a larger
-//! distance in time are chosen, those with the least sum. An interval with a longer step, or with a sum above 20 m for
-//! δ = 1 m, is a gap, across which nothing is interpolated.
+//! step, a twentieth of a revolution, and 9 m in the first and last interval. Where steps are unequal, neighbours may
+//! be so close together that the second term is large, or all on one side so that the first is: then states with a
+//! larger distance in time are chosen, those with the least sum. An interval with a longer step, or with a sum above 20
+//! m for δ = 1 m, is a gap, across which nothing is interpolated.
 //! Velocities of the file are not used: in the public Starlink ephemerides they differ from the derivative of the
 //! positions by 4.5 m/s after the second day, 0.3 km at the ends of a Hermite polynomial.
 
@@ -93,8 +93,8 @@ impl EphemerisTable {
     }
 
     /// Returns the key by which one of several ephemerides of a satellite precedes others: created later, or if that is
-    /// not stated or equal, with a later first state. The name of the file decides between equal ones, so that the order
-    /// of reading does not matter.
+    /// not stated or equal, with a later first state. The name of the file decides between equal ones, so that the
+    /// order of reading does not matter.
     pub fn rank(&self) -> (Duration, Duration, Arc<str>) {
         let utc = |epoch: Epoch| epoch.to_utc_duration();
         (utc(self.created.unwrap_or(self.start)), utc(self.start), self.file.clone())

@@ -17,8 +17,8 @@ pub struct AgeEffect {
     /// Median over these satellites of the half width that holds 68 % of the delays, early or late, seconds.
     pub lateness_s: f64,
     /// Expected share of the exposures whose verdict would change between clear and not clear if the positions were
-    /// exact: the mean of `p_crossing` over the clear exposures, and of 1 - `p_crossing` over the others. Exposures that are not
-    /// clear because of a crossing in their margins alone count as unchanged.
+    /// exact: the mean of `p_crossing` over the clear exposures, and of 1 - `p_crossing` over the others. Exposures
+    /// that are not clear because of a crossing in their margins alone count as unchanged.
     pub changed_share: f64,
 }
 
@@ -45,7 +45,8 @@ impl fmt::Display for AgeEffect {
 }
 
 impl FlagReport {
-    /// Returns the effect of the errors of the element sets on the verdicts; `None` if no satellite crosses or may cross.
+    /// Returns the effect of the errors of the element sets on the verdicts; `None` if no satellite crosses or may
+    /// cross.
     pub fn age_effect(&self) -> Option<AgeEffect> {
         let passes = self.flags.iter().flat_map(|flag| &flag.passes);
         let crossing: Vec<SatelliteAge> = passes

@@ -58,7 +58,7 @@ fn share(text: &str) -> f64 {
     before.rsplit(' ').next().unwrap().parse().unwrap()
 }
 
-/// Percentage of verdicts that change: the mean of p_crossing of clear visits, and of 1 - p_any of others.
+/// Percentage of verdicts that change: the mean of p_crossing of clear visits, and of 1 - p_crossing of others.
 fn changed(stdout: &str) -> f64 {
     let answer: Value = serde_json::from_str(stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();

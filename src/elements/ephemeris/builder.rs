@@ -101,8 +101,8 @@ impl Builder {
         Ok(())
     }
 
-    /// Returns the ephemeris; `line` is its last line, `stop` its stated end, and `is_line_cut` is true if the file ends
-    /// there without a line end.
+    /// Returns the ephemeris; `line` is its last line, `stop` its stated end, and `is_line_cut` is true if the file
+    /// ends there without a line end.
     pub fn finish(self, line: usize, stop: Option<Epoch>, is_line_cut: bool) -> Result<Ephemeris, Problem> {
         let last = self.ephemeris.states.last().map(|state| state.epoch);
         if is_line_cut && (stop.is_none() || last < stop) {

@@ -58,8 +58,8 @@ impl Metadata {
         Ok(())
     }
 
-    /// Starts the ephemeris of the segment after its metadata, which end at `line`; returns its stated end too. `created`
-    /// is the time of the message.
+    /// Starts the ephemeris of the segment after its metadata, which end at `line`; returns its stated end too.
+    /// `created` is the time of the message.
     pub fn builder(&self, line: usize, created: Option<Epoch>) -> Result<(Builder, Option<Epoch>), Problem> {
         let missing = |what: &str, allowed: &str| Problem::new(line, what, "missing", allowed);
         let object = self.object.clone().ok_or_else(|| missing("OBJECT_ID", OBJECTS))?;

@@ -21,8 +21,8 @@ pub(in super::super) fn looks_like(text: &str) -> bool {
     })
 }
 
-/// Reads every segment of every `<oem>`; other messages of an `<ndm>` are skipped. The order of elements does not matter
-/// inside metadata, states and covariances.
+/// Reads every segment of every `<oem>`; other messages of an `<ndm>` are skipped. The order of elements does not
+/// matter inside metadata, states and covariances.
 pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let mut reader = Reader::from_str(text);
     let mut lines = Lines { text, offset: 0, line: 1 };
