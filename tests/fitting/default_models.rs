@@ -67,9 +67,9 @@ const SURVEYS: [Survey; 5] = [
         format: Format::Pomenis,
         height_km: None,
         candidates: &[
-            candidate("starlink-v1.5-facets", &[], Loss::Squares, [-0.552, 0.480]),
-            candidate("starlink-v1.5", &[("c1", 0.0), ("n_sail", 5.0)], Loss::Squares, [-0.702, 0.532]),
-            candidate("starlink-v1.5-phase", &[], Loss::Squares, [-1.001, 0.672]),
+            candidate("starlink-v1.5-facets", &[], Loss::Squares, [-0.551, 0.480]),
+            candidate("starlink-v1.5", &[("c1", 0.0), ("n_sail", 5.0)], Loss::Squares, [-0.698, 0.531]),
+            candidate("starlink-v1.5-phase", &[], Loss::Squares, [-1.003, 0.673]),
         ],
     },
     Survey {
