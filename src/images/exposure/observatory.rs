@@ -82,7 +82,7 @@ mod tests {
         assert_eq!(site(decam).unwrap().unwrap().mpc_code.as_deref(), Some("W84"));
         let schmidt = "SITELAT = -31.277\nSITELONG= 210.934\nTELESCOP= 'UK Schmidt - Doubl'\n";
         // The name in the primary header.
-        assert_eq!(site(schmidt).unwrap().unwrap().name, "ESO Paranal");
+        assert_eq!(site(schmidt).unwrap().unwrap().name, "Paranal");
         assert_eq!(site_from_headers(&[&Header::from_text(schmidt)]).unwrap(), None);
     }
 }
