@@ -121,7 +121,7 @@ impl TargetFrame {
     pub fn site(&self) -> Result<Option<Site>, ImagesError> {
         let first = self.chips.first().map_or(0, |target| target.chip.hdu);
         let headers = [self.file.header(first)?, self.file.header(0)?];
-        site_from_headers(&headers).map_err(|error| error.at(&self.file.path().display().to_string()))
+        site_from_headers(&headers).map_err(|error| error.at(self.file.path().display()))
     }
 
     /// Returns the middle of all chips on the sky, and the radius in radians of the circle around it that contains
