@@ -93,7 +93,9 @@ fn required_flags_are_marked() {
         assert!(text.contains(part), "'{part}' is not in: {text}");
     }
     assert!(help(&["map", "sky"]).contains("negative below the horizon) (required)\n"));
-    assert!(help(&["forecast"]).contains("for example 2024-08-14 (required: --night, or --start and --end)\n"));
+    assert!(
+        help(&["forecast"]).contains("for example 2024-08-14; or tonight (required: --night, or --start and --end)\n")
+    );
     assert!(!help(&["doctor"]).contains("required"));
 }
 
