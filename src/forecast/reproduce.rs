@@ -61,7 +61,7 @@ const HU2022_SOURCE: &str = "Hu et al. 2022 (ApJL 941, L15), simulated first yea
 
 /// Satellites brighter than 7 mag among the visible ones, percent: Lu (2024, arXiv 2403.11118), abstract.
 const LU2024B_PERCENT: f64 = 69.33;
-const LU2024B_REASON: &str = "the lowest counted altitude, which the abstract does not state (25 % here above 0 deg, 95 % above 30 deg), and the photometry \
+const LU2024B_REASON: &str = "the lowest counted altitude, which the abstract does not state (see the rows above 0 and 30 deg), and the photometry \
 that the model was fitted to";
 const LU2024B_SOURCE: &str = "Lu 2024 (arXiv 2403.11118), abstract";
 /// The 11,908 satellites of Lu (2024b): Gen1 as filed, and 7,500 of Gen2 as granted in FCC 22-91 (525, 530 and 535 km).

@@ -366,8 +366,10 @@ fn verif_resolved_panels_are_two_light_sources() {
     let inject_with = |name: &str, more: &[&str]| {
         let (output, truth) = (path(&folder, name), path(&folder, "small.csv"));
         let frame = ["--synthetic", &description, "-o", &output, "--truth", &truth, "--quiet", "--no-noise"];
+        // The default model of these satellites has no chassis and solar array of its own.
+        let panels = ["--model", "starlink-v1.5=starlink-v1.5"];
         let shot = ["--shells", "starlink-gen1", "--mpc", "X05", "--start", &start, "--exposure", "4s", "--ra", &ra];
-        done(&[&["inject"], &frame, &shot, &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"], more]);
+        done(&[&["inject"], &frame, &shot, &panels, &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"], more]);
         (records(&fs::read_to_string(&truth).unwrap()), values(&output, 0))
     };
     let (whole, whole_values) = inject_with("whole.fits", &[]);

@@ -98,15 +98,18 @@ fn models_of_all_satellites_and_of_a_kind() {
         let text = |pass: &Value, key: &str| pass[key].as_str().unwrap_or_default().to_owned();
         answer["passes"].as_array().unwrap().iter().map(|pass| (text(pass, "name"), text(pass, "mag_source"))).collect()
     };
-    let own = format!("starlink-v1.0={}", file.display());
-    let answer = passes_with(&["--model", &own, "--model", "kuiper"]);
-    let given = sources(&answer);
-    assert!(given.len() > 10);
-    let of_the_file = given.iter().filter(|(_, source)| source.ends_with(":mine")).count();
-    assert!((1..given.len()).contains(&of_the_file), "{given:?}");
-    assert!(given.iter().all(|(_, source)| source.ends_with(":mine") || source.ends_with(":kuiper")), "{given:?}");
-    let stated = answer["provenance"]["models"].as_array().unwrap().len();
-    assert_eq!(stated, 2, "{}", answer["provenance"]["models"]);
+    let own = format!("starlink-v1.5={}", file.display());
+    for (flags, expected) in [
+        (vec!["--model", "kuiper"], ":kuiper"),
+        (vec!["--model", own.as_str(), "--model", "kuiper"], ":mine"),
+        (vec!["--model", "oneweb=kuiper", "--model", "starlink-v1.5=starlink-v1.5-phase"], ":starlink-v1.5-phase"),
+    ] {
+        let answer = passes_with(&flags);
+        let given = sources(&answer);
+        assert!(given.len() > 10 && given.iter().all(|(_, source)| source.ends_with(expected)), "{given:?}");
+        let stated = answer["provenance"]["models"].as_array().unwrap();
+        assert!(stated.len() == 1 && stated[0].as_str().unwrap().ends_with(expected), "{stated:?}");
+    }
     for (wrong, named, allowed) in [
         ("nothing", "unknown model 'nothing'", "starlink-v1.5"),
         ("nothing=oneweb", "unknown kind of satellite 'nothing'", "starlink-visorsat"),

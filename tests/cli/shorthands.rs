@@ -39,7 +39,8 @@ fn fields_by_width_and_height() {
 fn a_schedule_from_standard_input() {
     let folder = tempfile::tempdir().unwrap();
     let schedule = folder.path().join("night.csv");
-    fs::write(&schedule, "id,start_utc,exposure_s,ra_deg,dec_deg\na,2024-08-14T23:30:00Z,120,217.5,-30\n").unwrap();
+    fs::write(&schedule, "exposure_id,start_utc,duration_s,ra_deg,dec_deg\na,2024-08-14T23:30:00Z,120,217.5,-30\n")
+        .unwrap();
     let flags: &[&str] = &["flag", "--fov", "80deg", "--format", "csv"];
     let from_file = done(&[flags, SKY, &["--schedule", schedule.to_str().unwrap()]]);
     let answer = Command::new(env!("CARGO_BIN_EXE_streakcast"))

@@ -188,13 +188,18 @@ def pomenis(data):
     sight = np.outer(east, np.cos(alt) * np.sin(az)) + np.outer(north, np.cos(alt) * np.cos(az)) + np.outer(np.cross(east, north), np.sin(alt))
     rise, near = (site * sight).sum(0), np.linalg.norm(site)
     d = -rise + np.sqrt(rise**2 + (near + h) ** 2 - near**2)
+    # From the sphere to the ellipsoid, above which the recorded heights are.
+    height = lambda xyz: EarthLocation.from_geocentric(*xyz, unit=units.km).height.to_value("km")
+    for _ in range(5):
+        sat = site + d * sight
+        d = d + (h - height(sat)) / ((sat * sight).sum(0) / np.linalg.norm(sat, axis=0))
     sat = site + d * sight
     s = get_sun(t).transform_to(ITRS(obstime=t)).cartesian.xyz.to_value("km") - sat
     s /= np.linalg.norm(s, axis=0)
     # The lowest geodetic height of the ray, within 300 km of the point nearest to the Earth's centre.
     way = -(sat * s).sum(0) + np.linspace(-300, 300, 121)[:, None]
     ray = sat[:, None] + s[:, None] * way
-    lowest = EarthLocation.from_geocentric(*ray, unit=units.km).height.to_value("km").min(0)
+    lowest = height(ray).min(0)
     ds, a, do = between(s, -sight, sat / np.linalg.norm(sat, axis=0))
     keep = ((sat * s).sum(0) >= 0) | (lowest >= 100)
     return tuple(x[keep] for x in (m - 5 * np.log10(d / 1000), ds, a, do))

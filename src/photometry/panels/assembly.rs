@@ -338,7 +338,13 @@ mod tests {
                         let ours = level_reflection_per_sr(&earth, &down, &front, &to_observer).expect("level");
                         let of = |law: &Law| reflected_per_sr(&earth.sources(200.0), &down, law, &to_observer);
                         let expected: f64 = front.iter().map(of).sum();
-                        assert!((ours / expected - 1.0).abs() < tolerance, "{front:?} {sun_deg}: {ours} {expected}");
+                        // The tail of a lobe, where the sum over sources is coarse: 10 m² are fainter than 18 mag at 1000 km.
+                        const NOTHING_PER_SR: f64 = 1e-7;
+                        let error = (ours - expected).abs();
+                        assert!(
+                            error < tolerance * expected + NOTHING_PER_SR,
+                            "{front:?} {sun_deg}: {ours:e} {expected:e}"
+                        );
                         compared += 1;
                     }
                 }
