@@ -343,18 +343,18 @@ impl Sink for FacetSums {
         // f = D G₁(s) G₁(o) / (4 cos φ_i cos φ_r), D = exp(-tan²β / 2w²) / (2π w² cos⁴β)    see `brdf::Facets`
         let factor = 0.25 * cos_in * self.ring.1 * 0.5 * FRAC_1_PI / variance;
         let mut reflected = [0.0; LANES];
-        for lane in 0..LANES {
+        for (lane, reflected) in reflected.iter_mut().enumerate() {
             for y in [group.y[lane], -group.y[lane]] {
                 let cos_phase = fused::<F>(ox, group.x[lane], fused::<F>(oy, y, oz * group.z));
                 // 1/cos²β = (2 + 2 s · o) / (cos φ_i + cos φ_r)²
                 let secant_squared = greater((2.0 + 2.0 * cos_phase) / sum_squared, 1.0);
                 let density = exp::<F>((0.5 - 0.5 * secant_squared) / variance) * secant_squared * secant_squared;
-                reflected[lane] += group.irradiance[lane] * density;
+                *reflected += group.irradiance[lane] * density;
             }
         }
-        for lane in 0..LANES {
+        for (lane, reflected) in reflected.iter().enumerate() {
             self.irradiance[lane] += 2.0 * group.irradiance[lane] * cos_in;
-            self.reflected[lane] += factor * reflected[lane];
+            self.reflected[lane] += factor * reflected;
         }
     }
 }

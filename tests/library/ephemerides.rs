@@ -746,7 +746,7 @@ fn messages_of_both_kinds_in_one_document_are_read() {
     for both in [format!("<ndm>{omm}{oem}</ndm>"), format!("<ndm>{oem}{omm}</ndm>")] {
         let found = read("a.xml", &both).expect("readable");
         assert_eq!((found.element_sets.len(), found.rejected.len()), (alone.len(), 0));
-        assert_eq!(found.ephemerides, [expected.clone()]);
+        assert_eq!(found.ephemerides, std::slice::from_ref(&expected));
     }
     let name = "<OBJECT_NAME>INVENTED-1</OBJECT_NAME>";
     let text = oem.replace(name, "").replace(

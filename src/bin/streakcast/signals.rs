@@ -7,7 +7,7 @@ pub fn remove_files_at_end() {
     // Without a handler the next run removes the files.
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
     std::thread::spawn(move || {
-        for signal in signals.forever() {
+        if let Some(signal) = signals.forever().next() {
             streakcast::output::remove_unfinished();
             let _ = signal_hook::low_level::emulate_default_handler(signal);
             // Only if the signal could not be sent.
