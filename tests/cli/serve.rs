@@ -19,7 +19,9 @@ fn flags_of_the_command_line() -> &'static Value {
         let mut answer = command(&[&["flag"], SHARED, RULES, &["--telescope", "rubin"]]);
         for flag in answer["flags"].as_array_mut().unwrap() {
             let flag = flag.as_object_mut().unwrap();
-            ["start_utc", "duration_s", "ra_deg", "dec_deg", "band"].map(|name| flag.remove(name).unwrap());
+            for name in ["start_utc", "duration_s", "ra_deg", "dec_deg", "band"] {
+                flag.remove(name).unwrap();
+            }
         }
         answer
     })
