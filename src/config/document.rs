@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::error::ConfigError;
 use super::values::{
     FieldChoice, ModelAssignment, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice, TelescopeChoice,
-    is_file_name, one_or_many,
+    is_file_name, model_assignments, one_or_many,
 };
 use crate::input;
 use crate::schedule::MagnitudeLimit;
@@ -44,7 +44,7 @@ pub struct Config {
     pub qs_mag: Option<PathBuf>,
     /// Brightness model for all satellites, or for one kind of satellite as KIND=MODEL (--model oneweb=oneweb-panels); MODEL
     /// is a name listed by streakcast model list, or a JSON file
-    #[serde(deserialize_with = "one_or_many")]
+    #[serde(deserialize_with = "model_assignments")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "[KIND=]MODEL", help_heading = "Satellites"))]
     pub model: Vec<ModelAssignment>,
     /// Drag of satellites that hold their orbits by thrust: station-keeping (no drag; default) or published (as in the

@@ -145,8 +145,7 @@ pub struct ModelsTable {
 }
 
 /// Brightness model of `--model`: for all satellites, or for one kind of satellite.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(try_from = "String")]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ModelAssignment {
     /// Kind of satellite; all satellites if `None`.
     pub kind: Option<Generation>,
@@ -199,12 +198,10 @@ impl FromStr for ModelAssignment {
     }
 }
 
-impl TryFrom<String> for ModelAssignment {
-    type Error = String;
-
-    fn try_from(text: String) -> Result<Self, String> {
-        text.parse()
-    }
+/// Reads one assignment of a model or a list of them.
+pub(super) fn model_assignments<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<ModelAssignment>, D::Error> {
+    let texts: Vec<String> = one_or_many(deserializer)?;
+    texts.iter().map(|text| text.parse().map_err(D::Error::custom)).collect()
 }
 
 /// Numbers: separated by commas on the command line, a list in a document.

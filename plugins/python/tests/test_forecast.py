@@ -125,7 +125,7 @@ def test_verif_a_real_night_equals_the_command_line(data, tmp_path):
     assert len(ours) == len(theirs) > 50
     for row, expected in zip(ours, theirs):
         for name, value in expected.items():
-            if name in ("norad_id", "name", "mag_source"):
+            if name in ("norad_id", "name", "mag_source", "position_source"):
                 assert str(row[name]) == value
             elif not value:
                 assert is_missing(row[name]), name
