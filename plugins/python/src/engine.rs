@@ -14,9 +14,9 @@ use streakcast::output::{Column, Table};
 use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakColumns, StreakRow, Verdict, VerdictKind,
-    WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table, judge_exposures,
-    streak_table,
+    Blocking, ClearWindow, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakColumns, StreakRow, Verdict,
+    VerdictKind, WindowRequest, WindowTarget, clear_windows_without_passes, flag_exposures, flag_table,
+    judge_exposures, streak_table,
 };
 
 use crate::columns::{columns, times};
@@ -213,9 +213,8 @@ impl Engine {
             let limit_mag = self.policy.limit_mag.as_ref()?.of(None)?;
             Some(vec![limit_mag; exposures.len()])
         });
-        let (table, warnings) = failure::without_lock(py, || {
-            self.pass_table(&exposures, include_dark, samples, limits_mag.as_deref())
-        })?;
+        let (table, warnings) =
+            failure::without_lock(py, || self.pass_table(&exposures, include_dark, samples, limits_mag.as_deref()))?;
         Ok((columns(py, &table)?, warnings))
     }
 
@@ -347,7 +346,8 @@ impl Engine {
             let brightness =
                 if light { sky.brightness(track.element_index, &middle.point, &self.photometry) } else { None };
             let magnitude = brightness.as_ref().map_or(f64::NAN, |light| light.magnitude.0);
-            let brighter = |&limit: &f64| brightness.as_ref().map_or(0.0, |light| light.probability_brighter_than(limit));
+            let brighter =
+                |&limit: &f64| brightness.as_ref().map_or(0.0, |light| light.probability_brighter_than(limit));
             let p_brighter: Vec<f64> = limits_mag.iter().map(brighter).collect();
             for snapshot in &track.snapshots {
                 rows.moment.push(snapshot.time_index as i64);
@@ -399,7 +399,9 @@ impl Engine {
                     satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
                     telescope: self.telescope.as_ref(),
                     photometry: &self.photometry,
-                    limit_mag: limits_mag.and_then(|limits| limits.get(*index).copied()).filter(|limit| !limit.is_nan()),
+                    limit_mag: limits_mag
+                        .and_then(|limits| limits.get(*index).copied())
+                        .filter(|limit| !limit.is_nan()),
                 })
             })
             .collect();

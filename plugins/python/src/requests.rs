@@ -6,8 +6,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::config::{Config, ConfigError, EphemerisConfig, ForecastConfig, IdentifyConfig};
 use streakcast::forecast::{
-    EphemerisRow, ForecastError, ForecastRequest, PassRow, Selection, ephemeris as compute_ephemeris, ephemeris_table,
-    forecast as compute_forecast, night_table, pass_table, PassColumns,
+    EphemerisRow, ForecastError, ForecastRequest, PassColumns, PassRow, Selection, ephemeris as compute_ephemeris,
+    ephemeris_table, forecast as compute_forecast, night_table, pass_table,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
@@ -68,8 +68,7 @@ impl Nights {
         let prepared = sky_cache.over(request.start, request.end).map_err(failure::setup)?;
         let sky = &prepared.sky;
         let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
-        let rows =
-            found.found.passes.iter().map(|pass| PassRow {
+        let rows = found.found.passes.iter().map(|pass| PassRow {
             pass,
             elements: &sky.elements()[pass.element_index],
             limit_mag: request.max_magnitude,
