@@ -49,7 +49,7 @@ impl<'a> BodyView<'a> {
     /// The Sun's distance and the extinction in `options` are ignored, because standard magnitudes include neither.
     ///
     /// # Errors
-    /// The latitude is beyond ±90°, or the height is not above 0 km or is above 100,000 km.
+    /// An error if the latitude is outside ±90°, or the height is not between 0 km (excluded) and 100,000 km.
     pub fn new(
         model: &'a BrightnessModel,
         sun_latitude_rad: f64,

@@ -20,7 +20,7 @@ const STRUCTURE: &[&str] = &[
 /// Image for [`write_frame`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct NewImage<'a> {
-    /// Name of the HDU (EXTNAME); empty for none.
+    /// Name of the HDU (EXTNAME); empty if it has none.
     pub name: &'a str,
     /// Pixels.
     pub values: &'a ImageValues,
@@ -87,7 +87,7 @@ pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), ImagesError
 pub struct TableColumn {
     /// Name (TTYPEn).
     pub name: String,
-    /// Unit (TUNITn); empty for none.
+    /// Unit (TUNITn); empty if it has none.
     pub unit: String,
     /// Description, written as the comment of TTYPEn.
     pub meaning: String,

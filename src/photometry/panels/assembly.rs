@@ -125,7 +125,7 @@ impl PanelAssembly {
         parts
     }
 
-    /// Returns each face that is lit, seen and has a law, in the order of the panels.
+    /// Returns each face that is sunlit, visible to the observer and has a reflection law, in the order of the panels.
     ///
     /// These faces do not depend on the coefficients of the laws, so that a fit can keep them and take [`Self::laws`]
     /// from each new assembly. The light of the panels is the sum of f · `open_m2` over these faces and their laws.

@@ -58,7 +58,7 @@ pub struct ChassisAndSail {
     base_m2: f64,
     sail_length_m: f64,
     base_length_m: f64,
-    /// The smaller of the widths of sail and chassis, m.
+    /// The smaller of the widths of the solar array (sail) and the chassis, m.
     narrow_m: f64,
     /// Half the sum of the two widths, m.
     half_sum_m: f64,
