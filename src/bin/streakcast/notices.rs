@@ -26,7 +26,7 @@ impl Notices {
         Self { quiet, verbose: false }
     }
 
-    /// Sets whether the warning about satellites that were left out names all of them.
+    /// Sets whether a warning of satellites left out lists all of them.
     pub fn with_details(self, verbose: bool) -> Self {
         Self { verbose, ..self }
     }
