@@ -1,6 +1,5 @@
 //! Probability that satellites cross an exposure, compared with random draws of the errors, for elements a day, three
 //! weeks and half a year old.
-//! half a year old.
 
 use std::borrow::Borrow;
 
@@ -232,7 +231,7 @@ fn verif_long_exposures_against_draws_of_the_errors() {
 /// Copies of a satellite with all errors, and their probabilities: delays in equal steps, and shifts in inclination and
 /// node by the Gauss-Hermite rule of three points for a unit normal distribution, 0 and ±√3.
 fn with_all_errors(set: &ElementSet, sigma: OrbitUncertainty) -> (Vec<ElementSet>, Vec<f64>) {
-    const DELAYS: usize = 400;
+    const DELAYS: usize = 200;
     const REACH_SIGMAS: f64 = 4.0;
     let shifts = [(0.0, 2.0 / 3.0), (3f64.sqrt(), 1.0 / 6.0), (-3f64.sqrt(), 1.0 / 6.0)];
     let (mut copies, mut weights) = (Vec::new(), Vec::new());
@@ -357,7 +356,7 @@ fn verif_longer_exposures_have_no_less() {
             set.mean_motion_dot_rev_day2 = dot;
         }
         let here = sky(elements);
-        for (right_ascension_deg, declination_deg) in [(240.0, -30.0), (225.0, -10.0), (270.0, -55.0)] {
+        for (right_ascension_deg, declination_deg) in [(240.0, -30.0), (225.0, -10.0)] {
             let expected = |duration_s: f64| {
                 let exposures = [Exposure {
                     id: "long".into(),
@@ -373,7 +372,7 @@ fn verif_longer_exposures_have_no_less() {
             };
             let name = format!("{age_days} d, {right_ascension_deg} deg");
             let mut last = [0.0; 3];
-            for duration_s in [30.0, 31.0, 45.0, 300.0, 599.0, 600.0, 601.0, 900.0, 1800.0] {
+            for duration_s in [30.0, 31.0, 45.0, 300.0, 600.0, 900.0, 1800.0] {
                 let now = expected(duration_s);
                 println!("{name}: {duration_s} s {now:.4?}");
                 for (now, last) in now.iter().zip(last) {

@@ -109,7 +109,7 @@ fn verif_passes_identify_themselves() {
     let field = Field::circle(3.5_f64.to_radians()).unwrap();
     let mut random = crate::common::random::Random(7);
     let mut crossings = 0;
-    while crossings < 200 {
+    while crossings < 60 {
         // From dusk to dawn over Rubin Observatory, above 20°.
         let exposure = Exposure {
             id: String::new(),
