@@ -267,7 +267,8 @@ impl GenerationTable {
         }
         let listed = launch.and_then(|launch| self.launches.get(&launch)).copied().filter(|kind| kind.is_starlink());
         match (listed, number) {
-            // Satellites with visors on an early launch: STARLINK-1521 of 2020-038 is on the VisorSat list of MMT-9.
+            // Satellites with these numbers have visors, also on a launch of V1.0: STARLINK-1521 of 2020-038 is on the
+            // VisorSat list of MMT-9.
             (Some(Generation::StarlinkV10), Some(1518..=2999)) => {
                 return (Generation::StarlinkVisorSat, Certainty::Name);
             }

@@ -33,7 +33,7 @@ fn delta(semi_major_axis: f64, eccentricity: f64, inclination_rad: f64) -> f64 {
         / (semi_major_axis * semi_major_axis * (1.0 - eccentricity * eccentricity).powf(1.5))
 }
 
-/// Returns the semi-major axis, earth radii, and Brouwer's mean motion n / (1 + δ₀) for Kozai's mean motion n.
+/// Returns the semi-major axis, earth radii, from Kozai's mean motion n, by way of Brouwer's mean motion n / (1 + δ₀).
 fn recover(mean_motion_rad_min: f64, eccentricity: f64, inclination_rad: f64) -> f64 {
     // a₁ = (k_e / n)^(2/3);  a₀ = a₁ (1 − δ₁/3 − δ₁² − 134/81 δ₁³);  n″ = n / (1 + δ₀)       STR 3, section 6
     let a1 = (k_e() / mean_motion_rad_min).powf(2.0 / 3.0);

@@ -408,8 +408,8 @@ fn least_step_s(policy: &Policy) -> f64 {
     (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
 }
 
-/// Checks the clear starts by computing passes and losses at them: the probabilities may differ from those at the
-/// scheduled start, from which the blocked intervals were derived.
+/// Checks the clear starts by computing passes and losses at them, because the blocked intervals do not determine the
+/// probabilities exactly.
 ///
 /// A start at which a satellite still counts, or at which the expected loss exceeds that of the policy, is replaced by
 /// the next candidate within the longest delay.

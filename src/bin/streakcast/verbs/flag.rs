@@ -61,8 +61,8 @@ const ON_SCREEN: &[Shown] = &[
     shown("band", "band"),
 ];
 
-/// Checks that at least one exposure was judged: a script must not take a schedule of invalid rows for a clear one. A
-/// share of a batch without rows is accepted.
+/// Returns an error if no exposure was judged: scripts must not take a schedule of only invalid rows as clear. A batch
+/// share without rows is accepted.
 fn check_judged(report: &FlagReport, schedule: &Path) -> anyhow::Result<()> {
     let (flags, is_judged) = (&report.flags, |flag: &Verdict| flag.kind != VerdictKind::Invalid);
     match flags.first() {

@@ -77,10 +77,10 @@ pub enum Host {
     Ekos,
 }
 
-/// Default margin, seconds: covers the delay of a host from the end of this command to the shutter opening.
+/// Default margin, seconds. It covers the time between the end of this command and the shutter opening.
 const DEFAULT_MARGIN_S: f64 = 2.0;
 
-/// Returns the error of a stream as an input file: the gate must not wait for the writer of a stream.
+/// Returns the error for a pipe or other stream as input file: reading it could block.
 fn stream_error(path: &Path) -> anyhow::Error {
     anyhow!("{} is a stream, for which gate could wait without end; allowed: a file", path.display())
 }
@@ -89,7 +89,7 @@ fn stream_error(path: &Path) -> anyhow::Error {
 pub struct Request {
     pub config: Config,
     pub clock: Clock,
-    /// Field, telescope, photometry, and the policy with the margin.
+    /// Field, telescope, photometry, and policy including the margin.
     pub plan: ObservationPlan,
     pub pointing: Option<Direction<Gcrs>>,
     pub duration_s: Option<f64>,
@@ -106,7 +106,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// Resolves flags and configuration.
+    /// Checks flags and configuration, and returns the request.
     pub fn new(typed: GateArguments) -> anyhow::Result<Self> {
         let flags = Config {
             exposure: ExposureConfig {
@@ -127,7 +127,7 @@ impl Request {
         if let Some(path) = config.files().iter().find(|path| is_stream(path)) {
             return Err(stream_error(path));
         }
-        // Opening a named pipe would wait for its reader.
+        // A named pipe is an error: opening it would block until it is read.
         if let Some(path) = typed.status_file.as_ref().filter(|path| path.exists()) {
             check_regular(path).map_err(|error| anyhow!("status file {}: {error}", path.display()))?;
         }
@@ -146,7 +146,7 @@ impl Request {
             )
             .satellites()
             .field();
-        // An INDI server may send the site.
+        // The site may come from an INDI server.
         if typed.indi.is_some() { required } else { required.site() }.check()?;
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
