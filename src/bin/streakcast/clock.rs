@@ -35,8 +35,8 @@ pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsSt
     expanded
 }
 
-/// Replaces the night `tonight` by the date of its evening. It is the current night at the site, and from local mean noon
-/// the next one.
+/// Replaces the night `tonight` by the date of its evening. It is the current night at the site, and from local mean
+/// noon the next one.
 ///
 /// # Errors
 /// The site of the configuration is missing or invalid.
