@@ -11,7 +11,7 @@ from typing import Any
 
 #: Time after which a dispatched visit that was not completed is available again, days.
 EXPIRY_DAY = 10.0 / 1440.0
-#: Time after which deferrals are forgotten, days. Queues are never as old.
+#: Time after which deferrals are no longer counted, days. Queues are never this old.
 DEFERRAL_EXPIRY_DAY = 0.25
 #: Number of entries above which expired ones are deleted. Queues are shorter.
 MAX_ENTRIES = 1000

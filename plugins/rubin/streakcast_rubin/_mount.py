@@ -151,8 +151,8 @@ class Mount:
         if not model.parked and str(visits["band"][0]) != str(model.current_band[0]):
             # The rotator moves during the filter exchange.
             return np.asarray(model.slew_times(ra, dec, mjd, bandname=None) + model.band_changetime, dtype=float)
-        # Otherwise it moves during the slew. If an angle is out of range, rubin_scheduler uses the nearest angle in
-        # range that differs by a multiple of 90 degrees.
+        # Otherwise it moves during the slew. If an angle is out of range, rubin_scheduler uses the nearest quarter
+        # turn in range.
         rotation = np.asarray(visits["rotSkyPos"], dtype=float)
         slew_s = np.asarray(model.slew_times(ra, dec, mjd, rot_sky_pos=rotation, bandname=None), dtype=float)
         unreached = ~np.isfinite(slew_s)
