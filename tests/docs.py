@@ -14,8 +14,8 @@ number of lines. If there is no expected output, only the exit status is checked
 fence change this:
 
     <!-- exit 1 -->             the last command of the block ends with this status, not with 0
-    <!-- data -->               needs the real data, which the commands find under data/; skipped with a message if the folder is missing
-    <!-- background -->         the command keeps running (a server) until the end of the page; its expected output must appear
+    <!-- data -->               requires the real data, in the folder data/; skipped with a message if they are missing
+    <!-- background -->         the command (a server) runs until the end of the page; its expected output must appear
     <!-- not run: REASON -->    shown only
 
 Python blocks are run by plugins/python/tests/test_readme.py. For numbers in the text that occur in a test, a table or a

@@ -26,7 +26,8 @@ const MOST_NORAD: u32 = 999_999_999;
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Config {
-    /// Element sets (TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN) and ephemerides of operators (OEM, Modified ITC), plain or gzipped
+    /// Element sets (TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN) and ephemerides of operators (OEM, Modified ITC),
+    /// plain or gzipped
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub elements: Vec<PathBuf>,
@@ -43,8 +44,8 @@ pub struct Config {
     /// Table of standard magnitudes in the format of McCants' qs.mag
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub qs_mag: Option<PathBuf>,
-    /// Brightness model for all satellites, or for one kind of satellite as KIND=MODEL (--model oneweb=oneweb-panels); MODEL
-    /// is a name listed by streakcast model list, or a JSON file
+    /// Brightness model for all satellites, or for one kind of satellite as KIND=MODEL (--model oneweb=oneweb-panels);
+    /// MODEL is a name listed by streakcast model list, or a JSON file
     #[serde(deserialize_with = "model_assignments")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "[KIND=]MODEL", help_heading = "Satellites"))]
     pub model: Vec<ModelAssignment>,

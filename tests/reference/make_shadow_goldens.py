@@ -8,9 +8,8 @@ followed from 2026-04-26T00:00 for two revolutions (geosynchronous ones from 202
 elements). Skyfield computes the satellite (GCRS) and the Sun (DE421, geometric: the difference of their barycentric
 positions). Two shadows are computed:
 
-cone       the Earth a sphere of radius 6378.137 km, the Sun one of 695700 km: the umbra is where the angle from the
-           Earth's centre to the Sun's is less than asin(R/r) - asin(Rs/d), the penumbra where it is less than their sum.
-           Closed form.
+cone       Earth and Sun are spheres with radii of 6378.137 km and 695700 km. In the umbra, the angle between their
+           centres seen from the satellite is less than asin(R/r) - asin(Rs/d); in the penumbra, less than the sum.
 ellipsoid  WGS84 (axis along z of GCRS), with straight lines from the satellite to 720 points of the Sun's limb. In the
            umbra all of them hit the ellipsoid, in the penumbra any. Each intersection is a quadratic equation.
 

@@ -50,7 +50,8 @@ pub struct GateArguments {
     /// File of target coordinates by name (TOML), for hosts that send only the name
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub targets: Option<PathBuf>,
-    /// Name of the target in --targets, overridden by the host with --stdin; without --targets a Messier or Caldwell object
+    /// Name of the target in --targets, overridden by the host with --stdin; without --targets a Messier or Caldwell
+    /// object
     #[arg(long, value_name = "NAME", help_heading = "Host")]
     pub target: Option<String>,
     /// Read the pointing from a mount on an INDI server, for example localhost or 10.0.0.2:7624
