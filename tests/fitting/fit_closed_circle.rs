@@ -1,5 +1,5 @@
-//! Simulated MMT-9 photometry of satellites with known coefficients, reduced and fitted as in Lu (2024), sections 3 and
-//! 4. The recovered coefficients and the results of the paper's three tests are checked.
+//! Simulated MMT-9 photometry of satellites with known coefficients, reduced and fitted as in sections 3 and 4 of
+//! Lu (2024). The recovered coefficients and the results of the paper's three tests are checked.
 //!
 //! `cargo test --release --test fitting -- --include-ignored --nocapture fit_closed_circle` runs the long version with
 //! two million points; the short version has fewer points and larger pixels.
