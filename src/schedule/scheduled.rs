@@ -91,7 +91,7 @@ impl Schedule {
     }
 }
 
-/// Converts a table of text cells to a schedule.
+/// Converts a table of cells to a schedule.
 ///
 /// # Errors
 /// Columns or the time scale are missing, units contradict column names, or there are no rows.

@@ -1,4 +1,4 @@
-//! Column names of schedules, which are the same in all formats, and tables of text cells.
+//! Column names of schedules, which are the same in all formats, and tables of cells.
 
 use std::collections::BTreeMap;
 use std::fmt;

@@ -9,7 +9,7 @@ use super::columns::{RawTable, display};
 use super::{delimited, json, votable};
 use crate::input;
 
-/// Reads a file into a table of text cells.
+/// Reads a file into a table of cells.
 ///
 /// # Errors
 /// Same as [`Schedule::read`](super::super::Schedule::read), except for errors of columns and time scales.
