@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that an installed plugin contains its licence texts; run `plugins/licences.py NAME` in the plugin's environment."""
+"""Checks that an installed plugin contains its licence texts: `plugins/licences.py NAME` in its environment."""
 
 from __future__ import annotations
 

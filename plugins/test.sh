@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# Tests of the plugins, each in its own virtual environment: builds the command line and the wheel, then runs the tests
-# of each plugin. `plugins/test.sh [NAME...]`, all without a name; needs cargo, Python 3.11 or newer (the pinned tools
-# do) and a package index for the pinned requirements. The wheel runs from Python 3.10 on: where there is one (in the
-# PATH, or among pyenv's), what needs NumPy alone is tested in it. STREAKCAST_BIN names the command line that answers
-# are compared with, else it is built.
+# Tests the plugins, each in its own virtual environment: builds the command line program and the wheel, then runs the
+# tests of each plugin. `plugins/test.sh [NAME...]`; without a name all plugins. Requires cargo, Python 3.11 or newer
+# (for the pinned tools) and a package index for the pinned requirements. The wheel supports Python 3.10 and newer: if
+# there is a Python 3.10 (in the PATH or in pyenv), the tests that need only NumPy are also run with it. STREAKCAST_BIN
+# is the command line program with which results are compared; by default it is built.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-# Every folder with pinned requirements is a plugin. The others depend on the wheel `python`.
+# Every folder with pinned requirements is a plugin. The others depend on the wheel of `python`.
 all=(python)
 for folder in plugins/*/; do
     name=$(basename "$folder")
@@ -30,7 +30,7 @@ python=${PYTHON:-python3}
 target=$(cd "${CARGO_TARGET_DIR:-target}" 2>/dev/null && pwd || { mkdir -p "${CARGO_TARGET_DIR:-target}" && cd "${CARGO_TARGET_DIR:-target}" && pwd; })
 export CARGO_TARGET_DIR=$target PIP_DISABLE_PIP_VERSION_CHECK=1
 
-# environment NAME [PYTHON [PINS]]: creates the virtual environment of a plugin, or reuses it if pins and Python are
+# environment NAME [PYTHON [PINS]]: creates the virtual environment of a plugin, or uses it again if pins and Python are
 # unchanged.
 environment() {
     local venv=$target/plugins-venv-$1 interpreter=${2:-$python} requirements=${3:-plugins/$1/requirements.txt} made_of
@@ -43,7 +43,7 @@ environment() {
     fi
 }
 
-# Finds a Python 3.10 that can create virtual environments. pyenv's shims are in the PATH even if no such Python is
+# Finds a Python 3.10 that can create virtual environments. A pyenv shim may be in the PATH although this version is not
 # installed.
 python_3_10() {
     local one root=""
@@ -56,7 +56,7 @@ python_3_10() {
     done
 }
 
-# The command line with which results are compared.
+# Command line program with which results are compared.
 if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet --bin streakcast
     STREAKCAST_BIN=$target/debug/streakcast
@@ -66,7 +66,7 @@ export STREAKCAST_BIN
 environment python
 wheels=$(mktemp -d)
 trap 'rm -rf "$wheels"' EXIT
-# Built in the profile of the tests, to share compiled dependencies. A release wheel takes four minutes more.
+# Built with the profile of the tests, to use their compiled dependencies. A release build takes four minutes more.
 PATH=$target/plugins-venv-python/bin:$PATH \
     maturin build --quiet --locked --manifest-path plugins/python/Cargo.toml --out "$wheels"
 
@@ -77,7 +77,8 @@ for name in "${names[@]}"; do
         export PATH=$target/plugins-venv-$name/bin:$PATH
         pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
         if [ "$name" != python ]; then
-            # Built from a copy (no build folders in the tree; links to the licences become files), by the pinned tools of the environment.
+            # Built from a copy (no build folders in the source tree; links to the licences become files), with the
+            # pinned tools of the environment.
             cp -rL "plugins/$name" "$wheels/$name"
             pip install --quiet --force-reinstall --no-deps --no-build-isolation "$wheels/$name"
         fi
@@ -99,7 +100,7 @@ if [[ " ${names[*]} " == *" python "* ]]; then
             export PATH=$target/plugins-venv-python-3.10/bin:$PATH
             pip install --quiet --force-reinstall --no-deps "$wheels"/*.whl
             cd plugins/python
-            # NumPy and the last astropy for this Python. The other tests need packages without a release for it.
+            # NumPy and the last astropy for this Python. The other tests need packages that are not available for it.
             python -m pytest --quiet -rs tests/test_{copies,threads,shapes,times,bad_input,hosts}.py
         )
     fi

@@ -1,27 +1,30 @@
 #!/usr/bin/env python3
-"""Runs the commands of the README and the documentation and compares what they print with what the pages show.
+"""Runs the commands in the README and the documentation, and compares their output with that shown on the pages.
 
     tests/docs.py [--update] [PAGE ...]       default: README.md and all pages of docs/
     tests/docs.py --pictures FOLDER           the pictures that pages show, by the commands of the same pages
 
-STREAKCAST_BIN names the command line (default: target/debug/streakcast), STREAKCAST_DATA the folder of real data (default: ../shared/data).
+STREAKCAST_BIN is the command line program (default: target/debug/streakcast), STREAKCAST_DATA the folder of real data
+(default: ../shared/data).
 
-Each page runs in a new temporary folder that holds a copy of examples/. In a fenced block ```console a line that begins with "$ " is a
-command; lines after a backslash and lines of a here-document belong to it. The lines up to the next command are the expected output
-(standard output and error as on a terminal, without colours). A line "..." matches any number of lines. Without expected lines only the
-exit status is checked. HTML comments in the lines before the fence change this:
+Each page runs in a new temporary folder with a copy of examples/. In a fenced block ```console, a line that begins with
+"$ " is a command, including continuation lines after a backslash and lines of a here-document. The lines up to the next
+command are the expected output (standard output and error as on a terminal, without colours). A line "..." matches any
+number of lines. If there is no expected output, only the exit status is checked. HTML comments in the lines before the
+fence change this:
 
     <!-- exit 1 -->             the last command of the block ends with this status, not with 0
-    <!-- data -->               needs the real data, which the commands find under data/; skipped with a message if the folder is missing
-    <!-- background -->         the command keeps running (a server) until the end of the page; its expected output must appear
+    <!-- data -->               requires the real data, in the folder data/; skipped with a message if they are missing
+    <!-- background -->         the command (a server) runs until the end of the page; its expected output must appear
     <!-- not run: REASON -->    shown only
 
-Python blocks are run by plugins/python/tests/test_readme.py. Figures in the prose that a test, a table or a source file holds are checked by
-comments of the form
+Python blocks are run by plugins/python/tests/test_readme.py. For numbers in the text that occur in a test, a table or a
+source file, comments of the following form are checked:
 
     <!-- figure: TEXT in FILE -->   the text must occur in this file of the repository
 
-A page shows a picture NAME that its own commands write as ../pictures/PAGE/NAME, where PAGE is the name of the page without `.md`.
+A page may show a picture NAME that its own commands write to ../pictures/PAGE/NAME, where PAGE is the name of the page
+without `.md`.
 `--update` writes the actual output into the pages.
 """
 
@@ -42,12 +45,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-#: Longest line of a command in columns: longer ones are clipped on the page.
+#: Longest line of a command, columns. Longer lines would be clipped on the page.
 LONGEST_COMMAND = 100
 TIMEOUT_S = 600
-#: Longest time until a command in the background prints what is expected.
+#: Longest time until a command in the background prints the expected output, seconds.
 START_S = 60
-#: Longest output and difference that are shown for a failure, in lines.
+#: Largest number of lines of output and differences that are shown for a failure.
 LONGEST_REPORT = 40
 WILDCARD = "..."
 FENCE = re.compile(r"^(?P<indent> *)(?P<ticks>`{3,})(?P<language>[^`]*)$")
@@ -84,7 +87,7 @@ class PageError(Exception):
 
 
 def marks_above(lines, fence):
-    """Marks in the comments directly above a fence."""
+    """Returns the HTML comments directly above a fence."""
     found, at = {}, fence - 1
     while at >= 0 and (not lines[at].strip() or MARK.match(lines[at])):
         mark = MARK.match(lines[at])
@@ -95,7 +98,7 @@ def marks_above(lines, fence):
 
 
 def commands_of(lines, first, last, indent):
-    """Commands of the lines first..last of a console block."""
+    """Returns the commands in the lines first to last of a console block."""
     found, at = [], first
     while at < last:
         line = lines[at][indent:]
@@ -123,7 +126,7 @@ def commands_of(lines, first, last, indent):
 
 
 def blocks_of(lines):
-    """Console blocks of a page. Raises an error for a command of streakcast outside of them."""
+    """Returns the console blocks of a page. A command of streakcast outside of them is an error."""
     blocks, at = [], 0
     while at < len(lines):
         fence = FENCE.match(lines[at])
@@ -155,7 +158,7 @@ def matches(expected, actual):
 
 
 def updated(expected, actual):
-    """Returns the actual output in the form of the expected one: as many lines before and after a single wildcard."""
+    """Returns the actual output with the wildcard of the expected one, and as many lines before and after it."""
     if WILDCARD not in expected:
         return actual
     before = expected.index(WILDCARD)
@@ -166,7 +169,7 @@ def updated(expected, actual):
 
 
 def plain(data):
-    """Returns the text of a terminal without control sequences and overwritten progress bars."""
+    """Returns terminal output without control sequences and overwritten progress bars."""
     text = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", data.decode(errors="replace").replace("\r\n", "\n"))
     lines = [line.rpartition("\r")[2].rstrip() for line in text.split("\n")]
     while lines and not lines[-1]:
@@ -191,7 +194,7 @@ class Terminal:
         self.data = b""
 
     def read(self, seconds, until=lambda: False):
-        """Reads until the command ends or `until` holds; returns False after `seconds`."""
+        """Reads until the command ends or `until` returns true. Returns False after `seconds`."""
         end = time.monotonic() + seconds
         while time.monotonic() < end and not until():
             if not select.select([self.reader], [], [], 0.1)[0]:

@@ -1,5 +1,5 @@
-//! Module imports: modules import only from the modules below them, and files never in a circle; ARCHITECTURE.md is
-//! checked against every line of `src/`.
+//! Module imports: modules import only from the modules below them, and files do not import each other in a circle.
+//! ARCHITECTURE.md is compared with all files of `src/`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -97,8 +97,8 @@ const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("subtle", &["bin"]),
 ];
 
-/// Operations that the library must not perform: printing, ending the process, reading environment, clock, network or
-/// random sources.
+/// Operations that the library must not perform: printing, ending the process, and reading the environment, the clock,
+/// the network or random numbers of the system.
 const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "println!",
     "eprintln!",
@@ -120,22 +120,22 @@ const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "StdRng",
 ];
 
-/// Keywords that must not start a line of a `mod.rs` (apart from visibility): such a file declares modules and defines
-/// nothing.
+/// Keywords that must not start a line of a `mod.rs`, apart from visibility: such a file only declares modules and
+/// re-exports names.
 const DEFINITIONS: &[&str] =
     &["fn", "struct", "enum", "trait", "impl", "impl<T>", "const", "static", "type", "macro_rules!", "union"];
 
-/// One source file and its position in the module tree.
+/// Source file and its position in the module tree.
 struct Source {
-    /// `orbit`, `passes`, ...; `bin` for the command line; `lib` for the root.
+    /// `orbit`, `passes`, ...; `bin` for the command line program; `lib` for the root of the crate.
     module: String,
-    /// Number of path segments from the crate's root to this module, including its own name.
+    /// Number of path segments from the root of the crate to this module, including its own name.
     depth: usize,
     is_mod: bool,
 }
 
 impl Source {
-    /// Creates a source from its path below `src/`.
+    /// Creates a source from its path relative to `src/`.
     fn of(path: &Path) -> Self {
         let names: Vec<String> =
             path.with_extension("").components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
@@ -145,7 +145,7 @@ impl Source {
     }
 }
 
-/// Code of a line without comments and string literals.
+/// Returns the code of a line without comments and string literals.
 fn code(line: &str) -> String {
     let mut code = String::new();
     let mut quoted = false;
@@ -175,7 +175,7 @@ fn names(code: &str, word: &str) -> bool {
         .any(|(at, _)| !code[..at].chars().next_back().is_some_and(|before| before.is_alphanumeric() || before == '_'))
 }
 
-/// Modules named by a line as `crate::module` or within `crate::{...}`.
+/// Returns the modules named in a line as `crate::module` or within `crate::{...}`.
 fn imported_modules(code: &str) -> Vec<String> {
     let mut modules = Vec::new();
     for (at, prefix) in code.match_indices("crate::") {
@@ -207,12 +207,12 @@ fn imported_modules(code: &str) -> Vec<String> {
     modules
 }
 
-/// Returns all violations in one file, one line each.
+/// Returns the violations in one file, one per line.
 fn violations(path: &Path, text: &str) -> Vec<String> {
     let source = Source::of(path);
     let mut found = Vec::new();
     let mut in_tests = false;
-    // A `use crate::{` over several lines is read as one line.
+    // A `use crate::{` over several lines is joined to one line.
     let mut lines: Vec<(usize, String)> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let code = code(line);
@@ -273,21 +273,21 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
     found
 }
 
-/// Path of names from the crate's root, as `["images", "fits", "hdu"]`.
+/// Path of names from the root of the crate, such as `["images", "fits", "hdu"]`.
 type Names = Vec<String>;
 
-/// A source file for the search for circles.
+/// Imports of a source file, for the search for circles.
 #[derive(Default)]
 struct Imports {
     path: String,
     is_mod: bool,
-    /// Absolute paths of names that the file imports.
+    /// Absolute paths of imported names.
     used: Vec<Names>,
-    /// Names among these that the file re-exports.
+    /// Absolute paths of re-exported names.
     exported: Vec<Names>,
 }
 
-/// Returns the paths of a `use` tree: `a::{b, c::d}` has `a::b` and `a::c::d`.
+/// Returns the paths of a `use` tree: `a::{b, c::d}` gives `a::b` and `a::c::d`.
 fn leaves(tree: &str) -> Vec<String> {
     let tree = tree.trim();
     let Some((prefix, rest)) = tree.split_once('{') else {
@@ -305,7 +305,7 @@ fn leaves(tree: &str) -> Vec<String> {
     parts.flat_map(|part| leaves(part)).map(|leaf| format!("{prefix}{leaf}")).collect()
 }
 
-/// Returns module and imports of a file; the crate's root is `src/`, or the folder of the command line.
+/// Returns module and imports of a file. The root of the crate is `src/`, or the folder of the command line program.
 fn imports(path: &Path, text: &str) -> (Names, Imports) {
     let mut module: Names =
         path.with_extension("").components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
@@ -323,7 +323,7 @@ fn imports(path: &Path, text: &str) -> (Names, Imports) {
             let base = match names[0] {
                 "crate" => root,
                 "super" => &module[..module.len().saturating_sub(supers)],
-                // The path begins with a name of the same folder (in a mod.rs) or of another crate.
+                // The path starts with a name in the same folder (in a mod.rs) or with that of another crate.
                 _ => &module[..],
             };
             names.drain(..supers.max(usize::from(["crate", "self"].contains(&names[0]))));
@@ -338,7 +338,7 @@ fn imports(path: &Path, text: &str) -> (Names, Imports) {
     (module, Imports { path: path.to_string_lossy().replace('\\', "/"), is_mod, used, exported })
 }
 
-/// Returns the file that defines a name, found through the re-exports of modules.
+/// Returns the file that defines a name, which is found through the re-exports of modules.
 fn definer(files: &BTreeMap<Names, Imports>, names: &[String], depth: usize) -> Option<Names> {
     for end in (1..=names.len()).rev() {
         let Some(file) = files.get(&names[..end]) else { continue };
@@ -351,7 +351,7 @@ fn definer(files: &BTreeMap<Names, Imports>, names: &[String], depth: usize) -> 
     None
 }
 
-/// Returns all files that a file imports, directly or by others.
+/// Returns all files that a file imports directly or indirectly.
 fn reach<'a>(below: &'a BTreeMap<&Names, BTreeSet<Names>>, from: &'a Names) -> BTreeSet<&'a Names> {
     let (mut reached, mut open) = (BTreeSet::new(), vec![from]);
     while let Some(next) = open.pop() {
@@ -360,7 +360,7 @@ fn reach<'a>(below: &'a BTreeMap<&Names, BTreeSet<Names>>, from: &'a Names) -> B
     reached
 }
 
-/// Returns groups of files that import one another, directly or by others: the strongly connected components.
+/// Returns groups of files that import each other directly or indirectly: the strongly connected components.
 fn circles(files: &BTreeMap<Names, Imports>) -> Vec<Vec<String>> {
     let below: BTreeMap<&Names, BTreeSet<Names>> = files
         .iter()
@@ -409,7 +409,7 @@ fn verif_modules_import_only_from_modules_below_them() {
         })
         .collect();
     assert!(found.is_empty(), "{} violations:\n{}", found.len(), found.join("\n"));
-    // The table must not name modules that no longer exist.
+    // The table must not contain modules that do not exist.
     for (module, _) in MAY_IMPORT {
         assert!(src.join(module).is_dir() || src.join(module).with_extension("rs").is_file(), "no module {module}");
     }

@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Output files are read by independent programs in a virtual environment: tracking data messages by ccsds-ndm, injected
-# streaks by acstools. About a minute on two cores.
-# STREAKCAST_BIN is the binary (default: it is built). Missing frames are skipped with a message; the synthetic one is always used.
+# Reads output files with independent programs in a virtual environment: tracking data messages with ccsds-ndm, injected
+# streaks with acstools. Takes about a minute on two cores.
+# STREAKCAST_BIN is the program (default: it is built). Real frames that are missing are skipped with a message; a
+# synthetic frame is always used.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -12,7 +13,7 @@ if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet
     STREAKCAST_BIN=$target/debug/streakcast
 fi
-# The environment is reused while the pinned versions and Python are the same.
+# The environment is used again while the pinned versions and Python are unchanged.
 venv=$target/independent-venv requirements=tests/reference/requirements.txt
 made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat "$requirements"; } | sha256sum)
 if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then

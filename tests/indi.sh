@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# The gate against Debian's INDI server and its simulators: a mount is slewed, and `gate --indi` must read its pointing.
-# Installs indi-bin by apt; prints that the test was skipped if it cannot. STREAKCAST is the binary (default: it is built).
+# Tests `gate --indi` with Debian's INDI server and simulators: a mount is slewed, and the gate must read its pointing.
+# Installs indi-bin with apt; if that is not possible, prints that the test is skipped. STREAKCAST is the program
+# (default: it is built).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -34,7 +35,7 @@ fail() {
 }
 set_property() { indi_setprop -p "$port" "$1" >>"$work/log" 2>&1; }
 get_property() { indi_getprop -p "$port" -t 3 "$1" 2>>"$work/log"; }
-# until_property PROPERTY VALUE: waits until the property has the value.
+# until_property PROPERTY VALUE: waits until a property has a value.
 until_property() {
     for _ in $(seq 600); do
         [ "$(get_property "$1" | head -n 1 | cut -d= -f2-)" = "$2" ] && return 0
@@ -45,14 +46,15 @@ until_property() {
 mount="Telescope Simulator"
 gate=("$STREAKCAST" gate --shells starlink-gen1 --fov 3deg --exposure 10s --limit-mag=-20 --indi "localhost:$port" --timeout 20s --strict)
 
-# The gate waits less than a second for the site after the pointing, which is too short on a loaded machine: tries are repeated.
+# The gate waits less than a second for the site after the pointing, which may be too short on a loaded machine: it is
+# run again.
 gate_passes() {
     for _ in $(seq 20); do
         if "${gate[@]}" "$@" 2>"$work/error"; then return 0; fi
     done
     fail "the gate did not find the mount: $(cat "$work/error")"
 }
-# gate_fails WORDS ARGUMENT...: checks for an error with these words.
+# gate_fails TEXT ARGUMENT...: checks that the gate fails with an error that contains a text.
 gate_fails() {
     local words=$1
     shift
@@ -68,7 +70,7 @@ gate_fails "check its connection" --mpc X05
 
 set_property "$mount.CONNECTION.CONNECT=On"
 until_property "$mount.CONNECTION.CONNECT" On
-# 5 h, +80 deg is circumpolar there.
+# Position of 5 h, +80 deg: it does not set there.
 set_property "$mount.GEOGRAPHIC_COORD.LAT;LONG;ELEV=50;10;300"
 set_property "$mount.TELESCOPE_PARK.UNPARK=On" || true
 set_property "$mount.ON_COORD_SET.TRACK=On"
@@ -83,7 +85,7 @@ import datetime, json, math, sys
 status = json.load(open(sys.argv[1]))
 mount = {line.split("=")[0].rsplit(".", 1)[-1]: float(line.split("=")[1]) for line in sys.argv[2].splitlines()}
 ra, dec = math.radians(15 * mount["RA"]), math.radians(mount["DEC"])
-# Precession only (Lieske 1977, first orders), of date to J2000: without nutation and aberration, 40 arcsec.
+# Precession only (Lieske 1977, first-order terms), from date to J2000. Nutation and aberration, 40 arcsec, are omitted.
 t = (datetime.datetime.now(datetime.timezone.utc) - datetime.datetime(2000, 1, 1, 12, tzinfo=datetime.timezone.utc)).total_seconds() / (36525 * 86400)
 arcsec = math.pi / 648000
 zeta, z, theta = ((2306.2181 * t + 0.30188 * t * t) * arcsec, (2306.2181 * t + 1.09468 * t * t) * arcsec, (2004.3109 * t - 0.42665 * t * t) * arcsec)
@@ -98,9 +100,9 @@ assert apart(j2000, found) < 60 and apart((ra, dec), found) > 100
 assert status["verdict"] == "clear" and status["mount"] == "Telescope Simulator"
 PYTHON
 
-# A site other than the mount's.
+# The given site differs from that of the mount.
 gate_fails "km from" --mpc X05
-# Without a server the night continues; with --strict it is an error.
+# Without a server the exit code is 0; with --strict it is an error.
 kill "$server"
 wait "$server" 2>/dev/null || true
 "${gate[@]:0:${#gate[@]}-1}" --mpc X05 2>"$work/error" || fail "no server must not stall a night"

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# All checks of the project, with one line of output per step. Before a commit: `tests/run.sh --quick`; before a merge:
-# `tests/run.sh`.
+# Runs all checks of the project, with one line of output per step. `tests/run.sh --quick` before a commit;
+# `tests/run.sh` before a merge.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -21,8 +21,8 @@ beside=""
 trap 'if [ -n "$beside" ]; then kill -- "-$beside" 2>/dev/null || true; fi; rm -rf "$log"' EXIT
 begin=$SECONDS
 
-# step NAME COMMAND...: runs a command and prints its time. After a failure it prints the lines with errors, then the
-# whole output.
+# step NAME COMMAND...: runs a command and prints its time. If it fails, prints the lines with errors and then the whole
+# output.
 step() {
     local name=$1 start=$SECONDS
     shift
@@ -41,7 +41,8 @@ step() {
     cat "$log/step" >>"$log/all"
 }
 
-# start_beside COMMAND...: starts a command beside the following steps, in a process group of its own; `finish_beside` waits for it.
+# start_beside COMMAND...: starts a command in parallel to the next steps, in its own process group; `finish_beside`
+# waits until it ends.
 start_beside() {
     set -m
     "$@" >"$log/beside" 2>&1 &
@@ -57,16 +58,16 @@ finish_beside() {
     return "$code"
 }
 
-# skipped WHAT: prints what is skipped, here and in the summary.
+# skipped TEXT: prints what is skipped, now and in the summary.
 skipped() {
     echo "*** SKIPPED $*" | tee -a "$log/all"
 }
 
-# Prints what was skipped, and the sums of Rust's "test result" lines and of pytest's last lines.
+# Prints what was skipped, and the sums of the "test result" lines of Rust and of the last lines of pytest.
 counts() {
     grep -ahoE '\*\*\* SKIPPED [^ ]+: no real data' "$log/all" | sed 's/\*\*\* SKIPPED /skipped (no data folder): /; s/: no real data$//' | sort -u || true
     grep -ahoE '\*\*\* SKIPPED .*' "$log/all" | grep -vE ': no real data' | sed 's/\*\*\* SKIPPED /skipped: /; s/ \*\*\*$//; s/"*, stacklevel.*//' | sort -u || true
-    # Measured values that tests print without a check.
+    # Measured values that tests print without checking them.
     grep -ahoE '[0-9]+ moves: median.*|[0-9]+ passes, .* read by ccsds-ndm.*' "$log/all" || true
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
          / in [0-9.]+s/ && !/^test result:/ && /[0-9]+ (passed|failed|skipped|error)/ {
@@ -86,17 +87,17 @@ if [ "$mode" = quick ]; then
     step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
     step "cargo test --lib, import rules" cargo test --lib --test imports
 else
-    # One build with all features.
+    # All features are built once.
     step "cargo clippy --all-targets" cargo clippy --quiet --all-targets --all-features "${lint[@]}"
     step "cargo test" cargo test --all-features
-    # The binary that the tests built. `cargo build` would build it again, without the features that development
-    # dependencies add.
+    # Uses the binary built by the tests. `cargo build` would build it again, without features that development
+    # dependencies enable.
     target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
     mkdir "$log/bin"
     cp "$target/debug/streakcast" "$log/bin/streakcast"
     export STREAKCAST=$log/bin/streakcast STREAKCAST_BIN=$log/bin/streakcast
-    # In environments of their own, from the package index; STREAKCAST_PLUGINS=no skips them. They take as long as all other
-    # steps after `cargo test` and mostly use one core, so they run beside them.
+    # The plugins are tested in their own environments, with packages from the index; STREAKCAST_PLUGINS=no skips them.
+    # They take as long as all other steps after `cargo test` and mostly use one core, so they run in parallel.
     if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
         skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
     else
@@ -121,19 +122,19 @@ else
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
     step "example charts" cargo run --quiet --all-features --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
-    # Needs programs from the package index; STREAKCAST_PLUGINS=no skips this step and the plugins.
+    # Requires programs from the package index; STREAKCAST_PLUGINS=no skips this step and the plugins.
     if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
         skipped "independent.sh: STREAKCAST_PLUGINS=no"
     else
         step "outputs read by independent programs" tests/independent.sh
     fi
-    # Installs what it needs with apt, npm and pip; STREAKCAST_SERVE=no skips this step.
+    # Installs its requirements with apt, npm and pip; STREAKCAST_SERVE=no skips this step.
     if [ "${STREAKCAST_SERVE:-yes}" = no ]; then
         skipped "serve.sh: STREAKCAST_SERVE=no"
     else
         step "serve: page in a browser, load, and fuzzing of the API" tests/serve.sh
     fi
-    # Commands that need real data are skipped with a message if the folder STREAKCAST_DATA is missing.
+    # Commands that require real data are skipped with a message if the folder STREAKCAST_DATA is missing.
     step "commands of the README and the documentation" tests/docs.py
     if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
         step "docs/build.sh" docs/build.sh

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# `streakcast serve` in a real browser, under load, and with schemathesis.
-# Installs chromium by apt, playwright-core by npm and schemathesis by pip, all pinned; prints what was skipped if it cannot.
-# `tests/serve.sh [--load SECONDS]`; STREAKCAST is the binary (default: it is built), SERVE_PICTURES a folder for screenshots.
+# Tests `streakcast serve` in a browser, under load, and with schemathesis: `tests/serve.sh [--load SECONDS]`. Installs
+# pinned versions of chromium (apt), playwright-core (npm) and schemathesis (pip); prints what is skipped if that is not
+# possible. STREAKCAST is the program (default: it is built), SERVE_PICTURES a folder for screenshots.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -40,7 +40,7 @@ if [ -z "${STREAKCAST:-}" ]; then
     STREAKCAST=$target/debug/streakcast
 fi
 
-# Installed in the build folder and reused while the pinned versions are the same.
+# Installed in the build folder, and used again while the pinned versions are unchanged.
 tools=$target/serve-tools
 mkdir -p "$tools"
 cp tests/serve/package.json tests/serve/package-lock.json tests/serve/*.mjs tests/serve/schemathesis.toml "$tools"
@@ -62,7 +62,7 @@ work=$(mktemp -d)
     --limit-mag 7 --telescope rubin --quiet >"$work/address" 2>"$work/log" &
 server=$!
 trap 'kill "$server" 2>/dev/null || true; wait "$server" 2>/dev/null || true; rm -rf "$work"' EXIT
-# Waits at most ten minutes.
+# Waits for at most ten minutes.
 for _ in $(seq 6000); do
     [ -s "$work/address" ] && break
     kill -0 "$server" 2>/dev/null || { cat "$work/log" >&2; exit 1; }
@@ -72,7 +72,7 @@ url=$(head -n 1 "$work/address")
 
 node "$tools/browser.mjs" "$url" "$STREAKCAST" ${SERVE_PICTURES:+"$SERVE_PICTURES"}
 node "$tools/load.mjs" "$url" "$server" "$load_s"
-# schemathesis sends valid and invalid values of every parameter: no response may be a server error or undocumented.
+# schemathesis sends valid and invalid values of every parameter. No response may be a server error or undocumented.
 (cd "$work" && "$tools/venv/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
     --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
     --request-timeout 300) | tail -n 60

@@ -1,4 +1,4 @@
-//! The configuration document: the one structure that flags, configuration files and plugins fill.
+//! The configuration document, filled from command line flags, configuration files and plugins.
 
 use std::path::{Path, PathBuf};
 
@@ -12,20 +12,22 @@ use super::values::{
 use crate::input;
 use crate::schedule::MagnitudeLimit;
 
-/// Largest NORAD catalogue number: nine digits.
+/// Largest accepted NORAD catalogue number (nine digits).
 #[cfg(feature = "cli")]
 const MOST_NORAD: u32 = 999_999_999;
 
-/// Satellites, site, camera, rules and run options of a request. `None`, `false` and an empty list mean an omitted key.
+/// Satellites, site, camera, policy and run options of a request. `None`, `false` and an empty list mean an omitted
+/// key.
 ///
-/// The command line fills it from flags, [`Config::read`] from TOML, and plugins from JSON; [`Config::over`] completes
-/// one configuration with another. In TOML, keys may have hyphens or underscores, and `site`, `telescope`, `field` and
-/// `policy` are either the value of the flag or a table.
+/// The command line fills it from flags, [`Config::read`] from TOML, and plugins from JSON. [`Config::over`] fills
+/// omitted keys from another configuration. In TOML, keys may have hyphens or underscores, and `site`, `telescope`,
+/// `field` and `policy` are either the value of the flag or a table.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct Config {
-    /// Element sets (TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN) and ephemerides of operators (OEM, Modified ITC), plain or gzipped
+    /// Element sets (TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN) and ephemerides of operators (OEM, Modified ITC),
+    /// plain or gzipped
     #[serde(deserialize_with = "one_or_many")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
     pub elements: Vec<PathBuf>,
@@ -42,8 +44,8 @@ pub struct Config {
     /// Table of standard magnitudes in the format of McCants' qs.mag
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
     pub qs_mag: Option<PathBuf>,
-    /// Brightness model for all satellites, or for one kind of satellite as KIND=MODEL (--model oneweb=oneweb-panels); MODEL
-    /// is a name listed by streakcast model list, or a JSON file
+    /// Brightness model for all satellites, or for one kind of satellite as KIND=MODEL (--model oneweb=oneweb-panels);
+    /// MODEL is a name listed by streakcast model list, or a JSON file
     #[serde(deserialize_with = "model_assignments")]
     #[cfg_attr(feature = "cli", arg(long, value_name = "[KIND=]MODEL", help_heading = "Satellites"))]
     pub model: Vec<ModelAssignment>,
@@ -54,7 +56,7 @@ pub struct Config {
     /// Model of the Earth's shadow: geometric (solid Earth; default) or atmosphere (with refracted and reddened light)
     #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
     pub shadow: Option<String>,
-    /// Brightness models.
+    /// Model files, standard magnitudes, and models by generation.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub models: Option<ModelsTable>,
     /// Site on the ground.
@@ -82,7 +84,7 @@ pub struct Config {
     /// Telescope: atlas, decam, pan-starrs, rubin, small, vst, ztf, or a TOML file
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", help_heading = "Camera"))]
     pub telescope: Option<TelescopeChoice>,
-    /// Band and light of the magnitudes.
+    /// Band, magnitude system and light sources.
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten, next_help_heading = "Camera"))]
     pub light: LightConfig,
@@ -98,7 +100,7 @@ pub struct Config {
     /// Time scale of times that have none: utc, tai or tt
     #[cfg_attr(feature = "cli", arg(long, value_name = "SCALE", help_heading = "Time"))]
     pub time_scale: Option<String>,
-    /// Time scale of the configuration file, for times without a scale. A scale in the name of a schedule's column
+    /// Time scale from the configuration file for times without a scale. A scale in the column name of a schedule
     /// overrides it; the flag `--time-scale` overrides both.
     #[serde(skip)]
     #[cfg_attr(feature = "cli", arg(skip))]
@@ -110,18 +112,18 @@ pub struct Config {
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", command(flatten))]
     pub run: RunConfig,
-    /// One exposure.
+    /// Exposure, for requests with a single exposure.
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", arg(skip))]
     pub exposure: ExposureConfig,
-    /// Rules for verdicts.
+    /// Policy and the limits that override it.
     #[serde(flatten)]
     #[cfg_attr(feature = "cli", arg(skip))]
     pub rules: RulesConfig,
     /// Include crossings in the Earth's shadow.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub include_dark: Option<bool>,
-    /// Points along each track.
+    /// Number of points along each track.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub samples: Option<usize>,
     /// Output format.
@@ -159,7 +161,7 @@ impl SiteConfig {
     }
 }
 
-/// Band, zero point and light sources of the magnitudes.
+/// Band, magnitude system and light sources of the magnitudes.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(default)]
 #[cfg_attr(feature = "cli", derive(clap::Args))]
@@ -237,7 +239,7 @@ pub struct RulesConfig {
     pub max_delay: Option<Quantity>,
 }
 
-/// Keys of a configuration file.
+/// Accepted keys of a configuration file.
 #[rustfmt::skip]
 const KEYS: [&str; 42] = [
     "elements", "shells", "accept_bad_checksums", "qs_mag", "model", "drag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
@@ -247,7 +249,7 @@ const KEYS: [&str; 42] = [
 ];
 
 impl Config {
-    /// Reads a configuration file. Relative paths in it start from the folder of the file.
+    /// Reads a configuration file. Relative paths in it are relative to the folder of the file.
     ///
     /// # Errors
     /// The file cannot be read, is not TOML, or has an unknown key or an invalid value.
@@ -264,21 +266,21 @@ impl Config {
         Ok(config)
     }
 
-    /// Reads the text of a configuration file; `origin` is its name in errors.
+    /// Parses the text of a configuration file; `origin` is its name in errors.
     ///
     /// # Errors
-    /// Text that is not TOML, an unknown key, an invalid value.
+    /// The text is not TOML, a key is unknown, or a value is invalid.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, ConfigError> {
         let error = |message: String| ConfigError::Toml { path: origin.to_owned(), message };
         let of_toml = |error: &toml::de::Error| crate::schedule::toml_error_on_one_line(error, text);
         let keys: toml::Table = toml::from_str(text).map_err(|syntax| error(of_toml(&syntax)))?;
-        // Flags are spelled with hyphens, TOML keys mostly with underscores.
+        // TOML keys may have hyphens or underscores; the fields have underscores.
         let keys: toml::Table = keys.into_iter().map(|(key, value)| (key.replace('-', "_"), value)).collect();
         if let Some(unknown) = keys.keys().find(|key| !KEYS.contains(&key.as_str())) {
             return Err(error(format!("unknown key '{unknown}'; allowed: {}", KEYS.join(", "))));
         }
         Config::deserialize(keys.clone()).map_err(|value| {
-            // The parser's message on a value lacks the key.
+            // The error of the TOML parser for an invalid value does not contain the key.
             let is_invalid = |(key, value): &(String, toml::Value)| {
                 Config::deserialize(toml::Table::from_iter([(key.clone(), value.clone())])).is_err()
             };
@@ -287,10 +289,10 @@ impl Config {
         })
     }
 
-    /// Completes this configuration with its configuration file, if one is given.
+    /// Fills omitted keys from the configuration file, if one is given.
     ///
     /// # Errors
-    /// As [`Config::read`].
+    /// Same as [`Config::read`].
     pub fn with_file(self) -> Result<Self, ConfigError> {
         match &self.run.file {
             Some(path) => {
@@ -301,10 +303,10 @@ impl Config {
         }
     }
 
-    /// Returns this configuration, completed by `base`.
+    /// Returns this configuration, with omitted keys taken from `base`.
     ///
-    /// Values that belong together are taken together: a site, a field or satellites given here are not mixed with
-    /// those of `base`.
+    /// Related keys are taken together: if this configuration has a site, a field or satellites, none of the keys of
+    /// that group are taken from `base`.
     pub fn over(mut self, base: Config) -> Config {
         macro_rules! complete {
             ($config:ident, $base:ident: $($($field:ident).+),+ $(,)?) => {
@@ -354,7 +356,7 @@ impl Config {
 
     /// Returns the paths of all files in the configuration, except the configuration file itself.
     pub fn files(&self) -> Vec<PathBuf> {
-        // `visit_paths` needs a mutable reference; a copy is cheap.
+        // `visit_paths` requires a mutable reference.
         let (mut copy, mut files) = (self.clone(), Vec::new());
         copy.visit_paths(|path| files.push(path.clone()));
         files
@@ -392,7 +394,7 @@ impl Config {
 /// Reads a NORAD catalogue number from the command line.
 ///
 /// # Errors
-/// Anything but a number of one to nine digits.
+/// The text is not a number of one to nine digits.
 #[cfg(feature = "cli")]
 pub fn norad_id(text: &str) -> Result<u32, String> {
     let number = text.parse().ok().filter(|number| (1..=MOST_NORAD).contains(number));
@@ -433,14 +435,14 @@ mod tests {
             let message = Config::from_toml(text, "t.toml").unwrap_err().to_string();
             assert!(message.starts_with("configuration t.toml: ") && !message.contains('\n'), "{text}: {message}");
         }
-        // JSON, the format of the plugins.
+        // Plugins pass JSON.
         assert!(serde_json::from_str::<Config>(r#"{"limitmag": 7}"#).is_err());
     }
 
     #[test]
     fn every_listed_key_is_a_key() {
-        // No key accepts a table inside a list, so that every key gives an error; an unlisted key gives that of an
-        // unknown one.
+        // No key accepts a table inside a list, so every accepted key gives an error of its type; a key that is missing
+        // in the list gives the error of an unknown key.
         for key in KEYS {
             let error = Config::from_toml(&format!("{key} = [[{{}}]]"), "t.toml").expect_err(key).to_string();
             assert!(!error.contains("unknown"), "{key}: {error}");

@@ -1,4 +1,4 @@
-//! Configuration of an ephemeris.
+//! Configuration of an ephemeris request.
 
 use std::path::PathBuf;
 
@@ -15,7 +15,7 @@ use super::values::parse_duration_s;
 use crate::forecast::EphemerisRequest;
 use crate::frames::{parse_moment, seconds_after, seconds_between};
 
-/// Largest number of times.
+/// Largest number of times of one request.
 const MOST_TIMES: usize = 1_000_000;
 
 /// Times and satellites of an ephemeris, in addition to [`Config`].
@@ -70,10 +70,10 @@ pub struct EphemerisConfig {
 }
 
 impl EphemerisConfig {
-    /// Resolves the request.
+    /// Checks the values and converts them to a request.
     ///
     /// # Errors
-    /// An unknown generation; missing or invalid times, or more than a million; an altitude out of range.
+    /// A generation is unknown, times are missing or invalid or more than a million, or the altitude is out of range.
     pub fn resolve(&self, config: &Config) -> Result<EphemerisRequest, ConfigError> {
         let selection = selection(&self.generation, &self.name, &self.norad)?;
         if let Some(altitude) = self.min_altitude.filter(|altitude| !(-90.0..=90.0).contains(altitude)) {
@@ -118,7 +118,7 @@ impl EphemerisConfig {
     }
 }
 
-/// Returns the times from the first to the last.
+/// Returns the times from `first` to `last` in steps of `step_s` seconds.
 fn steps(first: Epoch, last: Epoch, step_s: f64) -> Result<Vec<Epoch>, ConfigError> {
     let span_s = seconds_between(first, last);
     if span_s < 0.0 {
@@ -130,7 +130,7 @@ fn steps(first: Epoch, last: Epoch, step_s: f64) -> Result<Vec<Epoch>, ConfigErr
     if step_s <= 0.0 {
         return Err(ConfigError::invalid("--step is 0 s; allowed: above 0 s"));
     }
-    // The last time is included despite rounding.
+    // The tolerance includes the last time in spite of rounding.
     let count = (span_s / step_s + 1e-6).floor() + 1.0;
     if count > MOST_TIMES as f64 {
         let message = format!("--step is {step_s} s, which gives {count:.0} times; allowed: at most {MOST_TIMES}");

@@ -1,4 +1,4 @@
-//! Errors of a configuration, and of requests that use it.
+//! Errors of a configuration and of requests that use it.
 
 use std::io;
 
@@ -17,29 +17,29 @@ use crate::schedule::ScheduleError;
 #[cfg(all(feature = "fits", unix))]
 use crate::streaks::StreaksError;
 
-/// Errors of a configuration, or of a request for a forecast, an identification or an injection.
+/// Error of a configuration, or of a forecast, identification or injection request.
 ///
-/// Each message contains the invalid value and the accepted ones.
+/// Each message contains the invalid value and the accepted values.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ConfigError {
-    /// An incomplete or contradictory request, or one with a number out of range.
+    /// The request is incomplete or contradictory, or a number is out of range.
     #[error("{0}")]
     Invalid(String),
     /// A file of the configuration cannot be read.
     #[error("{what} {path}: {source}")]
     Io {
-        /// What the file is for.
+        /// Purpose of the file.
         what: &'static str,
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// The system's error.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// The configuration file is invalid.
     #[error("configuration {path}: {message}")]
     Toml {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Error and its position.
         message: String,
@@ -47,7 +47,7 @@ pub enum ConfigError {
     /// The policy file is invalid.
     #[error("policy {path}: {message}")]
     PolicyFile {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Error and its position.
         message: String,
@@ -55,53 +55,53 @@ pub enum ConfigError {
     /// A required value is missing.
     #[error("missing {what}; specify {allowed}")]
     Missing {
-        /// What is missing.
+        /// Name of the missing value.
         what: &'static str,
-        /// Flags that specify it.
+        /// Flags that set it.
         allowed: &'static str,
     },
-    /// Two values exclude each other.
+    /// Two options exclude each other.
     #[error("{first} and {second} exclude each other; specify one of them")]
     Both {
-        /// First option.
+        /// Name of the first option.
         first: &'static str,
-        /// Second option.
+        /// Name of the second option.
         second: &'static str,
     },
-    /// A value of unknown form.
+    /// The text of a value has an invalid form.
     #[error("invalid {what} '{given}'; allowed: {allowed}")]
     Value {
         /// Name of the value.
         what: &'static str,
-        /// Given value.
+        /// Invalid text.
         given: String,
-        /// Allowed values.
+        /// Accepted forms.
         allowed: &'static str,
     },
-    /// An unknown site without a similar known name.
+    /// The site is unknown, and no known name is similar.
     #[error("unknown site {0:?}; allowed: a name listed by streakcast sites, or --lat, --lon and --height")]
     UnknownSite(String),
-    /// The telescope in orbit is not in the file.
+    /// The file has no element set of the telescope in orbit.
     #[error(
         "--observer-norad {id} is not among the {count} objects of the elements; allowed: the NORAD number of one of them"
     )]
     NoObserver {
-        /// Given value.
+        /// NORAD catalogue number of the telescope.
         id: u32,
-        /// Number of objects.
+        /// Number of objects in the file.
         count: usize,
     },
-    /// The file of the telescope in orbit holds several objects.
+    /// The file contains several objects, and no number selects the telescope in orbit.
     #[error(
         "the elements of the observer contain {count} objects; specify one with --observer-norad (the first is {first})"
     )]
     SeveralObservers {
-        /// Number of objects.
+        /// Number of objects in the file.
         count: usize,
-        /// NORAD number of the first one.
+        /// NORAD catalogue number of the first object.
         first: u32,
     },
-    /// The telescope in orbit is below the Earth's limb.
+    /// The telescope in orbit is below the height of the Earth's limb.
     #[error(
         "{name} is at {at_km:.0} km, below the limb height of {height_km} km; allowed: --limb-height-km below the orbit"
     )]
@@ -113,38 +113,38 @@ pub enum ConfigError {
         /// Height of the limb, km.
         height_km: f64,
     },
-    /// The policy refers to limits that the file of the telescope lacks.
+    /// The policy refers to limits that are missing in the telescope file.
     #[error(
         "the policy has {key} = \"telescope\", but the file of {telescope} has no such limit in any band; \
          allowed: numbers in the policy, or a telescope with [limits.g] and so on in its file"
     )]
     NoCameraLimit {
-        /// The key of the policy.
+        /// Key of the policy.
         key: &'static str,
         /// Name of the telescope.
         telescope: String,
     },
-    /// Invalid orbit of the telescope in orbit.
+    /// The orbit of the telescope is invalid.
     #[error("observer: {0}")]
     Observer(OrbitError),
     /// A number is out of its range.
     #[error("{what} is {given}; allowed: {allowed}")]
     OutOfRange {
-        /// Name of the value, spelled as the flag.
+        /// Name of the value, written as its flag.
         what: &'static str,
-        /// Given value, with its unit.
+        /// Invalid value, with its unit.
         given: String,
-        /// Allowed values, with their unit.
+        /// Accepted range, with its unit.
         allowed: &'static str,
     },
-    /// A number is given without its unit.
+    /// A number has no unit.
     #[error("{what} is {given}, without a unit; allowed: {allowed}")]
     NoUnit {
         /// Name of the value.
         what: &'static str,
-        /// Given value.
+        /// Invalid text.
         given: String,
-        /// Allowed values.
+        /// Accepted forms.
         allowed: &'static str,
     },
     /// No element set can be propagated to the time of the request.
@@ -154,17 +154,17 @@ pub enum ConfigError {
     NothingPropagates {
         /// Number of element sets.
         satellites: usize,
-        /// Time.
+        /// Time of the request.
         moment: String,
-        /// Error of the first one.
+        /// Reason for the first element set.
         first: String,
     },
-    /// An unknown generation of satellites.
+    /// The generation of satellites is unknown.
     #[error("unknown generation {given:?}; allowed: {known}")]
     UnknownGeneration {
-        /// Given value.
+        /// Unknown name.
         given: String,
-        /// All names.
+        /// All accepted names.
         known: String,
     },
     /// Error in element sets or synthetic shells.
@@ -189,7 +189,7 @@ pub enum ConfigError {
     /// Error in bands, model files or standard magnitudes.
     #[error(transparent)]
     Photometry(#[from] PhotometryError),
-    /// Error in the models of satellites, the field of view or the prepared sky.
+    /// Error in the choice of models, the field of view or the prepared sky.
     #[error(transparent)]
     Sky(#[from] SkyError),
     /// Error in the policy.
@@ -215,8 +215,8 @@ impl ConfigError {
         Self::Invalid(message.into())
     }
 
-    /// Returns true for errors of a forecast, an identification or an injection, false for those of their
-    /// configuration.
+    /// Returns true if the error occurred in a forecast, identification or injection, and false if the configuration is
+    /// invalid.
     pub fn is_of_request(&self) -> bool {
         let is_general = matches!(
             self,

@@ -1,4 +1,4 @@
-//! Configuration of a forecast.
+//! Configuration of a forecast request.
 
 use hifitime::Epoch;
 use serde::Deserialize;
@@ -109,11 +109,11 @@ impl Default for ForecastConfig {
 }
 
 impl ForecastConfig {
-    /// Resolves the request and its selection of satellites. Each pass has `default_samples` points if neither `self`
-    /// nor `config` sets their number.
+    /// Checks the values and converts them to a request and a selection of satellites. `default_samples` is the number
+    /// of points along each pass if neither `self` nor `config` sets it.
     ///
     /// # Errors
-    /// An unknown kind of satellite; a number out of range; as [`time_range`].
+    /// A generation is unknown, a number is out of range, or the errors of [`time_range`].
     pub fn resolve(
         &self,
         config: &Config,
@@ -137,10 +137,10 @@ impl ForecastConfig {
     }
 }
 
-/// Returns the selection of satellites by generation, part of the name, or number.
+/// Returns the selection of satellites by generation, part of the name, or catalogue number.
 ///
 /// # Errors
-/// An unknown generation.
+/// A generation is unknown.
 pub(super) fn selection(generations: &[String], names: &[String], norad_ids: &[u32]) -> Result<Selection, ConfigError> {
     let kind = |name: &String| {
         Generation::by_name(name).ok_or_else(|| {
@@ -155,11 +155,11 @@ pub(super) fn selection(generations: &[String], names: &[String], norad_ids: &[u
     })
 }
 
-/// Returns the start and the end of a time range. A night lasts from local mean noon to the next noon at the site, and
-/// is named by the local date of its evening.
+/// Returns start and end of the time range. A night lasts from local mean noon to the next noon at the site, and is
+/// given by the local date of its evening.
 ///
 /// # Errors
-/// An invalid date; a missing time; more than 31 days, or an end before the start.
+/// A date or time is invalid or missing, the range is longer than 31 days, or its end is before its start.
 pub fn time_range(
     night: Option<&str>,
     start: Option<&str>,

@@ -1,4 +1,4 @@
-//! Configuration of an identification: position and time of a measured streak.
+//! Configuration of an identification request: position and time of a measured streak.
 
 use std::path::{Path, PathBuf};
 
@@ -13,22 +13,21 @@ use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
 use crate::input;
 use crate::passes::Exposure;
 
-/// Default clock error (one sigma), s.
+/// Default clock error (one sigma), seconds.
 const TIME_SIGMA_S: f64 = 0.5;
 /// Default error of a position angle (one sigma), degrees.
 const ANGLE_SIGMA_DEG: f64 = 1.0;
 /// Default position error of an end (one sigma), arcsec.
 const POSITION_SIGMA_ARCSEC: f64 = 5.0;
-/// Default position error of an end that was measured by eye in a frame (one sigma), pixels.
+/// Default position error (one sigma) of an end measured by eye in a frame, pixels.
 #[cfg(all(feature = "fits", unix))]
 const POSITION_SIGMA_PIX: f64 = 3.0;
 
-/// Forms in which a streak can be given.
+/// Accepted ways to specify a streak, for error messages.
 pub const STREAK_FORMS: &str =
     "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
 
-/// A measured streak, in addition to [`Config`]: given by two ends, by a position and an angle, by pixels of a frame,
-/// or by regions.
+/// Measured streak, in addition to [`Config`]: two ends, a position and an angle, two pixels of a frame, or regions.
 ///
 /// ```
 /// let streak: streakcast::config::IdentifyConfig =
@@ -120,17 +119,17 @@ pub struct IdentifyConfig {
     pub time_sigma: Option<String>,
 }
 
-/// Measured streak after all checks, with the option that gave it.
+/// Measured streak, with the option that specified it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct IdentifyPlan {
-    /// Streak.
+    /// Measured streak.
     pub streak: MeasuredStreak,
-    /// Option that gave the position of the streak: `--end`, `--position-angle`, `--from-pix` or `--region`.
+    /// Option that specified the position: `--end`, `--position-angle`, `--from-pix` or `--region`.
     pub source: &'static str,
 }
 
 impl IdentifyPlan {
-    /// Returns the exposure of the streak, pointed at its middle.
+    /// Returns an exposure at the time of the streak, pointed at its middle.
     pub fn exposure(&self) -> Exposure {
         Exposure {
             id: String::new(),
@@ -142,18 +141,18 @@ impl IdentifyPlan {
     }
 }
 
-/// Position of a streak on the sky: two ends, or a middle with an angle.
+/// Line on the sky along a streak: two ends, or a middle with an angle.
 enum Line {
     Ends([Direction<Gcrs>; 2]),
     Middle { position: Direction<Gcrs>, angle_deg: f64, length_deg: Option<f64> },
 }
 
 impl IdentifyConfig {
-    /// Resolves the streak and reads its files.
+    /// Checks the values, reads the files, and returns the measured streak.
     ///
     /// # Errors
-    /// No streak or several streaks are given, a time is missing, a file cannot be read, a position is outside of the
-    /// frame, or a number is out of range.
+    /// No streak or more than one is given, a time is missing, a file cannot be read, a position is outside the frame,
+    /// or a number is out of range.
     pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, ConfigError> {
         let has_middle = self.position_angle.is_some() || self.ra.is_some() || self.dec.is_some();
         let mut forms = vec![
@@ -199,7 +198,8 @@ impl IdentifyConfig {
         Ok(IdentifyPlan { streak, source })
     }
 
-    /// Returns the configuration; if it has no site, with that of the frame's header and a remark that names it.
+    /// Returns the configuration. If it has no site, the site of the frame's header is set, and a message that states
+    /// it is returned.
     ///
     /// # Errors
     /// The frame cannot be read or has no site.
@@ -258,7 +258,7 @@ impl IdentifyConfig {
         Ok((Line::Ends(ends), POSITION_SIGMA_PIX * pixel_arcsec))
     }
 
-    /// Returns the start and the duration of the interval, and the relation between times and ends.
+    /// Returns start and duration (seconds) of the interval, and the relation between times and ends.
     fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), ConfigError> {
         let scale = config.time_scale()?;
         match self.times.as_slice() {
@@ -283,8 +283,8 @@ impl IdentifyConfig {
         }
     }
 
-    /// Returns the time of shutter opening and the exposure time: those given, or else those of the configuration, or
-    /// else those of the frame's header.
+    /// Returns shutter opening and exposure time (seconds): from `self`, or else from the configuration, or else from
+    /// the frame's header.
     fn exposed(&self, config: &Config) -> Result<(Epoch, f64), ConfigError> {
         let given = |given: &Option<String>, configured: &Option<Quantity>| {
             given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
@@ -312,13 +312,13 @@ fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, ConfigError> {
     parse_direction(ra, dec).map_err(ConfigError::Angle)
 }
 
-/// Returns the line through regions drawn around a streak, and the position error of its ends (one sigma), arcsec.
+/// Returns the line through regions drawn around a streak, and the position error (one sigma) of its ends, arcsec.
 fn in_regions(path: &Path) -> Result<(Line, f64), ConfigError> {
     let shown = path.display().to_string();
     let fail = |error: &dyn std::fmt::Display| ConfigError::invalid(format!("{shown}: {error}"));
     let text = input::read_to_string(path).map_err(|error| fail(&error))?;
     let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
-    // The middle line of a box drawn around a streak is more accurate than the sides of the box.
+    // The middle line of a box is closer to the streak than the sides of the box.
     let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
     let sigma_arcsec = if half_width_arcsec > 0.0 { 0.5 * half_width_arcsec } else { POSITION_SIGMA_ARCSEC };
     Ok((Line::Ends(line.ends), sigma_arcsec))

@@ -1,4 +1,4 @@
-//! Sky positions and times of a streak from the frame that contains it.
+//! Sky positions and times of a streak from the FITS frame that contains it.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::frames::{Direction, Gcrs};
 use crate::geometry::Site;
 use crate::images::{ExposureTime, FrameFile, Header, PixelPosition, Wcs, site_from_headers};
 
-/// Reads a pixel `1024.5,2048`, counted from 1.
+/// Parses pixel coordinates such as `1024.5,2048`, counted from 1.
 pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
     let numbers = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
     numbers
@@ -22,8 +22,8 @@ pub(super) fn pixel(text: &str) -> Result<PixelPosition, ConfigError> {
         })
 }
 
-/// Opens a frame; returns it with the given HDU, or else with the HDU of its only image that is not a mask, a weight or
-/// a variance.
+/// Opens a frame, and returns it with `hdu`. Without `hdu` it returns the only image that is not a mask, a weight map
+/// or a variance.
 fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), ConfigError> {
     let file = FrameFile::open(path).map_err(ConfigError::Frame)?;
     let images = file.light_images();
@@ -79,7 +79,7 @@ pub(super) fn ends(
     Ok((ends, ends[0].separation_rad(&ends[1]).to_degrees() * 3600.0 / length_pix))
 }
 
-/// Returns the time of shutter opening and the exposure time: the values given, or else those of the header.
+/// Returns shutter opening and exposure time (seconds): the given values, or else those of the header.
 pub(super) fn exposure(
     path: &Path,
     hdu: Option<usize>,

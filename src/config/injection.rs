@@ -1,4 +1,4 @@
-//! Options of an injection: frames, exposure, streaks, counts and truth.
+//! Options of an injection request: frames, exposure, streaks, counts and truth.
 
 use std::path::PathBuf;
 

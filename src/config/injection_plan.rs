@@ -1,4 +1,4 @@
-//! Resolution of the options of an injection to a plan, and its execution on frames.
+//! Checks the options of an injection, and runs it on frames.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,29 +22,30 @@ use crate::streaks::{
     Tumbling,
 };
 
-/// Default β of the Moffat profile, usual for telescopes.
+/// Default β of the Moffat profile of a point spread function.
 const DEFAULT_BETA: f64 = 3.5;
-/// Second Gaussian of the form `double`: twice as wide as the first, with a tenth of the light (Bosch & Armstrong 2013,
-/// SDSS images).
+/// Second Gaussian of the form `double`: twice as wide as the first, with a tenth of its light (Bosch & Armstrong 2013,
+/// for SDSS images).
 const DEFAULT_WIDENING: f64 = 2.0;
 const DEFAULT_WIDE_SHARE: f64 = 0.1;
-/// Default rates of random streaks, deg/s: satellites at 550 km height, low in the sky and overhead.
+/// Default range of angular rates of random streaks, deg/s: satellites at 550 km height near the horizon and at the
+/// zenith.
 const DEFAULT_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
 /// Largest number of points along one streak in the truth table.
 const MOST_TRUTH_POINTS: usize = 10_000;
-/// Default time of synthetic frames with random streaks. It appears only in the header.
+/// Default start time of synthetic frames with random streaks. It is written to the header and has no other effect.
 const DEFAULT_START: &str = "2000-01-01T12:00:00Z";
 
-/// Function that returns the sky for the night of a given time, for callers with a cache of skies.
+/// Function that returns a prepared sky for a given time, for callers that cache skies.
 pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError> + Sync);
 
-/// Puts streaks into frames: one output for each image, or for each synthetic frame.
+/// Adds streaks to frames and writes one output for each input image or synthetic frame.
 ///
-/// The function `sky`, if given, returns the sky for the night of the frames. Otherwise the sky is prepared from the
-/// configuration, with the site of the headers if the configuration has none.
+/// `sky`, if given, returns the prepared sky for the time of a frame. Otherwise the sky is prepared from the
+/// configuration; if that has no site, the site is taken from the headers.
 ///
 /// # Errors
-/// [`ConfigError`]; each output is written whole or not at all.
+/// [`ConfigError`]. On an error no partial output file remains.
 pub fn inject_frames(
     injection: &InjectionConfig,
     config: &Config,
@@ -65,7 +66,7 @@ pub fn inject_frames(
     Ok(injections)
 }
 
-/// Puts streaks into an image in memory, with the folder `scratch` for temporary files; `cards` are its header.
+/// Adds streaks to an image in memory. `cards` are its header; `scratch` is a folder for temporary files.
 ///
 /// # Errors
 /// [`ConfigError`].
@@ -87,7 +88,8 @@ fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
     InjectionSky { sky: &prepared.sky, eop: &prepared.eop, provenance: &prepared.provenance }
 }
 
-/// Returns the configuration, with the site of the headers and a remark if it has none.
+/// Returns the configuration. If it has no site, the site of the headers is set, and a message that states it is
+/// returned.
 fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
     if config.has_viewpoint() {
         return Ok((config.clone(), None));
@@ -106,21 +108,21 @@ fn with_site_of_frames(config: &Config, opened: &Injection<'_>) -> Result<(Confi
 }
 
 impl InjectionConfig {
-    /// Returns all input files, which no output may replace.
+    /// Returns the paths of all input files; outputs must not replace them.
     pub fn files(&self) -> Vec<PathBuf> {
         let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector];
         self.image.iter().chain(one.into_iter().flatten()).cloned().collect()
     }
 
-    /// Returns true for random streaks, false for satellites.
+    /// Returns true if random streaks are added, false for satellites.
     pub fn is_random(&self) -> bool {
         self.random_streaks.is_some() || self.streak_density.is_some()
     }
 
-    /// Resolves the plan; reads the files of detector, synthetic frame, light curve and schedule.
+    /// Checks the options, and reads the files of detector, synthetic frame, light curve and schedule.
     ///
     /// # Errors
-    /// A request that is incomplete, contradicts itself, or is out of range.
+    /// The options are incomplete or contradictory, or a number is out of range.
     pub fn resolve(&self, config: &Config) -> Result<InjectionPlan, ConfigError> {
         self.check_counts()?;
         let telescope = config.telescope()?;
@@ -193,7 +195,7 @@ impl InjectionConfig {
         })
     }
 
-    /// Checks how many numbers each option has, and that they are finite.
+    /// Checks that each option has the required number of values, and that they are finite.
     fn check_counts(&self) -> Result<(), ConfigError> {
         let lists = [
             ("track-rate", &self.track_rate, 2..=2),
@@ -216,7 +218,7 @@ impl InjectionConfig {
         Ok(())
     }
 
-    /// Rejects options without effect.
+    /// Rejects options that have no effect together with the others.
     fn check_idle(&self) -> Result<(), ConfigError> {
         let of_synthetic =
             [("--frames", self.frames.is_some()), ("--ra", self.ra.is_some()), ("--dec", self.dec.is_some())];
@@ -349,7 +351,7 @@ impl InjectionConfig {
     ) -> Result<SyntheticPlan, ConfigError> {
         let text = text_of("synthetic frame", path)?;
         let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string())?;
-        // Relative paths in a file start from the folder of the file.
+        // Relative paths in a file are relative to the folder of the file.
         let folder = path.parent().unwrap_or(Path::new(""));
         frame.star_list = frame.star_list.map(|list| folder.join(list));
         let opened = match start {

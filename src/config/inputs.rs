@@ -16,8 +16,8 @@ use crate::orbit::DragModel;
 use crate::passes::ModelChoice;
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
 
-/// All inputs of a configuration, read once. They are enough to prepare skies for any time, except that the elements of
-/// a telescope in orbit are read for each sky.
+/// Inputs of a configuration, read once. Skies for any time can be prepared from them; only the element sets of a
+/// telescope in orbit are read again for each sky.
 #[derive(Clone, Debug)]
 pub struct LoadedInputs {
     pub(super) config: Config,
@@ -37,10 +37,10 @@ impl LoadedInputs {
 }
 
 impl Config {
-    /// Reads all inputs, with every element set of every object, for skies of many nights.
+    /// Reads all inputs for skies of many nights. All element sets of every object are kept.
     ///
     /// # Errors
-    /// Neither elements nor shells are given, or an input is invalid.
+    /// Neither element sets nor simulated constellations are given, or an input is invalid.
     pub fn load(&self) -> Result<LoadedInputs, ConfigError> {
         self.load_with(self.read_elements(Keep::All)?)
     }
@@ -57,10 +57,10 @@ impl Config {
         Ok(LoadedInputs { config: self.clone(), drag, shadow, eop, catalogue, constellations, choice })
     }
 
-    /// Returns the model of drag in SGP4; if omitted, no drag for satellites that hold their orbits.
+    /// Returns the model of drag in SGP4. If omitted, satellites that hold their orbits by thrust have no drag.
     ///
     /// # Errors
-    /// An unknown model.
+    /// The model is unknown.
     pub fn drag(&self) -> Result<DragModel, ConfigError> {
         let Some(name) = &self.drag else { return Ok(DragModel::default()) };
         DragModel::by_name(name).ok_or_else(|| ConfigError::Value {
@@ -70,10 +70,10 @@ impl Config {
         })
     }
 
-    /// Returns the model of the Earth's shadow; the solid Earth if omitted.
+    /// Returns the model of the Earth's shadow; if omitted, that of a solid Earth without atmosphere.
     ///
     /// # Errors
-    /// An unknown model.
+    /// The model is unknown.
     pub fn shadow(&self) -> Result<ShadowModel, ConfigError> {
         let Some(name) = &self.shadow else { return Ok(ShadowModel::default()) };
         ShadowModel::by_name(name).ok_or_else(|| ConfigError::Value {
@@ -83,10 +83,10 @@ impl Config {
         })
     }
 
-    /// Returns the table of Earth orientation: that of the given file, or else the bundled table of UT1.
+    /// Returns the table of Earth orientation: from the given file, or else the bundled table of UT1.
     ///
-    /// Without a file, polar motion is zero, as in Skyfield: an error of at most 18 m, while element sets have errors
-    /// of a kilometre. The provenance states which table is used.
+    /// Without a file, polar motion is zero, as in Skyfield. This causes an error of at most 18 m, while element sets
+    /// have errors of about a kilometre. The provenance states which table is used.
     ///
     /// # Errors
     /// The file cannot be read or is invalid.
@@ -97,10 +97,10 @@ impl Config {
         }
     }
 
-    /// Reads the files of element sets, with the set of each object closest to `moment`; `None` without a file.
+    /// Reads the files of element sets, with the set of each object closest to `moment`; `None` if no file is given.
     ///
     /// # Errors
-    /// A file that cannot be read or has no element sets.
+    /// A file cannot be read or has no element sets.
     pub fn catalogue(&self, moment: Epoch) -> Result<Option<Satellites>, ConfigError> {
         self.read_elements(Keep::Nearest(moment))
     }
@@ -116,10 +116,10 @@ impl Config {
         ReadOptions { accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false), keep }
     }
 
-    /// Returns the synthetic constellations.
+    /// Returns the simulated constellations.
     ///
     /// # Errors
-    /// An unknown name, or an invalid file.
+    /// A name is unknown, or a file is invalid.
     pub fn constellations(&self) -> Result<Vec<Constellation>, ConfigError> {
         let mut all = Vec::new();
         for name in &self.shells {
@@ -132,10 +132,10 @@ impl Config {
         Ok(all)
     }
 
-    /// Returns the bundled models and those of the configuration's model files, by name.
+    /// Returns the bundled brightness models and those of the model files, by name.
     ///
     /// # Errors
-    /// A file that cannot be read or is invalid.
+    /// A file cannot be read or is invalid.
     pub fn model_library(&self) -> Result<ModelLibrary, ConfigError> {
         let mut library = ModelLibrary::embedded();
         for path in self.models.iter().flat_map(|models| &models.files) {
@@ -144,10 +144,11 @@ impl Config {
         Ok(library)
     }
 
-    /// Returns the choice of a model for each satellite.
+    /// Returns the assignment of brightness models to satellites.
     ///
     /// # Errors
-    /// As [`Config::model_library`]; an unknown kind of satellite or model; an invalid table of standard magnitudes.
+    /// Same as [`Config::model_library`]; a generation or model is unknown; the table of standard magnitudes is
+    /// invalid.
     pub fn model_choice(&self) -> Result<ModelChoice, ConfigError> {
         let library = self.model_library()?;
         let mut choice = ModelChoice::new(&library)?;
@@ -158,7 +159,7 @@ impl Config {
             })?;
             choice = choice.with_model(generation, library.find(model)?);
         }
-        // A model for all satellites first, so that one for a kind takes precedence over it.
+        // A model for all satellites is set first, so that a model for one generation replaces it.
         let (for_all, by_kind): (Vec<_>, Vec<_>) = self.model.iter().partition(|assigned| assigned.kind.is_none());
         for assigned in for_all.into_iter().chain(by_kind) {
             let model = match &assigned.model {
@@ -182,7 +183,7 @@ impl Config {
     }
 }
 
-/// Reads a text file; `what` is its purpose in errors.
+/// Reads a text file. `what` is its purpose, for errors.
 pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, ConfigError> {
     input::read_to_string(path).map_err(|source| ConfigError::Io { what, path: path.display().to_string(), source })
 }

@@ -1,10 +1,10 @@
-//! Configuration: one document for satellites, site, models, camera and rules, filled by flags, files and plugins.
+//! Configuration: one document for satellites, site, models, camera and policy, filled from flags, files and plugins.
 //!
-//! [`Config`] holds the options of all requests; [`ForecastConfig`], [`EphemerisConfig`], [`IdentifyConfig`] and
-//! `InjectionConfig` hold those of one kind of request. Each is checked and resolved once, to an [`ObservationPlan`], a
+//! [`Config`] has the options common to all requests; [`ForecastConfig`], [`EphemerisConfig`], [`IdentifyConfig`] and
+//! `InjectionConfig` have those of one kind of request. Each is checked once and converted to an [`ObservationPlan`], a
 //! [`PreparedSky`], a [`ForecastRequest`](crate::forecast::ForecastRequest), an
 //! [`EphemerisRequest`](crate::forecast::EphemerisRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
-//! [`streaks`](crate::streaks). The command line derives its flags from the same structures (feature `cli`).
+//! [`streaks`](crate::streaks). With the feature `cli`, the command line flags are derived from the same structures.
 
 mod document;
 mod ephemeris;

@@ -1,4 +1,4 @@
-//! Field, telescope, policy, photometry and exposure of a configuration, with their checks.
+//! Field, telescope, policy, photometry and exposure of a configuration.
 
 use std::path::Path;
 
@@ -20,7 +20,7 @@ use crate::schedule::{FlagRequest, Policy, ScheduleError, ScheduleOptions};
 pub const MOST_SAMPLES: usize = 100_000;
 
 const FIELDS: &str = "--fov 3.5deg or 1.5x1.0deg, --field FILE, or a telescope with --telescope";
-/// Ways to give the pointing of an exposure.
+/// Accepted ways to specify a pointing, for error messages.
 const POINTINGS: &str = "--ra and --dec, or --target NAME, for example M31";
 
 /// Field, telescope, policy and photometry for the verdicts of exposures.
@@ -30,16 +30,16 @@ pub struct ObservationPlan {
     pub field: Field,
     /// Telescope, if one is given.
     pub telescope: Option<Telescope>,
-    /// Policy, with the overriding limits of [`RulesConfig`](super::RulesConfig).
+    /// Policy, with the limits of [`RulesConfig`](super::RulesConfig) set.
     pub policy: Policy,
-    /// Band, zero point and light of the magnitudes.
+    /// Band, magnitude system and light sources of the magnitudes.
     pub photometry: PhotometryOptions,
-    /// Position angle of the field for exposures that have none, radians.
+    /// Position angle of the field for exposures without one, radians.
     pub rotation_rad: f64,
 }
 
 impl ObservationPlan {
-    /// Returns the request for verdicts under a sky.
+    /// Returns the request for verdicts on exposures of a sky.
     pub fn request<'a>(&'a self, sky: &'a Sky) -> FlagRequest<'a> {
         FlagRequest {
             sky,
@@ -52,11 +52,11 @@ impl ObservationPlan {
 }
 
 impl Config {
-    /// Resolves field, telescope, policy and photometry.
+    /// Returns field, telescope, policy and photometry.
     ///
     /// # Errors
-    /// As [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; a rotation
-    /// out of range.
+    /// Same as [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; or the
+    /// rotation is out of range.
     pub fn observation(&self) -> Result<ObservationPlan, ConfigError> {
         Ok(ObservationPlan {
             field: self.field_of_view()?,
@@ -67,10 +67,10 @@ impl Config {
         })
     }
 
-    /// Returns the field of view: the one given, or else that of the telescope.
+    /// Returns the given field of view, or else that of the telescope.
     ///
     /// # Errors
-    /// No field or two fields are given, or the field is invalid.
+    /// No field or more than one is given, or the field is invalid.
     pub fn field_of_view(&self) -> Result<Field, ConfigError> {
         match (&self.fov, &self.field) {
             (Some(_), Some(_)) => Err(ConfigError::Both { first: "--fov", second: "--field" }),
@@ -87,10 +87,10 @@ impl Config {
         }
     }
 
-    /// Returns the telescope, if one is given.
+    /// Returns the telescope; `None` if none is given.
     ///
     /// # Errors
-    /// An unknown name, or an invalid file.
+    /// The name is unknown, or the file is invalid.
     pub fn telescope(&self) -> Result<Option<Telescope>, ConfigError> {
         Ok(match &self.telescope {
             None => None,
@@ -102,10 +102,10 @@ impl Config {
         })
     }
 
-    /// Returns the policy of the file or table; limits given by flags or keys of their own override those in it.
+    /// Returns the policy of the file or table. Limits given as flags or keys of the document override those in it.
     ///
     /// # Errors
-    /// An invalid file, a number out of range, or a policy that needs a telescope without one.
+    /// The file is invalid, a number is out of range, or the policy requires a telescope and none is given.
     pub fn policy(&self) -> Result<Policy, ConfigError> {
         let mut policy = match &self.rules.policy {
             None => Policy::default(),
@@ -141,10 +141,10 @@ impl Config {
         Ok(policy)
     }
 
-    /// Returns band (V if omitted), zero point and light sources of the magnitudes.
+    /// Returns band (V if omitted), magnitude system and light sources of the magnitudes.
     ///
     /// # Errors
-    /// An unknown band or system, an extinction out of range.
+    /// The band or system is unknown, or the extinction is out of range.
     pub fn photometry(&self) -> Result<PhotometryOptions, ConfigError> {
         let band: Band = self.light.band.as_deref().unwrap_or("V").parse()?;
         let system = self.light.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
@@ -163,7 +163,7 @@ impl Config {
     /// Returns the number of points along each track, 0 if omitted.
     ///
     /// # Errors
-    /// More than [`MOST_SAMPLES`].
+    /// The number is larger than [`MOST_SAMPLES`].
     pub fn samples(&self) -> Result<usize, ConfigError> {
         let samples = self.samples.unwrap_or(0);
         let too_many =
@@ -171,15 +171,15 @@ impl Config {
         if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
     }
 
-    /// Returns the time scale of times that have no scale.
+    /// Returns the time scale of times without a scale.
     ///
     /// # Errors
-    /// An unknown scale.
+    /// The scale is unknown.
     pub fn time_scale(&self) -> Result<Option<TimeScale>, ConfigError> {
         self.given_time_scale().map(parse_time_scale).transpose()
     }
 
-    /// Returns the name of the time scale given by a flag, or else by the configuration file.
+    /// Returns the name of the time scale from the flag, or else from the configuration file.
     pub fn given_time_scale(&self) -> Option<&str> {
         self.time_scale.as_deref().or(self.default_time_scale.as_deref())
     }
@@ -194,7 +194,7 @@ impl Config {
     /// Returns the options for reading schedules.
     ///
     /// # Errors
-    /// An unknown scale, or a rotation out of range.
+    /// The scale is unknown, or the rotation is out of range.
     pub fn schedule_options(&self) -> Result<ScheduleOptions, ConfigError> {
         Ok(ScheduleOptions {
             time_scale: self.time_scale.as_deref().map(parse_time_scale).transpose()?,
@@ -203,10 +203,11 @@ impl Config {
         })
     }
 
-    /// Returns the pointing: the target by name, or right ascension and declination; `None` if neither is given.
+    /// Returns the pointing: that of the named target, or right ascension and declination; `None` if neither is given.
     ///
     /// # Errors
-    /// An unknown name, an angle of another form or out of range, a target beside angles, or one angle without the other.
+    /// The name is unknown, an angle is invalid or out of range, one angle is missing, or both a target and angles are
+    /// given.
     pub fn pointing(&self) -> Result<Option<Direction<Gcrs>>, ConfigError> {
         let ExposureConfig { target, ra, dec, .. } = &self.exposure;
         Ok(match (target, ra, dec) {
@@ -229,11 +230,11 @@ impl Config {
         })
     }
 
-    /// Returns the one exposure that is given, with the id `1`.
+    /// Returns the single exposure of the configuration; its id is `1`.
     ///
     /// # Errors
-    /// Start, length, right ascension, declination or rotation are missing or out of range, or the start is outside the
-    /// ephemeris.
+    /// Start, exposure time, right ascension, declination or rotation is missing or out of range, or the start is
+    /// outside the planetary ephemeris.
     pub fn one_exposure(&self) -> Result<Exposure, ConfigError> {
         fn given<'a>(
             value: &'a Option<Quantity>,
@@ -259,7 +260,7 @@ impl Config {
     }
 }
 
-/// Reads a policy file. An error of syntax has the parser's message, which lists the accepted keys.
+/// Reads a policy file. A syntax error has the message of the TOML parser, which lists the accepted keys.
 fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
     Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
         let message = match error {
@@ -273,7 +274,7 @@ fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
     })
 }
 
-/// Returns the field of a table: the key of one shape, the key `file`, or `shapes` as in a field file.
+/// Returns the field of a table with the key of one shape, the key `file`, or the key `shapes` as in a field file.
 fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
     let text = serde_json::to_string(table).unwrap_or_default();
     if table.contains_key("shapes") {

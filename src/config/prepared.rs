@@ -22,26 +22,26 @@ use crate::schedule::lowest_altitudes_rad;
 /// Largest number of rejected records listed in JSON; `rejected_count` counts all of them.
 const LISTED: usize = 1000;
 
-/// Sky of a site, or of a telescope in orbit, with provenance and warnings.
+/// Sky of a site or of a telescope in orbit, with provenance and warnings.
 #[derive(Debug)]
 pub struct PreparedSky {
-    /// Satellites over the site.
+    /// Satellites and observer.
     pub sky: Sky,
     /// Earth orientation of the sky.
     pub eop: EopTable,
-    /// Provenance of the results, to which a request adds its own statements.
+    /// Provenance of the results. A request adds its own values.
     pub provenance: Provenance,
-    /// Warnings for the user, each with its count.
+    /// Warnings for the user.
     pub warnings: Vec<String>,
-    /// Warnings about files and shells, which do not depend on the time of a request.
+    /// Warnings about files and simulated constellations; they do not depend on the time of a request.
     of_files: Vec<String>,
-    /// Number of satellites from files; they come first in the sky.
+    /// Number of satellites read from files; these are the first satellites of the sky.
     from_files: usize,
-    /// Epoch of the synthetic satellites; `None` without synthetic satellites.
+    /// Epoch of the simulated satellites; `None` if there are none.
     shells_made_for: Option<Epoch>,
 }
 
-/// Words for satellites of a catalogue, sorted by their element sets.
+/// Returns names with catalogue numbers, for warnings; `satellites` are indices of `elements`.
 fn names(satellites: impl Iterator<Item = usize>, elements: &[ElementSet]) -> Vec<String> {
     let name = |index: usize| match &elements[index] {
         set if set.name.is_empty() => set.norad_id.to_string(),
@@ -53,21 +53,21 @@ fn names(satellites: impl Iterator<Item = usize>, elements: &[ElementSet]) -> Ve
 impl Config {
     /// Reads all inputs and prepares the sky for requests from `first` to `last`.
     ///
-    /// The element set of each object closest to the middle of the interval is used. Shells are generated for the
-    /// beginning of the UTC day of `first`.
+    /// Of each object the element set closest to the middle of the interval is used. Simulated constellations are
+    /// generated for the start of the UTC day of `first`.
     ///
     /// # Errors
-    /// As [`Config::load`] and [`LoadedInputs::prepare`].
+    /// Same as [`Config::load`] and [`LoadedInputs::prepare`].
     pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, ConfigError> {
         self.load_with(self.catalogue(middle_of(first, last))?)?.prepare(first, last)
     }
 }
 
 impl LoadedInputs {
-    /// Prepares the sky for requests from `first` to `last`, as [`Config::prepare`].
+    /// Prepares the sky for requests from `first` to `last`, in the same way as [`Config::prepare`].
     ///
     /// # Errors
-    /// No site or an invalid one; no satellite has a position at that time.
+    /// No site is given, the site is invalid, or no satellite can be propagated to that time.
     pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, ConfigError> {
         let middle = middle_of(first, last);
         let viewpoint = self.config.viewpoint(middle)?;
@@ -101,7 +101,7 @@ impl LoadedInputs {
         if let Some(day) = shells_made_for {
             let stated: Vec<_> = self.constellations.iter().map(constellation_json).collect();
             provenance.state("shells", stated);
-            // One epoch for all requests of a day, so that a schedule and one of its exposures have the same
+            // All requests of a UTC day use one epoch, so that a schedule and a single exposure of it have the same
             // satellites.
             let satellites: Vec<ElementSet> =
                 self.constellations.iter().flat_map(|constellation| constellation.element_sets(day)).collect();
@@ -147,9 +147,11 @@ impl LoadedInputs {
 }
 
 impl PreparedSky {
-    /// Returns the warnings about the files, and about the age of the elements for a request from `first` to `last`.
+    /// Returns the warnings about the files, and those about the age of the elements for a request from `first` to
+    /// `last`.
     ///
-    /// For the interval of [`LoadedInputs::prepare`] they equal `warnings`; a cached sky also serves other times.
+    /// They equal `warnings` for the interval of [`LoadedInputs::prepare`], but a cached sky is also used at other
+    /// times.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
         let uncovered = self.sky.ephemeris_coverage(first, last).filter(|(_, part)| *part != EphemerisCoverage::Whole);
@@ -165,11 +167,11 @@ impl PreparedSky {
         warnings
     }
 
-    /// Rejects an exposure whose pointing is at any time below the horizon or the Earth's limb; `what` is its name in
-    /// the error.
+    /// Rejects an exposure whose pointing is below the horizon or the Earth's limb while the shutter is open. `what` is
+    /// its name in the error.
     ///
     /// # Errors
-    /// An altitude below 0°.
+    /// The altitude is below 0°.
     pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), ConfigError> {
         let viewpoint = self.sky.viewpoint();
         match lowest_altitudes_rad(&[exposure], viewpoint, &self.eop).first() {
@@ -184,10 +186,10 @@ impl PreparedSky {
         }
     }
 
-    /// Returns a warning with the number of satellites left out, if there are any.
+    /// Returns a warning with the number of satellites whose position cannot be computed; `None` if there are none.
     ///
     /// # Errors
-    /// All satellites are left out: an empty result would be wrong.
+    /// No satellite has a position; an empty result would be misleading.
     pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, ConfigError> {
         if left_out.is_empty() {
             return Ok(None);
@@ -199,8 +201,8 @@ impl PreparedSky {
     }
 }
 
-/// Removes the modules of stations that are in the elements themselves, because the magnitude of a station includes its
-/// modules; returns their names.
+/// Removes the modules of space stations whose main object has an element set, because the magnitude of a station
+/// includes its modules. Returns the names of the removed modules.
 fn merge_modules(elements: &mut Vec<ElementSet>) -> Vec<String> {
     let table = BrightObjects::embedded();
     let stations: BTreeSet<u32> = elements.iter().map(|set| set.norad_id.0).collect();
@@ -251,13 +253,13 @@ fn source_json(source: &SourceFile) -> serde_json::Value {
     })
 }
 
-/// Returns the ephemerides of satellites without an element set, in words.
+/// Returns descriptions of the ephemerides whose satellites have no element set.
 pub(super) fn without_elements(ephemerides: &[Arc<Ephemeris>], elements: &[ElementSet]) -> Vec<String> {
     let without = ephemerides.iter().filter(|ephemeris| !elements.iter().any(|set| ephemeris.is_of(set)));
     without.map(|ephemeris| ephemeris.to_string()).collect()
 }
 
-/// Use of the ephemerides between two times, with the names of satellites for which element sets are used.
+/// Returns the use of ephemerides between two times, with the satellites for which element sets are used instead.
 fn ephemerides_json(sky: &Sky, without_elements: &[String], first: Epoch, last: Epoch) -> serde_json::Value {
     let of = |wanted: EphemerisCoverage| {
         let found = sky.ephemeris_coverage(first, last).filter(move |(_, part)| *part == wanted);
@@ -364,7 +366,7 @@ mod tests {
     const GOOD: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
                         2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097\n";
 
-    /// Returns a configuration with one good element set and some of wrong checksums, with its folder.
+    /// Returns a configuration with one valid element set and `bad` ones with a wrong checksum, and its folder.
     fn with_bad_checksums(bad: usize) -> (tempfile::TempDir, Config) {
         let folder = tempfile::tempdir().unwrap();
         let text = GOOD.to_owned() + &GOOD.replace("575097", "575098").repeat(bad);

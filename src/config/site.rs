@@ -1,4 +1,4 @@
-//! Viewpoint of a configuration: a site by name, code or coordinates, or a telescope in orbit.
+//! Observer of a configuration: a site by name, code or coordinates, or a telescope in orbit.
 
 use hifitime::Epoch;
 
@@ -19,7 +19,7 @@ impl Config {
     /// Returns the site.
     ///
     /// # Errors
-    /// No site or several sites are given, the site is unknown, or a coordinate is out of range.
+    /// No site or more than one is given, the site is unknown, or a coordinate is out of range.
     pub fn site(&self) -> Result<Site, ConfigError> {
         let SiteConfig { named, mpc, lat, lon, height } = &self.site;
         let flags =
@@ -42,11 +42,12 @@ impl Config {
         }
     }
 
-    /// Returns the viewpoint at `moment`: a site, or a telescope in orbit.
+    /// Returns the observer: a site, or a telescope in orbit with the element set closest to `moment`.
     ///
     /// # Errors
-    /// As [`Config::site`]; both a site and an orbit are given; the telescope is below its limb height at `moment`; the
-    /// file has no element sets, has several objects, or lacks the object of the given number.
+    /// Same as [`Config::site`]; or both a site and an orbit are given; or the telescope is below its limb height at
+    /// `moment`; or the file has no element sets, has several objects and no number is given, or lacks the given
+    /// number.
     pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
         let limb = self.limb_height_km;
         match (self.is_in_orbit(), self.site.is_given()) {
@@ -67,7 +68,7 @@ impl Config {
                 let observer = OrbitingObserver::new(&elements, limb).map_err(ConfigError::Observer)?;
                 let orientation = Orientation::at(moment, &self.eop_table()?);
                 let state = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
-                // If SGP4 fails here, the error is reported for each exposure instead.
+                // If SGP4 fails at this time, the error is reported later for each exposure.
                 let at_km = state.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
                 if at_km < height_km {
                     return Err(ConfigError::BelowLimb { name: observer.name(), at_km, height_km });
@@ -77,17 +78,17 @@ impl Config {
         }
     }
 
-    /// Returns the longitude whose local noon separates nights, radians, east positive: that of the site; 0 for a
+    /// Returns the longitude at which local noon separates nights, radians, east positive: that of the site, or 0 for a
     /// telescope in orbit or if `moment` is `None`.
     ///
     /// # Errors
-    /// As [`Config::viewpoint`].
+    /// Same as [`Config::viewpoint`].
     pub fn viewpoint_longitude_rad(&self, moment: Option<Epoch>) -> Result<f64, ConfigError> {
         let Some(moment) = moment else { return Ok(0.0) };
         Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
     }
 
-    /// Returns the configuration at the site of a frame's header, and a remark that names it.
+    /// Returns the configuration with the site of a frame's header set, and a message that states it.
     #[cfg(all(feature = "fits", unix))]
     pub(super) fn at_site_of_header(&self, site: &Site) -> (Self, String) {
         let table = SiteTable {
@@ -110,7 +111,7 @@ impl Config {
         (config, format!("site {} ({what}) from the header", site.name))
     }
 
-    /// Returns the element set of the telescope in orbit nearest to a moment.
+    /// Returns the element set of the telescope in orbit that is closest to `moment`.
     fn observer_set(&self, moment: Epoch) -> Result<ElementSet, ConfigError> {
         let catalogue = match &self.observer_elements {
             Some(path) => {
@@ -135,13 +136,13 @@ impl Config {
     }
 }
 
-/// Returns the error of frames without a site in their headers.
+/// Returns the error for frames whose headers contain no site.
 #[cfg(all(feature = "fits", unix))]
 pub(super) fn no_site_in(frames: &str) -> ConfigError {
     ConfigError::invalid(format!("missing site; specify {SITES} (the header of {frames} lacks it: {SITE_KEYWORDS})"))
 }
 
-/// Returns the site of a name; if no known name is similar, the error lists other ways to specify a site.
+/// Returns the site with this name. If no known name is similar, the error lists other ways to specify a site.
 fn site_of_name(name: &str) -> Result<Site, ConfigError> {
     Site::by_name(name).map_err(|error| match error {
         GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => ConfigError::UnknownSite(name),

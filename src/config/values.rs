@@ -1,4 +1,4 @@
-//! Values of a configuration: quantities with units, lists, and names or tables.
+//! Types of values in a configuration: quantities with units, lists, and names or tables.
 
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -16,7 +16,7 @@ use crate::elements::Generation;
 use crate::images::Telescope;
 use crate::schedule::Policy;
 
-/// Text of a quantity: a number with its unit, a time or an angle. A number in a file is converted to text.
+/// Text of a quantity: a number with a unit, a time or an angle. A number in a document is converted to text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Quantity(pub String);
 
@@ -48,7 +48,7 @@ impl<'de> Deserialize<'de> for Quantity {
     }
 }
 
-/// Reads one value or a list of them.
+/// Deserializes one value or a list of values.
 pub(super) fn one_or_many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged, expecting = "invalid type; allowed: one value or a list of values")]
@@ -63,21 +63,21 @@ pub(super) fn one_or_many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deseri
     })
 }
 
-/// Input given by a name or file, or by a table with all its keys. A table with the single key `preset` is read as a
-/// name.
+/// Input given as a name or path, or as a table of all its keys. A table with the single key `preset` is equivalent to
+/// a name.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NameOrTable<N, T> {
     /// Name or file.
     Name(N),
-    /// Table with the keys of such a file.
+    /// Table with the keys of the corresponding file.
     Table(T),
 }
 
-/// Site: a name of the bundled table, or a table `[site]`.
+/// Site: a name in the bundled table, or a table `[site]`.
 pub type SiteChoice = NameOrTable<String, SiteTable>;
-/// Field of view: a JSON file, or a table `[field]` with the keys of such a file or with the key of one shape.
+/// Field of view: a JSON file, or a table `[field]` with the keys of such a file or the key of one shape.
 pub type FieldChoice = NameOrTable<PathBuf, toml::Table>;
-/// Telescope: a preset's name or a TOML file, or a table `[telescope]` with all keys of such a file.
+/// Telescope: a preset name or a TOML file, or a table `[telescope]` with all keys of such a file.
 pub type TelescopeChoice = NameOrTable<String, Box<Telescope>>;
 /// Policy: a TOML file, or a table `[policy]`.
 pub type PolicyChoice = NameOrTable<PathBuf, Policy>;
@@ -94,7 +94,7 @@ impl<'de, N: From<String>, T: DeserializeOwned> Deserialize<'de> for NameOrTable
                         .into(),
                 ))
             }
-            // The error of the table has details that the error of an untagged enum lacks.
+            // The error of the table type has details that the error of an untagged enum lacks.
             value => match value.try_into() {
                 Ok(table) => Ok(Self::Table(table)),
                 Err(error) => Err(D::Error::custom(toml::de::Error::message(&error))),
@@ -115,19 +115,19 @@ impl<T> From<OsString> for NameOrTable<PathBuf, T> {
     }
 }
 
-/// Table `[site]`: a name of the bundled table, an MPC code, or coordinates (with any name).
+/// Table `[site]`: a name in the bundled table, an MPC code, or coordinates with an optional name.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct SiteTable {
-    /// Name.
+    /// Name of the site.
     pub name: Option<String>,
-    /// MPC code.
+    /// Observatory code of the Minor Planet Center.
     pub mpc: Option<String>,
     /// Geodetic latitude, degrees.
     pub latitude_deg: Option<f64>,
     /// Longitude, degrees, east positive.
     pub longitude_deg: Option<f64>,
-    /// Height, metres.
+    /// Height above the ellipsoid, metres.
     pub height_m: Option<f64>,
 }
 
@@ -135,35 +135,34 @@ pub struct SiteTable {
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ModelsTable {
-    /// Model files; each replaces the shipped model of its name.
+    /// Model files. Each replaces the bundled model of the same name.
     pub files: Vec<PathBuf>,
-    /// Table of standard magnitudes, as the flag `--qs-mag`.
+    /// Table of standard magnitudes; equivalent to the flag `--qs-mag`.
     pub qs_mag: Option<PathBuf>,
-    /// Name of the model for a generation of satellites (`starlink-v1.5`, `oneweb`, ...) that replaces its default
-    /// model.
+    /// Model name for a generation of satellites (`starlink-v1.5`, `oneweb`, ...), which replaces the default model.
     pub generations: BTreeMap<String, String>,
 }
 
-/// Brightness model of `--model`: for all satellites, or for one kind of satellite.
+/// Brightness model of `--model`, for all satellites or for one generation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelAssignment {
-    /// Kind of satellite; all satellites if `None`.
+    /// Generation of satellites; `None` for all satellites.
     pub kind: Option<Generation>,
-    /// The model.
+    /// Brightness model.
     pub model: ModelSource,
 }
 
-/// Brightness model: one of the library, or a file of its own.
+/// Brightness model given by its name in the library or by a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum ModelSource {
     /// Name in the library.
     Name(String),
-    /// Model file: a name with the extension `.json` or with a folder.
+    /// Path of a model file: text that has the extension `.json` or contains a folder.
     File(PathBuf),
 }
 
 impl ModelAssignment {
-    /// Returns the path of the model file, if the model is one.
+    /// Returns the path if the model is a file.
     pub(super) fn file_mut(&mut self) -> Option<&mut PathBuf> {
         match &mut self.model {
             ModelSource::File(path) => Some(path),
@@ -175,8 +174,8 @@ impl ModelAssignment {
 impl FromStr for ModelAssignment {
     type Err = String;
 
-    /// Reads `MODEL` or `KIND=MODEL`. The part before `=` must be a kind of satellite, so that errors in it are not taken
-    /// for names of files.
+    /// Parses `MODEL` or `KIND=MODEL`. The part before `=` must be a known generation, so that a misspelt one is not
+    /// taken as part of a file name.
     fn from_str(text: &str) -> Result<Self, String> {
         let (kind, model) = match text.split_once('=') {
             Some((kind, model)) => {
@@ -198,19 +197,19 @@ impl FromStr for ModelAssignment {
     }
 }
 
-/// Reads one assignment of a model or a list of them.
+/// Deserializes one model assignment or a list of them.
 pub(super) fn model_assignments<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<ModelAssignment>, D::Error> {
     let texts: Vec<String> = one_or_many(deserializer)?;
     texts.iter().map(|text| text.parse().map_err(D::Error::custom)).collect()
 }
 
-/// Numbers: separated by commas on the command line, a list in a document.
+/// List of numbers: separated by commas on the command line, an array in a document.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
 pub struct Numbers(pub Vec<f64>);
 
 impl Numbers {
-    /// Reads `LEAST` to `MOST` finite numbers.
+    /// Parses between `LEAST` and `MOST` finite numbers.
     #[cfg(all(feature = "cli", feature = "fits", unix))]
     pub(super) fn parse<const LEAST: usize, const MOST: usize>(text: &str) -> Result<Self, String> {
         let numbers: Option<Vec<f64>> = text
@@ -225,7 +224,7 @@ impl Numbers {
     }
 }
 
-/// Returns true for the name of a TOML file, false for the name of a preset.
+/// Returns true if the text is the path of a TOML file, false if it is the name of a preset.
 pub(super) fn is_file_name(name: &str) -> bool {
     name.ends_with(".toml")
 }
@@ -243,22 +242,22 @@ const ANGLE_UNITS: &[(&str, f64)] = &[
     ("\"", 1.0 / 3600.0),
 ];
 
-/// Parses a duration like `30s`, `30.0s`, `2.5min` or `1h` into seconds. A number without a unit is rejected.
-/// No duration on the command line is longer than the longest exposure.
+/// Parses a duration such as `30s`, `30.0s`, `2.5min` or `1h` into seconds, at least 0 and at most one day, the longest
+/// exposure. A number without a unit is rejected.
 ///
 /// # Errors
-/// Another form, an unknown unit, a number that is negative, above a day or not finite.
+/// The form is invalid, the unit is unknown, or the number is negative, above a day or not finite.
 pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, ConfigError> {
     let allowed = "a number with its unit: 30s, 2.5min, 1h";
     let seconds = with_unit(what, text, DURATION_UNITS, allowed)?;
     in_range(what, seconds, "s", "0 to 86400 s", |seconds| (0.0..=LONGEST_EXPOSURE_S).contains(&seconds))
 }
 
-/// Parses an angle like `3.5deg`, `210arcmin` or `30arcsec` into degrees, above 0, at most 180. A number without a unit
-/// is rejected.
+/// Parses an angle such as `3.5deg`, `210arcmin` or `30arcsec` into degrees, above 0, at most 180. A number without a
+/// unit is rejected.
 ///
 /// # Errors
-/// Another form, an unknown unit, a number out of range.
+/// The form is invalid, the unit is unknown, or the number is out of range.
 pub fn parse_angle_deg(what: &'static str, text: &str) -> Result<f64, ConfigError> {
     let allowed = "a number with its unit: 3.5deg, 210arcmin, 30arcsec";
     let degrees = with_unit(what, text, ANGLE_UNITS, allowed)?;
@@ -277,19 +276,19 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
     found.filter(|value| value.is_finite()).ok_or_else(|| invalid(what, text, allowed))
 }
 
-/// Parses the size of a field, degrees: a diameter like `3.5deg`, or width and height like `1.5x1.0deg` or `90x60arcmin`.
+/// Parses the size of a field into degrees: a diameter such as `3.5deg`, or width and height such as `1.5x1.0deg`.
 ///
 /// # Errors
-/// As [`parse_angle_deg`], for each of the angles.
+/// Same as [`parse_angle_deg`], for each angle.
 pub(super) fn parse_size_deg(what: &'static str, text: &str) -> Result<(f64, Option<f64>), ConfigError> {
     let Some((width, height)) = text.split_once(['x', '×']) else { return Ok((parse_angle_deg(what, text)?, None)) };
-    // The unit of the height, unless the width has its own.
+    // The unit of the height applies to a width without a unit.
     let unit = height.trim_start_matches(|mark: char| mark.is_ascii_digit() || mark == '.' || mark.is_whitespace());
     let width = if width.trim().parse::<f64>().is_ok() { format!("{width}{unit}") } else { width.to_owned() };
     Ok((parse_angle_deg(what, &width)?, Some(parse_angle_deg(what, height)?)))
 }
 
-/// Returns a number inside a range, an error for a number outside it. NaN is outside every range.
+/// Returns `value` if it is inside a range, and an error otherwise. NaN is outside every range.
 pub(super) fn in_range(
     what: &'static str,
     value: f64,
@@ -300,7 +299,7 @@ pub(super) fn in_range(
     if is_allowed(value) {
         return Ok(value);
     }
-    // Decimal digits of 1e300 would fill the screen.
+    // Large numbers are written with an exponent: 1e300 has 301 digits.
     let number = if value.abs() < 1e15 { value.to_string() } else { format!("{value:e}") };
     Err(ConfigError::OutOfRange { what, given: format!("{number} {unit}").trim_end().to_owned(), allowed })
 }
@@ -309,10 +308,10 @@ fn invalid(what: &'static str, given: &str, allowed: &'static str) -> ConfigErro
     ConfigError::Value { what, given: given.to_owned(), allowed }
 }
 
-/// Returns a time scale by name: `utc`, `tai` or `tt`, in any case.
+/// Parses the name of a time scale: `utc`, `tai` or `tt`, in any case.
 ///
 /// # Errors
-/// Any other name.
+/// The name is unknown.
 pub fn parse_time_scale(text: &str) -> Result<TimeScale, ConfigError> {
     match text.trim().to_ascii_lowercase().as_str() {
         "utc" => Ok(TimeScale::UTC),

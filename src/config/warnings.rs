@@ -1,4 +1,4 @@
-//! Warnings about files, elements and tables, each with its count.
+//! Warnings about files, element sets and tables.
 
 use hifitime::{Epoch, TimeScale, Unit};
 
@@ -8,20 +8,20 @@ use crate::math::quantile::median;
 use crate::output::{counted, format_utc};
 use crate::passes::{OrbitingObserver, Sky};
 
-/// Largest difference between the epoch of an element set and the request without a warning, days.
+/// Largest difference between the epoch of an element set and the time of a request without a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
-/// Largest difference between the epoch of a telescope's elements and the request without a warning, days.
+/// Largest difference between the epoch of a telescope's elements and the time of a request without a warning, days.
 const OLD_OBSERVER_DAYS: f64 = 3.0;
 
-/// Largest number of rejected records quoted in a warning.
+/// Largest number of items listed in a warning.
 const NAMED: usize = 3;
 
-/// Warning of element sets that SGP4 cannot propagate to the time of the request.
+/// Returns the warning about element sets that SGP4 cannot propagate to the time of the request.
 pub(super) fn of_left_out(left_out: usize, satellites: usize) -> String {
     format!("{} of {} element sets cannot be propagated to this date", grouped(left_out), grouped(satellites))
 }
 
-/// Warning of simulated constellations.
+/// Returns the warning about simulated constellations.
 pub(super) fn of_simulated(names: &[&str], satellites: usize) -> String {
     let noun = if names.len() == 1 { "constellation" } else { "constellations" };
     format!(
@@ -39,7 +39,7 @@ fn grouped(count: usize) -> String {
     groups.join(",")
 }
 
-/// Warnings of rejected records, truncated files, and records accepted despite a wrong checksum.
+/// Returns the warnings about rejected records, truncated files, and records accepted despite a wrong checksum.
 pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
     let mut warnings = Vec::new();
     let rejected = catalogue.rejected.len();
@@ -68,7 +68,7 @@ pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
     warnings
 }
 
-/// Warning of ephemerides of satellites without an element set.
+/// Returns the warning about ephemerides whose satellites have no element set.
 pub(super) fn of_ephemerides_without_elements(names: &[String]) -> Option<String> {
     (!names.is_empty()).then(|| {
         format!(
@@ -79,8 +79,8 @@ pub(super) fn of_ephemerides_without_elements(names: &[String]) -> Option<String
     })
 }
 
-/// Warning of satellites whose ephemerides do not cover the time of the request; `all` is the number of satellites with
-/// ephemerides.
+/// Returns the warning about satellites whose ephemerides do not cover the time of the request. `all` is the number of
+/// satellites with ephemerides.
 pub(super) fn of_uncovered(names: &[String], all: usize) -> Option<String> {
     (!names.is_empty()).then(|| {
         format!(
@@ -93,18 +93,18 @@ pub(super) fn of_uncovered(names: &[String], all: usize) -> Option<String> {
     })
 }
 
-/// Returns the first names of a list.
+/// Returns the first names of a list, separated by commas.
 fn first_of(names: &[String]) -> String {
     let more = if names.len() > NAMED { ", ..." } else { "" };
     names[..names.len().min(NAMED)].join(", ") + more
 }
 
-/// Warning of element sets with epochs more than two weeks before or after the request.
+/// Returns the warning about element sets with epochs more than two weeks before or after the request.
 pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) -> Option<String> {
     let elements = &sky.elements()[..from_files];
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    // All epochs are UTC. Comparing durations skips the conversion with leap seconds, which matters in each server
-    // response.
+    // All epochs are UTC. Durations are compared because conversions with leap seconds are slow, and this function runs
+    // for each server response.
     let days_after = |epoch: Epoch, days: f64| (epoch.to_time_scale(TimeScale::UTC) + days * Unit::Day).duration;
     let near = days_after(first, -OLD_ELEMENTS_DAYS)..=days_after(last, OLD_ELEMENTS_DAYS);
     let old: Vec<usize> = (0..from_files).filter(|&index| !near.contains(&elements[index].epoch.duration)).collect();
@@ -120,7 +120,8 @@ pub(super) fn of_age(sky: &Sky, from_files: usize, first: Epoch, last: Epoch) ->
     ))
 }
 
-/// Warning of shells generated for a day more than two weeks before or after the request.
+/// Returns the warning about simulated constellations generated for a day more than two weeks before or after the
+/// request.
 pub(super) fn of_shells(generated_for: Epoch, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     let age_days = days(generated_for, first).max(days(last, generated_for));
@@ -132,7 +133,7 @@ pub(super) fn of_shells(generated_for: Epoch, first: Epoch, last: Epoch) -> Opti
     })
 }
 
-/// Warning of old elements of a telescope in orbit.
+/// Returns the warning about old elements of a telescope in orbit.
 pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     let age_days = days(observer.elements_epoch(), last).max(days(first, observer.elements_epoch()));
@@ -145,7 +146,7 @@ pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch
     })
 }
 
-/// Warning of times outside the table of Earth orientation.
+/// Returns the warning about times outside the table of Earth orientation.
 pub(super) fn of_orientation(eop: &EopTable, first: Epoch, last: Epoch) -> Option<String> {
     let uncovered = [first, last].map(|epoch| eop.status(epoch)).into_iter().find(|status| !status.is_covered())?;
     let why = match uncovered {
@@ -156,7 +157,7 @@ pub(super) fn of_orientation(eop: &EopTable, first: Epoch, last: Epoch) -> Optio
     Some(format!("{why}: UT1 = UTC is used (0.1 s of UT1 is 46 m at the equator); specify a newer one with --eop"))
 }
 
-/// Returns the names of files that end with a broken record.
+/// Returns the names of files whose last record is incomplete.
 pub(super) fn cut_short(catalogue: &Satellites) -> impl Iterator<Item = &str> {
     catalogue.sources.iter().filter(|source| source.cut_short).map(|source| source.name.as_ref())
 }

@@ -1,16 +1,16 @@
 //! Parsing of the UTC epochs of element sets: a year with a fractional day, or an ISO 8601 date.
 //!
-//! Times are whole nanoseconds, so the same instant in two syntaxes gives the same `Epoch`. A day has 86,400 s, as in
-//! SGP4 and its element sets: an epoch inside an inserted leap second (23:59:60) is the first second of the next day.
+//! Times are whole nanoseconds, so that the same instant in two syntaxes gives the same `Epoch`. A day has 86,400 s, as
+//! in SGP4 and its element sets: an epoch within a leap second (23:59:60) is read as the first second of the next day.
 
 use hifitime::{Duration, Epoch, TimeScale};
 
 /// Nanoseconds in a day of 86,400 s.
 pub(super) const DAY_NS: i64 = 86_400_000_000_000;
 
-/// Returns the days from 1900-01-01, the zero of hifitime's UTC, to the first day of a month in the Gregorian calendar.
+/// Returns the days from 1900-01-01, the zero point of hifitime's UTC, to the first day of a Gregorian month.
 fn days_to_month(year: i32, month: u32) -> i64 {
-    // Years begin in March so that the leap day is the last one; five months from March on have 153 days.
+    // Years are counted from March, so that the leap day is the last day; five months from March have 153 days.
     let (shifted_year, shifted_month) =
         if month > 2 { (i64::from(year), month - 3) } else { (i64::from(year) - 1, month + 9) };
     let (era, year_of_era) = (shifted_year.div_euclid(400), shifted_year.rem_euclid(400));
@@ -34,8 +34,8 @@ fn days_in_month(year: i32, month: u32) -> u32 {
     }
 }
 
-/// Returns the instant `nanosecond` ns after the start of day `day_of_year` (1 is 1 January; may extend into the next
-/// year).
+/// Returns the time `nanosecond` ns after the start of day `day_of_year` (1 is 1 January; larger values may extend into
+/// the next year).
 pub(super) fn from_day_of_year(year: i32, day_of_year: i64, nanosecond: i64) -> Epoch {
     let days = days_to_month(year, 1) + day_of_year - 1;
     let total = i128::from(days) * i128::from(DAY_NS) + i128::from(nanosecond);
@@ -57,7 +57,7 @@ pub(super) fn to_day_of_year(epoch: Epoch) -> (i32, i64, i64) {
 /// Parses `2026-07-08T17:37:14.092032` or `2007-064T10:34:41.4264` (day of year); a blank may replace the `T`, and a
 /// `Z` may follow.
 ///
-/// Digits beyond the nanosecond are ignored. Returns `None` for other text or an impossible date.
+/// Digits beyond nanoseconds are ignored. Returns `None` for other text or an invalid date.
 pub(crate) fn parse_iso(text: &str) -> Option<Epoch> {
     let bytes = text.trim().as_bytes();
     let bytes = bytes.strip_suffix(b"Z").unwrap_or(bytes);

@@ -7,7 +7,7 @@ use thiserror::Error;
 use super::element_set::NoradId;
 use super::record::{ElementFormat, Rejected};
 
-/// Accepted formats, for messages.
+/// Accepted formats, for error messages.
 const ALLOWED: &str =
     "TLE, 2LE, 3LE, OMM (JSON, CSV, XML, KVN), or ephemerides as OEM (KVN, XML) or Modified ITC, plain or gzipped";
 
@@ -18,87 +18,87 @@ fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
     }
 }
 
-/// Errors of files of element sets, of synthetic constellations, and of writing TLEs.
+/// Error in files of element sets, in simulated constellations, or in writing TLEs.
 #[derive(Debug, Error)]
 #[non_exhaustive]
 pub enum ElementsError {
-    /// An empty list of files.
+    /// No file is given.
     #[error("no file of element sets is given")]
     NoFiles,
-    /// An error of the operating system.
+    /// The operating system reports an error.
     #[error("cannot read {file}: {source}")]
     Unreadable {
-        /// Given name.
+        /// Name of the file as given.
         file: String,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A directory instead of a file.
+    /// The path is a directory.
     #[error("{file} is a directory; specify the files of element sets in it")]
     Directory {
-        /// Given name.
+        /// Name of the file as given.
         file: String,
     },
-    /// An empty file, or one with blanks only.
+    /// The file is empty or contains only blanks.
     #[error("{file} is empty; allowed: {ALLOWED}")]
     Empty {
-        /// Given name.
+        /// Name of the file as given.
         file: String,
     },
-    /// A truncated or damaged gzip file.
+    /// The gzip file is truncated or damaged.
     #[error("{file} is an invalid gzip file ({source}): it may be truncated; download it again")]
     BrokenGzip {
-        /// Given name.
+        /// Name of the file as given.
         file: String,
         /// Error of the decoder.
         source: io::Error,
     },
-    /// An unknown format.
+    /// The format is unknown.
     #[error("{file} contains no element sets ({what}); allowed: {ALLOWED}")]
     UnknownFormat {
-        /// Given name.
+        /// Name of the file as given.
         file: String,
-        /// Apparent content.
+        /// What the file appears to contain.
         what: String,
     },
-    /// A known format without a valid record. Continuing would report every exposure as clear.
+    /// The format is known, but no record is valid. Without this error, every exposure would be reported as clear.
     #[error("{file} ({format}) contains no valid element set{}", rejected_words(*.rejected, .first))]
     NothingUsable {
-        /// Given name.
+        /// Name of the file as given.
         file: String,
-        /// Format.
+        /// Format of the file.
         format: ElementFormat,
         /// Number of rejected records.
         rejected: usize,
         /// First rejected record.
         first: Option<Box<Rejected>>,
     },
-    /// An invalid ephemeris, which is rejected as a whole.
+    /// An ephemeris is invalid. It is rejected as a whole.
     #[error("{file}:{line}: {what} is {given}; allowed: {allowed}")]
     Ephemeris {
-        /// Given name.
+        /// Name of the file as given.
         file: String,
-        /// Line in the file, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// Invalid quantity.
+        /// Name of the invalid quantity.
         what: String,
         /// Its value.
         given: String,
         /// Accepted values.
         allowed: String,
     },
-    /// An unknown name of a constellation.
+    /// The name of a constellation is unknown.
     #[error("unknown shells {name:?}: expected one of {known}")]
     UnknownShells {
-        /// Requested value.
+        /// Unknown name.
         name: String,
-        /// Known names.
+        /// All known names.
         known: String,
     },
-    /// Invalid TOML.
+    /// The TOML text is invalid.
     #[error("constellation file: {0}")]
     ShellSyntax(String),
-    /// A number out of range.
+    /// A number is out of range.
     #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: allowed {allowed}")]
     ShellOutOfRange {
         /// Name of the constellation.
@@ -107,12 +107,12 @@ pub enum ElementsError {
         shell: usize,
         /// Name of the key.
         field: &'static str,
-        /// Given number.
+        /// Invalid number.
         value: f64,
-        /// Allowed range with unit.
+        /// Accepted range with unit.
         allowed: &'static str,
     },
-    /// A stated total that differs from the sum of the shells.
+    /// The stated total differs from the sum of the shells.
     #[error("constellation {name:?} states {stated} satellites, but its shells have {sum} (allowed: 1 to 999999)")]
     ShellTotal {
         /// Name of the constellation.
@@ -122,10 +122,10 @@ pub enum ElementsError {
         /// Sum of planes times satellites per plane.
         sum: u64,
     },
-    /// A catalogue number above the range of Alpha-5.
+    /// The catalogue number is above the range of Alpha-5.
     #[error("catalogue number {0} does not fit a TLE; allowed: up to 339999 (Alpha-5)")]
     TleId(NoradId),
-    /// A number that does not fit its columns.
+    /// A number does not fit its columns.
     #[error("{field} {value} of object {norad_id} does not fit its columns in a TLE")]
     TleColumns {
         /// NORAD catalogue number.

@@ -1,8 +1,9 @@
 //! Satellite generations, which determine the brightness model.
 //!
-//! The generation of a Starlink follows from the launch if it is in the table ([`STARLINK_TABLE_DATE`]), otherwise from
-//! the name, otherwise from the most likely kind; that of other constellations from the name, or from the launch for an
-//! object without a name. [`Certainty`] gives the evidence. Names are those of CelesTrak and Space-Track.
+//! The generation of a Starlink satellite is determined from its launch if that is in the table
+//! ([`STARLINK_TABLE_DATE`]), else from the name, else by the most likely generation. For other constellations the name
+//! determines it, or the launch for an object without a name. [`Certainty`] states which was used. Names are those of
+//! CelesTrak and Space-Track.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -12,21 +13,21 @@ use serde::{Deserialize, Serialize};
 
 use super::element_set::{ElementSet, Origin};
 
-/// Table of launches and kinds.
+/// Table of launches with the generations of their satellites.
 const LAUNCHES: &str = include_str!("launches.txt");
 
 /// Last day of the table of Starlink launches.
 pub const STARLINK_TABLE_DATE: &str = "14 April 2025";
 
-/// Launches with other satellites too: without a name the kind is unknown. 2021-006 and 2021-059 carried few Starlinks,
-/// 2018-047 GRACE-FO, and 2023-068 OneWeb.
+/// Launches that also carried other satellites: without a name, the generation is unknown. 2021-006 and 2021-059
+/// carried few Starlink satellites, 2018-047 GRACE-FO, and 2023-068 OneWeb.
 const SHARED_LAUNCHES: [Launch; 4] = [Launch(2018, 47), Launch(2021, 6), Launch(2021, 59), Launch(2023, 68)];
 
 /// Lowest number in the names of Iridium NEXT; the first generation has numbers below 100.
 const FIRST_IRIDIUM_NEXT: u32 = 100;
 
-/// Catalogue numbers of Iridium NEXT from the launches of 2017 to 2019 and 2023, each first and last; from CelesTrak's
-/// catalogue of 14 August 2024.
+/// Ranges of catalogue numbers (first and last) of Iridium NEXT, from the launches of 2017 to 2019 and 2023; from
+/// CelesTrak's catalogue of 14 August 2024.
 const IRIDIUM_NEXT_NORAD_IDS: [[u32; 2]; 9] = [
     [41_917, 41_926],
     [42_803, 42_812],
@@ -39,29 +40,29 @@ const IRIDIUM_NEXT_NORAD_IDS: [[u32; 2]; 9] = [
     [56_726, 56_730],
 ];
 
-/// A kind of satellite with its own brightness model.
+/// Generation of satellites: a type with its own brightness model.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Generation {
-    /// The sixty satellites of May 2019.
+    /// V0.9: the 60 satellites launched in May 2019.
     #[serde(rename = "starlink-v0.9")]
     StarlinkV09,
-    /// November 2019 to July 2020: no visor, no dielectric mirror.
+    /// V1.0, launched from November 2019 to July 2020: no visor, no dielectric mirror.
     #[serde(rename = "starlink-v1.0")]
     StarlinkV10,
-    /// V1.0 with a visor: STARLINK-1436, and all from August 2020 to June 2021.
+    /// V1.0 with a visor: STARLINK-1436, and all launched from August 2020 to June 2021.
     #[serde(rename = "starlink-visorsat")]
     StarlinkVisorSat,
-    /// Launched from June 2021 on: lasers, dielectric mirror film, no visor.
+    /// V1.5, launched from June 2021: laser links, dielectric mirror film, no visor.
     #[serde(rename = "starlink-v1.5")]
     StarlinkV15,
-    /// Launched from February 2023 on.
+    /// V2 Mini, launched from February 2023.
     #[serde(rename = "starlink-v2mini")]
     StarlinkV2Mini,
-    /// V2 Mini with an antenna for telephones, from January 2024 on; flies lower.
+    /// V2 Mini with an antenna for mobile telephones, launched from January 2024, in lower orbits.
     #[serde(rename = "starlink-direct-to-cell")]
     StarlinkDirectToCell,
-    /// Iridium's second generation, launched from January 2017 on.
+    /// Second generation of Iridium, launched from January 2017.
     #[serde(rename = "iridium-next")]
     IridiumNext,
     /// OneWeb.
@@ -73,19 +74,19 @@ pub enum Generation {
     /// Qianfan (G60, Spacesail).
     #[serde(rename = "qianfan")]
     Qianfan,
-    /// Guowang's low satellites (HULIANWANG DIGUI).
+    /// Guowang satellites in low orbit (HULIANWANG DIGUI).
     #[serde(rename = "guowang")]
     Guowang,
     /// AST SpaceMobile: BlueWalker 3 and the BlueBirds.
     #[serde(rename = "bluebird")]
     BlueBird,
-    /// Everything else.
+    /// All other objects.
     #[serde(rename = "other")]
     Other,
 }
 
 impl Generation {
-    /// All kinds.
+    /// All generations.
     pub const ALL: [Self; 13] = [
         Self::StarlinkV09,
         Self::StarlinkV10,
@@ -121,12 +122,12 @@ impl Generation {
         }
     }
 
-    /// Returns true for the kinds of Starlinks.
+    /// Returns true for the generations of Starlink.
     pub fn is_starlink(self) -> bool {
         self.name().starts_with("starlink-")
     }
 
-    /// Returns the kind with this [`name`](Self::name).
+    /// Returns the generation with this [`name`](Self::name).
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|generation| generation.name() == name)
     }
@@ -138,15 +139,15 @@ impl fmt::Display for Generation {
     }
 }
 
-/// Evidence for a kind.
+/// Evidence from which a generation was determined.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Certainty {
-    /// The launch, or the catalogue number, is in the table.
+    /// The launch or the catalogue number is in the table.
     Table,
-    /// The name contains a constellation or its number.
+    /// The name contains that of a constellation, or its number.
     Name,
-    /// Likely from the date of the launch or the catalogue number only, or a synthetic satellite with an assumed kind.
+    /// Only the launch date or the catalogue number makes the generation likely, or the satellite is simulated.
     Guess,
 }
 
@@ -163,7 +164,7 @@ impl Launch {
     }
 }
 
-/// Table of launches and the kinds of their satellites.
+/// Table of launches and the generations of their satellites.
 ///
 /// ```
 /// use streakcast::elements::{Satellites, Generation, GenerationTable, ReadOptions};
@@ -180,26 +181,25 @@ impl Launch {
 #[derive(Clone, Debug)]
 pub struct GenerationTable {
     launches: HashMap<Launch, Generation>,
-    /// Last Starlink launch.
+    /// Last Starlink launch in the table.
     last_starlink: Launch,
 }
 
 static EMBEDDED: LazyLock<GenerationTable> = LazyLock::new(|| GenerationTable::parse(LAUNCHES));
 
 impl GenerationTable {
-    /// Returns the table of the library: Starlink launches to [`STARLINK_TABLE_DATE`], other constellations to April
-    /// 2026.
+    /// Returns the bundled table: Starlink launches to [`STARLINK_TABLE_DATE`], other constellations to April 2026.
     pub fn embedded() -> &'static Self {
         &EMBEDDED
     }
 
-    /// Returns the kind of a satellite.
+    /// Returns the generation of a satellite.
     pub fn of(&self, set: &ElementSet) -> Generation {
         self.classify(set).0
     }
 
-    /// Returns true for a real satellite whose kind is assumed: a Starlink launched after the table, of which a new kind
-    /// may exist, or an object with a kind by its launch or date only.
+    /// Returns true for a real satellite whose generation is assumed: a Starlink satellite launched after the end of
+    /// the table, which may be of a new generation, or an object whose generation follows only from its launch or date.
     pub fn is_assumed(&self, set: &ElementSet) -> bool {
         let (generation, certainty) = self.classify(set);
         let is_later = || Launch::of(&set.international_designator).is_some_and(|launch| launch > self.last_starlink);
@@ -208,14 +208,14 @@ impl GenerationTable {
             && (certainty == Certainty::Guess || (generation.is_starlink() && is_later()))
     }
 
-    /// Returns the kind of a satellite and its evidence.
+    /// Returns the generation of a satellite, and the evidence for it.
     pub fn classify(&self, set: &ElementSet) -> (Generation, Certainty) {
         let name = set.name.trim();
         if set.origin == Origin::Synthetic {
             return (synthetic(name), Certainty::Guess);
         }
         let launch = Launch::of(&set.international_designator);
-        // Debris and rocket bodies have the name of their parent object.
+        // Debris and rocket bodies contain the name of their parent object in their names.
         if name.ends_with(" DEB") || name.contains(" DEB ") || name.contains("R/B") {
             return (Generation::Other, Certainty::Name);
         }
@@ -227,7 +227,7 @@ impl GenerationTable {
             if IRIDIUM_NEXT_NORAD_IDS.iter().any(|[first, last]| (*first..=*last).contains(&id)) {
                 return (Generation::IridiumNext, Certainty::Table);
             }
-            // Without a name: most objects of a launch in the table are satellites of its kind.
+            // Without a name: most objects of a launch in the table are satellites of its generation.
             return match launch.and_then(|launch| Some((launch, *self.launches.get(&launch)?))) {
                 Some((launch, generation)) if !SHARED_LAUNCHES.contains(&launch) => (generation, Certainty::Guess),
                 _ => (Generation::Other, Certainty::Guess),
@@ -254,20 +254,21 @@ impl GenerationTable {
         (found.map_or(Generation::Other, |(_, generation)| *generation), Certainty::Name)
     }
 
-    /// Classifies a satellite whose name begins with STARLINK; `rest` is the text after it.
+    /// Determines the generation of a satellite whose name starts with STARLINK; `rest` is the text after it.
     fn starlink(&self, rest: &str, launch: Option<Launch>, norad_id: u32) -> (Generation, Certainty) {
         let number = number_at_start(rest);
-        // They share launches with V2 Mini.
+        // These are launched together with V2 Mini satellites.
         if rest.contains("[DTC]") || matches!(number, Some(11_000..=11_999)) {
             return (Generation::StarlinkDirectToCell, Certainty::Name);
         }
-        // The first visor, on a launch of V1.0 without visors.
+        // STARLINK-1436 was the first with a visor, on a launch of V1.0 satellites without visors.
         if number == Some(1436) {
             return (Generation::StarlinkVisorSat, Certainty::Name);
         }
         let listed = launch.and_then(|launch| self.launches.get(&launch)).copied().filter(|kind| kind.is_starlink());
         match (listed, number) {
-            // Built with a visor and launched early: STARLINK-1521 of 2020-038 is on MMT-9's list of VisorSats.
+            // Satellites with these numbers have visors, also on a launch of V1.0: STARLINK-1521 of 2020-038 is on the
+            // VisorSat list of MMT-9.
             (Some(Generation::StarlinkV10), Some(1518..=2999)) => {
                 return (Generation::StarlinkVisorSat, Certainty::Name);
             }
@@ -284,7 +285,7 @@ impl GenerationTable {
         }
     }
 
-    /// Parses lines of `kind: launch launch ...`; comments begin with `#`. A test checks every line.
+    /// Parses lines of the form `generation: launch launch ...`; lines with `#` at the start are comments.
     fn parse(text: &str) -> Self {
         let mut launches = HashMap::new();
         for line in text.lines().filter(|line| !line.starts_with('#')) {
@@ -298,14 +299,14 @@ impl GenerationTable {
     }
 }
 
-/// Returns the number after a constellation's name, as in `STARLINK-1436` and `IRIDIUM 102`.
+/// Returns the number after the name of a constellation, as in `STARLINK-1436` and `IRIDIUM 102`.
 fn number_at_start(rest: &str) -> Option<u32> {
     let digits = rest.trim_start_matches(['-', ' ']);
     let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
     digits[..end].parse().ok()
 }
 
-/// Returns the kind launched at the time, for launches that are not in the table.
+/// Returns the generation launched at that time, for launches that are not in the table.
 fn by_date(launch: Launch) -> Generation {
     match launch {
         _ if launch < Launch(2019, 74) => Generation::StarlinkV09,
@@ -316,7 +317,7 @@ fn by_date(launch: Launch) -> Generation {
     }
 }
 
-/// Returns the kind catalogued at the time. Numbers beyond the table are of the current kind.
+/// Returns the generation catalogued at that time. Numbers after the table are of the latest generation.
 fn by_norad_id(norad_id: u32) -> Generation {
     match norad_id {
         ..=44_700 => Generation::StarlinkV09,
@@ -327,7 +328,7 @@ fn by_norad_id(norad_id: u32) -> Generation {
     }
 }
 
-/// Returns the kind assumed for a synthetic shell: the latest one built for it.
+/// Returns the generation assumed for a simulated constellation: the latest one built for its shells.
 fn synthetic(name: &str) -> Generation {
     let assumed = [
         ("STARLINK-GEN1", Generation::StarlinkV15),

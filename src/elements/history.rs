@@ -1,4 +1,4 @@
-//! Element sets of every object in order of time, and the one nearest to a time.
+//! Element sets of every object in time order, and selection of the one nearest to a time.
 
 use std::collections::HashSet;
 
@@ -6,18 +6,18 @@ use hifitime::Epoch;
 
 use super::element_set::{ElementSet, NoradId};
 
-/// Element sets by object, then by epoch; of equal epochs the one read last comes last and is preferred.
+/// Element sets sorted by object, then by epoch. Of equal epochs the record read last is the last one and is preferred.
 ///
-/// Exact duplicates (same object, same epoch, the same seven numbers for SGP4) are stored once.
+/// Exact duplicates (same object, same epoch, same seven numbers for SGP4) are stored once.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
     sets: Vec<ElementSet>,
 }
 
 impl History {
-    /// Sorts the records and drops exact duplicates.
+    /// Sorts the records and removes exact duplicates.
     pub fn new(mut sets: Vec<ElementSet>) -> Self {
-        // Stable sort: the order of reading is kept for equal epochs.
+        // The sort is stable: records of equal epochs stay in reading order.
         sets.sort_by(|a, b| a.norad_id.cmp(&b.norad_id).then_with(|| a.epoch.cmp(&b.epoch)));
         drop_duplicates(&mut sets);
         Self { sets }
@@ -28,7 +28,7 @@ impl History {
         self.sets.len()
     }
 
-    /// Returns true if there is no record.
+    /// Returns true if there are no records.
     pub fn is_empty(&self) -> bool {
         self.sets.is_empty()
     }
@@ -43,31 +43,31 @@ impl History {
         self.sets
     }
 
-    /// Returns the records of one object in order of time; empty for an unknown object.
+    /// Returns the records of one object in time order; empty if the object is unknown.
     pub fn of(&self, norad_id: NoradId) -> &[ElementSet] {
         let start = self.sets.partition_point(|set| set.norad_id < norad_id);
         let length = self.sets[start..].partition_point(|set| set.norad_id == norad_id);
         &self.sets[start..start + length]
     }
 
-    /// Returns the records of each object, each slice in order of time.
+    /// Returns the records of each object, in time order.
     pub fn objects(&self) -> impl Iterator<Item = &[ElementSet]> {
         self.sets.chunk_by(|a, b| a.norad_id == b.norad_id)
     }
 
-    /// Returns the element set of an object whose epoch is nearest to a time, before or after it; of two equally near
-    /// ones the later.
+    /// Returns the element set of an object with the epoch nearest to a time, before or after it; of two equally near
+    /// ones the later one.
     pub fn nearest(&self, norad_id: NoradId, epoch: Epoch) -> Option<&ElementSet> {
         let sets = self.of(norad_id);
         sets.get(nearest_index(sets, epoch)?)
     }
 
-    /// Returns for every object the element set nearest to a time, by catalogue number.
+    /// Returns the element set nearest to a time for every object, sorted by catalogue number.
     pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
         nearest_of_each(&self.sets, epoch)
     }
 
-    /// Returns for every object the latest element set, by catalogue number.
+    /// Returns the latest element set of every object, sorted by catalogue number.
     pub fn newest(&self) -> Vec<ElementSet> {
         self.objects().filter_map(|sets| sets.last()).cloned().collect()
     }
@@ -95,22 +95,22 @@ impl History {
     }
 }
 
-/// Returns for every object in sorted records the one nearest to a time.
+/// Returns the element set nearest to a time for every object; `sets` must be sorted.
 pub(super) fn nearest_of_each(sets: &[ElementSet], epoch: Epoch) -> Vec<ElementSet> {
     let objects = sets.chunk_by(|a, b| a.norad_id == b.norad_id);
     objects.filter_map(|sets| sets.get(nearest_index(sets, epoch)?)).cloned().collect()
 }
 
-/// Returns the index of the nearest epoch in records in order of time.
+/// Returns the index of the nearest epoch; `sets` must be in time order.
 fn nearest_index(sets: &[ElementSet], epoch: Epoch) -> Option<usize> {
     let after = sets.partition_point(|set| set.epoch <= epoch);
     if after == 0 {
-        // Of equal first epochs the last is used.
+        // Of several records with the first epoch, the last one is used.
         let first = sets.first()?.epoch;
         return Some(sets.partition_point(|set| set.epoch <= first) - 1);
     }
     let Some(next) = sets.get(after) else { return Some(after - 1) };
-    // TAI: across a leap second UTC durations are a second too short.
+    // Differences are computed in TAI: UTC durations across a leap second are too short by one second.
     let tai = |epoch: Epoch| epoch.to_tai_duration();
     if tai(next.epoch) - tai(epoch) <= tai(epoch) - tai(sets[after - 1].epoch) {
         Some(sets.partition_point(|set| set.epoch <= next.epoch) - 1)
@@ -119,7 +119,7 @@ fn nearest_index(sets: &[ElementSet], epoch: Epoch) -> Option<usize> {
     }
 }
 
-/// Keeps the first of exact duplicates in sorted records, with the name of a dropped one if it has none.
+/// Keeps the first of exact duplicates in sorted records. If it has no name, it takes that of a removed duplicate.
 fn drop_duplicates(sets: &mut Vec<ElementSet>) {
     let same_instant = |a: &ElementSet, b: &ElementSet| a.norad_id == b.norad_id && a.epoch == b.epoch;
     if !sets.windows(2).any(|pair| same_instant(&pair[0], &pair[1])) {
@@ -145,7 +145,7 @@ fn drop_duplicates(sets: &mut Vec<ElementSet>) {
     *sets = kept;
 }
 
-/// Returns the numbers for SGP4 as bits; minus zero counts as zero.
+/// Returns the bits of the numbers for SGP4; minus zero equals zero.
 fn elements(set: &ElementSet) -> [u64; 7] {
     [
         set.mean_motion_rev_day,

@@ -1,4 +1,5 @@
-//! Element sets in all common formats, ephemerides of operators, histories, simulated shells, and kinds of satellites.
+//! Element sets in all common formats, operator ephemerides, histories, simulated constellations, and satellite
+//! generations.
 
 mod element_set;
 mod ephemeris;

@@ -1,12 +1,12 @@
-//! Orbit mean-elements messages (CCSDS 502.0-B, OMM) as keywords and texts, common to JSON, CSV, XML and KVN.
+//! Orbit mean-elements messages (CCSDS 502.0-B, OMM) as keywords with text values, common to JSON, CSV, XML and KVN.
 //!
 //! Numbers are kept as text and parsed once, correctly rounded, so that the four syntaxes and a TLE with the same
-//! decimals give the same bits. Supported are the message of SGP4: theory SGP4 (or TLE), frame TEME, time system UTC,
-//! all three optional, since CelesTrak's JSON and CSV omit them. B* and the mean motion are required; the derivatives
-//! are optional.
+//! decimals give the same bits. Only elements for SGP4 are supported: theory SGP4 (or TLE), frame TEME, time system
+//! UTC. These three keywords are optional, since CelesTrak's JSON and CSV omit them. B* and the mean motion are
+//! required; the derivatives of the mean motion are optional.
 //!
-//! A record with the two lines of a TLE (Space-Track's `TLE_LINE1`, other tables' `Line1`) instead of mean elements is
-//! read from those.
+//! A record that contains the two lines of a TLE (Space-Track's `TLE_LINE1`, `Line1` in other tables) instead of mean
+//! elements is read from these lines.
 
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -48,7 +48,7 @@ pub(super) enum Keyword {
 const KEYWORDS: usize = Keyword::TleLine2 as usize + 1;
 
 impl Keyword {
-    /// Recognises a keyword, a column title or a JSON key, in any case and in the spellings in use.
+    /// Returns the keyword for a CCSDS keyword, column title or JSON key, in any case and common spelling.
     pub fn of(text: &str) -> Option<Self> {
         let text = text.trim();
         if text.len() > 20 {
@@ -85,14 +85,14 @@ impl Keyword {
     }
 }
 
-/// Texts of one record by keyword; a keyword without a text is absent.
+/// Text values of one record, by keyword; keywords without text are absent.
 #[derive(Debug, Default)]
 pub(super) struct Fields<'a> {
     texts: [Cow<'a, str>; KEYWORDS],
 }
 
 impl<'a> Fields<'a> {
-    /// Stores a text. The last one of a repeated keyword is used.
+    /// Stores a text. If a keyword is repeated, the last value is used.
     pub fn set(&mut self, keyword: Keyword, text: Cow<'a, str>) {
         self.texts[keyword as usize] = text;
     }
@@ -108,21 +108,21 @@ impl<'a> Fields<'a> {
         self.texts.fill(Cow::Borrowed(""));
     }
 
-    /// Returns true if no text is stored.
+    /// Returns true if there are no texts.
     pub fn is_empty(&self) -> bool {
         self.texts.iter().all(|text| text.is_empty())
     }
 
-    /// Returns true if the texts describe an orbit; a name only may be that of a list.
+    /// Returns true if the texts describe an orbit. An object with only a name may be that of a list.
     pub fn is_record(&self) -> bool {
         let describing =
             [Keyword::NoradCatId, Keyword::Epoch, Keyword::MeanMotion, Keyword::TleLine1, Keyword::TleLine2];
         describing.iter().any(|keyword| self.get(*keyword).is_some())
     }
 
-    /// Builds the element set from these texts and adds it, or the reason for its rejection, to `parsed`.
+    /// Creates the element set, and adds it or the reason for its rejection to `parsed`.
     pub fn finish(&self, offset: usize, checksums: Checksums, parsed: &mut Parsed) {
-        // Mean elements take precedence: they have more digits than a TLE.
+        // Mean elements take precedence over TLE lines, because they have more digits.
         if self.get(Keyword::MeanMotion).is_none()
             && let (Some(line1), Some(line2)) = (self.get(Keyword::TleLine1), self.get(Keyword::TleLine2))
         {
@@ -164,14 +164,14 @@ impl<'a> Fields<'a> {
             bstar_per_earth_radius: self.number(Keyword::Bstar, "BSTAR")?,
             mean_motion_dot_rev_day2: self.optional(Keyword::MeanMotionDot, "MEAN_MOTION_DOT")?,
             mean_motion_ddot_rev_day3: self.optional(Keyword::MeanMotionDdot, "MEAN_MOTION_DDOT")?,
-            // A count; `as` saturates and converts NaN to 0.
+            // `as` saturates and converts NaN to 0.
             revolution_at_epoch: revolution as u32,
             origin: Origin::Published,
         };
         checked(set)
     }
 
-    /// Only elements for SGP4 are accepted: numbers of another theory look the same and are wrong by kilometres.
+    /// Accepts only elements for SGP4. Elements of another theory have the same form, but give errors of kilometres.
     fn check_theory(&self) -> Result<(), RejectReason> {
         let allowed: [(Keyword, &str, &[&str], &str); 5] = [
             (
@@ -223,7 +223,7 @@ fn parse_number(text: &str, field: &'static str) -> Result<f64, RejectReason> {
     number.ok_or_else(|| RejectReason::FieldNotANumber { field, text: excerpt(text.as_bytes()) })
 }
 
-/// Parses one to nine digits, the same as a float (`28485.0`, as data frames write columns with gaps), or Alpha-5.
+/// Parses one to nine digits, also as a float (`28485.0`, as written by data frames with missing values), or Alpha-5.
 fn parse_norad_id(text: &str) -> Option<NoradId> {
     let whole = match text.split_once('.') {
         Some((whole, fraction)) if fraction.bytes().all(|byte| byte == b'0') => whole,

@@ -1,6 +1,6 @@
-//! OMM as CSV: a line of titles, then one record per line; also tables with the two lines of a TLE in columns.
+//! OMM as CSV: a line of column titles, then one record per line; also tables with the two lines of a TLE in columns.
 //!
-//! The text is read line by line, since element sets contain no line ends and an unclosed quotation mark must not hide
+//! The text is read line by line: element sets contain no line breaks, and an unclosed quotation mark must not affect
 //! the rest of the file. Titles may be in any case and order, unknown columns are ignored, `;` and tabs are accepted as
 //! separators.
 
@@ -11,7 +11,7 @@ use super::record::{Parsed, RejectReason};
 use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
 
-/// Returns true if the first line with content is a line of titles with the required columns.
+/// Returns true if the first line that is not blank has the required column titles.
 pub(super) fn looks_like(text: &str) -> bool {
     let line = text.split(['\n', '\r']).find(|line| is_content(line));
     let Some(line) = line.filter(|line| line.len() < 10_000) else { return false };
@@ -39,7 +39,7 @@ fn parse_piece(text: &str, separator: char, columns: &[Option<Keyword>], checksu
             continue;
         }
         let cells = split(line, separator);
-        // The titles; concatenated files repeat them.
+        // A line of titles; concatenated files contain several.
         if cells
             .iter()
             .zip(columns)
@@ -69,13 +69,13 @@ fn is_content(line: &str) -> bool {
     !line.is_empty() && !line.starts_with('#')
 }
 
-/// Returns the most frequent separator of the titles.
+/// Returns the most frequent separator in the line of titles.
 fn separator_of(titles: &str) -> char {
     let count = |separator: char| titles.matches(separator).count();
     [',', ';', '\t'].into_iter().max_by_key(|&separator| (count(separator), separator == ',')).unwrap_or(',')
 }
 
-/// Splits a line into cells, with quotation marks as in RFC 4180.
+/// Splits a line into cells, with quoting as in RFC 4180.
 fn split(line: &str, separator: char) -> Vec<Cow<'_, str>> {
     if !line.contains('"') {
         return line.split(separator).map(Cow::Borrowed).collect();

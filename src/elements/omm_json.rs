@@ -1,8 +1,8 @@
 //! OMM as JSON: an array, an object, objects around arrays (`{"data": [...]}`), or one object per line.
 //!
-//! A small scanner replaces a JSON library for two reasons: numbers are kept as text until they are rounded once (a
-//! library's fast path may be wrong in the last bit), and an invalid record must not invalidate the rest of the file. A
-//! record is any object with a [`Keyword`] among its keys; nested objects and arrays are searched.
+//! A JSON library is not used, for two reasons: numbers must be kept as text until they are rounded once (the fast path
+//! of a library may be wrong in the last bit), and an invalid record must not invalidate the rest of the file. An
+//! object is a record if it has a [`Keyword`] among its keys; nested objects and arrays are searched.
 
 use std::borrow::Cow;
 
@@ -10,12 +10,12 @@ use super::omm::{Fields, Keyword};
 use super::record::{Parsed, RejectReason, excerpt};
 use super::tle::Checksums;
 
-/// Reads every record, at any depth.
+/// Reads every record, at any level of nesting.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     let mut scanner = Scanner { text, at: 0 };
     let mut parsed = Parsed::default();
     parsed.sets.reserve(text.len() / 500);
-    // Open objects: their offsets and the texts read so far.
+    // Open objects: offset in the text, and the values read so far.
     let mut open: Vec<(usize, Fields<'_>)> = Vec::new();
     while let Some(token) = scanner.next() {
         match token {
@@ -94,12 +94,12 @@ impl<'a> Scanner<'a> {
                         return Some(self.broken(offset, "a string without a closing quotation mark"));
                     };
                     if self.peek() != Some(b':') {
-                        // A string in an array.
+                        // The string is an element of an array.
                         continue;
                     }
                     self.at += 1;
                     match self.peek() {
-                        // Members that are objects or arrays are scanned.
+                        // A member whose value is an object or array is scanned next.
                         Some(b'{' | b'[') => {}
                         Some(b'"') => {
                             let Some(value) = self.string() else {
@@ -146,7 +146,7 @@ impl<'a> Scanner<'a> {
         &rest[..end]
     }
 
-    /// Returns the text of a string, which ends on its own line: JSON allows no line end inside.
+    /// Returns the text of a string. JSON strings contain no line breaks, so a string ends on the same line.
     fn string(&mut self) -> Option<Cow<'a, str>> {
         let start = self.at + 1;
         let bytes = self.text.as_bytes();
@@ -168,11 +168,11 @@ impl<'a> Scanner<'a> {
         if !escaped {
             return Some(Cow::Borrowed(raw));
         }
-        // Escapes are rare and left to the library; invalid ones are kept as they are.
+        // Strings with escapes are decoded by the JSON library; invalid escapes are kept unchanged.
         Some(serde_json::from_str(&self.text[start - 1..at + 1]).map_or(Cow::Borrowed(raw), Cow::Owned))
     }
 
-    /// Resumes after an error at the next object that begins a line or follows another one.
+    /// Continues after an error at the next object that starts a line or follows another object.
     fn skip_to_next_object(&mut self) {
         let start = (self.at + 1..=self.text.len()).find(|&at| self.text.is_char_boundary(at));
         let rest = start.map_or("", |start| &self.text[start..]);

@@ -1,4 +1,4 @@
-//! OMM as lines of `KEYWORD = value`, one or more messages.
+//! OMM as lines of `KEYWORD = value`; a file contains one or more messages.
 
 use std::borrow::Cow;
 
@@ -45,7 +45,7 @@ fn parse_piece(text: &str) -> Parsed {
         match broken.take() {
             Some(rejected) => parsed.rejected.push(rejected),
             None if fields.is_empty() => {}
-            // KVN cannot contain the two lines of a TLE.
+            // Messages in KVN do not contain the two lines of a TLE.
             None => fields.finish(opened_at, Checksums::Require, &mut parsed),
         }
         fields.clear();

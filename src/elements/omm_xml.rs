@@ -1,7 +1,7 @@
 //! OMM as XML: one `<omm>`, or several in an `<ndm>`.
 //!
-//! The text is first split at the `<omm>` elements, and each is parsed separately, so that an invalid one affects no
-//! other.
+//! The text is split at the `<omm>` elements, and each is parsed separately, so that an invalid one does not affect the
+//! others.
 
 use std::borrow::Cow;
 
@@ -13,7 +13,7 @@ use super::record::parse_in_chunks;
 use super::record::{Parsed, RejectReason};
 use super::tle::Checksums;
 
-/// Returns true if there is an `<omm>` (in any name space).
+/// Returns true if the text contains an `<omm>` element, with or without a name-space prefix.
 pub(super) fn looks_like(text: &str) -> bool {
     next_start(text, 0).is_some()
 }
@@ -48,8 +48,8 @@ fn next_start(text: &str, from: usize) -> Option<usize> {
         at += text.get(at..)?.find("omm")?;
         let (before, after) = (&text[..at], &text[at + 3..]);
         if after.starts_with(|c: char| c == '>' || c == '/' || c.is_whitespace()) {
-            // The bracket of the element itself, at or after `from`, not that of its end tag. Names are short; the
-            // limit prevents repeated backward searches in malicious input.
+            // The opening bracket of this element, not that of an end tag. Prefixes are short; the limit on the search
+            // keeps the running time linear for malicious input.
             let window = &before.as_bytes()[before.len().saturating_sub(64)..];
             let start = window.iter().rposition(|&byte| byte == b'<').map(|back| at - window.len() + back);
             let start = start.filter(|start| *start >= from);
@@ -69,7 +69,7 @@ fn is_prefix(text: &str) -> bool {
     !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c))
 }
 
-/// Returns the texts of one `<omm>`; text after its end is ignored.
+/// Returns the values of one `<omm>` element; text after its end is ignored.
 fn parse_message(text: &str) -> Result<Fields<'_>, String> {
     let mut reader = Reader::from_str(text);
     let mut fields = Fields::default();
@@ -88,7 +88,7 @@ fn parse_message(text: &str) -> Result<Fields<'_>, String> {
             Event::CData(text) if keyword.is_some() => {
                 value.push_str(&text);
             }
-            // `&amp;` and similar entities are events of their own.
+            // The XML parser reports `&amp;` and similar entities as separate events.
             Event::GeneralRef(reference) if keyword.is_some() => match reference.resolve_char_ref() {
                 Ok(Some(character)) => value.push(character),
                 _ => value.push_str(quick_xml::escape::resolve_predefined_entity(&reference).unwrap_or("?")),

@@ -1,8 +1,9 @@
-//! Phases of orbits (raising, on station, decaying) from their heights, and the mean motion of SGP4 for a height.
+//! Phases of orbits (raising, on station, decaying) from their heights, and mean motion for an orbit of given height.
 //!
-//! An element set contains Kozai's mean motion n. SGP4 first computes Brouwer's (Hoots & Roehrich, Spacetrack Report 3,
-//! section 6; Vallado et al. 2006, AIAA 2006-6753, `initl`), which determines the semi-major axis. Kepler's law with
-//! the published mean motion is wrong by up to 5 km in low orbits. Constants are WGS72, as in SGP4.
+//! An element set contains Kozai's mean motion n. SGP4 first converts it to Brouwer's mean motion, which determines the
+//! semi-major axis (Hoots & Roehrich, Spacetrack Report 3, section 6; Vallado et al. 2006, AIAA 2006-6753, `initl`).
+//! With Kepler's law and the published mean motion, heights of low orbits would be wrong by up to 5 km. Constants are
+//! WGS72, as in SGP4.
 
 use std::f64::consts::TAU;
 
@@ -11,16 +12,16 @@ use hifitime::{Epoch, Unit};
 use super::element_set::ElementSet;
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, WGS72_MU_KM3_S2};
 
-/// WGS72 equatorial radius, km: the earth radius of SGP4.
+/// Equatorial radius of WGS72, km: the unit of length in SGP4.
 const EARTH_RADIUS_KM: f64 = 6378.135;
-/// WGS72 second zonal harmonic.
+/// Second zonal harmonic of WGS72.
 const J2: f64 = 0.001_082_616;
-/// WGS72 fourth zonal harmonic.
+/// Fourth zonal harmonic of WGS72.
 const J4: f64 = -0.000_001_655_97;
 /// Minutes in a day.
 const DAY_MIN: f64 = 1440.0;
 
-/// Returns √μ in earth radii^1.5 a minute: mean motion at one earth radius, rad/min.
+/// Returns √μ in (earth radii)^1.5 per minute, the mean motion at one earth radius in rad/min.
 fn k_e() -> f64 {
     60.0 / (EARTH_RADIUS_KM.powi(3) / WGS72_MU_KM3_S2).sqrt()
 }
@@ -32,7 +33,7 @@ fn delta(semi_major_axis: f64, eccentricity: f64, inclination_rad: f64) -> f64 {
         / (semi_major_axis * semi_major_axis * (1.0 - eccentricity * eccentricity).powf(1.5))
 }
 
-/// Returns the semi-major axis in earth radii, with Brouwer's mean motion n / (1 + δ₀) from Kozai's published n.
+/// Returns the semi-major axis, earth radii, from Kozai's mean motion n, by way of Brouwer's mean motion n / (1 + δ₀).
 fn recover(mean_motion_rad_min: f64, eccentricity: f64, inclination_rad: f64) -> f64 {
     // a₁ = (k_e / n)^(2/3);  a₀ = a₁ (1 − δ₁/3 − δ₁² − 134/81 δ₁³);  n″ = n / (1 + δ₀)       STR 3, section 6
     let a1 = (k_e() / mean_motion_rad_min).powf(2.0 / 3.0);
@@ -48,14 +49,14 @@ pub fn semi_major_axis_km(set: &ElementSet) -> f64 {
     EARTH_RADIUS_KM * recover(mean_motion, set.eccentricity, set.inclination_deg.to_radians())
 }
 
-/// Returns the published mean motion, revolutions a day, for which SGP4 gives a circular orbit of this mean radius
-/// (km).
+/// Returns the published (Kozai) mean motion, revolutions a day, for which SGP4 gives a circular orbit of this mean
+/// radius, km.
 ///
-/// SGP4's radius of a circular mean orbit is a (1 − 3/4 J₂ (R/a)² (3 cos²i − 1)) plus terms that average to zero over a
-/// revolution: the semi-major axis for a radius differs from it by up to 5 km. Accurate to a metre.
+/// The radius in SGP4 of a circular mean orbit is a (1 − 3/4 J₂ (R/a)² (3 cos²i − 1)) plus terms that average to zero
+/// over a revolution, so that the semi-major axis a differs from the radius by up to 5 km. Accurate to one metre.
 pub(super) fn mean_motion_for_radius(radius_km: f64, inclination_rad: f64) -> f64 {
     let radius = radius_km / EARTH_RADIUS_KM;
-    // δ of a circular orbit equals that short-period offset: r = a (1 − δ(a)); each iteration gains three digits.
+    // For a circular orbit, δ equals this difference: r = a (1 − δ(a)). Each iteration adds three digits.
     let mut a = radius;
     for _ in 0..6 {
         a = radius / (1.0 - delta(a, 0.0, inclination_rad));
@@ -68,9 +69,10 @@ pub(super) fn mean_motion_for_radius(radius_km: f64, inclination_rad: f64) -> f6
     mean_motion * DAY_MIN / TAU
 }
 
-/// Returns SGP4's rates of a circular orbit without drag: of the node and of the argument of latitude (ω + M), rad/day.
+/// Returns the rates of the node and of the argument of latitude (ω + M) in SGP4, rad/day, for a circular orbit without
+/// drag.
 ///
-/// `mean_motion_rev_day` is the published one. Near-Earth orbits only (periods below 225 minutes).
+/// `mean_motion_rev_day` is the published (Kozai) value. Valid for near-Earth orbits (periods below 225 minutes).
 pub(super) fn secular_rates_rad_day(mean_motion_rev_day: f64, inclination_rad: f64) -> (f64, f64) {
     let a = recover(mean_motion_rev_day * TAU / DAY_MIN, 0.0, inclination_rad);
     let n = k_e() / a.powf(1.5);
@@ -91,16 +93,16 @@ pub(super) fn secular_rates_rad_day(mean_motion_rev_day: f64, inclination_rad: f
 /// Criteria of the on-station phase.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct StationRule {
-    /// Least height of the semi-major axis above the equatorial radius, km.
+    /// Smallest height of the semi-major axis above the equatorial radius, km.
     pub min_height_km: f64,
-    /// Largest rate of the semi-major axis, either way, m/day.
+    /// Largest rate of change of the semi-major axis, in either direction, m/day.
     pub max_rate_m_day: f64,
     /// Number of consecutive element sets that must agree, at least 2.
     pub consecutive_sets: usize,
 }
 
 impl Default for StationRule {
-    /// Returns 530 km, 100 m/day and three element sets: Lu (2024, section 3).
+    /// Returns 530 km, 100 m/day and three element sets, as in Lu (2024, section 3).
     fn default() -> Self {
         Self { min_height_km: 530.0, max_rate_m_day: 100.0, consecutive_sets: 3 }
     }
@@ -109,15 +111,15 @@ impl Default for StationRule {
 /// Phase of an orbit at the time of an element set.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum OrbitPhase {
-    /// Steady, above the minimum height.
+    /// Constant height, above the minimum height.
     OnStation,
-    /// Steady, below the minimum height: parked, or a lower shell.
+    /// Constant height, below the minimum height: in a parking orbit or a lower shell.
     Parked,
     /// The semi-major axis increases faster than the limit.
     Raising,
     /// The semi-major axis decreases faster than the limit.
     Decaying,
-    /// Undetermined: too few element sets nearby, or rates of both signs.
+    /// Undetermined: too few element sets nearby, or the semi-major axis both increases and decreases.
     Unknown,
 }
 
@@ -134,17 +136,18 @@ impl OrbitPhase {
     }
 }
 
-/// Least interval of element sets for a rate, days: closer ones are fits of the same tracking or differ by rounding.
+/// Shortest time between element sets from which a rate is computed, days. Closer sets are fits to the same
+/// observations, or their difference is dominated by rounding.
 const LEAST_INTERVAL_DAY: f64 = 0.05;
 
-/// Returns the phase of a satellite at each of its element sets, in the given order: the records of **one** object in
-/// order of time, as returned by [`History::of`](super::History::of).
+/// Returns the phase of **one** satellite at each of its element sets, in their order. The sets must be in time order,
+/// as returned by [`History::of`](super::History::of).
 ///
-/// A set is judged by every run of `consecutive_sets` sets that contains it. If all rates of one run are slow, it is
-/// steady; otherwise all rates of the sets around it must have the same sign. Sets less than 72 minutes apart count as
-/// one.
+/// All runs of `consecutive_sets` sets that contain a set are examined. If all rates of one run are below the limit,
+/// the height is constant; otherwise all rates of the sets around it must have the same sign. Sets less than 72 minutes
+/// apart are treated as one.
 pub fn orbit_phases(sets: &[ElementSet], rule: &StationRule) -> Vec<OrbitPhase> {
-    // 1. Separate times with their semi-major axes.
+    // 1. Element sets at distinct times, with their semi-major axes.
     let mut distinct: Vec<(Epoch, f64)> = Vec::with_capacity(sets.len());
     let mut index = Vec::with_capacity(sets.len());
     for set in sets {
@@ -154,10 +157,10 @@ pub fn orbit_phases(sets: &[ElementSet], rule: &StationRule) -> Vec<OrbitPhase> 
         }
         index.push(distinct.len() - 1);
     }
-    // 2. Rates between neighbours, m/day.
+    // 2. Rates between neighbouring sets, m/day.
     let rates: Vec<f64> =
         distinct.windows(2).map(|pair| (pair[1].1 - pair[0].1) * 1000.0 / days_between(pair[0].0, pair[1].0)).collect();
-    // 3. One phase for each separate set.
+    // 3. Phase of each distinct set.
     let verdicts: Vec<OrbitPhase> =
         (0..distinct.len()).map(|at| verdict(at, distinct[at].1 - EARTH_EQUATORIAL_RADIUS_KM, &rates, rule)).collect();
     index.into_iter().map(|at| verdicts[at]).collect()

@@ -1,4 +1,4 @@
-//! Records of element files: errors, rejected records, and reading in parallel chunks.
+//! Records of element files: errors, rejected records, and parsing in parallel chunks.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,38 +8,38 @@ use thiserror::Error;
 
 use super::element_set::ElementSet;
 
-/// Errors of one record.
+/// Reason for which a record is rejected.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RejectReason {
-    /// A fixed-column field without a valid number.
+    /// A field in fixed columns is not a valid number.
     #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}")]
     NotANumber {
         /// Line of the element set, 1 or 2.
         line: u8,
         /// Name of the field.
         field: &'static str,
-        /// Text found there.
+        /// Text in these columns.
         text: String,
         /// First column, from 1.
         first: u8,
         /// Last column.
         last: u8,
     },
-    /// A catalogue number of a TLE that is neither digits nor Alpha-5.
+    /// The catalogue number of a TLE is neither digits nor Alpha-5.
     #[error(
         "line {line}: invalid catalogue number {text:?} in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O"
     )]
     BadTleId {
         /// Line of the element set, 1 or 2.
         line: u8,
-        /// Text found there.
+        /// Text in its columns.
         text: String,
     },
-    /// A message without any of the fields of an element set, or with empty ones only.
+    /// The message has no fields of an element set, or only empty ones.
     #[error("this message contains no elements")]
     NoElements,
-    /// A line of a TLE that is too short or too long.
+    /// A line of a TLE is too short or too long.
     #[error("line {line} has {length} characters, expected 69, or 68 without a checksum")]
     LineLength {
         /// Line of the element set, 1 or 2.
@@ -47,27 +47,27 @@ pub enum RejectReason {
         /// Number of characters without trailing blanks.
         length: usize,
     },
-    /// A character in place of a blank between two fields of a TLE: the columns are shifted.
+    /// There is a character in a column of a TLE that must be blank, so the columns are shifted.
     #[error("line {line}: {found:?} in column {column}, expected a blank: the columns are shifted")]
     ShiftedColumns {
         /// Line of the element set, 1 or 2.
         line: u8,
         /// Column, from 1.
         column: u8,
-        /// Character found there.
+        /// Character in this column.
         found: char,
     },
-    /// A wrong checksum of a line.
+    /// The checksum of a line is wrong.
     #[error("line {line}: checksum {stated:?} does not match the sum of the line, {computed}")]
     BadChecksum {
         /// Line of the element set, 1 or 2.
         line: u8,
         /// The character in column 69.
         stated: char,
-        /// Sum of the digits modulo 10, with a minus counted as 1.
+        /// Sum of the digits modulo 10, where a minus sign counts as 1.
         computed: u8,
     },
-    /// Different catalogue numbers in the two lines.
+    /// The two lines have different catalogue numbers.
     #[error("line 1 is of object {first}, line 2 of object {second}")]
     MixedObjects {
         /// Catalogue number in line 1.
@@ -75,67 +75,67 @@ pub enum RejectReason {
         /// Catalogue number in line 2.
         second: u32,
     },
-    /// A line 1 without a following line 2.
+    /// A line 1 is not followed by a line 2.
     #[error("line 1 of an element set is not followed by its line 2")]
     LineOneAlone,
-    /// A line 2 without a preceding line 1.
+    /// A line 2 is not preceded by a line 1.
     #[error("line 2 of an element set is not preceded by its line 1")]
     LineTwoAlone,
-    /// A line that belongs to no element set.
+    /// A line does not belong to an element set.
     #[error("unexpected line {text:?}: neither part nor name of an element set")]
     Stray {
-        /// The line, shortened.
+        /// Text of the line, shortened.
         text: String,
     },
-    /// A field of an OMM, or a column of a CSV file, without a valid number.
+    /// A field of an OMM, or a cell of a CSV file, is not a valid number.
     #[error("{field} {text:?} is not a number")]
     FieldNotANumber {
         /// Keyword.
         field: &'static str,
-        /// Text found there.
+        /// Text of the field.
         text: String,
     },
-    /// A missing required field.
+    /// A required field is missing.
     #[error("{field} is missing")]
     Missing {
         /// Keyword.
         field: &'static str,
     },
-    /// A catalogue number of an OMM that is not a number of one to nine digits.
+    /// The catalogue number of an OMM is not a number of one to nine digits.
     #[error("invalid NORAD_CAT_ID {text:?}: expected 1 to 999999999, or Alpha-5")]
     BadId {
-        /// Text found there.
+        /// Text of the field.
         text: String,
     },
-    /// An invalid epoch.
+    /// The epoch is invalid.
     #[error("invalid epoch {text:?}: expected {allowed}")]
     BadEpoch {
-        /// Text found there.
+        /// Text of the field.
         text: String,
         /// Accepted form.
         allowed: &'static str,
     },
-    /// A number out of range.
+    /// A number is out of range.
     #[error("{field} {value} is out of range: allowed {allowed}")]
     OutOfRange {
         /// Name of the field.
         field: &'static str,
-        /// The number, in the unit of `allowed`.
+        /// Invalid number, in the unit of `allowed`.
         value: f64,
         /// Accepted range, with its unit.
         allowed: &'static str,
     },
-    /// Mean elements of a theory, frame or time system other than SGP4's.
+    /// The mean elements are of a theory, frame or time system that SGP4 does not use.
     #[error("unsupported {field} {text:?}: allowed {allowed}")]
     Unsupported {
         /// Keyword.
         field: &'static str,
-        /// Text found there.
+        /// Text of the field.
         text: String,
         /// Accepted values.
         allowed: &'static str,
     },
-    /// Invalid syntax around a record.
+    /// The syntax around a record is invalid.
     #[error("invalid {format}: {what}")]
     Syntax {
         /// JSON, XML, KVN or CSV.
@@ -149,11 +149,11 @@ pub enum RejectReason {
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ElementFormat {
-    /// Two-line element sets, with or without a line for the name.
+    /// Two-line element sets, with or without name lines.
     Tle,
     /// Orbit mean-elements messages as JSON (CelesTrak, Space-Track, JSON lines).
     OmmJson,
-    /// Orbit mean-elements messages as CSV, and tables with the two lines in columns.
+    /// Orbit mean-elements messages as CSV, and tables with the two lines of a TLE in columns.
     OmmCsv,
     /// Orbit mean-elements messages as XML (CCSDS 505.0-B).
     OmmXml,
@@ -182,10 +182,10 @@ impl fmt::Display for ElementFormat {
     }
 }
 
-/// Rejected record with its position and reason, displayed as `file:line: reason`.
+/// Rejected record with its position and reason. It is displayed as `file:line: reason`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
-    /// Given name of the file.
+    /// Name of the file as given.
     pub file: Arc<str>,
     /// Line in the file, from 1.
     pub line: usize,
@@ -213,7 +213,7 @@ pub(super) struct Parsed {
 }
 
 impl Parsed {
-    /// Stores a record or the reason for its rejection.
+    /// Adds a valid record, or the reason for its rejection.
     pub fn take(&mut self, offset: usize, record: Result<ElementSet, RejectReason>) {
         match record {
             Ok(set) => {
@@ -224,15 +224,15 @@ impl Parsed {
         }
     }
 
-    /// Returns true if no valid record follows the last rejected one: the text may have been cut within it.
+    /// Returns true if the last record was rejected: the file may be truncated within it.
     pub fn is_cut_short(&self) -> bool {
         self.rejected.iter().map(|(offset, _)| *offset).max() > self.last_good_at
     }
 }
 
-/// Checks the ranges of an element set, which are the same for every syntax.
+/// Checks the ranges of an element set, which are the same for all formats.
 ///
-/// Angles may be outside one turn by one turn in either direction.
+/// Angles may be up to one turn below or above the normal range.
 pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
     const TURN: &str = "-360 to 360 deg";
     let out_of_range = |field, value, allowed| Err(RejectReason::OutOfRange { field, value, allowed });
@@ -269,7 +269,7 @@ pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
     Ok(set)
 }
 
-/// Returns a text for an error message: at most 60 characters.
+/// Returns at most 60 characters of a text, for error messages.
 pub(super) fn excerpt(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(bytes);
     let text = text.trim();
@@ -279,17 +279,17 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
     }
 }
 
-/// Least length of a chunk, bytes: smaller ones cost more than they gain.
+/// Smallest length of a chunk, bytes. Parallel parsing of smaller chunks is not faster.
 const LEAST_CHUNK: usize = 200_000;
 
-/// Parses `text` with `parse` in chunks that begin at `next_record(text, from)`: the offset at or after `from` at which
-/// parsing may start afresh, or the length of the text. The result equals that of a single chunk.
+/// Parses `text` with `parse` in parallel chunks, with the same result as for the whole text. Chunks begin at
+/// `next_record(text, from)`: the first offset at or after `from` where a record can begin, or the length of the text.
 pub(super) fn parse_in_chunks<'a>(
     text: &'a str,
     next_record: impl Fn(&'a str, usize) -> usize,
     parse: impl Fn(&'a str) -> Parsed + Sync,
 ) -> Parsed {
-    // Two chunks per thread, since threads may be busy otherwise.
+    // Two chunks per thread balance the load if threads are busy.
     let pieces = (text.len() / LEAST_CHUNK).min(2 * rayon::current_num_threads());
     let mut cuts = vec![0];
     for piece in 1..pieces {

@@ -1,4 +1,4 @@
-//! A catalogue: element sets and ephemerides from any number of files in any mixture of formats, with their provenance.
+//! Catalogue of satellites: element sets and ephemerides from files of any formats, with their provenance.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -15,11 +15,11 @@ use super::shell::Constellation;
 use super::source::{FileReading, SourceFile, read_bytes, read_file};
 use super::tle::Checksums;
 
-/// Options of reading element sets.
+/// Options for reading element sets.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Accepts records with a wrong checksum; they are counted in [`SourceFile::bad_checksums_accepted`]. A missing
-    /// checksum is always accepted.
+    /// If true, records with a wrong checksum are accepted and counted in [`SourceFile::bad_checksums_accepted`]. A
+    /// missing checksum is always accepted.
     pub accept_bad_checksums: bool,
     /// Selection among several element sets of one object.
     pub keep: Keep,
@@ -28,16 +28,16 @@ pub struct ReadOptions {
 /// Selection among several element sets of one object.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub enum Keep {
-    /// The one with the latest epoch.
+    /// The element set with the latest epoch.
     #[default]
     Newest,
-    /// The one nearest to an epoch, before or after it.
+    /// The element set with the epoch nearest to this time, before or after it.
     Nearest(Epoch),
     /// All element sets, for a [`History`].
     All,
 }
 
-/// Element sets with their provenance.
+/// Element sets and ephemerides with their provenance.
 ///
 /// ```
 /// use streakcast::elements::{Satellites, NoradId, ReadOptions};
@@ -56,24 +56,25 @@ pub enum Keep {
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Satellites {
-    /// Element sets by catalogue number, and by epoch if several of one object are kept.
+    /// Element sets sorted by catalogue number, then by epoch if several of one object are kept.
     pub element_sets: Vec<ElementSet>,
-    /// Ephemerides of operators, in the order of the files.
+    /// Operator ephemerides, in file order.
     pub ephemerides: Vec<Arc<Ephemeris>>,
-    /// Rejected records, by file and line.
+    /// Rejected records, sorted by file and line.
     pub rejected: Vec<Rejected>,
     /// Files, in the given order.
     pub sources: Vec<SourceFile>,
-    /// Number of records dropped as exact duplicates of another one.
+    /// Number of records removed as exact duplicates of others.
     pub duplicates: usize,
-    /// Number of records dropped in favour of another epoch of the same object.
+    /// Number of records removed because another epoch of the same object was selected.
     pub superseded: usize,
 }
 
 impl Satellites {
-    /// Reads files, each in the format detected from its content.
+    /// Reads files. The format of each is detected from its content.
     ///
-    /// Invalid records are listed in [`rejected`](Self::rejected); the others are kept. An ephemeris is valid as a whole.
+    /// Invalid records are listed in [`rejected`](Self::rejected), and the others are kept. An invalid ephemeris is an
+    /// error.
     ///
     /// # Errors
     /// * no file is given;
@@ -98,18 +99,19 @@ impl Satellites {
         Self::read(paths.as_ref(), &ReadOptions::default())
     }
 
-    /// Returns a synthetic constellation as filed, for example `starlink-gen1`, at this epoch.
+    /// Returns a simulated constellation with the orbits of its licence filing, for example `starlink-gen1`, at an
+    /// epoch.
     ///
-    /// Its positions do not correspond to real satellites.
+    /// The positions do not correspond to real satellites.
     ///
     /// # Errors
-    /// An unknown name; the error lists the known ones.
+    /// The name is unknown. The error lists the known names.
     pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, ElementsError> {
         let element_sets = Constellation::by_name(constellation)?.element_sets(epoch);
         Ok(Self::from_element_sets(element_sets, Keep::All))
     }
 
-    /// Reads the content of one file; `name` is its name in messages and provenance.
+    /// Reads the content of one file; `name` is used in messages and provenance.
     ///
     /// # Errors
     /// Same as [`read`](Self::read).
@@ -117,20 +119,21 @@ impl Satellites {
         Ok(Self::assemble(vec![read_bytes(name, bytes, options.checksums())?], options.keep))
     }
 
-    /// Creates a catalogue from element sets that do not come from a file.
+    /// Creates a catalogue from element sets that were not read from a file.
     pub fn from_element_sets(element_sets: Vec<ElementSet>, keep: Keep) -> Self {
         let mut catalogue = Self::default();
         catalogue.put(element_sets, keep);
         catalogue
     }
 
-    /// Returns for every object the element set nearest to an epoch. Read with [`Keep::All`]; otherwise there is only
-    /// one for each object.
+    /// Returns the element set of every object nearest to a time. This requires [`Keep::All`]; otherwise only one
+    /// element set of each object is stored.
     pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
         nearest_of_each(&self.element_sets, epoch)
     }
 
-    /// Returns every record as a history. Read with [`Keep::All`]; otherwise there is only one record for each object.
+    /// Returns all records as a history. This requires [`Keep::All`]; otherwise there is only one record of each
+    /// object.
     pub fn into_history(self) -> History {
         History::new(self.element_sets)
     }

@@ -1,4 +1,4 @@
-//! Synthetic constellations: Walker shells as element sets for any epoch, always labelled synthetic.
+//! Simulated constellations: Walker shells as element sets for any epoch, marked as synthetic.
 //!
 //! A shell of T = P·S satellites in P planes (Walker 1984: i: T/P/F) has
 //!
@@ -7,13 +7,13 @@
 //! u_ps = u₀ + 360° · s / S + 360° · F · p / T                 s = 0 … S−1
 //! ```
 //!
-//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are
-//! circular, without drag (B* = 0), and their mean radius in SGP4 is the Earth's equatorial radius (6378.137 km) plus
-//! the shell's altitude. Ω₀ and u₀ are those of 2000-01-01T12:00:00 UTC; the angles change with SGP4's secular rates,
-//! so element sets of one constellation for two epochs describe the same satellites: propagated to a common time they
-//! agree within kilometres.
+//! where u is the mean argument of latitude and `spread` is 360° (Walker delta) or 180° (Walker star, polar shells).
+//! The orbits are circular, without drag (B* = 0), and their mean radius in SGP4 is the Earth's equatorial radius
+//! (6378.137 km) plus the altitude of the shell. Ω₀ and u₀ hold at 2000-01-01T12:00:00 UTC, and both angles change with
+//! SGP4's secular rates. Element sets of one constellation for two epochs therefore describe the same satellites:
+//! propagated to a common time, they agree within kilometres.
 //!
-//! Positions do not correspond to real satellites: counts and statistics are meaningful, single crossings are not.
+//! The positions do not correspond to real satellites: counts and statistics are meaningful, single crossings are not.
 
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -27,17 +27,17 @@ use super::error::ElementsError;
 use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
-/// Constellations of the library, with their sources.
+/// Bundled constellations, with their sources.
 const EMBEDDED: &str = include_str!("shells.toml");
 
-/// First catalogue number of synthetic satellites: a block of a million for each constellation.
+/// First catalogue number of simulated satellites. Each constellation has a block of a million numbers.
 pub const FIRST_SYNTHETIC_ID: u32 = 900_000_000;
-/// First catalogue number of constellations defined by the user.
+/// First catalogue number of user-defined constellations.
 const FIRST_OWN_ID: u32 = 950_000_000;
 /// Catalogue numbers reserved for one constellation.
 const ID_BLOCK: u32 = 1_000_000;
 
-/// One shell: circular orbits of one altitude and inclination in evenly spaced planes.
+/// Shell: circular orbits of one altitude and inclination in evenly spaced planes.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shell {
@@ -47,15 +47,15 @@ pub struct Shell {
     pub inclination_deg: f64,
     /// Number of planes P.
     pub planes: u32,
-    /// Satellites S in each plane.
+    /// Number of satellites in each plane, S.
     pub satellites_per_plane: u32,
-    /// Walker's F: neighbouring planes are shifted by 360° F / T.
+    /// Walker's phasing F: adjacent planes are shifted by 360° F / T.
     #[serde(default = "one")]
     pub phasing: u32,
-    /// Arc over which the ascending nodes are spread, degrees: 360 (delta) or 180 (star).
+    /// Arc over which the ascending nodes are distributed, degrees: 360 (Walker delta) or 180 (Walker star).
     #[serde(default = "full_circle")]
     pub node_spread_deg: f64,
-    /// Ascending node of the first plane at 2000-01-01T12:00:00 UTC, degrees.
+    /// Right ascension of the ascending node of the first plane at 2000-01-01T12:00:00 UTC, degrees.
     #[serde(default)]
     pub node_offset_deg: f64,
     /// Mean argument of latitude of the first satellite at 2000-01-01T12:00:00 UTC, degrees.
@@ -71,7 +71,7 @@ fn full_circle() -> f64 {
     360.0
 }
 
-/// A named set of shells with the source of its numbers.
+/// Named constellation: a set of shells with the source of its numbers.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Constellation {
@@ -102,16 +102,16 @@ struct Entry {
 }
 
 impl Constellation {
-    /// Returns the constellations of the library.
+    /// Returns the bundled constellations.
     pub fn embedded() -> Vec<Self> {
-        // The text is part of the library and covered by a test.
+        // The text is part of the library and parsed by a test.
         parse(EMBEDDED, FIRST_SYNTHETIC_ID).unwrap_or_default()
     }
 
-    /// Returns the constellation of this name, in any case.
+    /// Returns the bundled constellation with this name, in any case.
     ///
     /// # Errors
-    /// An unknown name; the error lists the known ones.
+    /// The name is unknown. The error lists the known names.
     pub fn by_name(name: &str) -> Result<Self, ElementsError> {
         let mut all = Self::embedded();
         match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {
@@ -123,7 +123,7 @@ impl Constellation {
         }
     }
 
-    /// Reads constellations from TOML.
+    /// Parses constellations from TOML.
     ///
     /// ```
     /// use streakcast::elements::Constellation;
@@ -144,24 +144,24 @@ impl Constellation {
     /// # Ok::<(), streakcast::elements::ElementsError>(())
     /// ```
     ///
-    /// Keys are those of [`Shell`]; `satellites` in a `[[constellation]]` states the total and is checked.
+    /// The keys are those of [`Shell`]. `satellites` in a `[[constellation]]` states the total, which is checked.
     ///
     /// # Errors
-    /// * invalid TOML, or a missing or unknown key;
-    /// * a number out of range, or a stated total that is not the sum.
+    /// * The TOML is invalid, or a key is missing or unknown.
+    /// * A number is out of range, or the stated total is not the sum of the shells.
     pub fn from_toml(text: &str) -> Result<Vec<Self>, ElementsError> {
         parse(text, FIRST_OWN_ID)
     }
 
-    /// Returns the number of satellites of all shells.
+    /// Returns the total number of satellites.
     pub fn satellites(&self) -> usize {
         self.shells.iter().map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
     }
 
-    /// Returns the element sets of every satellite for an epoch, in the order of shells, planes and satellites.
+    /// Returns the element sets of all satellites at an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers start at [`first_id`](Self::first_id); names have the form `STARLINK-GEN1-S1 P03-07
-    /// (synthetic)`, with shell, plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
+    /// Catalogue numbers start at [`first_id`](Self::first_id). Names have the form `STARLINK-GEN1-S1 P03-07
+    /// (synthetic)`, with shell, plane and satellite counted from 1. The origin is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
         let epoch = epoch.to_time_scale(TimeScale::UTC);
         let days = days_since_reference(epoch);
@@ -209,7 +209,7 @@ impl Constellation {
     }
 }
 
-/// Returns the days of 86,400 s UTC since 2000-01-01T12:00:00, as SGP4 counts time between element sets.
+/// Returns the days of 86,400 s UTC since 2000-01-01T12:00:00, counted as by SGP4.
 fn days_since_reference(epoch: Epoch) -> f64 {
     // 36,524.5 days from 1900-01-01T00:00:00, the zero of hifitime's UTC, to the reference.
     let reference = i128::from(DAY_NS) * 73_049 / 2;
@@ -220,7 +220,7 @@ fn days_since_reference(epoch: Epoch) -> f64 {
 fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ElementsError> {
     let file: File =
         toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(error.to_string().trim().to_string()))?;
-    // The number of blocks up to catalogue number 999,999,999.
+    // Number of blocks up to catalogue number 999,999,999.
     if file.constellation.len() > 49 {
         return Err(ElementsError::ShellSyntax(format!(
             "{} constellations; allowed: at most 49",

@@ -1,4 +1,4 @@
-//! Reading one file of element sets: decompression, detection of the format, valid and rejected records.
+//! Reads one file: decompression, detection of the format, valid and rejected records.
 
 use std::borrow::Cow;
 use std::io::ErrorKind;
@@ -17,33 +17,33 @@ use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
 use crate::input;
 
-/// Source of element sets, for the provenance of every result.
+/// File of element sets or ephemerides, for the provenance of results.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct SourceFile {
-    /// Given name.
+    /// Name of the file as given.
     pub name: Arc<str>,
-    /// SHA-256 of the bytes on disk in lower-case hex, as `sha256sum` prints it.
+    /// SHA-256 of the bytes on disk in lower-case hexadecimal, as printed by `sha256sum`.
     pub sha256: String,
-    /// Syntax.
+    /// Format of the file.
     pub format: ElementFormat,
     /// True if the file was compressed with gzip.
     pub gzipped: bool,
-    /// Number of valid records, including duplicates; of states in an ephemeris.
+    /// Number of valid records, including duplicates; in an ephemeris, number of states.
     pub records: usize,
     /// Number of rejected records.
     pub rejected: usize,
-    /// True if the last record was rejected: the file may have been cut short, or is still being written.
+    /// True if the last record was rejected: the file may be truncated or incompletely written.
     pub cut_short: bool,
     /// Number of records accepted with a wrong checksum.
     pub bad_checksums_accepted: usize,
-    /// Earliest epoch of an element set, or of a state.
+    /// Earliest epoch of an element set or state.
     pub first_epoch: Epoch,
-    /// Latest epoch.
+    /// Latest epoch of an element set or state.
     pub last_epoch: Epoch,
 }
 
-/// Content of one file.
+/// Content of one file, with its provenance.
 pub(super) struct FileReading {
     pub source: SourceFile,
     pub sets: Vec<ElementSet>,
@@ -63,13 +63,13 @@ pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading
 
 /// Reads the content of a file.
 pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, ElementsError> {
-    // Hashing and parsing take about the same time and run in parallel.
+    // Hashing and parsing take similar times; they run in parallel.
     let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
     let Content { format, gzipped, sets, mut ephemerides, rejected, cut_short, bad_checksums_accepted } = content?;
     let name: Arc<str> = Arc::from(name);
     let rejected: Vec<Rejected> =
         rejected.into_iter().map(|(line, reason)| Rejected { file: name.clone(), line, reason }).collect();
-    // All are UTC here: comparing the raw durations avoids leap seconds.
+    // All epochs are UTC. Comparing durations avoids conversions with leap seconds.
     let of_states = || ephemerides.iter().flat_map(|ephemeris| ephemeris.states.iter().map(|state| state.epoch));
     let epochs = || sets.iter().map(|set| set.epoch).chain(of_states());
     let duration = |epoch: &Epoch| epoch.duration;
@@ -100,7 +100,7 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
     Ok(FileReading { source, sets, ephemerides, rejected })
 }
 
-/// Content of a file, with rejected records by line.
+/// Records of a file, with rejected records by line.
 struct Content {
     format: ElementFormat,
     gzipped: bool,
@@ -140,7 +140,7 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
         ElementFormat::OmmXml => omm_xml::parse(&text, checksums),
         ElementFormat::OmmKvn => omm_kvn::parse(&text),
     };
-    // An NDM may have messages of both kinds.
+    // An NDM may contain both OMM and OEM messages.
     let has_ephemerides = format == ElementFormat::OmmXml && ephemeris::looks_like_oem_xml(&text);
     let ephemerides = match has_ephemerides {
         true => ephemeris::parse_oem_xml(&text).map_err(with_name)?,
@@ -153,9 +153,9 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
     Ok(Content { format, gzipped, sets, ephemerides, rejected, cut_short, bad_checksums_accepted })
 }
 
-/// Converts increasing byte offsets to line numbers from 1.
+/// Converts increasing byte offsets to line numbers, which start at 1.
 fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
-    // Classic Macintosh files end their lines with a lone carriage return.
+    // Files of the classic Mac OS have a carriage return at the end of lines.
     let line_end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
     let (mut at, mut line) = (0, 1);
     rejected
@@ -180,7 +180,7 @@ fn unpack<'a>(name: &str, bytes: &'a [u8], limit: u64) -> Result<Cow<'a, [u8]>, 
     })
 }
 
-/// Removes a byte order mark and converts UTF-16 (as written by Windows shells) to UTF-8.
+/// Removes a byte order mark, and converts UTF-16 (as written by Windows shells) to UTF-8.
 fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     let utf16 = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
@@ -194,7 +194,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
     }
 }
 
-/// Detects the format; the error describes other content.
+/// Detects the format of a text. The error describes what the text appears to be.
 fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     let packed: &[(&[u8], &str)] = &[
         (b"PK\x03\x04", "it is a zip archive; unpack it"),
@@ -209,7 +209,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     let body = text.trim_start();
     match body.as_bytes().first() {
         Some(b'{') => return Ok(ElementFormat::OmmJson),
-        // A lone bracket also starts tables of TOML and INI.
+        // TOML and INI tables also start with a bracket.
         Some(b'[') if matches!(body[1..].trim_start().as_bytes().first(), None | Some(b'{' | b'[' | b']' | b'"')) => {
             return Ok(ElementFormat::OmmJson);
         }
@@ -218,7 +218,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
         Some(b'<') => return Err("it is a web page or another kind of XML".into()),
         _ => {}
     }
-    // A CSV file may contain the two lines in columns, so it is tested before TLE.
+    // CSV is tested before TLE, because a CSV file may contain the two lines of a TLE in columns.
     if ephemeris::looks_like_modified_itc(body) {
         Ok(ElementFormat::ModifiedItc)
     } else if ephemeris::looks_like_oem_kvn(body) {
@@ -235,7 +235,7 @@ fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     }
 }
 
-/// Returns lower-case hex.
+/// Formats bytes as lower-case hexadecimal.
 fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
@@ -248,7 +248,7 @@ mod tests {
 
     use super::*;
 
-    /// A gzip file of 1 kB can contain 1 MB, one of 2 MB can contain 2 GB.
+    /// Decompression bomb: a gzip file of 1 kB that expands to 1 MB. One of 2 MB would expand to 2 GB.
     #[test]
     fn verif_decompression_is_bounded() {
         let mut encoder = GzEncoder::new(Vec::new(), Compression::best());

@@ -1,18 +1,19 @@
-//! One two-line element set: 138 characters in fixed columns.
+//! Parser of one two-line element set: two lines with fields in fixed columns.
 //!
-//! Columns as in the NORAD two-line format (Hoots & Roehrich, Spacetrack Report 3; Kelso, CelesTrak "FAQs: Two-Line
-//! Element Set Format"). Accepted in addition, because unambiguous and in use:
+//! Columns are those of the NORAD two-line format (Hoots & Roehrich, Spacetrack Report 3; Kelso, CelesTrak "FAQs:
+//! Two-Line Element Set Format"). The following unambiguous variants are also accepted:
 //!
 //! * catalogue numbers with blanks for zeros, and Alpha-5 (`A0000` = 100,000 ... `Z9999` = 339,999; no I, no O);
 //! * plus signs, and angles with zeros for leading blanks;
-//! * a missing checksum (68 characters); only a checksum that is present can be wrong;
-//! * blank fields for the two derivatives, the revolution and the set number (taken as 0): SGP4 uses none of them;
-//! * text after column 69, separated by a blank (verification files have times there).
+//! * a missing checksum (68 characters);
+//! * blank fields for the two derivatives, the revolution number and the set number, taken as 0 (SGP4 uses none of
+//!   them);
+//! * text after column 69, separated by a blank (SGP4 verification files have times there).
 //!
-//! Rejected: a line that is truncated or shifted by a column, since a number from the wrong columns may look valid.
+//! A line that is truncated or shifted by a column is rejected, since a number from the wrong columns may look valid.
 //!
-//! Numbers are read as a whole number over a power of ten, both exact in binary64, so that one correctly rounded
-//! division gives the same bits as any other syntax with the same decimal.
+//! A number is read as an integer divided by a power of ten. Both are exact in binary64, so that the correctly rounded
+//! quotient has the same bits as the same decimal in any other format.
 
 use std::sync::Arc;
 
@@ -26,19 +27,19 @@ use super::tle_fields::{BODY, decimal, designator_of, exponential, parse_five_ch
 /// Treatment of wrong checksums.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Checksums {
-    /// Rejects the record.
+    /// The record is rejected.
     Require,
-    /// Accepts the record and counts it.
+    /// The record is accepted and counted.
     Ignore,
 }
 
-/// One element set, and true if a wrong checksum was accepted.
+/// Element set, and true if a wrong checksum was accepted.
 pub(super) type Read = (ElementSet, bool);
 
-/// Reads one element set from lines without trailing blanks and line ends.
+/// Parses one element set from two lines without trailing blanks and line breaks.
 ///
 /// # Errors
-/// The line (1 or 2) at fault, and what is wrong: see [`RejectReason`].
+/// Number of the invalid line (1 or 2), and the reason: see [`RejectReason`].
 pub(super) fn parse_lines(
     name: &[u8],
     line1: &[u8],
@@ -76,7 +77,7 @@ pub(super) fn parse_lines(
         revolution_at_epoch: second.revolution,
         origin: Origin::Published,
     };
-    // Catalogue number 0 is the only range error of line 1.
+    // Of the range errors, only that of catalogue number 0 concerns line 1.
     checked(set).map(|set| (set, overlooked)).map_err(|error| (if first.norad_id == 0 { 1 } else { 2 }, error))
 }
 
@@ -117,7 +118,7 @@ fn parse_line1(text: &[u8]) -> Result<Line1, RejectReason> {
     let dot = line.decimal_or_zero("first derivative of the mean motion", 34, 43)?;
     let ddot = line.exponential("second derivative of the mean motion", 45, 52, true)?;
     let bstar = line.exponential("B*", 54, 61, false)?;
-    // Type 4 means SGP4-XP: same columns, another theory, wrong by kilometres in SGP4.
+    // Ephemeris type 4 is SGP4-XP: it has the same columns, but in SGP4 its elements give errors of kilometres.
     if text[62] == b'4' {
         return Err(RejectReason::Unsupported {
             field: "ephemeris type",
@@ -143,19 +144,19 @@ fn parse_line2(text: &[u8]) -> Result<Line2, RejectReason> {
     })
 }
 
-/// One of the two lines with its number, for columns and messages.
+/// One of the two lines, with its number for error messages.
 struct Line<'a> {
     number: u8,
     text: &'a [u8],
 }
 
 impl<'a> Line<'a> {
-    /// Returns columns `first` to `last`, counted from 1 as in the format description. The shape has been checked.
+    /// Returns the text in columns `first` to `last`, counted from 1. `check_shape` must have accepted the line.
     fn columns(&self, first: u8, last: u8) -> &'a [u8] {
         &self.text[usize::from(first) - 1..usize::from(last)]
     }
 
-    /// Checks the length, and the blanks between the fields.
+    /// Checks the length of the line, and that the columns between fields are blank.
     fn check_shape(&self, blanks: &[u8]) -> Result<(), RejectReason> {
         let length = self.text.len();
         let ends_well = length == BODY || length == BODY + 1 || self.text.get(BODY + 1) == Some(&b' ');
@@ -182,7 +183,7 @@ impl<'a> Line<'a> {
             .ok_or_else(|| RejectReason::BadTleId { line: self.number, text: excerpt(self.columns(3, 7)) })
     }
 
-    /// Parses a number with a decimal point in its columns.
+    /// Parses a decimal number.
     fn decimal(&self, field: &'static str, first: u8, last: u8) -> Result<f64, RejectReason> {
         decimal(self.columns(first, last)).ok_or_else(|| self.not_a_number(field, first, last))
     }
@@ -191,7 +192,7 @@ impl<'a> Line<'a> {
         if self.columns(first, last).trim_ascii().is_empty() { Ok(0.0) } else { self.decimal(field, first, last) }
     }
 
-    /// Parses `SNNNNNSE`: a fraction with an implied leading point, and a power of ten.
+    /// Parses `SNNNNNSE`: a fraction with an implied leading decimal point, and a power of ten.
     fn exponential(&self, field: &'static str, first: u8, last: u8, blank_is_zero: bool) -> Result<f64, RejectReason> {
         let text = self.columns(first, last);
         if blank_is_zero && text.trim_ascii().is_empty() {
@@ -200,10 +201,10 @@ impl<'a> Line<'a> {
         exponential(text).ok_or_else(|| self.not_a_number(field, first, last))
     }
 
-    /// Parses seven digits with an implied leading point.
+    /// Parses the eccentricity: seven digits with an implied leading decimal point.
     fn eccentricity(&self) -> Result<f64, RejectReason> {
         let field = self.columns(27, 33);
-        // Only leading blanks are zeros.
+        // Only leading blanks are read as zeros.
         let value = epoch::digits(field.trim_ascii_start());
         value.map(|value| f64::from(value) / 1e7).ok_or_else(|| self.not_a_number("eccentricity", 27, 33))
     }
@@ -229,7 +230,7 @@ impl<'a> Line<'a> {
         let day = epoch::digits(&field[..point]).ok_or_else(bad)?;
         let mut nanosecond = 0;
         if let Some(fraction) = field.get(point + 1..).filter(|fraction| !fraction.is_empty()) {
-            // At most ten digits fit; eight digits are units of 864,000 ns, so the product is exact.
+            // The field has at most ten digits of the fraction; 1e-8 day is 864,000 ns, so the product is exact.
             let scale = 10_i64.pow(fraction.len() as u32);
             let whole = fraction
                 .iter()

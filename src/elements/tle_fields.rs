@@ -8,7 +8,7 @@ use super::record::RejectReason;
 /// Length of a line without its checksum.
 pub(super) const BODY: usize = 68;
 
-/// Letters of Alpha-5: the value of the first two digits is 10 for A, 33 for Z.
+/// Letters of Alpha-5 in place of the first two digits: 10 for A to 33 for Z.
 pub(super) const ALPHA5: &[u8; 24] = b"ABCDEFGHJKLMNPQRSTUVWXYZ";
 
 /// Parses a catalogue number of at most five characters: digits, or Alpha-5.
@@ -23,7 +23,7 @@ pub(super) fn parse_five_characters(field: &[u8]) -> Option<u32> {
     }
 }
 
-/// Converts `98067A` to `1998-067A`; other forms are kept.
+/// Converts `98067A` to `1998-067A`; other forms are unchanged.
 pub(super) fn designator_of(field: &[u8]) -> Arc<str> {
     let field = field.trim_ascii();
     if field.is_empty() {
@@ -45,13 +45,13 @@ pub(super) fn designator_of(field: &[u8]) -> Arc<str> {
     Arc::from(String::from_utf8_lossy(field).as_ref())
 }
 
-/// Powers of ten that binary64 holds exactly.
+/// Powers of ten that are exact in binary64.
 const TENS: [f64; 23] = [
     1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
     1e21, 1e22,
 ];
 
-/// Parses a signed decimal number with surrounding blanks, correctly rounded. At most 15 digits.
+/// Parses a signed decimal number of at most 15 digits, correctly rounded. Surrounding blanks are allowed.
 pub(super) fn decimal(field: &[u8]) -> Option<f64> {
     let field = field.trim_ascii();
     let (negative, field) = match field {
@@ -74,12 +74,12 @@ pub(super) fn decimal(field: &[u8]) -> Option<f64> {
     if digits == 0 || digits > 15 {
         return None;
     }
-    // Both are exact below 2^53 and 10^22, so the quotient is the nearest double to the decimal.
+    // Integers below 2^53 and powers up to 10^22 are exact, so the quotient is the double nearest to the decimal.
     let value = value as f64 / TENS[decimals];
     Some(if negative { -value } else { value })
 }
 
-/// Parses ` 10370-3` as 0.10370e-3, correctly rounded. A blank sign is a plus.
+/// Parses ` 10370-3` as 0.10370e-3, correctly rounded. A blank in place of the sign is a plus.
 pub(super) fn exponential(field: &[u8]) -> Option<f64> {
     let [sign, mantissa @ .., exponent_sign, exponent] = field else { return None };
     let negative = match sign {
@@ -101,7 +101,7 @@ pub(super) fn exponential(field: &[u8]) -> Option<f64> {
     Some(if negative { -value } else { value })
 }
 
-/// Returns the sum of the first 68 characters modulo 10: digits by value, a minus as 1.
+/// Returns the checksum: the sum of the digits in the first 68 characters modulo 10, where a minus sign counts as 1.
 pub(super) fn checksum(text: &[u8]) -> u8 {
     let sum: u32 = text
         .iter()

@@ -1,4 +1,4 @@
-//! Reading texts of TLEs with names, comments and invalid lines, and writing TLEs.
+//! Parser of files with TLEs, names, comments and invalid lines; writer of TLEs.
 
 use super::error::ElementsError;
 
@@ -8,21 +8,21 @@ use super::record::{Parsed, RejectReason, excerpt, next_line, parse_in_chunks};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::{ALPHA5, BODY, checksum};
 
-/// A line with its offset in the text, without trailing blanks.
+/// Line without trailing blanks, with its offset in the text.
 type Placed<'a> = (usize, &'a [u8]);
 
-/// Least length of a data line; shorter lines that begin with "1 " or "2 " may be names.
+/// Smallest length of a data line. Shorter lines that begin with "1 " or "2 " may be names.
 const DATA_LENGTH: usize = 60;
 
-/// Reads two-line, three-line and "0 NAME" sets in any mixture.
+/// Parses two-line, three-line and "0 NAME" sets, also mixed.
 ///
-/// Blank lines and lines that begin with `#` are skipped; blanks before a data line are ignored. Unpaired lines are
-/// rejected, and reading continues with the next line.
+/// Blank lines and lines that begin with `#` are skipped, and blanks before a data line are ignored. A line 1 or 2
+/// without its partner is rejected, and parsing continues with the next line.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
 }
 
-/// Returns the offset after the next complete pair of lines, from which parsing does not depend on earlier text.
+/// Returns the offset after the next complete pair of lines. Parsing from there does not depend on earlier text.
 fn after_next_set(text: &str, from: usize) -> usize {
     let mut lines = Lines { text: text.as_bytes(), at: next_line(text, from) };
     let mut after_first = false;
@@ -76,7 +76,7 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
     parsed
 }
 
-/// Returns true if the text contains a line 1 followed by a line 2, or at least one line that can only be data.
+/// Returns true if the text contains a line 1 followed by a line 2, or a line that can only be a data line.
 pub(super) fn looks_like(text: &str) -> bool {
     Lines { text: text.as_bytes(), at: 0 }.any(|(_, line)| {
         line.len() >= DATA_LENGTH
@@ -102,7 +102,7 @@ impl<'a> Iterator for Lines<'a> {
             let length = rest.iter().position(|&byte| byte == b'\n' || byte == b'\r').unwrap_or(rest.len());
             self.at = offset + length + 1;
             let line = rest[..length].trim_ascii_end();
-            // NUL bytes remain in files truncated by a crash.
+            // Files truncated by a system crash may contain NUL bytes.
             if line.is_empty() || line[0] == b'#' || line.iter().all(|&byte| byte == 0) {
                 continue;
             }
@@ -118,10 +118,10 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Writes the two lines of an element set, each of 69 characters, rounded to the width of the columns.
+/// Formats an element set as two lines of 69 characters, rounded to the width of the columns.
 ///
-/// The classification is `U`, the set number 999. Digits beyond the format are lost (eccentricity 1e-7, B* five digits,
-/// epoch 1e-8 day); OMM keeps them.
+/// The classification is `U` and the set number 999. Digits beyond the format are lost: the resolution is 1e-7 for the
+/// eccentricity, five digits for B*, and 1e-8 day for the epoch. OMM files keep all digits.
 ///
 /// # Errors
 /// * the catalogue number is above 339,999;
@@ -133,7 +133,7 @@ pub fn format_tle(set: &ElementSet) -> Result<[String; 2], ElementsError> {
     let mut fraction = (nanosecond + 432_000) / 864_000;
     if fraction == 100_000_000 {
         (fraction, day) = (0, day + 1);
-        // The day stays within its year: 366 is 1 January after a common year.
+        // After rounding, day 366 of a common year is 1 January of the next year.
         (year, day, _) = epoch::to_day_of_year(epoch::from_day_of_year(year, day, 0));
     }
     if !(1957..=2056).contains(&year) {
@@ -154,7 +154,7 @@ pub fn format_tle(set: &ElementSet) -> Result<[String; 2], ElementsError> {
         format_designator(&set.international_designator),
         year % 100,
     );
-    // Rounding up to 1 would overflow the seven digits.
+    // A value that rounds to 1 does not fit the seven digits.
     let eccentricity = (set.eccentricity * 1e7).round().min(9_999_999.0);
     let line2 = format!(
         "2 {id} {:8.4} {:8.4} {eccentricity:07} {:8.4} {:8.4} {:11.8}{:5}",
@@ -183,7 +183,7 @@ fn format_id(norad_id: NoradId) -> Result<String, ElementsError> {
     Ok(format!("{}{rest:04}", char::from(*letter)))
 }
 
-/// Converts `1998-067A` to `98067A`; blank for other forms.
+/// Converts `1998-067A` to `98067A`; other forms give blanks.
 fn format_designator(designator: &str) -> String {
     match designator.as_bytes() {
         [_, _, y1, y2, b'-', rest @ ..] if (3..=6).contains(&rest.len()) && designator.is_ascii() => {
@@ -193,10 +193,10 @@ fn format_designator(designator: &str) -> String {
     }
 }
 
-/// Formats ` 10370-3`; `None` outside 1e-10 to 1e9.
+/// Formats a number in the form ` 10370-3`; `None` if its magnitude is outside 1e-10 to 1e9.
 fn format_exponential(value: f64) -> Option<String> {
     let sign = if value < 0.0 { '-' } else { ' ' };
-    // Rust formats d.dddde-n; the point moves one digit to the left.
+    // Rust formats d.dddde-n; the decimal point is moved one digit to the left.
     let text = format!("{:.4e}", value.abs());
     let (mantissa, exponent) = text.split_once('e')?;
     let digits = mantissa.replace('.', "");

@@ -11,16 +11,16 @@ use crate::output::{Column, Kind, Table, TableField, Value};
 use crate::passes::{EphemerisPoint, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Request for the places of satellites at given times.
+/// Request for the topocentric positions of satellites at given times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EphemerisRequest {
     /// Times, in any order.
     pub times: Vec<Epoch>,
-    /// Satellites.
+    /// Satellites to include.
     pub selection: Selection,
-    /// Lowest altitude, geometric, radians; `None` also includes places below the horizon.
+    /// Lowest altitude of a position, radians, without refraction; `None` includes positions below the horizon.
     pub min_altitude_rad: Option<f64>,
-    /// Band, system, extinction.
+    /// Band, magnitude system and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
 
@@ -28,7 +28,7 @@ impl EphemerisRequest {
     /// Returns the earliest and the latest time.
     ///
     /// # Errors
-    /// [`ForecastError::OutOfRange`] without times.
+    /// [`ForecastError::OutOfRange`] if there are no times.
     pub fn span(&self) -> Result<(Epoch, Epoch), ForecastError> {
         let times = || self.times.iter().copied();
         let none = || ForecastError::OutOfRange { what: "number of times", given: 0.0, unit: "", allowed: "1 or more" };
@@ -36,20 +36,20 @@ impl EphemerisRequest {
     }
 }
 
-/// Places of the selected satellites.
+/// Topocentric positions of the selected satellites.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Ephemeris {
-    /// Places, satellite by satellite in the order of the catalogue, in the order of the times.
+    /// Positions, grouped by satellite in the order of the catalogue; within a satellite in the order of the times.
     pub points: Vec<EphemerisPoint>,
-    /// Satellites without a place at one of the times.
+    /// Satellites whose position cannot be computed at one of the times.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Computes the places of the selected satellites.
+/// Computes the topocentric positions of the selected satellites.
 ///
 /// # Errors
-/// [`ForecastError::EmptySelection`] if no satellite is selected; [`ForecastError::Sky`] for a lowest altitude from an
-/// orbit, and the errors of [`Sky::ephemeris`].
+/// [`ForecastError::EmptySelection`] if no satellite is selected; [`ForecastError::Sky`] if a lowest altitude is given
+/// for an observer in orbit; the errors of [`Sky::ephemeris`].
 pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, ForecastError> {
     let is_selected = |index: &usize| request.selection.contains(&sky.elements()[*index]);
     let indices: Vec<usize> = (0..sky.elements().len()).filter(is_selected).collect();
@@ -68,16 +68,16 @@ pub fn ephemeris(sky: &Sky, request: &EphemerisRequest) -> Result<Ephemeris, For
     Ok(Ephemeris { points, left_out })
 }
 
-/// Place with the element set of its satellite.
+/// Position with the element set of its satellite.
 #[derive(Copy, Clone)]
 pub struct EphemerisRow<'a> {
-    /// The place.
+    /// Topocentric position.
     pub place: &'a EphemerisPoint,
     /// Element set of the satellite.
     pub elements: &'a ElementSet,
 }
 
-/// Decimals of degrees: 0.4 mas.
+/// Number of decimals of angles in degrees: a resolution of 0.4 mas.
 const DEGREES: usize = 7;
 
 fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
@@ -178,7 +178,7 @@ fn fields<'a>() -> [TableField<EphemerisRow<'a>>; 26] {
     ]
 }
 
-/// Returns places as a table, in their order.
+/// Returns positions as a table, in their order.
 pub fn ephemeris_table<'a>(rows: impl IntoIterator<Item = EphemerisRow<'a>>) -> Table {
     Table::from_records(&fields(), rows)
 }

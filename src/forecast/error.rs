@@ -11,13 +11,13 @@ pub enum ForecastError {
     /// A number out of range.
     #[error("{what} is {given}{unit}; allowed: {allowed}")]
     OutOfRange {
-        /// Name of the number.
+        /// Name of the quantity.
         what: &'static str,
-        /// Given value.
+        /// Invalid value.
         given: f64,
         /// Unit with a preceding blank, or empty.
         unit: &'static str,
-        /// Allowed range.
+        /// Accepted range.
         allowed: &'static str,
     },
     /// No satellite matches the selection.

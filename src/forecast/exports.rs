@@ -1,4 +1,4 @@
-//! Passes in the formats of other programs: iCalendar, CCSDS Tracking Data Message, SCORE.
+//! Export of passes to other formats: iCalendar, CCSDS Tracking Data Message (TDM), SCORE.
 
 use std::fmt::Write as _;
 
@@ -11,27 +11,27 @@ use crate::output::{Provenance, csv_cell, format_utc};
 use crate::passes::TrackPoint;
 use crate::photometry::PhotometryOptions;
 
-/// Longest content line of an iCalendar, octets, without its line end.
+/// Longest content line of an iCalendar file, bytes, without the line break.
 const LINE: usize = 75;
 
-/// Night without a pass.
+/// Night in which no pass is visible.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct EmptyNight<'a> {
     /// Start.
     pub start: Epoch,
     /// End.
     pub end: Epoch,
-    /// Reason, from [`Forecast::why_empty`](super::Forecast::why_empty).
+    /// Reason why no pass is visible, from [`Forecast::why_empty`](super::Forecast::why_empty).
     pub why: &'a str,
 }
 
-/// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each pass; `made` is the time of
-/// creation, and `alarm_s` the time from an alarm to its event.
+/// Returns the visible passes as an iCalendar (RFC 5545) in UTC, one event for each pass. `made` is the time of
+/// creation; `alarm_s` is the time from an alarm to its event, seconds.
 ///
-/// Lines end in CR LF and are folded at 75 octets (section 3.1), text is escaped (section 3.3.11), and the UID of an
-/// event is the same in every run. An event starts at the last whole second before the visible part begins and ends at
-/// the first one after it ends. A calendar must have at least one component (section 3.6): an `empty` night is written
-/// as one transparent event with the reason.
+/// Lines end in CR LF and are folded at 75 bytes (section 3.1), and text is escaped (section 3.3.11). The UID of an
+/// event does not depend on `made`. An event starts at the last whole second before the visible part begins, and ends
+/// at the first one after it ends. A calendar must have at least one component (section 3.6): if `empty` is given, the
+/// night is written as one transparent event with the reason.
 pub fn calendar<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
@@ -101,7 +101,7 @@ fn point(what: &str, point: &TrackPoint) -> String {
     format!("{what} {} UTC, altitude {:.0}\u{b0}, {}", &clock[11..19], altitude_rad.to_degrees(), compass(azimuth_rad))
 }
 
-/// Formats a time as `20240814T003000Z`, truncated to the second.
+/// Formats a time as `20240814T003000Z`; fractions of a second are dropped.
 fn stamp(epoch: Epoch) -> String {
     format_utc(epoch, 9).chars().take(19).filter(|mark| !matches!(mark, '-' | ':')).chain(['Z']).collect()
 }
@@ -119,8 +119,8 @@ fn escaped(text: &str) -> String {
     out
 }
 
-/// Appends a content line, folded between characters into lines of at most 75 octets. A continuation line begins with a
-/// blank, which is one of them.
+/// Appends a content line, folded between characters into lines of at most 75 bytes. Continuation lines begin with a
+/// blank, which is included in the 75 bytes.
 fn fold(text: &mut String, content: &str) {
     let mut free = LINE;
     for mark in content.chars() {
@@ -134,13 +134,13 @@ fn fold(text: &mut String, content: &str) {
     text.push_str("\r\n");
 }
 
-/// Longest comment of a message, characters. A line with its keyword has at most 254.
+/// Longest comment of a TDM, characters. The format limits lines, including their keyword, to 254.
 const LONGEST_COMMENT: usize = 240;
 
-/// Pair of angles in a message.
+/// Pair of angles in a TDM.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum AngleType {
-    /// Right ascension and declination, ICRS astrometric topocentric.
+    /// Right ascension and declination: topocentric astrometric position, ICRS.
     #[default]
     RaDec,
     /// Azimuth from north through east, and altitude without refraction.
@@ -148,7 +148,7 @@ pub enum AngleType {
 }
 
 impl AngleType {
-    /// Returns the type of a name: `radec` or `azel`, in any case.
+    /// Returns the angle type with this name: `radec` or `azel`, in any case.
     pub fn by_name(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().as_str() {
             "radec" => Some(Self::RaDec),
@@ -157,7 +157,7 @@ impl AngleType {
         }
     }
 
-    /// Returns the name in the message.
+    /// Returns the value of the keyword `ANGLE_TYPE`.
     pub fn name(self) -> &'static str {
         match self {
             Self::RaDec => "RADEC",
@@ -166,11 +166,11 @@ impl AngleType {
     }
 }
 
-/// Returns the visible passes as a CCSDS Tracking Data Message (503.0-B-2, version 2.0) in keyword-value notation:
-/// angles and magnitude, one segment for each pass; `made` is the time of creation.
+/// Returns the visible passes as a CCSDS Tracking Data Message (503.0-B-2, version 2.0) in keyword-value notation, with
+/// angles and magnitudes and one segment for each pass. `made` is the time of creation.
 ///
-/// A segment has the samples of the visible part; for a pass without samples its begin, highest point, brightest point
-/// and end. The provenance is in comments of the header.
+/// A segment contains the samples of the visible part; for a pass without samples, its begin, highest point, brightest
+/// point and end. The provenance is in comments of the header.
 pub fn tdm<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
@@ -243,7 +243,7 @@ fn segment(text: &mut String, row: &PassRow<'_>, site: &Site, angles: AngleType)
     text.push_str("DATA_STOP\n");
 }
 
-/// Returns the distinct points of the visible part in order of time.
+/// Returns the distinct points of the visible part in time order.
 fn points<'a>(row: &PassRow<'a>) -> Vec<&'a TrackPoint> {
     let Some(seen) = &row.pass.visible else { return Vec::new() };
     let within = |point: &&TrackPoint| point.epoch > seen.begin.epoch && point.epoch < seen.end.epoch;
@@ -258,7 +258,7 @@ fn points<'a>(row: &PassRow<'a>) -> Vec<&'a TrackPoint> {
     points
 }
 
-/// Formats a time as `2024-08-14T00:30:00.000000`, without the Z, which messages omit.
+/// Formats a time as `2024-08-14T00:30:00.000000`, without the Z, which a TDM does not use.
 fn calendar_time(epoch: Epoch) -> String {
     format_utc(epoch, 6).trim_end_matches('Z').to_owned()
 }
@@ -269,11 +269,11 @@ const SCORE_HEADER: &str = "satellite_name,norad_cat_id,observation_time_utc,obs
 /// Returns the passes in the columns of SCORE, the archive of satellite photometry of the IAU CPS, for comparison with
 /// measurements.
 ///
-/// Each pass with a magnitude has one row, at its brightest point. Passes without a magnitude are omitted, because a
-/// row without a magnitude means that the satellite was not detected.
+/// Each pass with a magnitude has one row, at its brightest point. Passes without a magnitude are omitted, because in
+/// SCORE a row without a magnitude is a non-detection.
 ///
-/// The columns of a measurement (time error, instrument, mode, observer, limiting magnitude) are empty, and the comment
-/// marks the row as predicted. Do not upload such a file to SCORE.
+/// Columns that describe a measurement (time error, instrument, mode, observer, limiting magnitude) are empty, and the
+/// comment states that the row is predicted. Do not upload such a file to SCORE.
 pub fn score_report<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,

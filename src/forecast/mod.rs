@@ -1,9 +1,9 @@
-//! Forecast of the passes of a night over a site, ephemerides, statistics of a site, and reproduction of published
-//! counts.
+//! Forecast of the passes of a night over a site, ephemerides of satellites, numbers of lit satellites by Sun altitude,
+//! and comparison with published numbers.
 //!
 //! `request` defines the request, `outlook` computes the night and its passes, `pass_table` and `exports` write the
-//! passes. `ephemeris` computes places of selected satellites at given times. `statistics` counts lit satellites as a
-//! function of the Sun's altitude, `reproduce` compares with published counts.
+//! passes. `ephemeris` computes positions of selected satellites at given times. `statistics` counts lit satellites as
+//! a function of the Sun's altitude, `reproduce` compares with published numbers.
 
 mod ephemeris;
 mod error;

@@ -1,4 +1,4 @@
-//! Forecast of a night: dark intervals, visible passes, and reasons why there are none.
+//! Forecast of a night: dark intervals, visible passes, and the reason if there are no passes.
 
 use hifitime::{Epoch, TimeScale};
 
@@ -10,28 +10,28 @@ use crate::output::{Column, Kind, Table, Value, counted, format_utc};
 use crate::passes::{Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
 
-/// Interval between samples of the Sun's altitude, seconds; the Sun moves by a quarter of a degree in this time.
+/// Sampling interval of the Sun's altitude, seconds; the altitude changes by at most 0.25° in this time.
 const STEP_S: f64 = 60.0;
 
-/// Time interval at a site, with the parts in which the Sun is below a limit.
+/// Time range at a site, with the intervals in which the Sun is below a limit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Night {
     /// Start.
     pub start: Epoch,
     /// End.
     pub end: Epoch,
-    /// Upper limit of the Sun's altitude, radians; `None` includes day and night.
+    /// Upper limit of the Sun's altitude, radians; `None` for no limit.
     pub max_sun_altitude_rad: Option<f64>,
-    /// Intervals with the Sun below the limit, in order of time.
+    /// Intervals in which the Sun is below the limit, in time order.
     pub dark: Vec<(Epoch, Epoch)>,
-    /// The lowest altitude of the Sun's centre, radians, without refraction.
+    /// Lowest altitude of the Sun's centre in the range, radians, without refraction.
     pub lowest_sun_rad: f64,
     /// Time of the lowest altitude.
     pub lowest_sun_at: Epoch,
 }
 
 impl Night {
-    /// Finds the dark intervals from `start` to `end` (not before it) at the site of a sky.
+    /// Finds the dark intervals from `start` to `end` at the site of a sky. `end` must not be before `start`.
     ///
     /// # Errors
     /// [`SkyError::NoHorizon`] for an observer in orbit.
@@ -58,12 +58,12 @@ impl Night {
         Ok(Self { start, end, max_sun_altitude_rad, dark, lowest_sun_rad, lowest_sun_at: epoch(lowest_s) })
     }
 
-    /// Returns the total duration of darkness, seconds.
+    /// Returns the total length of the dark intervals, seconds.
     pub fn dark_s(&self) -> f64 {
         self.dark.iter().map(|(from, until)| seconds_between(*from, *until)).sum()
     }
 
-    /// Returns the reason why the night is never dark; `None` if it is.
+    /// Returns the reason why the Sun is always above the limit; `None` if it is not.
     pub fn why_never_dark(&self, site: &str) -> Option<String> {
         let limit_rad = self.max_sun_altitude_rad.filter(|_| self.dark.is_empty())?;
         Some(format!(
@@ -77,19 +77,19 @@ impl Night {
     }
 }
 
-/// Night with its passes.
+/// Night with its visible passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
     /// The night.
     pub night: Night,
-    /// Passes, and counts of the omitted ones.
+    /// Visible passes, and counts of the omitted passes.
     pub found: VisiblePasses,
 }
 
-/// Computes every visible pass of the selected satellites, on all threads of the current pool.
+/// Computes all visible passes of the selected satellites. It uses all threads of the current thread pool.
 ///
 /// # Errors
-/// A number is out of range, no satellite is selected, the observer is in orbit, or the time is outside the
+/// A number is out of range, no satellite is selected, the observer is in orbit, or the time is outside the planetary
 /// ephemerides.
 pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, ForecastError> {
     request.check()?;
@@ -116,7 +116,7 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
 }
 
 impl Forecast {
-    /// Returns the reason why there is no pass over the site; `None` if there is one.
+    /// Returns the reason why no pass over the site is visible; `None` if there is one.
     pub fn why_empty(&self, sky: &Sky, request: &ForecastRequest) -> Option<String> {
         if !self.found.passes.is_empty() {
             return None;
@@ -158,8 +158,8 @@ impl Forecast {
         Some(reasons.join("; "))
     }
 
-    /// Returns a warning with the number of passes whose magnitudes are only a prior, both those shown and those
-    /// omitted as too faint; `None` if there are no such passes.
+    /// Returns a warning with the number of passes whose satellites have only a default brightness model, both listed
+    /// and omitted as too faint; `None` if there are none.
     pub fn prior_warning(&self, sky: &Sky, max_magnitude: Option<f64>) -> Option<String> {
         let is_prior = |pass: &&VisiblePass| *sky.model(pass.element_index).source() == MagnitudeSource::Prior;
         let shown = self.found.passes.iter().filter(|pass| pass.visible.is_some()).filter(is_prior).count();
@@ -209,7 +209,7 @@ const NIGHT_COLUMNS: [Column; 13] = [
     ),
 ];
 
-/// Returns the night of a forecast as a table of one row, with the reason if there is no pass.
+/// Returns the night of a forecast as a table of one row, with the reason if no pass is visible.
 pub fn night_table(forecast: &Forecast, why_empty: Option<&str>) -> Table {
     let (night, count) = (&forecast.night, &forecast.found.not_shown);
     let row: Vec<Value> = vec![

@@ -1,5 +1,5 @@
-//! Tables of passes: one row for each pass, one row for each point of a light curve, and a table in local time for
-//! observers.
+//! Tables of passes: one row for each pass, one row for each point of a light curve, and a readable table in local time
+//! for observers.
 
 use hifitime::Epoch;
 
@@ -8,13 +8,13 @@ use crate::frames::{seconds_after, seconds_between};
 use crate::output::{Column, Kind, Table, TableField, Value, format_utc};
 use crate::passes::{TrackPoint, Visibility, VisiblePass};
 
-/// Largest difference between two times that are the same event, seconds.
+/// Largest difference between two times that are taken as the same event, seconds.
 const SAME_S: f64 = 0.01;
 
-/// Pass with its element set.
+/// Pass with the element set of its satellite.
 #[derive(Copy, Clone)]
 pub struct PassRow<'a> {
-    /// The pass.
+    /// Visible pass.
     pub pass: &'a VisiblePass,
     /// Element set of the satellite.
     pub elements: &'a ElementSet,
@@ -30,17 +30,17 @@ const P_BRIGHTER: Column = Column::real(
 );
 
 impl<'a> PassRow<'a> {
-    /// Returns the name, or the number for a satellite without a name.
+    /// Returns the name of the satellite, or its catalogue number if it has no name.
     pub fn name(&self) -> String {
         if self.elements.name.is_empty() { self.pass.norad_id.to_string() } else { self.elements.name.to_string() }
     }
 
-    /// Returns the brightest point, if there is a magnitude.
+    /// Returns the brightest point; `None` if the pass has no magnitude.
     pub fn peak(&self) -> Option<&'a TrackPoint> {
         self.pass.visible.as_ref()?.peak.as_ref()
     }
 
-    /// Returns the probability of being brighter than the limit.
+    /// Returns the probability that the satellite is brighter than the limit.
     fn p_brighter(&self) -> Value {
         self.limit_mag.map(|limit_mag| self.pass.probability_brighter_than(limit_mag)).into()
     }
@@ -168,8 +168,8 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
     ]
 }
 
-/// Columns that only formats with nested tables have. The other formats keep the fixed set of columns that scripts rely
-/// on.
+/// Columns that are written by default only in formats with nested tables, so that the default columns of the other
+/// formats do not change.
 fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
     let field = TableField::<PassRow<'a>>::new;
     vec![
@@ -232,9 +232,9 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
 /// Optional columns of a table of visible passes.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct PassColumns {
-    /// Probability of being brighter than the magnitude limit.
+    /// Probability that the satellite is brighter than the magnitude limit.
     pub p_brighter: bool,
-    /// Columns that only formats with nested tables have.
+    /// Columns that are written by default only in formats with nested tables.
     pub more: bool,
     /// Points along each pass.
     pub samples: bool,
@@ -301,7 +301,7 @@ const POINTS: &[Column] = &[
     Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."),
 ];
 
-/// Columns that name the pass of a point.
+/// Columns that identify the pass of a point.
 const PASS: [Column; 3] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("name", Kind::Text, "Name in the element set."),
@@ -326,7 +326,7 @@ fn point_cells(point: &TrackPoint) -> Vec<Value> {
     ]
 }
 
-/// Returns the samples of all passes, pass by pass in order of time.
+/// Returns the sampled points of all passes, grouped by pass in time order.
 pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Table {
     let mut table = Table { columns: PASS.iter().chain(POINTS).copied().collect(), rows: Vec::new() };
     for row in rows {
@@ -358,9 +358,9 @@ const READABLE_COLUMNS: [Column; 16] = [
     Column::new("mag_source", Kind::Text, "Source of the magnitude."),
 ];
 
-/// Returns the passes as a table for observers: date, magnitude, and time, altitude and direction of start, highest
-/// point and end. Local times are `utc_offset_s` ahead of UTC. A pass without a visible part is listed from rise to
-/// set. With a magnitude limit, the last column is the probability of being brighter.
+/// Returns the passes as a readable table for observers: date, magnitude, and time, altitude and direction of start,
+/// highest point and end. Local time is UTC plus `utc_offset_s` (seconds). A pass without a visible part is listed from
+/// rise to set. With a magnitude limit, the last column is the probability of being brighter.
 pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: f64) -> Table {
     let (mut columns, mut has_limit) = (READABLE_COLUMNS.to_vec(), false);
     let cells = |row: PassRow<'_>| {
@@ -406,13 +406,13 @@ fn readable_cells(row: &PassRow<'_>, utc_offset_s: f64) -> Vec<Value> {
     cells
 }
 
-/// Returns the local date and time of day.
+/// Returns the local date and time of day as text.
 fn local(epoch: Epoch, utc_offset_s: f64) -> (String, String) {
     let text = format_utc(seconds_after(epoch, utc_offset_s), 0);
     (text.chars().take(10).collect(), text.chars().skip(11).take(8).collect())
 }
 
-/// Returns the nearest of the sixteen points of the compass.
+/// Returns the nearest of the 16 compass points, for example `NNE`, for an azimuth in radians.
 pub fn compass(azimuth_rad: f64) -> &'static str {
     const POINTS: [&str; 16] =
         ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];

@@ -1,4 +1,4 @@
-//! Comparison with published counts: the published number, the computed one with its assumptions, and the difference.
+//! Comparison with published numbers: published number, computed number with its assumptions, and difference.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -12,40 +12,40 @@ use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky, SnapshotOptions};
 use crate::photometry::PhotometryOptions;
 
-/// Largest difference at which a computed number agrees with the published one, percent.
+/// Largest difference at which a computed number is said to agree with the published one, percent.
 const AGREES_PERCENT: f64 = 20.0;
 
-/// A published number and the computed one.
+/// Published number with the number computed here.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reproduced {
     /// Description of the quantity.
     pub quantity: String,
     /// Unit; empty for a number of satellites.
     pub unit: &'static str,
-    /// Published number, or count in the data released by the authors; `None` if there is neither.
+    /// Published number, or count in the data released by the authors; `None` if neither exists.
     pub published: Option<f64>,
-    /// Result of the formula of the paper, computed here, if no number is published.
+    /// Result of the formula of the paper, if no number is published.
     pub by_method: Option<f64>,
-    /// Computed number.
+    /// Number computed by this library.
     pub ours: f64,
-    /// One sigma of the computed number from counting statistics, if it is a count.
+    /// Standard deviation of the computed number from counting statistics, if it is a count.
     pub ours_sigma: Option<f64>,
     /// Source of the published number.
     pub source: &'static str,
     /// Assumptions of the computation.
     pub assumed: String,
-    /// Reason for the difference; empty if there is no published number.
+    /// Explanation of the difference; empty if there is no published number.
     pub reason: &'static str,
 }
 
 impl Reproduced {
-    /// Returns the computed number minus the published one (or `by_method`), in percent of the latter.
+    /// Returns the difference computed - published (or computed - `by_method`), in percent of the latter.
     pub fn difference_percent(&self) -> Option<f64> {
         self.published.or(self.by_method).map(|theirs| 100.0 * (self.ours - theirs) / theirs)
     }
 }
 
-/// Visits of the first year of LSST with a streak, percent: Hu et al. (2022, ApJL 941, L15), no avoidance.
+/// Visits of the first year of LSST with a streak, percent, without avoidance: Hu et al. (2022, ApJL 941, L15).
 pub const HU2022: [(&str, f64); 3] = [("starlink-gen1", 1.66), ("starlink-gen2", 8.69), ("oneweb", 10.63)];
 /// Visits with a streak among the first 10,000 (2023-10-01 to 13), percent, from the counts by visit that the authors
 /// released with the paper: github.com/lsst-sims/satellite-dodging-ApJL,
@@ -59,14 +59,14 @@ const HU2022_FIRST_REASON: &str = "other visits of the same nights (baseline v2.
 with 34 s the computed numbers are 11 % (Gen1), 7 % (Gen2) and 8 % (OneWeb) higher";
 const HU2022_SOURCE: &str = "Hu et al. 2022 (ApJL 941, L15), simulated first year without avoidance";
 
-/// Satellites brighter than 7 mag among the visible ones, percent: Lu (2024, arXiv 2403.11118), abstract.
+/// Fraction of the visible satellites that are brighter than 7 mag, percent: Lu (2024, arXiv 2403.11118), abstract.
 const LU2024B_PERCENT: f64 = 69.33;
 const LU2024B_REASON: &str = "the lowest counted altitude, which the abstract does not state (see the rows above 0 and 30 deg), and the photometry \
 that the model was fitted to";
 const LU2024B_SOURCE: &str = "Lu 2024 (arXiv 2403.11118), abstract";
 /// The 11,908 satellites of Lu (2024b): Gen1 as filed, and 7,500 of Gen2 as granted in FCC 22-91 (525, 530 and 535 km).
 /// The planes of Gen2 are not published; 25 planes of 100 satellites are assumed for each shell. As in the paper, every
-/// satellite has the model of V1.5, which the name of the constellation selects.
+/// satellite has the V1.5 brightness model; the name of the constellation selects it.
 const LU2024B_SHELLS: &str = r#"
 [[constellation]]
 name = "starlink-gen1-and-2a"
@@ -92,7 +92,7 @@ const BASSA2022_REASON: &str =
 /// Returns the constellations of Lu (2024b).
 ///
 /// # Errors
-/// None for the shells of the library.
+/// Never for the built-in shells.
 pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ElementsError> {
     Constellation::from_toml(LU2024B_SHELLS)
 }
@@ -132,8 +132,8 @@ pub fn hu2022(
     Ok(rows)
 }
 
-/// Returns the fraction of the lit satellites above an altitude that are brighter than 7 mag, percent, over many times;
-/// with the published fraction if `is_lu2024b` (the satellites are those of the paper).
+/// Returns the fraction, percent, of the lit satellites above an altitude that are brighter than 7 mag, averaged over
+/// many times. The published fraction is included if `is_lu2024b`, that is, if the satellites are those of the paper.
 ///
 /// # Errors
 /// Same as [`Sky::snapshots`].
@@ -161,8 +161,8 @@ pub fn lu2024b(
         published: is_lu2024b.then_some(LU2024B_PERCENT),
         by_method: None,
         ours: 100.0 * bright / lit.max(1.0),
-        // The same satellites are counted at all times: their counts are not independent, and no counting error
-        // applies.
+        // The same satellites are counted at all times, so the counts are not independent and no counting error is
+        // given.
         ours_sigma: None,
         source: LU2024B_SOURCE,
         assumed: assumed.to_owned(),
@@ -207,14 +207,14 @@ pub fn bassa2022(
 /// Returns the mean number of satellites of a shell above an altitude at a latitude: Bassa et al. (2022), section 2, on
 /// a spherical Earth.
 ///
-/// A shell of N satellites in circular orbits of inclination i has at latitude δ the density
+/// N satellites in circular orbits of inclination i have at latitude δ the density
 ///
 /// ```text
 /// n(δ) = N / (2π² √(sin² i - sin² δ))   satellites per steradian about the Earth's centre
 /// ```
 ///
-/// Satellites above the altitude h are within ψ = acos(R cos h / r) - h of the site. With sin δ = sin i sin u the
-/// density cancels, and
+/// Satellites above the altitude h are within the angle ψ = acos(R cos h / r) - h of the site, seen from the Earth's
+/// centre. With sin δ = sin i sin u the density cancels, and the number above h at latitude φ is
 ///
 /// ```text
 /// N(h) = N / π² ∫ Δλ(u) du,   cos Δλ = (cos ψ - sin φ sin δ) / (cos φ cos δ)
@@ -282,13 +282,14 @@ mod tests {
     #[test]
     fn a_shell_over_the_whole_sky_holds_all_its_satellites() {
         let shell = &lu2024b_constellations().expect("part of the library")[0].shells[2];
-        // A cap of 180° contains every satellite.
+        // A cap with a radius of 180° contains every satellite.
         let everywhere = {
             let far = Shell { altitude_km: 5_000.0, ..shell.clone() };
             expected_above(&far, 0.0, -FRAC_PI_2 + 1e-9)
         };
         assert!((everywhere - 720.0).abs() < 1.0, "{everywhere}");
-        // A polar shell over a pole: every orbit passes the pole, with two arcs of ψ in a revolution of 2π.
+        // Polar shell and site at the pole: every orbit crosses the zenith, with two arcs of length ψ of the 2π of a
+        // revolution.
         let polar = Shell { inclination_deg: 90.0, ..shell.clone() };
         let reach_rad = (EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + 570.0)).acos();
         let at_the_pole = expected_above(&polar, FRAC_PI_2 - 1e-6, 0.0);

@@ -1,4 +1,4 @@
-//! Request of a forecast: time, limits, and selection of satellites.
+//! Request for a forecast: time range, limits, and selection of satellites.
 
 use hifitime::Epoch;
 
@@ -10,35 +10,34 @@ use crate::photometry::PhotometryOptions;
 
 /// Longest time of a forecast, days.
 const LONGEST_DAYS: f64 = 31.0;
-/// Largest number of points along one pass.
+/// Largest number of sampled points along one pass.
 const MOST_SAMPLES: usize = 10_000;
 
-/// Request for the passes of a night or of another interval.
+/// Request for the passes of a night or another time range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForecastRequest {
     /// Start.
     pub start: Epoch,
     /// End, at most 31 days later.
     pub end: Epoch,
-    /// Upper limit of the Sun's altitude at the site, radians; `None` includes day and night.
+    /// Highest altitude of the Sun at the site for a visible pass, radians; `None` for no limit.
     pub max_sun_altitude_rad: Option<f64>,
-    /// Altitude of rise and set, radians, [0, π/2).
+    /// Altitude at which passes rise and set, radians, [0, π/2).
     pub min_altitude_rad: f64,
-    /// Minimum altitude at culmination, radians.
+    /// Smallest altitude at culmination, radians.
     pub min_culmination_rad: f64,
-    /// Faintest peak magnitude; passes without a magnitude are omitted too.
+    /// Faintest peak magnitude. If it is set, passes without a magnitude are omitted.
     pub max_magnitude: Option<f64>,
-    /// Includes passes in the Earth's shadow and in daylight.
+    /// If true, passes in the Earth's shadow and in daylight are included.
     pub include_dark: bool,
-    /// Number of points along each pass from rise to set; may be 0.
+    /// Number of sampled points along each pass from rise to set; may be 0.
     pub samples: usize,
-    /// Band, zero point and extinction of the magnitudes.
+    /// Band, magnitude system and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
 
 impl ForecastRequest {
-    /// Creates a request from `start` to `end` with the Sun 6 deg below the horizon, altitudes above 10 deg, and any
-    /// magnitude.
+    /// Creates a request from `start` to `end` for passes above 10 deg with the Sun below -6 deg, of any magnitude.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self {
             start,
@@ -59,7 +58,7 @@ impl ForecastRequest {
     /// [`ForecastError::OutOfRange`] for the first number that is out of range.
     pub fn check(&self) -> Result<(), ForecastError> {
         let days = seconds_between(self.start, self.end) / DAY_S;
-        // Rounded to the degrees as entered: the conversion to radians and back changes the last digits.
+        // Values are rounded to 1e-9 deg, because the conversion to radians and back changes the last digits.
         let degrees = |radians: f64| (radians.to_degrees() * 1e9).round() / 1e9;
         let out_of_range = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
         if !(0.0..=LONGEST_DAYS).contains(&days) {
@@ -91,20 +90,20 @@ impl ForecastRequest {
     }
 }
 
-/// Selection of satellites that match all three lists. A satellite matches a list if it matches one of the items, or if
-/// the list is empty.
+/// Selection of satellites by three lists. A satellite is selected if it matches at least one item of every list that
+/// is not empty.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// Generations of satellites.
     pub generations: Vec<Generation>,
-    /// Parts of names, in any case.
+    /// Parts of satellite names, compared without case.
     pub names: Vec<String>,
     /// NORAD catalogue numbers.
     pub norad_ids: Vec<u32>,
 }
 
 impl Selection {
-    /// Returns true for a selected satellite.
+    /// Returns true if a satellite is selected.
     pub fn contains(&self, elements: &ElementSet) -> bool {
         let is_named = || {
             let name = elements.name.to_lowercase();
@@ -115,7 +114,7 @@ impl Selection {
             && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(elements)))
     }
 
-    /// Returns a warning with the selected catalogue numbers that the element sets lack; `None` if all are present.
+    /// Returns a warning with the selected catalogue numbers that have no element set; `None` if all have one.
     pub fn unknown_warning(&self, elements: &[ElementSet]) -> Option<String> {
         let is_unknown = |id: &&u32| !elements.iter().any(|set| set.norad_id.0 == **id);
         let unknown: Vec<String> = self.norad_ids.iter().filter(is_unknown).map(ToString::to_string).collect();

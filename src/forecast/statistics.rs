@@ -1,10 +1,11 @@
-//! Statistics of a site: numbers of lit satellites above an altitude, their brightness, and the expected trails in an
-//! exposure, as functions of the Sun's altitude.
+//! Statistics of a site as functions of the Sun's altitude: number and brightness of lit satellites above an altitude,
+//! and expected trails in an exposure.
 //!
-//! Expected trails follow Bassa et al. (2022, A&A 657, A75). The probability that a satellite is in the field at
-//! shutter opening is the solid angle of the field divided by that of the sky. The probability that it enters the field
-//! later is the solid angle that the field's diameter sweeps along the satellite's motion, divided by that of the sky.
-//! The sum over the lit satellites above the altitude h is
+//! Expected trails follow Bassa et al. (2022, A&A 657, A75). For pointings uniform over the sky above the altitude h,
+//! the probability that a satellite is in the field at shutter opening is the solid angle of the field divided by that
+//! of the sky above h. The probability that it enters the field later is the solid angle that the field's diameter
+//! sweeps along the satellite's motion, divided by that of the sky above h. The sum over the lit satellites above the
+//! altitude h is
 //!
 //! ```text
 //! trails = Σ (π D²/4 + ω t D) / 2π (1 - sin h)
@@ -26,42 +27,42 @@ use crate::output::{Column, Kind, Table, Value};
 use crate::passes::{SatelliteSnapshot, SatelliteTrack, Sky, SkyError, SnapshotOptions, intervals_where};
 use crate::photometry::PhotometryOptions;
 
-/// Magnitude limits of the counts.
+/// Magnitudes for which brighter satellites are counted.
 const MAGNITUDES: [f64; 6] = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
-/// Interval between samples of the Sun's altitude, seconds.
+/// Sampling interval of the Sun's altitude, seconds.
 const STEP_S: f64 = 60.0;
 
-/// Request of counts.
+/// Request for counts of satellites.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatisticsRequest {
-    /// Start: noon.
+    /// Start of the range: local noon.
     pub start: Epoch,
-    /// End: the next noon.
+    /// End of the range: the next noon.
     pub end: Epoch,
-    /// Altitudes of the Sun at the counts, radians.
+    /// Altitudes of the Sun at which satellites are counted, radians.
     pub sun_altitudes_rad: Vec<f64>,
-    /// Lowest altitudes of satellites, radians.
+    /// Lowest altitudes of the counted satellites, radians.
     pub min_altitudes_rad: Vec<f64>,
-    /// Full diameter of the field, radians.
+    /// Diameter of the field, radians.
     pub field_rad: f64,
-    /// Length of the exposure, seconds.
+    /// Exposure time, seconds.
     pub exposure_s: f64,
-    /// Number of times over which each count is averaged, evenly spread over [`Self::spread_s`].
+    /// Number of times over which each count is averaged, evenly spaced over [`Self::spread_s`].
     pub moments: usize,
-    /// Interval that contains these times, seconds.
+    /// Interval over which each count is averaged, seconds, centred on the time of the Sun's altitude.
     pub spread_s: f64,
-    /// Band, zero point and extinction of the magnitudes.
+    /// Band, magnitude system and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
 
-/// Mean count at one altitude of the Sun.
+/// Mean counts at one altitude of the Sun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyCount {
-    /// Middle of the averaged times.
+    /// Time at which the Sun has this altitude: the middle of the averaged interval.
     pub epoch: Epoch,
-    /// True in the evening, false in the morning.
+    /// True if the Sun is setting, false if it is rising.
     pub evening: bool,
-    /// The Sun's altitude, radians.
+    /// Altitude of the Sun, radians.
     pub sun_altitude_rad: f64,
     /// Lowest altitude of the satellites counted, radians.
     pub min_altitude_rad: f64,
@@ -69,27 +70,27 @@ pub struct SkyCount {
     pub above: f64,
     /// Number of lit satellites above that altitude.
     pub lit: f64,
-    /// Expected number of satellites brighter than the magnitudes 3 to 8, the sum of their probabilities.
+    /// Expected numbers of satellites brighter than the magnitudes 3, 4, ..., 8: sums of probabilities.
     pub brighter_than: [f64; 6],
-    /// Expected trails in one exposure.
+    /// Expected number of trails in one exposure.
     pub trails: f64,
 }
 
 impl SkyCount {
-    /// Returns the fraction of exposures with a trail, for independent trails: 1 - exp(-trails).
+    /// Returns the fraction of exposures with at least one trail, 1 - exp(-trails), for independent trails.
     pub fn streaked_share(&self) -> f64 {
         -(-self.trails).exp_m1()
     }
 }
 
 /// Counts of one night (evening before morning, in the order of the requested altitudes of the Sun), altitudes that the
-/// Sun does not reach, and satellites left out.
+/// Sun does not reach, and satellites whose position cannot be computed.
 pub type SkyCounts = (Vec<SkyCount>, Vec<f64>, Vec<LeftOut>);
 
 /// Counts satellites at every altitude of the Sun, in the evening and in the morning.
 ///
 /// # Errors
-/// A number is out of range, the observer is in orbit, or the time is outside the ephemerides.
+/// A number is out of range, the observer is in orbit, or the time is outside the planetary ephemerides.
 pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, ForecastError> {
     request.check()?;
     let observer = sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
@@ -147,7 +148,7 @@ impl StatisticsRequest {
     }
 }
 
-/// Returns the altitudes of the Sun with the times of their crossings, and true for the evening.
+/// Returns the altitudes of the Sun with the times at which it has them, and true for the evening.
 fn moments_of(sky: &Sky, observer: &Observer, request: &StatisticsRequest) -> Vec<(f64, Epoch, bool)> {
     let orientation: OrientationTable = sky.orientation_over(request.start, request.end);
     let sun = SunTable::new(request.start, request.end);
@@ -226,8 +227,8 @@ const COLUMNS: [Column; 17] = [
     Column::real("streaked_share", "", 5, "Expected fraction of exposures with at least one trail."),
 ];
 
-/// Returns counts at a latitude (radians) as a table: one row for each night, latitude, altitude of the Sun and lowest
-/// altitude.
+/// Returns counts as a table: one row for each night, latitude, altitude of the Sun and lowest altitude. Each row is
+/// given with the latitude of its site in radians.
 pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a StatisticsRequest, &'a SkyCount)>) -> Table {
     let row = |(latitude_rad, request, count): (f64, &StatisticsRequest, &SkyCount)| -> Vec<Value> {
         let mut row: Vec<Value> = vec![

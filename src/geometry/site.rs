@@ -146,8 +146,8 @@ impl Site {
     }
 }
 
-/// Returns the height of an Earth-fixed position above the WGS84 ellipsoid, km, by Fukushima's method (Journal of Geodesy
-/// 79, 689, 2006) as in the IAU SOFA function `gc2gde`.
+/// Returns the height of an Earth-fixed position above the WGS84 ellipsoid, km, by Fukushima's method (Journal of
+/// Geodesy 79, 689, 2006) as in the IAU SOFA function `gc2gde`.
 pub fn ellipsoidal_height_km(position: &Position<Itrs>) -> f64 {
     // Fails only for an ellipsoid with an impossible radius or flattening.
     let geodetic = sofars::coords::gc2gde(EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, (*position.vector()).into());

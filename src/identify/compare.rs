@@ -1,25 +1,26 @@
-//! Comparison of one satellite with a streak: its delay, the distance of the streak from its track, and the angle
-//! between them.
+//! Comparison of one satellite with a streak: delay of the satellite, distance of the streak from its track, and angle
+//! between streak and track.
 //!
-//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak is
-//!    found with Newton's method on SGP4. For an exposure, the time with the least delay and distance (in sigmas) is used.
-//! 2. The distances of both ends from the track with that delay are computed. Their mean is the cross-track offset,
-//!    their difference divided by the length is the angle. A curved track is thus compared with the ends, not with a
-//!    straight line. If the times of the ends are known, the delay is the mean of the two delays with which the
-//!    satellite passes the ends at these times.
-//! 3. The predicted length is compared with the measured one. If the streak may end at the edges of the frame, only a
-//!    streak longer than predicted counts as a difference.
+//! 1. Newton's method on SGP4 gives the delay δ with which the satellite passes nearest to the middle of the streak at
+//!    the time of the streak. For a streak at an unknown time within an exposure, the time with the smallest delay and
+//!    distance (in sigmas) is used.
+//! 2. The distances of both ends from the track with that delay are computed. Their mean is the cross-track offset, and
+//!    their difference divided by the length is the angle. In this way a curved track is not approximated by a straight
+//!    line. If the times of the ends are known, the delay is the mean of the two delays with which the satellite passes
+//!    the ends at these times.
+//! 3. The predicted length is compared with the measured one. If the streak may end at the edges of the frame, a
+//!    measured length below the predicted one is not counted as a difference.
 //!
-//! Sigmas combine the uncertainty of the elements at their age ([`ExposureInterval::uncertainty`]) with that of the
-//! measurement:
+//! Each sigma combines the error of the elements at their age ([`ExposureInterval::uncertainty`]) with the measurement
+//! error:
 //!
 //! ```text
 //! σ_δ² = σ_along² + σ_clock² + (σ_pos/ω)²/2     σ_x² = (σ_cross/ρ)² + σ_pos²/2
 //! σ_θ² = (n σ_cross/(ω ρ))² + σ_angle²            σ_L² = 2 σ_pos² + 2 (ω σ_clock)² + (L σ_cross/ρ)²
 //! ```
 //!
-//! with the angular rate ω, the range ρ and the mean motion n: an orbit tilted by σ_cross crosses its own prediction at
-//! the angle n σ_cross / v.
+//! with angular rate ω, range ρ and mean motion n. An orbital plane that is tilted so that the cross-track error is
+//! σ_cross crosses the predicted plane at the angle n σ_cross / v, with the orbital speed v.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
@@ -32,26 +33,26 @@ use crate::orbit::{Lateness, OrbitUncertainty, Propagator};
 use crate::passes::{DelayedTrack, ExposureInterval, Sighting};
 use crate::photometry::PhotometryOptions;
 
-/// Tolerance of Newton's method, seconds: 0.1 m along the track.
+/// Tolerance of Newton's method, seconds; it corresponds to 0.1 m along the track.
 const CLOSE_S: f64 = 1e-5;
-/// Largest number of Newton steps; three or four are usual.
+/// Largest number of Newton steps. Three or four are usual.
 const MOST_STEPS: usize = 40;
-/// Largest number of corrections of the delay at both ends; each reduces the difference to a tenth.
+/// Largest number of corrections of the delay from the two ends; each reduces the remaining error to a tenth.
 const MOST_CORRECTIONS: usize = 5;
-/// Largest angle between streak and track at which the points of the track nearest to the ends are computed, radians.
+/// Largest angle between streak and track, radians, for which the points of the track nearest to the ends are computed.
 const LARGEST_TURN_RAD: f64 = 0.2;
 
-/// Largest χ² of a candidate, 14 sigmas: allows for the heavy tails of the errors.
+/// Largest χ² of a candidate, 14 sigmas. The errors have longer tails than a normal distribution.
 const MOST_CHI_SQUARE: f64 = 200.0;
 
-/// Largest searched distance of a satellite from its prediction.
+/// Largest distances of a satellite from its prediction that are searched.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Reach {
     pub along_track_s: f64,
     pub cross_track_rad: f64,
 }
 
-/// Passage nearest to the middle of the streak.
+/// Passage of a satellite nearest to the middle of the streak.
 #[derive(Copy, Clone)]
 struct NearestPassage {
     delay_s: f64,
@@ -59,8 +60,8 @@ struct NearestPassage {
     sighting: Sighting,
 }
 
-/// Compares one satellite with a streak; `None` if it is out of reach, below the horizon, or dark (unless
-/// `include_dark`).
+/// Compares one satellite with a streak. Returns `None` if its delay or distance is too large, or if it is below the
+/// horizon or, unless `include_dark`, in shadow.
 pub(super) fn compare(
     interval: &ExposureInterval<'_>,
     element_index: usize,
@@ -76,7 +77,8 @@ pub(super) fn compare(
     let errors = interval.uncertainty(element_index, propagator, mid_s);
     let sigmas = Sigmas::new(&errors, &middle, propagator, streak);
 
-    // The time of the passage of the middle, and the density of delay and distance integrated over the exposure.
+    // Time at which the satellite passes the middle of the streak, and the density of delay and distance integrated
+    // over the exposure.
     let (passage_s, met, within_exposure) = match streak.timing() {
         Timing::FirstToSecond | Timing::Whole => (mid_s, middle, None),
         Timing::Within => {
@@ -87,16 +89,16 @@ pub(super) fn compare(
             let pulls = |met: &NearestPassage, sigma_s: f64| {
                 [met.delay_s / sigma_s, met.cross_track_rad / sigmas.cross_track_rad]
             };
-            // The satellite needs the time `crossing_s` for a streak of known length; this time must lie within the
-            // exposure.
+            // The satellite takes the time `crossing_s` to traverse a streak of known length; all of it must lie within
+            // the exposure.
             let rate_rad_s = middle.sighting.own_rate.norm();
             let crossing_s = streak.length_rad().map_or(0.0, |length_rad| length_rad / rate_rad_s);
             let free = (1.0 - crossing_s / (2.0 * half_s)).clamp(0.0, 1.0);
             let integral = |sigma_s: f64| integrate_exposure(pulls(&before, sigma_s), pulls(&after, sigma_s), free);
             let passage_s = mid_s + half_s * integral(sigmas.delay_s).at;
             let met = nearest_passage(interval, propagator, streak, passage_s, middle.delay_s + passage_s - mid_s)?;
-            // ∫ dt f(δ) N(x; σ_x): the density f is a sum of Gaussians, and `integral` is the integral of one over [-1,
-            // 1].
+            // ∫ dt f(δ) N(x; σ_x): the density f is a sum of Gaussians; `integral` is that of one Gaussian over u in
+            // [-1, 1].
             let log_density = log_sum(sigmas.lateness.parts().map(|(weight, sigma_s)| {
                 weight.ln() + integral(sigma_s).log_integral + half_s.ln()
                     - (TAU * sigma_s * sigmas.cross_track_rad).ln()
@@ -112,8 +114,8 @@ pub(super) fn compare(
     let mut track = interval.track(element_index, delay_s).ok()?;
     let mut line = Line::new(&track, passage_s, streak, met.cross_track_rad);
     for _ in 0..MOST_CORRECTIONS {
-        // If the angular rate changes, the satellite is not at the middle of the track at half time: use the mean of
-        // both ends.
+        // If the angular rate changes, the satellite is not at the middle of the track at half time. The mean of both
+        // ends corrects this.
         let Some(early_s) = line.ends_early_s(streak).filter(|early_s| early_s.abs() > CLOSE_S) else { break };
         delay_s += early_s;
         track = interval.track(element_index, delay_s).ok()?;
@@ -152,11 +154,11 @@ pub(super) fn compare(
     (candidate.chi_square <= MOST_CHI_SQUARE).then_some(candidate)
 }
 
-/// One-sigma errors of the differences between streak and track.
+/// Standard deviations of the differences between streak and track.
 struct Sigmas {
-    /// Half width of the interval that holds 68.27 % of the distribution `lateness`.
+    /// Half width of the interval that contains 68.27 % of the distribution `lateness`, seconds.
     delay_s: f64,
-    /// Distribution of the satellite's delay, widened by the errors of clock and measured position.
+    /// Distribution of the delay of the satellite, including the errors of the clock and of the measured position.
     lateness: Lateness,
     cross_track_rad: f64,
     turn_rad: f64,
@@ -181,13 +183,13 @@ impl Sigmas {
     }
 }
 
-/// Returns ln Σ exp(x), without overflow.
+/// Returns ln Σ exp(x), computed without overflow.
 fn log_sum(logarithms: impl Iterator<Item = f64> + Clone) -> f64 {
     let greatest = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
     greatest + logarithms.map(|x| (x - greatest).exp()).sum::<f64>().ln()
 }
 
-/// Finds the delay with which a satellite passes nearest to the middle of the streak at a time.
+/// Finds the delay with which a satellite passes nearest to the middle of the streak at a given time.
 fn nearest_passage(
     interval: &ExposureInterval<'_>,
     propagator: &Propagator,
@@ -204,7 +206,8 @@ fn nearest_passage(
         if square == 0.0 {
             return None;
         }
-        // Remaining distance along the motion, as time: a streak ahead of the satellite means a smaller delay.
+        // Remaining distance along the motion divided by the speed. If the streak is ahead of the satellite, the delay
+        // is smaller.
         let step_s = (middle.dot(&sighting.own_rate) / square).clamp(-longest_s, longest_s);
         delay_s -= step_s;
         if step_s.abs() < CLOSE_S {
@@ -217,7 +220,7 @@ fn nearest_passage(
     None
 }
 
-/// Returns the unit vector at right angles to the motion, towards its position angle + 90°.
+/// Returns the unit vector perpendicular to the motion, at its position angle + 90°.
 fn cross_track_axis(direction: &Direction<Gcrs>, rate: &Vector3<f64>) -> Vector3<f64> {
     // With PA from north through east, PA + 90° is motion × line of sight.
     rate.normalize().cross(direction.vector())
@@ -239,8 +242,8 @@ impl Line {
         let (east, north) = direction.east_north();
         let position_angle_rad = rate.dot(&east).atan2(rate.dot(&north)).rem_euclid(TAU);
         let rate_rad_s = rate.norm();
-        // The middle of the streak lies at right angles to the motion from its nearest point of the track, so that the
-        // direction of motion is the same at both.
+        // The great circle from the nearest point of the track to the middle of the streak is perpendicular to the
+        // motion, so that the unit vector of the motion is the same at both.
         let motion = rate.normalize();
         let middle = streak.middle();
         let (east, north) = middle.east_north();
@@ -268,14 +271,14 @@ impl Line {
         line
     }
 
-    /// Returns the mean time by which the satellite passes the ends too early; `None` if the times of the ends are
-    /// unknown.
+    /// Returns the mean time by which the satellite passes the ends too early, seconds; `None` if the times of the ends
+    /// are unknown.
     fn ends_early_s(&self, streak: &MeasuredStreak) -> Option<f64> {
         let is_timed = streak.timing() != Timing::Within && self.turn_rad.abs() < LARGEST_TURN_RAD;
         is_timed.then(|| 0.5 * (streak.duration_s() - self.times_s[0] - self.times_s[2]))
     }
 
-    /// Returns the measured minus the predicted length with its sigma, and the predicted length.
+    /// Returns the measured minus the predicted length with its sigma, and the predicted length, radians.
     fn length(&self, track: &DelayedTrack<'_>, streak: &MeasuredStreak, sigmas: &Sigmas) -> Option<(Offset, f64)> {
         let length_rad = streak.length_rad()?;
         let (is_whole, predicted_rad) = match streak.timing() {

@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use crate::passes::SkyError;
 
-/// Errors in a measured streak, in a file of regions, or of the search.
+/// Error in a measured streak, in a region file, or of the search.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum IdentifyError {
     /// A value is invalid.
@@ -12,12 +12,12 @@ pub enum IdentifyError {
     Value {
         /// Name of the value.
         what: &'static str,
-        /// Given value, with its unit.
+        /// Invalid value, with its unit.
         given: String,
-        /// Allowed values.
+        /// Accepted values.
         allowed: &'static str,
     },
-    /// Both ends at one position.
+    /// Both ends are at the same position.
     #[error(
         "both ends of the streak are at the same position ({separation_arcsec:.3} arcsec apart); allowed: more than 0.01 arcsec"
     )]
@@ -25,23 +25,23 @@ pub enum IdentifyError {
         /// Distance between the ends, arcsec.
         separation_arcsec: f64,
     },
-    /// A line of a region file that cannot be read.
+    /// A line of a region file is invalid.
     #[error("{path}: line {line}: {problem}")]
     Region {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Line, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// Problem, and allowed values.
+        /// What is wrong, and what is accepted.
         problem: String,
     },
-    /// A file without a region.
+    /// The file contains no region.
     #[error("{path}: no region found; allowed: polygon, box, line and vector in fk5 or icrs")]
     NoRegion {
-        /// The file.
+        /// Path of the file.
         path: String,
     },
-    /// Outlines of more than one streak.
+    /// The regions do not lie along one line.
     #[error(
         "the regions are not on one line: the middle of one is {off_arcsec:.1} arcsec off, and it is {width_arcsec:.1} arcsec wide; allowed: the regions of one streak"
     )]

@@ -1,12 +1,12 @@
 //! Candidates, their χ² and their probabilities.
 //!
 //! The likelihood of a candidate is the product of the normal densities of its offsets (delay, cross-track, angle,
-//! length). The density is higher for small sigmas: of two candidates at the same distance in sigmas, the one with the
-//! younger elements is more probable. If the satellite may be anywhere along the streak during the exposure, the
-//! density of delay and distance is integrated over the exposure.
+//! length). At equal offsets in sigmas the density is larger for smaller sigmas, so that a candidate with newer
+//! elements is more probable. If the satellite may be anywhere along the streak during the exposure, the density of
+//! delay and distance is integrated over the exposure.
 //!
-//! The streak may also be that of a satellite without an element set. One such satellite is assumed for each ten of the
-//! catalogue, uniformly along any low orbit.
+//! The streak may also be caused by a satellite without an element set. One such satellite is assumed for every ten in
+//! the catalogue, with uniform density over all low orbits.
 
 use std::f64::consts::{PI, TAU};
 
@@ -14,32 +14,32 @@ use super::streak::Timing;
 use crate::elements::NoradId;
 use crate::passes::TrackPoint;
 
-/// Difference with its one-sigma error.
+/// Difference between measurement and prediction, with its standard deviation.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Offset {
     /// Measured value minus predicted value.
     pub value: f64,
-    /// One sigma of prediction and measurement together, above 0.
+    /// Standard deviation of prediction and measurement combined, above 0.
     pub sigma: f64,
 }
 
 impl Offset {
-    /// Returns the square of the difference in sigmas.
+    /// Returns (value / sigma)².
     fn square(self) -> f64 {
         (self.value / self.sigma).powi(2)
     }
 }
 
-/// A satellite that may have caused the streak.
+/// Satellite that may have caused the streak.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Index of its element set in the catalogue.
     pub element_index: usize,
-    /// Point of the track, with the delay `along_track_s`, at the middle of the streak.
+    /// Point of the track, delayed by `along_track_s`, at the middle of the streak.
     pub passage: TrackPoint,
-    /// Delay of the satellite after its prediction, seconds (negative: early).
+    /// Delay of the satellite relative to its prediction, seconds; negative if it is early.
     pub along_track_s: Offset,
     /// Distance of the streak from the predicted track, radians; positive towards the position angle of motion + 90°.
     pub cross_track_rad: Offset,
@@ -57,13 +57,14 @@ pub struct Candidate {
     pub angular_rate_rad_s: f64,
     /// Time of the passage minus epoch of the elements, days.
     pub element_age_days: f64,
-    /// Sum of the squares of all offsets in sigmas.
+    /// Sum of the squares of all offsets, each divided by its sigma.
     pub chi_square: f64,
-    /// Number of squares in `chi_square`.
+    /// Number of terms of `chi_square`.
     pub terms: u32,
-    /// Probability of a χ² at least as large if the streak is that of this satellite.
+    /// Probability that χ² is at least as large if this satellite caused the streak.
     pub p_value: f64,
-    /// Probability that the streak is that of this satellite, among all candidates and satellites without element sets.
+    /// Probability that this satellite caused the streak, relative to all candidates and satellites without element
+    /// sets.
     pub probability: f64,
     pub(super) log_weight: f64,
 }
@@ -72,20 +73,20 @@ pub struct Candidate {
 const UNKNOWN_SHARE: f64 = 0.1;
 /// Period of a low orbit, s.
 const PERIOD_S: f64 = 5_700.0;
-/// Distance across the orbit for a radian on the sky, as a fraction of the orbit's radius: seen from 1,000 km, at 7,000
-/// km from the Earth's centre.
+/// Factor from radians on the sky to radians of the orbit, across the track: the satellite is 1,000 km from the
+/// observer and 7,000 km from the Earth's centre.
 const FORESHORTENING: f64 = 1_000.0 / 7_000.0;
 
-/// Integral over an exposure.
+/// Integral of exp(-½ χ²) over an exposure.
 pub(super) struct ExposureIntegral {
-    /// Time of the least sum of squares, from -1 (shutter opening) to 1 (closing), within the allowed range.
+    /// Time of the smallest sum of squares, within the allowed range; -1 is shutter opening and 1 is closing.
     pub at: f64,
-    /// ln ∫₋₁¹ du exp(-½ (square of the pulls at u)).
+    /// ln ∫₋₁¹ du exp(-½ f(u)), with f the sum of squares at the time u.
     pub log_integral: f64,
 }
 
-/// Integrates over pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the
-/// least sum of squares is searched from -`free` to `free`.
+/// Integrates over two offsets (in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1. The
+/// minimum of the sum of squares is searched from -`free` to `free`.
 pub(super) fn integrate_exposure(before: [f64; 2], after: [f64; 2], free: f64) -> ExposureIntegral {
     // f(u) = Σ (p + q u)² = A u² + 2 B u + C
     let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
@@ -104,15 +105,15 @@ pub(super) fn integrate_exposure(before: [f64; 2], after: [f64; 2], free: f64) -
     let log_integral = if share > 1e-280 {
         -0.5 * (c - b * b / a) + 0.5 * (TAU / a).ln() + share.ln()
     } else {
-        // Far outside, the end nearer to the maximum dominates; there exp(-½ f) decreases exponentially with the slope
-        // ½ f'.
+        // Far outside the minimum, the end nearer to it dominates. There exp(-½ f) falls exponentially with the rate ½
+        // f'.
         let end = (-b / a).clamp(-1.0, 1.0);
         -0.5 * square(end) - (a * end + b).abs().ln()
     };
     ExposureIntegral { at, log_integral }
 }
 
-/// Returns Φ(high) - Φ(low), without loss of digits in the tails.
+/// Returns Φ(high) - Φ(low) without loss of digits in the tails.
 fn normal_between(low: f64, high: f64) -> f64 {
     let upper = |x: f64| 0.5 * libm::erfc(x / std::f64::consts::SQRT_2);
     if low > 0.0 { upper(low) - upper(high) } else { upper(-high) - upper(-low) }
@@ -131,14 +132,14 @@ pub(super) struct CandidateWeight {
 }
 
 impl CandidateWeight {
-    /// Computes the weight. `delay_square` is the square of the delay in sigmas; `log_density` the logarithm of the
-    /// density of delay and cross-track offset, integrated over the exposure if the time is only known to be within it.
+    /// Computes the weight. `delay_square` is the squared delay in sigmas. `log_density` is the logarithm of the
+    /// density of delay and cross-track offset, integrated over the exposure if the exact time is unknown.
     pub fn new(candidate: &Candidate, timing: Timing, delay_square: f64, log_density: f64) -> Self {
         let length = candidate.length_rad;
         let mut squares = vec![candidate.cross_track_rad.square(), candidate.angle_rad.square()];
         let mut log_weight = log_normal(candidate.angle_rad) + log_density;
         if timing == Timing::Within {
-            // Delay and length are lower limits here: only an excess counts as an offset.
+            // Delay and length are lower limits here; only a positive excess counts as an offset.
             squares.extend([delay_square].into_iter().filter(|square| *square > 1e-6));
             squares.extend(length.map(Offset::square).filter(|square| *square > 0.0));
             log_weight -= 0.5 * length.map_or(0.0, Offset::square);
@@ -159,7 +160,7 @@ impl CandidateWeight {
     }
 }
 
-/// Returns the logarithm of the weight of all satellites without element sets.
+/// Returns the logarithm of the total weight of satellites without element sets.
 pub(super) fn log_weight_of_unknown(
     satellites: usize,
     timing: Timing,
@@ -167,7 +168,7 @@ pub(super) fn log_weight_of_unknown(
     length_rad: Option<f64>,
 ) -> f64 {
     let number = (UNKNOWN_SHARE * satellites as f64).max(0.1);
-    // Uniform density along any orbit: 1/P in time, half the foreshortening across the track, any angle.
+    // Uniform density over low orbits: 1/P in time, half the foreshortening across the track, any angle.
     let anywhere = number / PERIOD_S * 0.5 * FORESHORTENING;
     match timing {
         Timing::Within => (anywhere * duration_s.max(1.0) / PI).ln(),
@@ -176,7 +177,7 @@ pub(super) fn log_weight_of_unknown(
     }
 }
 
-/// Sets the probabilities of the candidates; returns that of a satellite without elements.
+/// Sets the probabilities of the candidates, and returns that of a satellite without an element set.
 pub(super) fn set_probabilities(candidates: &mut [Candidate], log_unknown: f64) -> f64 {
     let greatest = candidates.iter().map(|candidate| candidate.log_weight).fold(log_unknown, f64::max);
     let unknown = (log_unknown - greatest).exp();
@@ -187,8 +188,8 @@ pub(super) fn set_probabilities(candidates: &mut [Candidate], log_unknown: f64) 
     unknown / total
 }
 
-/// Returns the probability that the χ² of `terms` squares is at least `chi_square` (Abramowitz & Stegun 26.4.4 and
-/// 26.4.5); 1 without terms.
+/// Returns the probability that a χ² with `terms` degrees of freedom is at least `chi_square` (Abramowitz & Stegun
+/// 26.4.4 and 26.4.5); 1 if `terms` is 0.
 fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
     if terms == 0 {
         return 1.0;
@@ -229,7 +230,8 @@ mod tests {
         }
     }
 
-    /// Comparison of the closed form of the integral with a sum, inside and far outside of the exposure.
+    /// The closed form of the integral is compared with a numerical sum, for minima inside and far outside the
+    /// exposure.
     #[test]
     fn verif_integral_over_the_exposure() {
         for (before, after) in [
@@ -251,7 +253,7 @@ mod tests {
             assert!((answer.log_integral - expected).abs() < 1e-6, "{before:?}: {} {expected}", answer.log_integral);
             assert!((-100..=100).all(|u| square(f64::from(u) / 100.0) >= least - 1e-9));
         }
-        // Far outside the integral is that of a slope, accurate to second order.
+        // Far outside, the result is the integral of an exponential, accurate to second order.
         let far = integrate_exposure([60.0, 0.0], [100.0, 0.0], 1.0);
         assert!((far.log_integral - (-1800.0 - (60.0_f64 * 20.0).ln())).abs() < 0.2, "{}", far.log_integral);
         assert!(integrate_exposure([400.0, 0.0], [410.0, 3.0], 0.2).at == -0.2);

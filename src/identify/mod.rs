@@ -1,7 +1,7 @@
 //! Identification of the satellite of a measured streak.
 //!
 //! `streak` defines the measured streak, and `region` reads it from a DS9 region file. `search` finds the satellites of
-//! a [`Sky`](crate::passes::Sky) with orbits that pass the streak, `compare` compares one satellite with the streak,
+//! a [`Sky`](crate::passes::Sky) whose orbits pass near the streak, `compare` compares one satellite with the streak,
 //! and `likelihood` computes probabilities.
 
 mod compare;

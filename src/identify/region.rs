@@ -1,5 +1,5 @@
-//! Regions of SAOImage DS9 (boxes, polygons, lines and vectors on the sky) as outlines, and the line fitted to the
-//! outlines of a streak.
+//! Regions of SAOImage DS9 (boxes, polygons, lines and vectors on the sky), and the line fitted to regions drawn around
+//! a streak.
 //!
 //! Format (DS9 reference manual, "Regions"): a coordinate system (`fk5`, `j2000`, `icrs`), then shapes with their
 //! numbers in brackets or after blanks, separated by commas or blanks. `;` separates statements, `#` starts a comment,
@@ -12,16 +12,16 @@ use super::error::IdentifyError;
 use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 
 const SYSTEMS: &[&str] = &["fk5", "j2000", "icrs"];
-/// Coordinate systems of DS9 that are not supported.
+/// Coordinate systems of DS9 that are recognised but not supported.
 const OTHER_SYSTEMS: &[&str] =
     &["image", "physical", "linear", "amplifier", "detector", "fk4", "b1950", "galactic", "ecliptic", "wcs", "wcsa"];
 const ALLOWED: &str = "allowed: polygon, box, line and vector in fk5 or icrs";
 
-/// Reads the outlines in the text of a file; `path` is its name in errors.
+/// Parses a region file. Returns the corners of each region; `path` is the name of the file in errors.
 ///
 /// # Errors
-/// [`IdentifyError::Region`] with the line for another system or shape and for invalid numbers;
-/// [`IdentifyError::NoRegion`].
+/// [`IdentifyError::Region`] with the line number for another coordinate system or shape and for invalid numbers;
+/// [`IdentifyError::NoRegion`] if there is no region.
 pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>, IdentifyError> {
     let mut outlines = Vec::new();
     let mut system: Option<String> = None;
@@ -109,40 +109,40 @@ fn angle_rad(text: &str) -> Result<f64, String> {
     angle.map(f64::to_radians).ok_or_else(|| format!("invalid angle '{text}'; allowed: a number of degrees"))
 }
 
-/// Returns a position displaced to the west and the north. DS9 measures angles of regions from the x axis of an image
-/// with north up and east left, that is, from west through north.
+/// Returns a position offset to the west and the north. DS9 measures the angles of regions from the x axis of an image
+/// with north up and east left: 0° is west, 90° is north.
 fn moved(from: &Direction<Gcrs>, west_rad: f64, north_rad: f64) -> Direction<Gcrs> {
     let (east, north) = from.east_north();
     let moved: Vector3<f64> = from.vector() - east * west_rad.tan() + north * north_rad.tan();
     Direction::from_vector(moved.normalize())
 }
 
-/// Line fitted to the outlines of a streak.
+/// Line fitted to regions drawn around a streak.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FittedLine {
-    /// Ends of the line: the outermost corners of the outlines, projected onto it.
+    /// Ends of the line: the outermost corners of the regions, projected onto the line.
     pub ends: [Direction<Gcrs>; 2],
-    /// Half width of the outlines, radians: the root mean square distance of their corners from the line.
+    /// Half width of the regions, radians: the root mean square distance of their corners from the line.
     pub half_width_rad: f64,
 }
 
-/// Tolerance for the distance of the middle of an outline from the line, in widths of the outline.
+/// Largest distance of the middle of a region from the line, as a multiple of the width of the region.
 const MOST_WIDTHS_OFF: f64 = 2.0;
-/// Tolerance in lengths of the line, which is added: lines drawn by hand along a streak have no width.
+/// Additional allowed distance as a fraction of the length of the line. Lines drawn along a streak have no width.
 const MOST_LENGTHS_OFF: f64 = 0.01;
 
-/// Fits a line to the corners of outlines (boxes, polygons, lines) of one streak: through their mean, in the direction
-/// of their largest variance. The outlines need not cover the whole streak.
+/// Fits a line to the corners of regions of one streak. It passes through their mean in the direction of their largest
+/// variance. The regions need not cover the whole streak.
 ///
 /// # Errors
-/// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of an
-/// outline is farther from the line than twice the width of the outline plus a hundredth of the length of the line.
+/// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of a
+/// region is farther from the line than twice the width of the region plus a hundredth of the length of the line.
 pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, IdentifyError> {
     let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
     let no_line = IdentifyError::NoLine { separation_arcsec: 0.0 };
     let centre = corners.iter().sum::<Vector3<f64>>().try_normalize(0.0).ok_or(no_line.clone())?;
     let (east, north) = Direction::<Gcrs>::from_vector(centre).east_north();
-    // Great circles are straight lines on the tangent plane.
+    // On the tangent plane, great circles are straight lines.
     let plane = |corner: &Vector3<f64>| Vector2::new(corner.dot(&east), corner.dot(&north)) / corner.dot(&centre);
     let points: Vec<Vector2<f64>> = corners.iter().map(plane).collect();
     let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
@@ -180,7 +180,7 @@ fn longest(points: &[Vector2<f64>], middle: &Vector2<f64>) -> Vector2<f64> {
     axes.eigenvectors.column(axes.eigenvalues.imax()).into_owned()
 }
 
-/// Returns the full width of an outline across its length, radians.
+/// Returns the full width of a region, perpendicular to its length, radians.
 fn narrow_width(points: &[Vector2<f64>], middle: &Vector2<f64>) -> f64 {
     let along = longest(points, middle);
     let across = Vector2::new(-along.y, along.x);
@@ -213,7 +213,7 @@ mod tests {
         assert!(from.position_angle_rad(&to).sin().abs() < 1e-6, "{}", from.position_angle_rad(&to));
         assert!(to.latitude_rad() > from.latitude_rad());
         assert!((from.separation_rad(&to).to_degrees() * 3600.0 - 60.0).abs() < 1e-3);
-        // The long side of the box, rotated by 30° anticlockwise, is at 30° from north to east.
+        // The long side of the box points north and is rotated by 30° anticlockwise: its position angle is 30°.
         let angle_deg = outlines[2][1].position_angle_rad(&outlines[2][2]).to_degrees();
         assert!((angle_deg - 30.0).abs() < 0.01, "{angle_deg}");
     }
@@ -253,7 +253,7 @@ mod tests {
         let length_arcsec = line.ends[0].separation_rad(&line.ends[1]).to_degrees() * 3600.0;
         assert!((length_arcsec - 400.0).abs() < 0.1, "{length_arcsec}");
         assert!((line.half_width_rad.to_degrees() * 3600.0 - 5.0).abs() < 0.05);
-        // 30° from east towards north: position angle 60° or 240°.
+        // The line is 30° from east towards north: position angle 60° or 240°.
         let angle_deg = line.ends[0].position_angle_rad(&line.ends[1]).to_degrees() % 180.0;
         assert!((angle_deg - 60.0).abs() < 0.1, "{angle_deg}");
     }

@@ -1,14 +1,14 @@
 //! Search of a catalogue for the satellites that may have caused a streak.
 //!
 //! Let P be the point on the line of sight at the satellite's distance r from the Earth's centre. The orbital plane
-//! must pass P, and the satellite must reach P with a delay that is possible for its errors:
+//! must pass near P, and the satellite must reach P with a delay that is compatible with its errors:
 //!
 //! ```text
 //! across = ĥ · P          Δu = atan2(P · (ĥ × r̂), P · r̂)          δ = -Δu r² / |r × v|
 //! ```
 //!
-//! This takes one call of SGP4 for each satellite. The few in a thousand that remain are compared with the streak in
-//! `compare`.
+//! This requires one SGP4 propagation for each satellite. A few in a thousand satellites remain, which `compare`
+//! compares with the streak.
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -22,52 +22,52 @@ use crate::orbit::{LeftOut, Propagator, State};
 use crate::passes::{Exposure, ExposureInterval, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// Largest delay and cross-track distance searched, in sigmas.
+/// Largest delay and cross-track distance that are searched, in sigmas.
 const REACH_SIGMAS: f64 = 6.0;
-/// Delay that is always searched, whatever the sigmas, seconds.
+/// Smallest limit of the searched delay, seconds.
 const LEAST_REACH_S: f64 = 30.0;
-/// Cross-track distance that is always searched, radians.
+/// Smallest limit of the searched cross-track distance, radians.
 const LEAST_REACH_RAD: f64 = 0.0175;
-/// Range assumed for the cross-track limit before the range is known, km.
+/// Range from which the first cross-track limit is computed, before the range of the satellite is known, km.
 const NEAR_KM: f64 = 500.0;
-/// Smallest difference between the delays of two different passages of one satellite, seconds.
+/// Smallest difference between the delays of two passages of one satellite that are taken as different, seconds.
 const SAME_PASSAGE_S: f64 = 1.0;
 
-/// Options of the search.
+/// Options of the identification.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct IdentifyOptions {
-    /// Includes satellites in the Earth's shadow.
+    /// If true, satellites in the Earth's shadow are included.
     pub include_dark: bool,
-    /// Band, zero point and extinction of the magnitudes.
+    /// Band, magnitude system and extinction of the magnitudes.
     pub photometry: PhotometryOptions,
 }
 
-/// Result of the search.
+/// Result of the identification.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identified {
-    /// Candidates, the most probable first.
+    /// Candidates, in order of decreasing probability.
     pub candidates: Vec<Candidate>,
-    /// Probability that the streak is that of a satellite without an element set.
+    /// Probability that a satellite without an element set caused the streak.
     pub unknown_probability: f64,
     /// Satellites that SGP4 cannot propagate to that time, in catalogue order.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Total probability of the candidates below which none of them fits.
+/// If the total probability of the candidates is smaller, no candidate is said to fit.
 const LEAST_PROBABILITY: f64 = 0.01;
 
 impl Identified {
-    /// Returns true if none of the candidates fits: a satellite without an element set is a hundred times as probable as all
-    /// of them together.
+    /// Returns true if no candidate fits: a satellite without an element set is more than about a hundred times as
+    /// probable as all candidates together.
     pub fn is_without_fit(&self) -> bool {
         1.0 - self.unknown_probability < LEAST_PROBABILITY
     }
 }
 
-/// Finds all satellites that may have caused a streak, on all threads of the current pool.
+/// Finds all satellites that may have caused a streak. It uses all threads of the current thread pool.
 ///
-/// The delay of a candidate and its distance from the streak are at most six sigmas, or 30 s and 1° if these are
-/// larger. The sigmas combine the uncertainty of the elements at their age with that of the measurement.
+/// The delay and the cross-track distance of a candidate are at most six sigmas, or 30 s and 1° if these are larger.
+/// The sigmas combine the errors of the elements at their age with those of the measurement.
 ///
 /// # Errors
 /// [`IdentifyError::Sky`] if positions cannot be computed at that time.
@@ -103,7 +103,7 @@ pub fn identify_streak(
     Ok(Identified { candidates, unknown_probability, left_out })
 }
 
-/// Returns the best passage of one satellite, if there is one.
+/// Returns the best passage of one satellite; `None` if it does not pass near the streak.
 fn one_satellite(
     interval: &ExposureInterval<'_>,
     element_index: usize,
@@ -119,7 +119,7 @@ fn one_satellite(
     let along_s = REACH_SIGMAS * errors.along_track_s.hypot(streak.time_sigma_s());
     let across_rad = REACH_SIGMAS * (errors.cross_track_km / NEAR_KM).hypot(streak.position_sigma_rad());
     let reach = Reach {
-        // At most half a revolution.
+        // At most half a revolution is searched.
         along_track_s: (along_s.max(LEAST_REACH_S) + mid_s).min(0.5 * propagator.period_s()),
         cross_track_rad: across_rad.clamp(LEAST_REACH_RAD, 0.5),
     };
@@ -135,19 +135,19 @@ fn one_satellite(
     (best.into_iter().collect(), None)
 }
 
-/// Largest eccentricity of an orbit that is treated as circular. For others, the delay is found iteratively.
+/// Largest eccentricity of orbits for which the delay is computed in closed form. For others it is found iteratively.
 const CIRCULAR: f64 = 0.03;
 /// Allowance for J₂ and for the varying radius of nearly circular orbits, km.
 const ALLOWANCE_KM: f64 = 60.0;
-/// Allowance for the same effects as a fraction of the distance along the orbit.
+/// Allowance for the same effects, as a fraction of the distance along the orbit.
 const ALLOWANCE_SHARE: f64 = 0.05;
 /// Tolerance of the iteration for eccentric orbits, seconds.
 const CLOSE_S: f64 = 1.0;
-/// Largest number of its steps.
+/// Largest number of steps of the iteration.
 const MOST_STEPS: usize = 30;
 
-/// Returns first guesses of the delays with which a satellite passes the streak, seconds; empty if it does not pass it.
-/// For an observer in orbit, one line of sight may meet an orbit twice.
+/// Returns first estimates of the delays with which a satellite passes the streak, seconds; empty if it does not pass.
+/// Seen from orbit, one line of sight may intersect the orbit at two points.
 fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &MeasuredStreak, reach: &Reach) -> Vec<f64> {
     let mid_s = 0.5 * interval.duration_s();
     let Some(propagator) = interval.propagator(element_index) else { return Vec::new() };
@@ -157,7 +157,7 @@ fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &Meas
     let (r, v) = (state.position.vector(), state.velocity.vector());
     let Some(normal) = r.cross(v).try_normalize(0.0) else { return Vec::new() };
     if interval.sky().elements()[element_index].eccentricity > CIRCULAR {
-        // Position at which the line of sight meets the orbital plane.
+        // Point at which the line of sight intersects the orbital plane.
         let range_km = -normal.dot(observer.vector()) / normal.dot(towards.vector());
         if !(range_km > 0.0 && range_km.is_finite()) {
             return Vec::new();
@@ -187,7 +187,7 @@ fn angle_to(state: &State<Gcrs>, position: &Vector3<f64>) -> f64 {
     position.dot(&ahead).atan2(position.dot(&radial))
 }
 
-/// Returns the delay for an eccentric orbit, found by steps along the orbit at the current angular rate.
+/// Returns the delay for an eccentric orbit, found by steps along the orbit at the current angular rate, seconds.
 fn delay_on_eccentric(
     interval: &ExposureInterval<'_>,
     propagator: &Propagator,
@@ -208,7 +208,7 @@ fn delay_on_eccentric(
     None
 }
 
-/// Returns the distances at which a line of sight meets a sphere about the Earth's centre, in front of the observer,
+/// Returns the ranges in front of the observer at which a line of sight intersects a sphere about the Earth's centre,
 /// km.
 fn ranges_km(observer: &Position<Gcrs>, towards: &Direction<Gcrs>, radius_km: f64) -> Vec<f64> {
     // ρ = -O·d ± √((O·d)² + r² - O²)

@@ -1,4 +1,4 @@
-//! Measured streak: a line on the sky with the time of the exposure.
+//! Measured streak: a line on the sky, and the time of the exposure.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -6,15 +6,16 @@ use nalgebra::Vector3;
 use super::error::IdentifyError;
 use crate::frames::{Direction, Gcrs};
 
-/// Relation between the time interval of a streak and its ends.
+/// Relation between the time interval and the ends of a streak.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// The satellite was at the first end at the start of the interval and at the second end at its end, so that the
+    /// The satellite is at the first end at the start of the interval and at the second end at its end, so the
     /// direction of motion is known.
     FirstToSecond,
     /// The ends are the positions at shutter opening and closing, in unknown order.
     Whole,
-    /// The satellite was somewhere along the streak during the exposure. The streak may end at the edges of the frame.
+    /// The satellite passes the streak at an unknown time during the exposure. The streak may end at the edges of the
+    /// frame.
     Within,
 }
 
@@ -29,7 +30,7 @@ impl Timing {
     }
 }
 
-/// Measured streak with its errors. Positions are ICRS astrometric.
+/// Measured streak with its errors. Positions are astrometric, ICRS.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStreak {
     middle: Direction<Gcrs>,
@@ -44,20 +45,20 @@ pub struct MeasuredStreak {
     by_ends: bool,
 }
 
-/// Smallest length, radians: 0.01 arcsec.
+/// Smallest length of a streak, radians (0.01 arcsec).
 const LEAST_LENGTH_RAD: f64 = 4.8e-8;
-/// Largest length, radians: longer streaks are not great circles.
+/// Largest length of a streak, radians. Longer tracks differ too much from great circles.
 const LONGEST_RAD: f64 = 2.0;
-/// Smallest error of an angle, radians, for curvature of the track and distortion of the optics.
+/// Smallest error of the position angle, radians. It allows for curvature of the track and distortion of the optics.
 const LEAST_ANGLE_SIGMA_RAD: f64 = 1e-5;
 
 impl MeasuredStreak {
-    /// Creates a streak from two ends. The errors are one sigma of either end in any direction (radians) and of the
-    /// clock (seconds).
+    /// Creates a streak from two ends. `position_sigma_rad` is the error (one sigma) of each end in any direction,
+    /// radians; `time_sigma_s` is that of the clock, seconds.
     ///
     /// # Errors
-    /// The ends are at one position or more than 115° apart, an error is not positive, or the duration does not fit the
-    /// timing.
+    /// The ends are at the same position or more than 115° apart, an error is not positive, or the duration is not
+    /// valid for the timing.
     pub fn from_ends(
         ends: [Direction<Gcrs>; 2],
         (start, duration_s): (Epoch, f64),
@@ -82,19 +83,19 @@ impl MeasuredStreak {
             timing,
             position_sigma_rad,
             time_sigma_s,
-            // Two ends, each with an error σ at right angles to the line.
+            // Each of the two ends has an error σ perpendicular to the line.
             angle_sigma_rad: (std::f64::consts::SQRT_2 * position_sigma_rad / length_rad).max(LEAST_ANGLE_SIGMA_RAD),
             by_ends: true,
         };
         streak.checked()
     }
 
-    /// Creates a streak from its middle, the position angle of the line there (north through east, either direction)
-    /// with one sigma, radians, and its length, if known.
+    /// Creates a streak from its middle, the position angle of the line there (from north through east, in either
+    /// direction) with its error (one sigma), and its length if known. All angles are in radians.
     ///
     /// # Errors
-    /// As [`MeasuredStreak::from_ends`]; also [`Timing::Whole`] without a length, or [`Timing::FirstToSecond`], which a
-    /// position angle does not define.
+    /// Same as [`MeasuredStreak::from_ends`]; also [`Timing::Whole`] without a length, and [`Timing::FirstToSecond`],
+    /// because a position angle does not define the direction of motion.
     pub fn from_middle(
         middle: Direction<Gcrs>,
         (position_angle_rad, angle_sigma_rad): (f64, f64),
@@ -166,18 +167,17 @@ impl MeasuredStreak {
         self.middle
     }
 
-    /// Returns the position angle of the line at the middle, towards the second end, from north through east, [0, 2π),
-    /// radians.
+    /// Returns the position angle at the middle, towards the second end, from north through east, [0, 2π), radians.
     pub fn position_angle_rad(&self) -> f64 {
         self.position_angle_rad
     }
 
-    /// Returns the length, radians, if known.
+    /// Returns the length, radians; `None` if it is unknown.
     pub fn length_rad(&self) -> Option<f64> {
         self.length_rad
     }
 
-    /// Returns both ends, if the length is known.
+    /// Returns both ends; `None` if the length is unknown.
     pub fn ends(&self) -> Option<[Direction<Gcrs>; 2]> {
         let half_rad = 0.5 * self.length_rad?;
         let (east, north) = self.middle.east_north();
@@ -187,7 +187,7 @@ impl MeasuredStreak {
         }))
     }
 
-    /// Returns true if both ends were measured, false for the middle and the position angle.
+    /// Returns true if both ends were measured, and false if the middle and the position angle were measured.
     pub fn is_by_ends(&self) -> bool {
         self.by_ends
     }
@@ -202,22 +202,22 @@ impl MeasuredStreak {
         self.duration_s
     }
 
-    /// Returns the relation between times and positions.
+    /// Returns the relation between the time interval and the ends.
     pub fn timing(&self) -> Timing {
         self.timing
     }
 
-    /// Returns one sigma of either end in any direction, radians.
+    /// Returns the error (one sigma) of each end in any direction, radians.
     pub fn position_sigma_rad(&self) -> f64 {
         self.position_sigma_rad
     }
 
-    /// Returns one sigma of the clock, seconds.
+    /// Returns the error (one sigma) of the clock, seconds.
     pub fn time_sigma_s(&self) -> f64 {
         self.time_sigma_s
     }
 
-    /// Returns one sigma of the position angle, radians.
+    /// Returns the error (one sigma) of the position angle, radians.
     pub fn angle_sigma_rad(&self) -> f64 {
         self.angle_sigma_rad
     }

@@ -7,10 +7,10 @@ use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::output::{Column, Kind, Table, TableField, Value};
 use crate::photometry::{Brightness, PhotometryOptions};
 
-/// Candidate with the other data of its table row.
+/// Row of a table of candidates.
 #[derive(Copy, Clone)]
 pub struct CandidateRow<'a> {
-    /// The candidate.
+    /// Candidate.
     pub candidate: &'a Candidate,
     /// Element set of the candidate.
     pub elements: &'a ElementSet,

@@ -172,7 +172,8 @@ mod tests {
         for (ltv1, ltv2) in [(56, 50), (0, 0)] {
             assert_eq!(cut(ltv1, ltv2, "CCDSEC  = '[1:2048,1:4096]'"), "[1:100,1:100]");
         }
-        // A cutout with an ambiguous reference (chip or raw frame), a binned frame, and a frame that is not illuminated.
+        // A cutout with an ambiguous reference (chip or raw frame), a binned frame, and a frame that is not
+        // illuminated.
         assert_eq!(cut(-1972, -50, "CCDSEC  = '[1:2048,1:4096]'"), "[1:100,1:100]");
         assert_eq!(cut(-2028, -100, "LTM1_1  =                  0.5"), "[1:100,1:100]");
         assert_eq!(cut(-2104, -100, ""), "[1:100,1:100]");

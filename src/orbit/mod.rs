@@ -1,4 +1,5 @@
-//! Orbits: SGP4 for each element set, interpolated ephemerides, the errors of its predictions, and the search for satellites inside a cone.
+//! Orbits: SGP4 for each element set, interpolated ephemerides, the errors of its predictions, and the search for
+//! satellites inside a cone.
 
 mod arc;
 mod ephemeris;

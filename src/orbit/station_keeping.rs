@@ -10,8 +10,8 @@
 //! ```
 //!
 //! with the published ṅ/2 and one lag τ for each class of satellite. In seconds along the track: the published drag
-//! D = P ṅ/2 gives D t², the lag takes 2 τ D t off, with the age t in days and the period P. What remains is distributed
-//! as a core of two Gaussians and a wide one for satellites that manoeuvred since the epoch:
+//! D = P ṅ/2 gives D t², the lag takes 2 τ D t off, with the age t in days and the period P. What remains is
+//! distributed as a core of two Gaussians and a wide one for satellites that manoeuvred since the epoch:
 //!
 //! ```text
 //! (1 - m) [0.7 N(s) + 0.3 N(r s)] + m N(90 t)        s = √(s₀² + (k t)² + (c D t)²),    m = m₀ + m₁ t ≤ 0.5

@@ -32,7 +32,8 @@ fn unfinished() -> MutexGuard<'static, Unfinished> {
     UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Removes all temporary files and folders of this process, for a program that ends at a signal; finished outputs are kept.
+/// Removes all temporary files and folders of this process, for a program that ends at a signal; finished outputs are
+/// kept.
 ///
 /// Afterwards no output can be begun or finished in this process: threads that try it wait for the end of the process.
 pub fn remove_unfinished() {
@@ -75,8 +76,8 @@ fn remove_abandoned(folder: &Path) {
 #[cfg(not(unix))]
 fn remove_abandoned(_: &Path) {}
 
-/// Locks a file until it is closed. Waits for a process that tests whether the file is in use, and returns false if that
-/// process has removed it.
+/// Locks a file until it is closed. Waits for a process that tests whether the file is in use, and returns false if
+/// that process has removed it.
 #[cfg(unix)]
 fn lock(file: &File, path: &Path) -> bool {
     // A system without locks reports an error.

@@ -7,8 +7,8 @@ use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::photometry::{BrightObjects, BrightnessModel, ModelLibrary, PhotometryError, StandardMagnitudes};
 
 /// Rule by which each element set gets a brightness model. The first that applies is used: the model of its generation,
-/// the object's standard magnitude in the given table, that of the built-in bright objects and classes of rocket bodies,
-/// a prior for rocket bodies, a prior for any object.
+/// the object's standard magnitude in the given table, that of the built-in bright objects and classes of rocket
+/// bodies, a prior for rocket bodies, a prior for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
@@ -21,8 +21,8 @@ pub struct ModelChoice {
     unknown: Arc<BrightnessModel>,
 }
 
-/// Returns the name of the default model of a generation: of the built-in models of its satellites, the one with the best
-/// score on unseen points where there are any (`tests/fitting/default_models.rs`). `None` if there is no default.
+/// Returns the name of the default model of a generation: of the built-in models of its satellites, the one with the
+/// best score on unseen points where there are any (`tests/fitting/default_models.rs`). `None` if there is no default.
 fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),

@@ -97,8 +97,8 @@ pub struct VisiblePass {
 }
 
 impl VisiblePass {
-    /// Probability of being brighter than an apparent magnitude at the brightest visible point; 0 without a visible part
-    /// or without light.
+    /// Probability of being brighter than an apparent magnitude at the brightest visible point; 0 without a visible
+    /// part or without light.
     pub fn probability_brighter_than(&self, limit_mag: f64) -> f64 {
         let peak = self.visible.as_ref().and_then(|seen| seen.peak.as_ref());
         let light = peak.and_then(|peak| peak.brightness.as_ref());

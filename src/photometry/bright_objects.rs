@@ -1,8 +1,8 @@
 //! Standard magnitudes of the brightest objects: space stations, large payloads, and rocket bodies by class.
 //!
 //! `bright_objects.csv` has the source of every row. A row with a catalogue number is one object; a row with a class is
-//! for all rocket bodies whose name begins with it; a row with `part_of` is a module of a station, whose light is in the
-//! magnitude of that station.
+//! for all rocket bodies whose name begins with it; a row with `part_of` is a module of a station, whose light is in
+//! the magnitude of that station.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

@@ -152,8 +152,8 @@ impl LitEarth {
         PanelEarthshine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
     }
 
-    /// Returns the irradiance on a panel that faces down, as in [`Self::shine`], and the sum Σ dE f cos φ_i over its facets
-    /// of reflectance 1, sr⁻¹, for an observer below the panel; `exponent` is that of the lobe
+    /// Returns the irradiance on a panel that faces down, as in [`Self::shine`], and the sum Σ dE f cos φ_i over its
+    /// facets of reflectance 1, sr⁻¹, for an observer below the panel; `exponent` is that of the lobe
     /// ([`crate::photometry::brdf::Law::equivalent_exponent`]).
     ///
     /// No allocation. The facets are masked alike on each ring, because their panel is level.

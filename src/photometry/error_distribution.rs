@@ -1,7 +1,8 @@
 //! Distribution of single magnitudes about a brightness model: a normal core and a wing to one side of it.
 //!
-//! Satellites flare, and some have another attitude than the model: magnitudes far from the prediction are more frequent
-//! than those of a normal distribution, and more frequent on one side. The density of x = (observed - predicted) / σ is
+//! Satellites flare, and some have another attitude than the model: magnitudes far from the prediction are more
+//! frequent than those of a normal distribution, and more frequent on one side. The density of x = (observed -
+//! predicted) / σ is
 //!
 //! ```text
 //! (1 - w) N(x; a, c) + w N(x; b, d)

@@ -73,8 +73,8 @@ enum Law {
     Mean(StandardMagnitude),
 }
 
-/// Step of the parameters of panels for derivatives, in their sigmas: well above rounding (1e-16), and small enough to be
-/// linear.
+/// Step of the parameters of panels for derivatives, in their sigmas: well above rounding (1e-16), and small enough to
+/// be linear.
 const STEP_SIGMAS: f64 = 1e-3;
 
 /// Step of panel offsets for derivatives, degrees.
@@ -189,8 +189,8 @@ impl BrightnessModel {
         })
     }
 
-    /// Returns the model of one object with known standard magnitude (visual, taken as V Vega; 1000 km, phase angle 90°)
-    /// and a sigma of 1 mag.
+    /// Returns the model of one object with known standard magnitude (visual, taken as V Vega; 1000 km, phase angle
+    /// 90°) and a sigma of 1 mag.
     pub fn from_standard_magnitude(half_lit: StandardMagnitude) -> Self {
         let source = MagnitudeSource::StandardMagnitude;
         Self::of_object(half_lit, STANDARD_MAGNITUDE_SIGMA_MAG, source, UNKNOWN_SIZE_M)

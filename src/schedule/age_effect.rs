@@ -1,4 +1,4 @@
-//! Effect of the age of the element sets on the verdicts of a schedule.
+//! Estimate of how many verdicts of a schedule are wrong because the element sets are old.
 
 use std::fmt;
 
@@ -6,24 +6,25 @@ use super::report::{FlagReport, SatelliteAge};
 use super::verdict::VerdictKind;
 use crate::math::quantile::median;
 
-/// Effect of the errors of element sets on the verdicts of a schedule.
+/// Estimate of how many verdicts would change if the satellite positions had no error.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AgeEffect {
-    /// Median age of the element sets of the satellites that cross, days; negative if they are newer. Of those that may
-    /// cross if no satellite is listed in a verdict.
+    /// Median age of the element sets at the exposures, days; negative if their epochs are later than the exposures.
+    /// The median is over the satellites listed in verdicts or, if no verdict lists one, over all that may cross.
     pub median_age_days: f64,
-    /// True if satellites are listed in verdicts.
+    /// True if the medians are over satellites listed in verdicts, false if over all that may cross.
     pub is_of_crossings: bool,
-    /// Median over these satellites of the half width that holds 68 % of the delays, early or late, seconds.
+    /// Median over these satellites of the along-track error, seconds: 68 % of the delays are at most this long, early
+    /// or late.
     pub lateness_s: f64,
-    /// Expected share of the exposures whose verdict would change between clear and not clear if the positions were
-    /// exact: the mean of `p_crossing` over the clear exposures, and of 1 - `p_crossing` over the others. Exposures
-    /// that are not clear because of a crossing in their margins alone count as unchanged.
+    /// Expected share of the exposures whose verdict changes between clear and not clear if the positions are exact:
+    /// the mean of `p_crossing` over the clear exposures and of 1 - `p_crossing` over the others. Exposures that are
+    /// not clear only because of a crossing in their margins count as unchanged.
     pub changed_share: f64,
 }
 
 impl AgeEffect {
-    /// Share of changed verdicts above which a warning is given.
+    /// Value of `changed_share` from which a warning is given.
     pub const LARGE_SHARE: f64 = 0.01;
 }
 
@@ -45,8 +46,7 @@ impl fmt::Display for AgeEffect {
 }
 
 impl FlagReport {
-    /// Returns the effect of the errors of the element sets on the verdicts; `None` if no satellite crosses or may
-    /// cross.
+    /// Estimates the effect of along-track errors on the verdicts; `None` if no satellite crosses or may cross.
     pub fn age_effect(&self) -> Option<AgeEffect> {
         let passes = self.flags.iter().flat_map(|flag| &flag.passes);
         let crossing: Vec<SatelliteAge> = passes
@@ -74,7 +74,7 @@ impl FlagReport {
         })
     }
 
-    /// Returns a warning with the effect of old element sets if it is larger than [`AgeEffect::LARGE_SHARE`].
+    /// Returns a warning that describes the effect if `changed_share` is at least [`AgeEffect::LARGE_SHARE`].
     pub fn age_warning(&self) -> Option<String> {
         let effect = self.age_effect()?;
         (effect.changed_share >= AgeEffect::LARGE_SHARE).then(|| effect.to_string())

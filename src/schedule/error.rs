@@ -5,23 +5,23 @@ use std::io;
 use hifitime::TimeScale;
 use thiserror::Error;
 
-/// Columns of a schedule, as listed in messages.
+/// Accepted columns of a schedule, for error messages.
 pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, start_jd with --time-scale, or \
      start_mjd_utc, start_mjd_tai, start_mjd_tt and the like), duration_s, ra_deg, dec_deg and, if known, rotation_deg, band; \
      the names used by Rubin's opsim and ConsDB and by ObsLocTAP are also accepted";
 
-/// Errors of schedules and policies. An invalid row of a schedule is not an error: it is kept with its reason.
+/// Error of a schedule or policy file. An invalid row of a schedule is not an error: the row is kept with the reason.
 #[derive(Debug, Error)]
 pub enum ScheduleError {
     /// The file cannot be opened or read.
     #[error("schedule {path}: {source}")]
     Io {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A directory was given.
+    /// The path is a directory.
     #[error("schedule {path} is a directory; allowed: one file, opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet")]
     Directory {
         /// The path.
@@ -32,19 +32,19 @@ pub enum ScheduleError {
         "schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet with at least one exposure"
     )]
     Empty {
-        /// The file.
+        /// Path of the file.
         path: String,
     },
     /// The file has columns but no rows.
     #[error("schedule {path} has columns but no exposures; allowed: at least one row")]
     NoRows {
-        /// The file.
+        /// Path of the file.
         path: String,
     },
     /// The format is not supported.
     #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable (TABLEDATA) or Parquet")]
     Format {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Description of the file.
         what: String,
@@ -52,21 +52,21 @@ pub enum ScheduleError {
     /// A line is invalid.
     #[error("schedule {path}, line {line}: {what}")]
     Line {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Line, from 1.
+        /// Line number, from 1.
         line: u64,
-        /// Error in the line.
+        /// What is wrong with the line.
         what: String,
     },
     /// Required columns are missing.
     #[error("schedule {path}: missing {missing}; found {found}; allowed: {ALLOWED_COLUMNS}")]
     MissingColumns {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// The missing names.
+        /// Names of the missing columns.
         missing: String,
-        /// The columns found.
+        /// Names of the columns of the file.
         found: String,
     },
     /// Required columns of a target list are missing.
@@ -75,35 +75,35 @@ pub enum ScheduleError {
          unique_id, rotation_deg, band"
     )]
     MissingTargetColumns {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// The missing names.
+        /// Names of the missing columns.
         missing: String,
-        /// The columns found.
+        /// Names of the columns of the file.
         found: String,
     },
-    /// Times are numbers or texts without a zone, and no time scale is specified.
+    /// Times are numbers or texts without a time zone, and no time scale is given.
     #[error(
         "schedule {path}: the time scale of column {column} is missing; allowed: --time-scale utc, tai or tt \
          (opsim files use UTC, ConsDB and many others TAI; TAI read as UTC is wrong by 37 s, which invalidates every result)"
     )]
     NoTimeScale {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// The column.
+        /// Name of the column.
         column: String,
     },
-    /// The time scale of the column differs from the one in the options, and the cells have no zone.
+    /// The time scale of the column differs from the one in the options, and the cells have no time zone.
     #[error(
         "schedule {path}: column {column} is in {named}, but --time-scale is {given}; allowed: no --time-scale, \
          --time-scale {}, a column of another name, or times that end in Z", .named.to_string().to_ascii_lowercase()
     )]
     OtherTimeScale {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Time scale in its name or in the header of the file.
+        /// Time scale in the column name or in the header of the file.
         named: TimeScale,
         /// Time scale in the options.
         given: TimeScale,
@@ -111,74 +111,74 @@ pub enum ScheduleError {
     /// The unit of a column contradicts its name.
     #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}")]
     Unit {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// The unit in the header.
+        /// Unit in the header of the file.
         unit: String,
-        /// Allowed unit.
+        /// Accepted units.
         allowed: &'static str,
     },
     /// SQLite reported an error.
     #[cfg(feature = "sqlite")]
     #[error("schedule {path}: {source}")]
     Sqlite {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Error of SQLite.
         source: rusqlite::Error,
     },
-    /// The format cannot be written.
+    /// This build cannot write the format.
     #[error("schedule {path} is {format}, which this build cannot write; allowed: CSV, ECSV, JSON and VOTable")]
     AnnotateFormat {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Its format.
+        /// Format of the file.
         format: String,
     },
     /// The file has an earlier annotation.
     #[error("schedule {path} already has {what}; allowed: --replace, which replaces them")]
     AlreadyThere {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Tables or columns of the earlier annotation.
         what: String,
     },
-    /// The file changed between reading and writing.
+    /// The number of rows of the file changed between reading and writing.
     #[error(
         "schedule {path} has {rows} rows; allowed: the {flags} rows that were judged (the file changed in between)"
     )]
     Changed {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Rows found.
+        /// Rows in the file now.
         rows: usize,
-        /// Rows judged.
+        /// Rows when the exposures were judged.
         flags: usize,
     },
     /// The output cannot be written.
     #[error("cannot write {path}: {source}")]
     Write {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Error of the system.
+        /// Error of the operating system.
         source: io::Error,
     },
     /// Parquet reported an error.
     #[cfg(feature = "parquet")]
     #[error("cannot write {path}: {what}")]
     AnnotateParquet {
-        /// The file.
+        /// Path of the file.
         path: String,
-        /// Error of Parquet.
+        /// Error of the Parquet library.
         what: String,
     },
-    /// SQLite reported an error.
+    /// SQLite reported an error while the annotated copy was written.
     #[cfg(feature = "sqlite")]
     #[error("cannot write {path}: {source}")]
     AnnotateSqlite {
-        /// The file.
+        /// Path of the file.
         path: String,
         /// Error of SQLite.
         source: rusqlite::Error,
@@ -191,25 +191,25 @@ pub enum ScheduleError {
     /// The magnitude limit is neither a number nor numbers by band.
     #[error("invalid magnitude limit '{given}'; allowed: a number, or numbers by band such as g=7,y=5,default=6")]
     PolicyLimit {
-        /// Given value.
+        /// Text that cannot be parsed.
         given: String,
     },
     /// A band has two limits.
     #[error("band {band} has two limits in '{given}'; allowed: one number for each band, such as g=7,y=5,default=6")]
     PolicyBand {
-        /// The band.
+        /// Name of the band.
         band: String,
-        /// Given value.
+        /// Text of the limits.
         given: String,
     },
     /// A number is out of range.
     #[error("policy: {field} is {value}; allowed: {allowed}")]
     PolicyOutOfRange {
-        /// The key.
+        /// Key of the policy.
         field: &'static str,
-        /// Given value.
+        /// Invalid value.
         value: f64,
-        /// Allowed range.
+        /// Accepted range.
         allowed: &'static str,
     },
 }

@@ -5,27 +5,27 @@ use hifitime::Epoch;
 use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use crate::passes::{Exposure, Viewpoint};
 
-/// Time span of exposures that share one table of the Earth's orientation, seconds.
+/// Length of one table of the Earth's orientation, seconds. Exposures within this time share a table.
 const GROUP_S: f64 = 43_200.0;
 
-/// Sampling interval of a pointing's altitude for a telescope in orbit, seconds: the Earth's limb moves by 0.6° in this
-/// time in low orbit.
+/// Sampling interval of a pointing's altitude for a telescope in orbit, seconds. From low orbit the altitude above the
+/// limb changes by up to 0.6° in this time.
 const LIMB_INTERVAL_S: f64 = 10.0;
 
-/// Returns the lowest altitude of each pointing while the shutter is open, radians, without refraction and aberration
-/// (20").
+/// Returns the lowest altitude of each pointing while the shutter is open, radians. Refraction and aberration (20") are
+/// neglected.
 ///
-/// From a site it is the lower altitude of opening and closing; between the two the pointing is higher, or lower by
-/// less than a degree in an hour. From an orbit it is the lowest angle above the Earth's limb, sampled every 10 s; NaN
-/// if the position of the telescope cannot be computed.
+/// From a site it is the lower of the altitudes at opening and at closing; in between, the altitude is higher, or lower
+/// by less than a degree for exposures of an hour. From an orbit it is the lowest angle above the Earth's limb, sampled
+/// every 10 s; NaN if the position of the telescope cannot be computed.
 pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable) -> Vec<f64> {
     lowest_altitudes_over(exposures, viewpoint, &|start, end| OrientationTable::new(start, end, eop))
 }
 
-/// Computes the orientation of the Earth between two times.
+/// Function that returns a table of the Earth's orientation between two times.
 pub(super) type Earth<'a> = &'a dyn Fn(Epoch, Epoch) -> OrientationTable;
 
-/// Returns the altitudes of [`lowest_altitudes_rad`], with a function for the orientation of the Earth.
+/// Same as [`lowest_altitudes_rad`], with a function that computes the orientation of the Earth.
 pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>) -> Vec<f64> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&index| exposures[index].start);
@@ -49,37 +49,37 @@ pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoi
         };
         altitudes[index] = (0..=samples as usize)
             .map(|i| altitude_rad(exposure, viewpoint, table, opened_s + exposure.duration_s * i as f64 / samples))
-            // NaN takes precedence.
+            // NaN is kept if any sample is NaN.
             .fold(f64::INFINITY, |lowest, next| if next.is_nan() || next < lowest { next } else { lowest });
     }
     altitudes
 }
 
-/// Returns the altitude of a pointing at a time after the reference of a table, radians; NaN if the position of the
-/// telescope cannot be computed.
+/// Returns the altitude of a pointing, radians, at a time in seconds after the reference time of `table`; NaN if the
+/// position of the telescope cannot be computed.
 pub(super) fn altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable, seconds: f64) -> f64 {
     let epoch = seconds_after(table.reference(), seconds);
     viewpoint.pointing_altitude_rad(&exposure.pointing, epoch, &table.at_s(seconds)).unwrap_or(f64::NAN)
 }
 
-/// Fastest descent of a pointing: the rotation of the Earth, rounded up, rad/s.
+/// Fastest descent of a pointing from a site, rad/s: the rotation rate of the Earth, rounded up.
 const FASTEST_SINKING_RAD_S: f64 = 7.3e-5;
 /// Sampling interval of a pointing from a site, seconds.
 const SITE_INTERVAL_S: f64 = 60.0;
-/// Fastest approach to the limb from a low orbit, rad/s.
+/// Fastest approach of a pointing to the Earth's limb from low orbit, rad/s.
 const FASTEST_LIMB_RAD_S: f64 = 3e-3;
 /// Returns the sampling interval of the altitude of a pointing, seconds.
 pub(super) fn sampling_interval_s(viewpoint: &Viewpoint) -> f64 {
     if viewpoint.site().is_some() { SITE_INTERVAL_S } else { LIMB_INTERVAL_S }
 }
 
-/// Margin between the last start and the setting of the pointing, seconds.
+/// Time between the end of the latest exposure and the setting of its pointing, seconds.
 const BEFORE_SETTING_S: f64 = 0.01;
 
-/// Returns the longest delay of each exposure after which its pointing is still above the horizon at closing, at most
-/// `max_delay_s`, seconds.
+/// Returns for each exposure the longest delay, seconds, for which its pointing is still above the horizon at closing;
+/// at most `max_delay_s`.
 ///
-/// The pointings must be above the horizon at the scheduled closing.
+/// At the scheduled closing the pointings must be above the horizon.
 pub(super) fn last_starts_s(
     exposures: &[&Exposure],
     viewpoint: &Viewpoint,
@@ -140,7 +140,7 @@ mod tests {
             rotation_rad: 0.0,
         };
         let lowest = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], &viewpoint, &eop)[0];
-        // The hour in which the pointing sets.
+        // One start an hour; one of them precedes the setting of the pointing by less than an hour.
         let hours = (0..24).map(|hour| of(crate::frames::seconds_after(midnight, f64::from(hour) * 3600.0)));
         let low: Vec<Exposure> = hours
             .filter(|exposure| {

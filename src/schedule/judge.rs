@@ -1,4 +1,4 @@
-//! Judges one exposure: from its passes and a policy to a [`Verdict`].
+//! Verdict on one exposure, from the passes that cross it and a policy.
 
 use crate::passes::{CrossingProbability, Exposure, Pass};
 use crate::photometry::Brightness;
@@ -6,21 +6,21 @@ use crate::photometry::Brightness;
 use super::policy::{LimitKind, MagnitudeLimit, Policy};
 use super::verdict::{Verdict, VerdictKind};
 
-/// Largest number of satellites listed in the reasons; there may be dozens.
+/// Largest number of satellites listed as reasons of one verdict.
 const NAMED_REASONS: usize = 5;
 
-/// Rules of a verdict.
+/// Policy and camera limits that determine a verdict.
 pub(super) struct Rules<'a> {
-    /// The limits.
+    /// The policy.
     pub policy: &'a Policy,
-    /// Limits of the camera, for a policy that refers to them.
+    /// Magnitude limits of the camera; used if the policy has the word `telescope` as a limit.
     pub camera: Option<&'a dyn CameraLimits>,
 }
 
-/// Light of one satellite in the field of an exposure.
+/// Brightness and motion of one satellite in the field of an exposure.
 #[derive(Copy, Clone)]
 pub(super) struct Light<'a> {
-    /// Index of its element set in the sky's catalogue.
+    /// Index of the element set in the catalogue of the sky.
     pub element_index: usize,
     /// Distance from the observer, km.
     pub range_km: f64,
@@ -31,7 +31,7 @@ pub(super) struct Light<'a> {
 }
 
 impl<'a> Light<'a> {
-    /// Returns the light of a pass at its peak; `None` if the satellite is not visible.
+    /// Returns the values of a pass at its peak brightness; `None` if the satellite is not visible.
     pub fn of(pass: &'a Pass) -> Option<Self> {
         Some(Self {
             element_index: pass.element_index,
@@ -42,26 +42,26 @@ impl<'a> Light<'a> {
     }
 }
 
-/// Magnitude limits of a camera from its telescope file, for a satellite at a distance of 550 km.
+/// Magnitude limits of a camera, read from its telescope file. They hold for a satellite at a range of 550 km.
 pub(super) trait CameraLimits {
-    /// Returns the limit of a kind in a band; `None` if the file has none.
+    /// Returns the limit of a kind in a band, magnitudes; `None` if the file has none.
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
-    /// Returns the magnitude, in the band of the limit, of a satellite at 550 km with the same signal in each pixel of
-    /// its streak.
+    /// Returns the magnitude, in this band, of a satellite at a range of 550 km whose streak has the same signal per
+    /// pixel.
     fn equivalent_mag_at_550_km(&self, light: &Light<'_>, band: Option<&str>) -> f64;
 }
 
 /// Limit of a policy that applies to the band of an exposure.
 struct AppliedLimit {
-    /// Name in reasons; empty for the magnitude limit.
+    /// Name of the limit in reasons; empty for `limit_mag`.
     name: &'static str,
     limit_mag: f64,
-    /// True for the limit of the camera, at 550 km.
+    /// True for a limit of the camera, which holds at a range of 550 km.
     is_of_camera: bool,
 }
 
 impl Rules<'_> {
-    /// Returns the limits that apply to a band.
+    /// Returns the limits of the policy that apply to a band.
     fn limits(&self, band: Option<&str>) -> impl Iterator<Item = AppliedLimit> {
         let limits = [
             ("", None, self.policy.limit_mag.as_ref()),
@@ -78,12 +78,12 @@ impl Rules<'_> {
         })
     }
 
-    /// Returns the probability that a satellite is brighter than one limit, and its equivalent magnitude at 550 km for
-    /// a limit of the camera.
+    /// Returns the probability that a satellite is brighter than a limit. For a limit of the camera it also returns the
+    /// equivalent magnitude at 550 km.
     fn probability_above(&self, limit: &AppliedLimit, light: &Light<'_>, band: Option<&str>) -> (f64, Option<f64>) {
         let seen_mag =
             self.camera.filter(|_| limit.is_of_camera).map(|camera| camera.equivalent_mag_at_550_km(light, band));
-        // The limit in the band and at the distance of the prediction.
+        // Converts a camera limit to the band and range of the predicted magnitude.
         let limit_mag = seen_mag.map_or(limit.limit_mag, |seen| limit.limit_mag + light.brightness.magnitude.0 - seen);
         (light.brightness.probability_brighter_than(limit_mag), seen_mag)
     }
@@ -93,8 +93,8 @@ impl Rules<'_> {
         self.limits(band).next().is_some()
     }
 
-    /// Returns the probability that a satellite is brighter than any limit that applies to the band; 0 if it is not
-    /// visible, `None` if no limit applies.
+    /// Returns the largest probability, over all limits that apply to the band, that a satellite is brighter than the
+    /// limit. It is 0 for a satellite that is not visible, and `None` if no limit applies.
     pub fn probability_brighter(&self, light: Option<Light<'_>>, band: Option<&str>) -> Option<f64> {
         self.limits(band)
             .map(|limit| light.map_or(0.0, |light| self.probability_above(&limit, &light, band).0))
@@ -102,24 +102,25 @@ impl Rules<'_> {
     }
 }
 
-/// Expectation values for all satellites together, near misses included.
+/// Crossing probabilities and expected loss of an exposure for all satellites together, including near misses.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(super) struct Expected {
-    /// Probability that at least one lit satellite crosses that is brighter than a limit of the policy, if one applies.
+    /// Probability that at least one lit satellite crosses and is brighter than a limit of the policy; equal to
+    /// `p_crossing` if no limit applies.
     pub p_any: f64,
     /// Probability that at least one lit satellite crosses.
     pub p_crossing: f64,
-    /// True if more than 10 % of the delays of a satellite are outside the range searched: the other numbers are then
-    /// lower limits.
+    /// True if, for any satellite, more than 10 % of the possible delays are outside the range searched. The other
+    /// values are then lower limits.
     pub is_lower_limit: bool,
     /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,
 }
 
 impl Expected {
-    /// Returns the expectation values for satellites with independent errors. `brighter` is the probability of each
-    /// satellite to be brighter than a limit (1 without limits), `lost_fraction` the expected fraction of the pixels
-    /// lost to it, for a telescope.
+    /// Combines satellites whose errors are independent. `brighter` returns the probability that a satellite is
+    /// brighter than a limit (1 without limits). `lost_fraction` returns the expected fraction of pixels lost to a
+    /// satellite; it requires a telescope.
     pub fn of(
         satellites: &[CrossingProbability],
         brighter: &dyn Fn(&CrossingProbability) -> f64,
@@ -139,13 +140,12 @@ impl Expected {
     }
 }
 
-/// Judges an exposure by its crossings and near misses. The next clear start of an exposure that is not clear is not
-/// set.
+/// Judges an exposure by its crossings and near misses. If the verdict is not `clear`, the next clear start is not set.
 ///
-/// Dark passes do not count. A near miss counts only if the policy has a `min_probability` and it is at least that
-/// probable. `avoid` = a pass for which the probability to cross and to be brighter, at its peak, than a limit of the
-/// policy is at least that of the policy (by default 0.5); or an expected loss larger than the policy allows.
-/// `streaked` = any other pass that counts.
+/// Passes in the Earth's shadow are ignored. A near miss counts only if the policy has a `min_probability` and the
+/// crossing probability is at least that. The verdict is `avoid` if, for one pass that counts, the probability that it
+/// crosses and is brighter at its peak than a limit is at least `min_probability` (0.5 if omitted), or if the expected
+/// loss exceeds `max_lost_fraction`. Otherwise it is `streaked` if any pass counts, and `clear` if none does.
 pub(super) fn flag(
     exposure: &Exposure,
     band: Option<&str>,
@@ -209,13 +209,13 @@ pub(super) fn flag(
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
         norad_ids: counted.iter().map(|pass| pass.norad_id).collect(),
-        // Filled in by the report.
+        // The caller sets the passes.
         passes: Vec::new(),
     }
 }
 
-/// Formats a fraction with two significant digits and at least four decimals, or as many more as show that it is above
-/// `most`.
+/// Formats a fraction with two significant digits and at least four decimals. More decimals are added until the rounded
+/// text is above `most`.
 fn fraction_above(fraction: f64, most: f64) -> String {
     let decimals = (1.0 - fraction.log10().floor()).clamp(4.0, 17.0) as usize;
     let shown = |decimals: usize| format!("{fraction:.decimals$}");
@@ -225,7 +225,7 @@ fn fraction_above(fraction: f64, most: f64) -> String {
         .unwrap_or(fraction.to_string())
 }
 
-/// Returns the reason to avoid a pass.
+/// Returns the text that explains why a pass exceeds a limit.
 fn reason(
     pass: &Pass,
     light: &Light<'_>,
@@ -255,8 +255,7 @@ fn reason(
     )
 }
 
-/// Returns true for a pass to avoid: the probability to cross and to be brighter than a limit is at least that of the
-/// policy.
+/// Returns true if the probability that a pass crosses and is brighter than a limit is at least that of the policy.
 pub(super) fn is_to_avoid(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     counts(pass, rules.policy)
         && rules
@@ -264,17 +263,17 @@ pub(super) fn is_to_avoid(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) ->
             .is_some_and(|brighter| pass.probability * brighter >= rules.policy.avoid_probability())
 }
 
-/// Returns true for a lit crossing, and for a lit near miss at least as probable as the `min_probability` of the
+/// Returns true for a lit crossing, and for a lit near miss whose probability is at least the `min_probability` of the
 /// policy.
 pub(super) fn counts(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-/// Returns true for a pass to be dodged: it counts, and if a limit of the policy applies to the band, the probability
-/// to cross and to be brighter than the limit is at least that of the policy.
+/// Returns true if a pass blocks an exposure for [`Blocking::Limits`](super::Blocking::Limits).
 ///
-/// With a `min_probability`, less probable passes are not dodged; without one, every nominal crossing is taken as
-/// certain, whatever the age of its elements.
+/// The pass must count. With a `min_probability`, the probability that it crosses and is brighter than a limit must be
+/// at least that. Without one, every nominal crossing is taken as certain, and the probability of being brighter must
+/// be at least 0.5. If no limit applies to the band, only the crossing probability is compared.
 pub(super) fn is_dodged(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     let policy = rules.policy;
     if !counts(pass, policy) {
@@ -325,7 +324,7 @@ mod tests {
         }
     }
 
-    /// Pass for tests: only the quantities used by a verdict are meaningful.
+    /// Test pass; only the fields used by verdicts have meaningful values.
     fn pass(norad_id: u32, peak_mag: Option<f64>, probability: f64) -> Pass {
         let observer = Position::new(6378.0, 0.0, 0.0);
         let geometry =
@@ -387,7 +386,7 @@ mod tests {
 
     fn judge(passes: &[Pass], policy: &str) -> Verdict {
         let policy = Policy::from_toml(policy).unwrap();
-        // The losses of near misses and crossings add up.
+        // The losses of near misses and crossings are added.
         let lost = |one: &CrossingProbability| 0.01 * one.probability;
         let rules = Rules { policy: &policy, camera: None };
         let brighter = |one: &CrossingProbability| {
@@ -405,11 +404,11 @@ mod tests {
     #[test]
     fn verdicts_without_a_policy_are_those_of_the_limit() {
         assert_eq!(verdict(&[], "limit_mag = 7"), VerdictKind::Clear);
-        // A sigma of 0.5 mag: a pass 0.1 mag brighter than the limit is brighter with a probability of 0.579.
+        // With a sigma of 0.5 mag, a magnitude 0.1 mag brighter than the limit exceeds it with a probability of 0.579.
         assert_eq!(verdict(&[pass(1, Some(6.9), 0.87)], "limit_mag = 7"), VerdictKind::Avoid);
         assert_eq!(verdict(&[pass(1, Some(6.9), 0.86)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, Some(6.9), 0.86)], "limit_mag = 7\nmin_probability = 0.4"), VerdictKind::Avoid);
-        // Fainter than the limit, less probable than 0.5, of unknown brightness, or without a limit: streaked.
+        // Streaked: fainter than the limit, less probable than 0.5, of unknown brightness, or without a limit.
         assert_eq!(verdict(&[pass(1, Some(7.01), 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, Some(2.0), 0.49)], "limit_mag = 7"), VerdictKind::Streaked);
         assert_eq!(verdict(&[pass(1, None, 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
@@ -427,7 +426,7 @@ mod tests {
         assert_eq!(flag.brightest_mag, Some(5.5));
         assert_eq!(flag.norad_ids, [NoradId(7), NoradId(3), NoradId(9)]);
         assert!((flag.p_crossing - 1.0).abs() < 1e-12);
-        // Φ(-1) and Φ(1); a satellite of unknown brightness is not brighter than the limit.
+        // The factors are Φ(-1) and Φ(1). A satellite of unknown brightness has probability 0 of being brighter.
         let expected = 1.0 - (1.0 - 0.8 * 0.158_655_254) * (1.0 - 0.6 * 0.841_344_746);
         assert!((flag.p_any - expected).abs() < 1e-8, "{}", flag.p_any);
         assert!((flag.streak_length_deg - 3.0).abs() < 1e-9);
@@ -443,7 +442,7 @@ mod tests {
         let near = Pass { chords: Vec::new(), streak_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
         let free = judge(std::slice::from_ref(&near), "limit_mag = 7");
         assert_eq!((free.kind, free.n_streaks), (VerdictKind::Clear, 0));
-        // The near miss contributes to the probability of a clear exposure.
+        // A near miss that does not count still adds to the probability of a clear exposure.
         assert!((free.p_crossing - 0.3).abs() < 1e-12 && free.p_any < free.p_crossing);
         let counted = judge(std::slice::from_ref(&near), "limit_mag = 7\nmin_probability = 0.2");
         assert_eq!((counted.kind, counted.n_streaks, counted.norad_ids.len()), (VerdictKind::Avoid, 0, 1));
@@ -499,17 +498,17 @@ mod tests {
         assert!(dodged(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
         let dark = Pass { lit: false, ..bright.clone() };
         assert!(!dodged(&dark, "limit_mag = 7"));
-        // Lit, but of unknown brightness: dodged only by a policy without limits.
+        // Lit, with unknown brightness: blocked only if the policy has no limits.
         let unseen = pass(1, None, 1.0);
         assert!(dodged(&unseen, "") && !dodged(&unseen, "limit_mag = 7"));
         let near = Pass { chords: Vec::new(), ..pass(1, Some(5.0), 0.3) };
         assert!(!dodged(&near, "limit_mag = 7") && dodged(&near, "limit_mag = 7\nmin_probability = 0.2"));
-        // 0.3 to cross, and Φ(0.2) = 0.58 to be brighter.
+        // Probability 0.3 of crossing, and Φ(0.2) = 0.58 of being brighter.
         let near = |policy: &str| dodged(&near, &format!("limit_mag = 5.1\nmin_probability = {policy}"));
         assert!(near("0.17") && !near("0.18"));
     }
 
-    /// Camera that saturates at g = 3.2, with passes 0.5 mag brighter at 550 km.
+    /// Camera that saturates at g = 3.2; satellites are 0.5 mag brighter at 550 km.
     struct Camera;
 
     impl CameraLimits for Camera {
@@ -540,10 +539,10 @@ mod tests {
             ]
         );
         assert_eq!(verdict("g", 3.8, both).kind, VerdictKind::Streaked);
-        // No limit in this band, or none in the policy.
+        // The band has no limit, or the policy has none.
         assert_eq!(verdict("r", 0.0, both).kind, VerdictKind::Streaked);
         assert_eq!(verdict("g", 0.0, "limit_mag = -1").kind, VerdictKind::Streaked);
-        // A number of the policy is compared with the magnitude itself.
+        // A number in the policy is compared with the magnitude without conversion to 550 km.
         assert_eq!(verdict("g", 3.6, "saturation_mag = 3.2").kind, VerdictKind::Streaked);
     }
 

@@ -1,9 +1,9 @@
 //! Verdicts on scheduled exposures, next clear starts, and clear windows of targets.
 //!
 //! A [`Schedule`] is read from Rubin opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet. [`flag_exposures`] judges its
-//! exposures from the passes that cross them and a [`Policy`], and finds their next clear starts; [`annotate`] adds the
-//! results to the file. [`clear_windows`] finds the times at which an exposure of a target is clear. Rows that cannot
-//! be judged are kept, with the reason.
+//! exposures by the passes that cross them and a [`Policy`], and computes their next clear starts; [`annotate`] adds
+//! the results to the file. [`clear_windows`] computes the opening times for which an exposure of a target is clear.
+//! Rows that cannot be judged are kept, with the reason.
 
 mod age_effect;
 mod annotate;

@@ -1,4 +1,4 @@
-//! Nights, and the shards of a schedule: each shard is made of whole nights, so that each machine prepares few of them.
+//! Nights at a longitude, and division of a schedule into shards of whole nights for separate machines.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -11,8 +11,8 @@ use crate::frames::{mjd_utc, seconds_after};
 
 use super::scheduled::{Schedule, ScheduledExposure};
 
-/// Returns the night that begins on the evening of a date, from local mean noon to noon at a longitude (east positive,
-/// radians).
+/// Returns start and end of the night that begins on the evening of a date: from local mean noon to the next, at a
+/// longitude in radians (east positive).
 pub fn night_of(evening: Epoch, longitude_rad: f64) -> (Epoch, Epoch) {
     let (year, month, day, ..) = evening.to_gregorian_utc();
     let longitude_rad = (longitude_rad + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
@@ -25,20 +25,20 @@ pub fn night_of(evening: Epoch, longitude_rad: f64) -> (Epoch, Epoch) {
 
 /// Returns the date of the evening of the night that contains a time, as MJD.
 ///
-/// A night lasts from local mean noon to noon at a longitude (east positive, radians).
+/// A night lasts from one local mean noon to the next at a longitude in radians (east positive).
 pub fn evening_mjd(epoch: Epoch, longitude_rad: f64) -> i64 {
     // Local mean time is ahead of UTC by λ / 2π days.
     (mjd_utc(epoch) + longitude_rad / std::f64::consts::TAU - 0.5).floor() as i64
 }
 
-/// Shard `index` of `count`, counted from 1.
+/// Shard `index` of `count`; the index counts from 1.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: usize,
     count: usize,
 }
 
-/// Error of parsing a shard.
+/// Invalid shard text.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("invalid shard '{given}'; allowed: I/N with 1 <= I <= N <= 1000000, for example 3/100")]
 pub struct ShardError {
@@ -68,11 +68,11 @@ impl fmt::Display for Shard {
 }
 
 impl Shard {
-    /// Returns, for each row of a schedule, true if it is in this shard.
+    /// Returns, for each row of a schedule, true if it belongs to this shard.
     ///
-    /// A night lasts from local mean noon to noon at a longitude (east positive, radians). The nights of the schedule
-    /// are assigned to the shards in turn, in order of time. Invalid rows are in shard 1. Every row is in exactly one
-    /// shard.
+    /// Every row is in exactly one shard. A night lasts from one local mean noon to the next at a longitude in radians
+    /// (east positive). The nights are sorted by time and assigned to shards 1, 2, ..., `count`, 1, ... in turn.
+    /// Invalid rows are in shard 1.
     pub fn rows(&self, schedule: &Schedule, longitude_rad: f64) -> Vec<bool> {
         let night = |row: &ScheduledExposure| {
             row.exposure.as_ref().ok().map(|exposure| evening_mjd(exposure.start, longitude_rad))
@@ -117,7 +117,7 @@ mod tests {
 
     #[test]
     fn every_row_and_every_night_is_in_one_shard() {
-        // Local noon in Chile is at 16.7 h UTC: 16.0 h and 23.0 h of one day belong to different nights.
+        // Local noon in Chile is at 16.7 h UTC, so that 16.0 h and 23.0 h of one date belong to different nights.
         let schedule = schedule(&[Some(1.0), Some(16.0), Some(17.0), Some(25.0), None, Some(41.0), Some(90.0)]);
         let longitude_rad = f64::to_radians(-70.75);
         for count in 1..6 {

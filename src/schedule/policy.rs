@@ -1,4 +1,4 @@
-//! Policies: rules for verdicts, with limits on magnitude, lost pixels and probability, a margin and a longest delay.
+//! Policy for verdicts: magnitude limits, largest pixel loss, least probability, margin and longest delay.
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -8,34 +8,34 @@ use serde::{Deserialize, Serialize};
 use super::error::ScheduleError;
 use crate::images::Telescope;
 
-/// Magnitude limit: one for all bands, one for each band, or that of the telescope.
+/// Magnitude limit: one number for all bands, one number for each band, or the limits of the telescope file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
     expecting = "invalid magnitude limit; allowed: a number, a table of numbers by band, or (saturation_mag, crosstalk_mag) \"telescope\""
 )]
 pub enum MagnitudeLimit {
-    /// One number for every exposure.
+    /// One limit for all exposures.
     All(f64),
-    /// Limits by the band of the exposure; the key `default` is for all other bands.
+    /// Limits by the band of the exposure. The key `default` applies to all other bands.
     PerBand(BTreeMap<String, f64>),
-    /// The limits in the file of the telescope, by the band of the exposure (the word `telescope`); for saturation and
-    /// crosstalk.
+    /// The limits of the telescope file, by the band of the exposure, written as the word `telescope`. Allowed for
+    /// saturation and crosstalk.
     OfTelescope(OfTelescope),
 }
 
-/// The word `telescope`.
+/// The word `telescope` as a value in TOML.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OfTelescope {
-    /// The limits of the telescope apply.
+    /// The limits of the telescope file apply.
     Telescope,
 }
 
 impl FromStr for MagnitudeLimit {
     type Err = ScheduleError;
 
-    /// Parses `7`, or limits by band, `g=7,y=5,default=6`.
+    /// Parses one number, `7`, or limits by band, `g=7,y=5,default=6`.
     fn from_str(text: &str) -> Result<Self, ScheduleError> {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         if let Some(limit) = number(text) {
@@ -57,8 +57,8 @@ impl FromStr for MagnitudeLimit {
 }
 
 impl MagnitudeLimit {
-    /// Returns the limit for an exposure in this band; `None` if the table has neither the band nor `default`, and for
-    /// the limits of the telescope.
+    /// Returns the limit for an exposure in this band. Returns `None` if the table has neither the band nor `default`,
+    /// and for the limits of the telescope file.
     pub fn of(&self, band: Option<&str>) -> Option<f64> {
         match self {
             MagnitudeLimit::All(limit) => Some(*limit),
@@ -69,7 +69,7 @@ impl MagnitudeLimit {
         }
     }
 
-    /// Returns all numbers of the limit.
+    /// Returns all numbers of the limit; empty for the limits of the telescope file.
     pub(crate) fn numbers(&self) -> Vec<f64> {
         match self {
             MagnitudeLimit::All(limit) => vec![*limit],
@@ -79,17 +79,17 @@ impl MagnitudeLimit {
     }
 }
 
-/// Effect on the camera if a limit is exceeded.
+/// Effect on the camera if a magnitude limit is exceeded.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum LimitKind {
-    /// Saturated pixels of the trail.
+    /// Pixels of the streak saturate.
     Saturation,
-    /// Crosstalk that cannot be corrected.
+    /// Crosstalk is too strong to be corrected.
     Crosstalk,
 }
 
 impl LimitKind {
-    /// Returns the limit of this kind in the file of a telescope; `None` if it has none for the band.
+    /// Returns this limit from a telescope file; `None` if it has none for the band.
     pub(super) fn limit_mag(self, telescope: &Telescope, band: &str) -> Option<f64> {
         let limits = telescope.limits.get(band)?;
         match self {
@@ -99,41 +99,42 @@ impl LimitKind {
     }
 }
 
-/// Rules for verdicts. Omitted rules are not applied; by default no rule is set.
+/// Rules for verdicts. An omitted rule is not applied; the default policy has no rules.
 ///
-/// Limits apply to the brightest apparent magnitude in the field, in the band of the prediction. Positions and magnitudes
-/// are uncertain: an exposure is to be avoided if the probability that a satellite crosses and is brighter than a limit
-/// is at least `min_probability`. A table by band selects the limit by the band of the *exposure*. The word `telescope`
-/// as saturation or crosstalk limit refers to the limits in the file of the telescope.
+/// Magnitude limits are compared with the brightest apparent magnitude in the field, in the band of the prediction.
+/// Positions and magnitudes have errors, so the verdict is `avoid` if the probability that a satellite crosses and is
+/// brighter than a limit is at least `min_probability`. In a table of limits by band, the band of the *exposure*
+/// selects the limit. The word `telescope` as saturation or crosstalk limit stands for the limits of the telescope
+/// file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Policy {
-    /// Magnitude limit: exposures with a brighter lit crossing are to be avoided.
+    /// Magnitude limit; the verdict is `avoid` if a lit crossing is brighter.
     pub limit_mag: Option<MagnitudeLimit>,
-    /// Expected fraction of the pixels lost above which an exposure is to be avoided, (0, 1].
+    /// Largest expected fraction of pixels lost, (0, 1]; the verdict is `avoid` above it.
     pub max_lost_fraction: Option<f64>,
-    /// Saturation limit: exposures with a brighter crossing are to be avoided.
+    /// Saturation limit, magnitudes; the verdict is `avoid` if a lit crossing is brighter.
     pub saturation_mag: Option<MagnitudeLimit>,
-    /// Limit of correctable crosstalk: exposures with a brighter crossing are to be avoided.
+    /// Limit of correctable crosstalk, magnitudes; the verdict is `avoid` if a lit crossing is brighter.
     pub crosstalk_mag: Option<MagnitudeLimit>,
-    /// Least probability of a crossing brighter than a limit for which an exposure is to be avoided, and of a near miss
-    /// (of any brightness) that counts; by default 0.5, and near misses do not count.
+    /// Least probability of a crossing brighter than a limit for the verdict `avoid`, and least crossing probability of
+    /// a near miss that counts. If omitted, the first is 0.5 and near misses do not count.
     pub min_probability: Option<f64>,
-    /// Time kept clear before opening and after closing, seconds; by default 0.
+    /// Time without crossings required before opening and after closing, seconds; default 0.
     pub margin_s: Option<f64>,
-    /// Longest delay of an exposure, seconds; by default [`Policy::DEFAULT_MAX_DELAY_S`].
+    /// Longest delay of an exposure, seconds; default [`Policy::DEFAULT_MAX_DELAY_S`].
     pub max_delay_s: Option<f64>,
 }
 
 impl Policy {
-    /// Default of the least probability of a crossing brighter than a limit for which an exposure is to be avoided.
+    /// Default of the least probability of a crossing brighter than a limit for the verdict `avoid`.
     pub const DEFAULT_MIN_PROBABILITY: f64 = 0.5;
-    /// Default longest delay of the next clear start, seconds.
+    /// Default longest delay to the next clear start, seconds.
     pub const DEFAULT_MAX_DELAY_S: f64 = 600.0;
-    /// Longest delay allowed in a policy, seconds.
+    /// Largest value of `max_delay_s` accepted in a policy, seconds.
     pub const LONGEST_DELAY_S: f64 = 86_400.0;
 
-    /// Creates a policy that avoids lit crossings brighter than this apparent magnitude, without other rules.
+    /// Creates a policy with this apparent magnitude limit and no other rule.
     pub fn limit_mag(limit_mag: f64) -> Self {
         Self { limit_mag: Some(MagnitudeLimit::All(limit_mag)), ..Self::default() }
     }
@@ -186,13 +187,13 @@ impl Policy {
         Ok(())
     }
 
-    /// Returns the first limit taken from the telescope; `None` if no telescope is needed.
+    /// Returns the key of the first limit that is taken from the telescope file; `None` if there is none.
     pub fn limit_of_telescope(&self) -> Option<&'static str> {
         self.kinds_of_telescope().next().map(|(name, _)| name)
     }
 
-    /// Returns the keys of the limits that the policy takes from the telescope, each with the numbers by band in the
-    /// telescope's file; a table is empty if the file has no limits of that kind.
+    /// Returns the keys of the limits that are taken from the telescope file, each with the limits by band. A table is
+    /// empty if the file has no limits of that kind.
     pub fn limits_of_telescope(&self, telescope: &Telescope) -> Vec<(&'static str, MagnitudeLimit)> {
         let limits = telescope.limits.keys();
         self.kinds_of_telescope()
@@ -214,23 +215,23 @@ impl Policy {
             .map(|(name, kind, _)| (name, kind))
     }
 
-    /// Returns the least probability of a crossing brighter than a limit for which an exposure is to be avoided.
+    /// Returns the least probability of a crossing brighter than a limit for the verdict `avoid`.
     pub(super) fn avoid_probability(&self) -> f64 {
         self.min_probability.unwrap_or(Self::DEFAULT_MIN_PROBABILITY)
     }
 
-    /// Returns the margin, seconds.
+    /// Returns `margin_s` or its default, seconds.
     pub fn margin_or_default_s(&self) -> f64 {
         self.margin_s.unwrap_or(0.0)
     }
 
-    /// Returns the longest delay, seconds.
+    /// Returns `max_delay_s` or its default, seconds.
     pub fn max_delay_or_default_s(&self) -> f64 {
         self.max_delay_s.unwrap_or(Self::DEFAULT_MAX_DELAY_S)
     }
 }
 
-/// Returns a TOML error on one line, with the line number in the text.
+/// Formats a TOML error as one line with the line number.
 pub(crate) fn one_line(error: &toml::de::Error, text: &str) -> String {
     let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
     match error.span() {

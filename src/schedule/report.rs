@@ -1,4 +1,4 @@
-//! Verdicts on all exposures of a schedule: passes, flags, and the next clear starts.
+//! Verdicts on all exposures of a schedule, and their next clear starts.
 
 use std::collections::HashMap;
 
@@ -16,53 +16,53 @@ use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
 use super::verdict::{Verdict, VerdictKind};
 
-/// Distance kept between a clear start and entries or exits, which are accurate to a millisecond, seconds.
+/// Time between a clear start and the entry or exit of a satellite, seconds. Entries and exits are accurate to 1 ms.
 pub(super) const GUARD_S: f64 = 0.002;
-/// Resolution of starts, which are rounded away from the satellite, seconds.
+/// Resolution of clear starts, seconds. They are rounded to later times.
 pub(super) const TICK_S: f64 = 0.001;
-/// Largest number of starts that are tried.
+/// Largest number of steps to later starts while a clear start is checked.
 const MOST_STEPS: f64 = 60.0;
-/// Allowance for early and late satellites if the policy has a probability, sigmas along the track; the tail beyond has
-/// probability 0.00135.
+/// Allowance for early and late satellites if the policy has a `min_probability`, in sigmas along the track. A delay is
+/// longer with a probability of 0.00135.
 const LATE_SIGMAS: f64 = 3.0;
 
-/// Sky, field, rules and telescope for judging exposures.
+/// Sky, field, policy, telescope and photometry for judging exposures.
 #[derive(Copy, Clone)]
 pub struct FlagRequest<'a> {
     /// Satellites and observer.
     pub sky: &'a Sky,
-    /// The field of view.
+    /// Field of view.
     pub field: &'a Field,
-    /// The rules.
+    /// The policy.
     pub policy: &'a Policy,
-    /// The telescope, if known.
+    /// The telescope; needed for pixel losses and limits of the camera.
     pub telescope: Option<&'a Telescope>,
-    /// Band, system, extinction.
+    /// Band, magnitude system and extinction of predicted magnitudes.
     pub photometry: &'a PhotometryOptions,
 }
 
-/// Age of the element set of a satellite in an exposure, and its error.
+/// Age and along-track error of the element set of a satellite at an exposure.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SatelliteAge {
-    /// Time less element epoch, days; negative if the elements are newer.
+    /// Time since the epoch of the elements, days; negative if the epoch is later than the exposure.
     pub element_age_days: f64,
-    /// Half width that holds 68 % of the delays along the track, early or late, seconds.
+    /// Along-track error, seconds: 68 % of the delays are at most this long, early or late.
     pub along_track_sigma_s: f64,
 }
 
-/// Results for all rows.
+/// Verdicts on all rows of a schedule.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlagReport {
-    /// One flag for each row, in order.
+    /// One verdict for each row, in order.
     pub flags: Vec<Verdict>,
-    /// Satellites without a position for at least one exposure.
+    /// Satellites whose position cannot be computed for at least one exposure.
     pub left_out: Vec<LeftOut>,
-    /// Satellites that cross or may cross, one for each exposure.
+    /// Satellites that cross or may cross; one entry for each exposure and satellite.
     pub may_cross: Vec<SatelliteAge>,
 }
 
 impl FlagReport {
-    /// Appends the report of the rows that follow.
+    /// Appends the report of the next rows.
     pub fn append(&mut self, next: FlagReport) {
         self.flags.extend(next.flags);
         self.left_out.extend(next.left_out);
@@ -70,7 +70,7 @@ impl FlagReport {
         self.sort_left_out();
     }
 
-    /// Returns a warning if `p_any` is a lower limit for any exposure.
+    /// Returns a warning if `p_any` of any exposure is a lower limit.
     pub fn lower_limit_warning(&self) -> Option<String> {
         let limits = self.flags.iter().filter(|flag| flag.p_any_is_lower_limit).count();
         (limits > 0).then(|| {
@@ -88,9 +88,10 @@ impl FlagReport {
     }
 }
 
-/// Judges every row. Rows that cannot be judged get the verdict `invalid`.
+/// Judges every row, and finds the next clear starts. Rows that cannot be judged get the verdict `invalid`.
 ///
-/// `margin_s` of the policy applies at both ends: an exposure that is clear except for its margins is `streaked`.
+/// The `margin_s` of the policy applies before and after an exposure. An exposure with a crossing only in its margins
+/// is `streaked`.
 ///
 /// # Errors
 /// [`SkyError`] if passes cannot be computed.
@@ -103,25 +104,25 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     Ok(finished(report, flags, counted))
 }
 
-/// Judges every row without margins and without next clear starts of exposures that are not clear.
+/// Judges every row without margins, and without the next clear starts of exposures that are not clear.
 ///
-/// Takes less than half the time of [`flag_exposures`]; for exposures that are not rescheduled.
+/// It takes less than half the time of [`flag_exposures`].
 ///
 /// # Errors
-/// The errors of [`flag_exposures`].
+/// Same as [`flag_exposures`].
 pub fn judge_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
     let Judged { report, flags, counted, .. } = judge(rows, request)?;
     Ok(finished(report, flags, counted))
 }
 
 impl Sky {
-    /// Judges one exposure by a policy, with the usual photometry (V band) and no telescope.
+    /// Judges one exposure by a policy, with magnitudes in the V band and without a telescope.
     ///
-    /// [`flag_exposures`] judges whole schedules, with a telescope and other bands.
+    /// [`flag_exposures`] judges whole schedules, with a telescope and in other bands.
     ///
     /// # Errors
-    /// [`SkyError`] if the exposure has no finite direction or length, or lies outside the years of the Sun's
-    /// ephemeris. A pointing below the horizon is not an error: its verdict is [`VerdictKind::Invalid`], with the
+    /// [`SkyError`] if the direction or duration of the exposure is not finite, or its time is outside the years of the
+    /// Sun's ephemeris. A pointing below the horizon is not an error: its verdict is [`VerdictKind::Invalid`], with the
     /// reason.
     pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, SkyError> {
         let row = ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, exposure: Ok(exposure.clone()) };
@@ -132,14 +133,14 @@ impl Sky {
     }
 }
 
-/// Verdicts on the exposures at their scheduled starts.
+/// Verdicts at the scheduled starts, before margins and delays are considered.
 struct Judged<'a> {
     report: FlagReport,
-    /// Flags by row.
+    /// Verdict of each row; `None` until the row is judged.
     flags: Vec<Option<Verdict>>,
-    /// The rows above the horizon.
+    /// Rows whose pointing is above the horizon, with their index.
     above: Vec<(usize, &'a Exposure)>,
-    /// The passes that count, by row: lit crossings, and near misses if the policy has a probability.
+    /// Passes that count, by row: lit crossings, and probable near misses if the policy has a `min_probability`.
     counted: Vec<Vec<Pass>>,
 }
 
@@ -178,13 +179,13 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 
 fn finished(mut report: FlagReport, flags: Vec<Option<Verdict>>, counted: Vec<Vec<Pass>>) -> FlagReport {
     report.sort_left_out();
-    // Every row has a flag: those above the horizon were judged, the others are invalid.
+    // No row remains `None`: those above the horizon were judged, the others are invalid.
     let with_passes = |(flag, passes): (Option<Verdict>, Vec<Pass>)| flag.map(|flag| Verdict { passes, ..flag });
     report.flags = flags.into_iter().zip(counted).filter_map(with_passes).collect();
     report
 }
 
-/// Returns the options of the passes for all verdicts.
+/// Returns the pass options for judging exposures.
 pub(super) fn pass_options(request: &FlagRequest<'_>) -> PassOptions {
     PassOptions {
         min_probability: request.policy.min_probability,
@@ -193,7 +194,7 @@ pub(super) fn pass_options(request: &FlagRequest<'_>) -> PassOptions {
     }
 }
 
-/// Returns the rows above the horizon; flags all others as invalid.
+/// Returns the rows whose pointing is above the horizon, and sets the verdict of all others to `invalid`.
 fn above_the_horizon<'a>(
     rows: &[&'a ScheduledExposure],
     request: &FlagRequest<'_>,
@@ -221,7 +222,7 @@ fn above_the_horizon<'a>(
     judged
 }
 
-/// Returns the reason why an exposure of a pointing cannot be judged.
+/// Returns the reason why a pointing below the horizon or limb cannot be judged.
 fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     if altitude_rad.is_nan() {
         return format!("cannot compute the position of {} at that time from its elements", viewpoint.name());
@@ -239,8 +240,9 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     }
 }
 
-/// Returns the probability that a satellite is brighter than any limit: at the peak of its pass, or for a near miss
-/// that is no pass at the point of its path that is nearest to the centre of the field.
+/// Returns the largest probability, over all limits, that a satellite is brighter than the limit. The brightness is
+/// that at the peak of its pass, or, for a near miss without a pass, that at the point of its track nearest to the
+/// field centre.
 fn probability_brighter(
     one: &CrossingProbability,
     passes: &[Pass],
@@ -263,7 +265,7 @@ fn probability_brighter(
     rules.probability_brighter(light, band).unwrap_or(1.0)
 }
 
-/// Returns the expected values for all satellites together in one exposure. `brighter` is the probability of each to be
+/// Returns probabilities and expected loss of one exposure. `brighter` returns the probability that a satellite is
 /// brighter than a limit.
 fn expected_of(
     satellites: &[CrossingProbability],
@@ -278,7 +280,7 @@ fn expected_of(
     Expected::of(satellites, brighter, Some(&lost_fraction))
 }
 
-/// Magnitude limits of a telescope, with the sky and photometry of the passes to which they apply.
+/// Magnitude limits of a telescope, with the sky and the photometry options that determine the predicted magnitudes.
 pub(super) struct Camera<'a> {
     pub telescope: &'a Telescope,
     pub sky: &'a Sky,
@@ -291,7 +293,7 @@ impl CameraLimits for Camera<'_> {
     }
 
     fn equivalent_mag_at_550_km(&self, light: &Light<'_>, band: Option<&str>) -> f64 {
-        // Satellites are grey: the colour is that of the Sun.
+        // Satellites are taken as grey, with the colour of the Sun.
         let colour = band.and_then(|band| band.parse::<Band>().ok()).map_or(0.0, |band| {
             band.sun_magnitude(band.usual_system()) - self.photometry.band.sun_magnitude(self.photometry.system)
         });
@@ -304,7 +306,7 @@ impl CameraLimits for Camera<'_> {
     }
 }
 
-/// Finds the next clear starts of all exposures that are not clear, including those with a crossing in their margins.
+/// Finds the next clear starts of exposures that are not clear, including those with a crossing only in their margins.
 fn shift(
     judged: &[(usize, &Exposure)],
     request: &FlagRequest<'_>,
@@ -341,12 +343,13 @@ fn shift(
                 .iter()
                 .filter(|pass| counts(pass, policy))
                 .flat_map(|pass| intervals(pass, exposure, margin_s, late(pass)));
-            // The passes of the verdict also block the scheduled start; the longer interval may miss them at its ends.
+            // The passes of the verdict are added because the search over the longer interval may omit one that only
+            // just enters the field.
             let now = counted[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0, late(pass)));
             ahead.chain(now).collect()
         };
         if flag.kind == VerdictKind::Clear {
-            // Margins apply to nominal crossings, without the allowance for delays.
+            // Margins apply to nominal crossings, without the allowance for early and late satellites.
             let nominal = blocked(&|_| 0.0);
             let touched = next_clear_start(&nominal, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
             if !touched {
@@ -359,7 +362,8 @@ fn shift(
         let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
         wait.find(exposure, policy, 0.0, flag);
         if flag.delay_s == Some(0.0) {
-            // No satellite blocks the start, but the expected loss of all satellites is too large at it.
+            // No satellite blocks this start: the exposure is not clear because of the expected loss over all
+            // satellites.
             wait.find(exposure, policy, least_step_s(policy), flag);
         }
         waits.push(wait);
@@ -367,19 +371,20 @@ fn shift(
     Ok(waits)
 }
 
-/// Search for the next clear start of one exposure.
+/// Data for the search of the next clear start of one exposure.
 struct Wait {
     row: usize,
-    /// Intervals with satellites in the field, seconds after the scheduled opening.
+    /// Intervals in which a satellite is in the field, seconds after the scheduled opening.
     blocked: Vec<Interval>,
-    /// Last start before the pointing sets, seconds after the scheduled opening.
+    /// Latest start before the pointing sets, seconds after the scheduled opening.
     last_start_s: f64,
 }
 
 impl Wait {
-    /// Sets the next clear start not before a delay, or adds a reason if none exists.
+    /// Sets the earliest clear start that is at least `from_s` after the scheduled opening, or adds a reason if there
+    /// is none.
     fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut Verdict) {
-        // The guard includes the rounding to the millisecond.
+        // The guard includes the error of rounding to a millisecond.
         let guard_s = GUARD_S + TICK_S;
         let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
         let rest_s = max_delay_s - from_s;
@@ -398,16 +403,16 @@ impl Wait {
     }
 }
 
-/// Returns the smallest step to the next start that is tried, seconds.
+/// Returns the smallest step to the next start that is checked, seconds.
 fn least_step_s(policy: &Policy) -> f64 {
     (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
 }
 
-/// Checks the starts found by computing passes and losses at them, since probabilities depend on more than the
-/// intervals.
+/// Checks the clear starts by computing passes and losses at them, because the blocked intervals do not determine the
+/// probabilities exactly.
 ///
 /// A start at which a satellite still counts, or at which the expected loss exceeds that of the policy, is replaced by
-/// the next one within the delay.
+/// the next candidate within the longest delay.
 fn confirm(
     judged: &[(usize, &Exposure)],
     mut waits: Vec<Wait>,
@@ -449,7 +454,7 @@ fn confirm(
             if longest_sigma_s.is_none() && !too_much_lost {
                 continue;
             }
-            // Half a sigma later the probability is smaller by a tenth or more; the steps end with the delay.
+            // After half a sigma the probability is smaller by at least a tenth. The search ends at the longest delay.
             if let Some(delay_s) = flag.delay_s {
                 let step_s = longest_sigma_s.map_or(0.0, |sigma_s| 0.5 * sigma_s).max(least_step_s(policy));
                 wait.find(exposure, policy, delay_s + step_s, flag);
@@ -460,16 +465,16 @@ fn confirm(
     Ok(())
 }
 
-/// Returns the allowance for an early or late satellite, seconds; 0 without a probability in the policy.
+/// Returns the allowance for an early or late satellite, seconds; 0 if the policy has no `min_probability`.
 pub(super) fn late_s(pass: &Pass, policy: &Policy) -> f64 {
     policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
 }
 
-/// Returns the intervals in which a pass may be in the field, seconds after the scheduled opening. The exposure of the
-/// pass opened `lead_s` earlier.
+/// Returns the intervals in which a satellite may be in the field, seconds after the scheduled opening. `lead_s` is the
+/// time by which the exposure used to compute the pass opens before the scheduled opening.
 ///
-/// These are the chords of a crossing or the closest approach of a near miss, extended at both ends by the allowance
-/// `late_s`. With a delay of sigma σ, a satellite that left the field z σ before an exposure opens crosses it with a
+/// These are the chords of a crossing, or the time of closest approach of a near miss, extended at both ends by
+/// `late_s`. If the delay has sigma σ, a satellite that left the field z σ before an exposure opens crosses it with a
 /// probability below 1 - Φ(z).
 pub(super) fn intervals(pass: &Pass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
     let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };

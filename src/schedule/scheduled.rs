@@ -1,4 +1,4 @@
-//! Schedules: exposures in the order of their rows; an invalid row contains the reason instead of an exposure.
+//! Schedules: exposures in the order of their rows. An invalid row has a reason instead of an exposure.
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
@@ -18,11 +18,11 @@ use crate::passes::Exposure;
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScheduledExposure {
-    /// Identifier of the exposure; the number of the row, from 1, if the cell is empty.
+    /// Identifier of the exposure; the row number, from 1, if the cell is empty.
     pub id: String,
     /// Index of the row in the file, from 0.
     pub row: usize,
-    /// The band as written; `None` if the schedule has none. Any name is accepted.
+    /// Band as written in the file; `None` if the schedule has no band. Any name is accepted.
     pub band: Option<String>,
     /// The exposure, or the reason why the row is invalid.
     pub exposure: Result<Exposure, String>,
@@ -31,42 +31,42 @@ pub struct ScheduledExposure {
 /// Options for reading a schedule.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScheduleOptions {
-    /// Time scale of times without one. If it is omitted, MJD, JD and times without `Z` are an error. It must not
-    /// contradict the file.
+    /// Time scale of MJD, JD and times without `Z`. Such times are an error if neither this option, the file nor
+    /// `default_time_scale` states a scale. It is an error if this option contradicts the file.
     pub time_scale: Option<TimeScale>,
-    /// Default time scale, which the file may override.
+    /// Time scale used if neither the file nor `time_scale` states one.
     pub default_time_scale: Option<TimeScale>,
-    /// Rotation of the field for rows without one, radians.
+    /// Rotation of the field for rows without a rotation, radians.
     pub default_rotation_rad: f64,
 }
 
-/// All exposures of a file.
+/// Exposures of a schedule file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
     /// Format of the file.
     pub format: ScheduleFormat,
     /// The rows in the order of the file.
     pub exposures: Vec<ScheduledExposure>,
-    /// Column of the start times (shutter openings).
+    /// Name of the column of start times (shutter opening).
     pub start_column: String,
     /// Time scale of the start times.
     pub time_scale: TimeScale,
 }
 
 impl Schedule {
-    /// Reads a schedule; its contents determine the format.
+    /// Reads a schedule. The format is determined from the contents.
     ///
-    /// Rows with cells that are missing, not finite or out of range are kept, with the reason.
+    /// Rows with missing, non-finite or out-of-range cells are kept, with the reason.
     ///
     /// # Errors
     /// - The file is missing, a directory, empty or in another format.
-    /// - A column is missing or in another unit.
-    /// - Times have no scale, and `options` has none.
+    /// - A required column is missing or has the wrong unit.
+    /// - Times have no time scale, and `options` has none.
     pub fn read(path: &Path, options: &ScheduleOptions) -> Result<Self, ScheduleError> {
         schedule_from_raw(path, read_raw(path)?, options)
     }
 
-    /// Returns the valid rows, with their index in `exposures`.
+    /// Returns the valid rows, each with its index in `exposures`.
     pub fn valid_exposures(&self) -> impl Iterator<Item = (usize, &Exposure)> {
         self.exposures
             .iter()
@@ -74,13 +74,13 @@ impl Schedule {
             .filter_map(|(index, scheduled)| scheduled.exposure.as_ref().ok().map(|exposure| (index, exposure)))
     }
 
-    /// Returns the number of rows with an identifier that occurs in an earlier row.
+    /// Returns the number of rows whose identifier also occurs in an earlier row.
     pub fn repeated_ids(&self) -> usize {
         let distinct: HashSet<&str> = self.exposures.iter().map(|row| row.id.as_str()).collect();
         self.exposures.len() - distinct.len()
     }
 
-    /// Returns the bands of the rows for which a limit has no number, each once; empty for the limits of the telescope.
+    /// Returns the bands of rows to which the limit does not apply; empty for the limits of the telescope file.
     pub fn bands_without(&self, limit: &MagnitudeLimit) -> BTreeSet<&str> {
         let has_numbers = !matches!(limit, MagnitudeLimit::OfTelescope(_));
         self.exposures
@@ -91,10 +91,10 @@ impl Schedule {
     }
 }
 
-/// Converts a raw table to a schedule.
+/// Converts a table of cells to a schedule.
 ///
 /// # Errors
-/// Missing columns, units that contradict the names of their columns, a missing time scale, or no rows.
+/// Columns or the time scale are missing, units contradict column names, or there are no rows.
 fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) -> Result<Schedule, ScheduleError> {
     if table.rows.is_empty() {
         // An empty JSON array has no columns.
@@ -133,7 +133,7 @@ fn start_scale(
             allowed,
         });
     }
-    // Times with a zone (Z or an offset) in every cell do not need a time scale.
+    // Times with a zone (Z or an offset) in every cell need no time scale.
     let zoned = || {
         start.form == StartForm::Iso
             && table
@@ -214,7 +214,7 @@ fn exposure<'a>(
     };
     let start = start_of(cell(map.start.index), &map.start, scale)?;
     let duration_s = number(map.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
-    // Right ascensions are given from 0 to 360 or from -180 to 180.
+    // Right ascensions may be given in [0, 360] or [-180, 180].
     let right_ascension_deg = number(map.right_ascension, "right ascension", -180.0..=360.0)?;
     let declination_deg = number(map.declination, "declination", -90.0..=90.0)?;
     let rotation_rad = match map.rotation.map(&cell) {

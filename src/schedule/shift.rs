@@ -1,6 +1,6 @@
-//! Clear starts of exposures, from the intervals in which satellites are in the field.
+//! Clear starts of exposures, computed from the intervals in which satellites are in the field.
 
-/// Interval of time, seconds from a common reference, both ends included.
+/// Closed time interval, seconds after a reference time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Interval {
     /// Start, seconds.
@@ -9,14 +9,13 @@ pub(super) struct Interval {
     pub end_s: f64,
 }
 
-/// Returns the earliest clear start of an exposure, not before `from_s` and at most `max_delay_s` later.
+/// Returns the earliest clear start of an exposure, at least `from_s` and at most `from_s + max_delay_s`.
 ///
-/// The exposure lasts `duration_s`, with `margin_s` before its start and after its end. It is clear if it overlaps no
-/// interval; an interval that ends as the exposure begins, or begins as it ends, overlaps it. The start keeps a
-/// distance of `guard_s` from the intervals: entries and exits are accurate to about a millisecond, so a guard is a
-/// millisecond or two.
+/// The exposure lasts `duration_s`, with `margin_s` before and after it. A start is clear if the exposure with its
+/// margins overlaps no interval of `blocked`; touching counts as overlapping. The gap to each interval is at least
+/// `guard_s`: entries and exits are accurate to about 1 ms, so 1 or 2 ms are sufficient.
 ///
-/// Returns `None` if no start within the delay is clear, or a number is not finite.
+/// Returns `None` if no such start is clear, or a number is not finite.
 pub(super) fn next_clear_start(
     blocked: &[Interval],
     duration_s: f64,
@@ -32,7 +31,7 @@ pub(super) fn next_clear_start(
     let mut start_s = from_s;
     for interval in forbidden {
         if interval.start_s > start_s {
-            // Sorted by start: all others begin later.
+            // Intervals are sorted by start: all others begin later.
             break;
         }
         start_s = start_s.max(interval.end_s);
@@ -40,10 +39,9 @@ pub(super) fn next_clear_start(
     (start_s - from_s <= max_delay_s).then_some(start_s)
 }
 
-/// Returns all clear starts within `allowed`, as intervals in order of time.
+/// Returns all clear starts within `allowed`, as intervals in time order; empty if a number is not finite.
 ///
-/// Duration, margin and guard are those of [`next_clear_start`], which returns the start of an interval. Empty if a
-/// number is not finite.
+/// Duration, margin and guard are those of [`next_clear_start`].
 pub(super) fn clear_starts(
     blocked: &[Interval],
     duration_s: f64,
@@ -72,7 +70,7 @@ pub(super) fn clear_starts(
     clear
 }
 
-/// Returns the starts that each interval forbids, sorted by their start; `None` if a number is not finite.
+/// Returns the starts excluded by each blocked interval, sorted; `None` if a number is not finite.
 fn forbidden_starts(blocked: &[Interval], duration_s: f64, margin_s: f64, guard_s: f64) -> Option<Vec<Interval>> {
     // An exposure from s to s + D overlaps [a, b] with margin m if a - m - D <= s <= b + m.
     let mut forbidden: Vec<Interval> = blocked
@@ -92,7 +90,7 @@ mod tests {
 
     use super::*;
 
-    /// Returns the first clear start found by trying starts in steps.
+    /// Returns the first clear start, found by trying equally spaced starts.
     fn brute_force(
         blocked: &[Interval],
         duration_s: f64,
@@ -112,7 +110,7 @@ mod tests {
     #[test]
     fn clear_starts_are_the_starts_that_no_interval_forbids() {
         let blocked = [Interval { start_s: 50.0, end_s: 52.0 }, Interval { start_s: 51.0, end_s: 60.0 }];
-        // 10 s long, 1 s margin: starts from 39 to 61 are forbidden.
+        // An exposure of 10 s with a margin of 1 s cannot start from 39 to 61.
         let interval = |start_s, end_s| Interval { start_s, end_s };
         let stretches = |first_s, last_s| clear_starts(&blocked, 10.0, 1.0, 0.0, interval(first_s, last_s));
         assert_eq!(stretches(0.0, 100.0), [interval(0.0, 39.0), interval(61.0, 100.0)]);
@@ -137,7 +135,7 @@ mod tests {
             let first = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, 700.0);
             prop_assert_eq!(stretches.first().map(|interval| interval.start_s), first);
             for interval in &stretches {
-                // The exposure can start at once inside an interval.
+                // An exposure can start at any time inside an interval.
                 let middle_s = 0.5 * (interval.start_s + interval.end_s);
                 prop_assert_eq!(next_clear_start(&blocked, duration_s, margin_s, 0.0, middle_s, 700.0), Some(middle_s));
             }
@@ -157,7 +155,7 @@ mod tests {
             Interval { start_s: 34.0, end_s: 40.0 },
             Interval { start_s: 100.0, end_s: 101.0 },
         ];
-        // From 0 the first interval is met, from 6 the second, and from 40 to 70 none.
+        // From 0 the first interval blocks, from 6 the second, and from 40 to 70 none.
         assert_eq!(next_clear_start(&blocked, 30.0, 0.0, 0.0, 0.0, 600.0), Some(40.0));
         assert_eq!(next_clear_start(&blocked, 30.0, 0.0, 0.0, 0.0, 39.0), None);
         assert_eq!(next_clear_start(&blocked, 20.0, 0.0, 0.0, 0.0, 600.0), Some(6.0));
@@ -174,7 +172,7 @@ mod tests {
             margin in 0_i32..50,
             length in 0_i32..3000,
         ) {
-            // Ends half way between the steps, so that no step touches an end exactly.
+            // Interval ends are half way between the steps, so that no step coincides with an end.
             let seconds = |ticks: i32| f64::from(ticks) * 0.1;
             let blocked: Vec<Interval> = ticks
                 .iter()
@@ -201,7 +199,7 @@ mod tests {
             from in -100_i32..100,
             max_delay in 0_i32..3000,
         ) {
-            // Ends half way between the steps, so that no step touches an end exactly.
+            // Interval ends are half way between the steps, so that no step coincides with an end.
             let blocked: Vec<Interval> = ticks
                 .iter()
                 .map(|&(start, length)| Interval {
@@ -213,7 +211,7 @@ mod tests {
             let (duration_s, margin_s, from_s, max_delay_s) = (seconds(duration), seconds(margin), seconds(from), seconds(max_delay));
             let found = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, max_delay_s);
             let brute = brute_force(&blocked, duration_s, margin_s, from_s, max_delay_s, 0.1);
-            // The steps miss a gap narrower than a step; the gap found must still be clear.
+            // The steps may miss a gap that is shorter than a step. The start found must still be clear.
             if let Some(found) = found {
                 let clear = blocked.iter().all(|interval| {
                     interval.end_s <= found - margin_s + 1e-9 || interval.start_s >= found + duration_s + margin_s - 1e-9

@@ -1,4 +1,5 @@
-//! Tables of exposures, of flags (one row for each exposure) and of streaks (one row for each exposure and satellite).
+//! Tables of exposures, of verdicts (one row for each exposure) and of streaks (one row for each exposure and
+//! satellite).
 
 use crate::elements::ElementSet;
 use crate::frames::seconds_after;
@@ -35,13 +36,13 @@ pub fn exposure_table<'a>(exposures: impl IntoIterator<Item = &'a Exposure>) -> 
     }
 }
 
-/// Returns flags as a table, in their order.
+/// Returns verdicts as a table, in their order.
 pub fn flag_table(flags: &[Verdict]) -> Table {
     Table::from_records(&flag_fields(), flags)
 }
 
-/// Returns flags as [`flag_table`], followed by start, length, pointing and band of their exposures, as far as the
-/// schedule has them: `start_utc, duration_s, ra_deg, dec_deg, band`. `rows` are the rows of the flags, in the same order.
+/// Returns the columns of [`flag_table`], followed by those of the exposures that the schedule has: `start_utc,
+/// duration_s, ra_deg, dec_deg, band`. `rows` are the rows of the verdicts, in the same order.
 pub fn flag_table_with_exposures(flags: &[Verdict], rows: &[ScheduledExposure]) -> Table {
     let mut table = flag_table(flags);
     let exposures = Table::from_records(&scheduled_fields(), rows);
@@ -154,10 +155,10 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
     ]
 }
 
-/// Pass with the other data of its row in a table of streaks.
+/// Row of a table of streaks: a pass with its exposure and satellite.
 #[derive(Copy, Clone)]
 pub struct StreakRow<'a> {
-    /// The exposure that the pass crosses.
+    /// Exposure that the pass crosses.
     pub exposure: &'a Exposure,
     /// The pass.
     pub pass: &'a Pass,
@@ -165,22 +166,23 @@ pub struct StreakRow<'a> {
     pub elements: &'a ElementSet,
     /// Largest extent of the satellite, metres.
     pub satellite_size_m: f64,
-    /// The telescope; without one, width, surface brightness and effective magnitude are empty.
+    /// Telescope; without one, streak width, surface brightness and effective magnitude are empty.
     pub telescope: Option<&'a Telescope>,
     /// Band and system of the magnitudes.
     pub photometry: &'a PhotometryOptions,
-    /// Magnitude limit of the exposure, for the column `p_brighter`.
+    /// Magnitude limit of the exposure, used for the column `p_brighter`.
     pub limit_mag: Option<f64>,
 }
 
 /// Optional columns of a table of streaks.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct StreakColumns {
-    /// Probability of being brighter than the magnitude limit.
+    /// Probability that the satellite is brighter than the magnitude limit.
     pub p_brighter: bool,
-    /// Intervals inside the field, and whether the geometry is in the fitted range of the model.
+    /// Intervals inside the field, and whether the illumination geometry is within the range to which the brightness
+    /// model was fitted.
     pub chords: bool,
-    /// Points along the track, if any were computed.
+    /// Points along the track, if they were computed.
     pub samples: bool,
 }
 
@@ -365,8 +367,8 @@ fn p_brighter_field<'a>() -> TableField<StreakRow<'a>> {
     )
 }
 
-/// Columns that by default are written only in formats with nested tables: scripts rely on the columns of the other
-/// formats.
+/// Columns that are written by default only in formats with nested tables. In the other formats they are optional, so
+/// that their default columns do not change.
 fn nested_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
     let field = TableField::<StreakRow<'a>>::new;
     vec![
@@ -428,7 +430,7 @@ fn width_arcsec(row: &StreakRow<'_>, telescope: &Telescope) -> f64 {
     telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m)
 }
 
-/// Returns the brightness at mid, or at the peak if there is none at mid.
+/// Returns the brightness at mid-exposure, or at the peak if there is none at mid-exposure.
 fn shown<'a>(row: &StreakRow<'a>) -> Option<&'a Brightness> {
     let at_peak = || row.pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     row.pass.mid.brightness.as_ref().or_else(at_peak)

@@ -1,4 +1,4 @@
-//! Target lists: name, position and exposure time, in the formats of schedules.
+//! Target lists: name, position and exposure time of each target, in the file formats of schedules.
 
 use std::path::Path;
 
@@ -22,9 +22,9 @@ const BAND: &[&str] = &["band", "filter"];
 /// One row of a target list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedTarget {
-    /// Name; the number of the row, from 1, if the cell is empty.
+    /// Name of the target; the row number, from 1, if the cell is empty.
     pub name: String,
-    /// Identifier in a scheduler; the name if the list has no such column.
+    /// Identifier of the target in a scheduler; the name if the list has no such column.
     pub unique_id: String,
     /// The target, or the reason why the row is invalid.
     pub target: Result<WindowTarget, String>,
@@ -32,13 +32,12 @@ pub struct ListedTarget {
 
 /// Reads a target list (CSV, ECSV, JSON and the other formats of schedules).
 ///
-/// Columns: `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or exposure)` and, if known,
-/// `unique_id, rotation_deg, band`. Numbers are degrees and seconds, ICRS; texts like `12h34m56s` and `-30d30m` are
-/// accepted. A row without a position is kept, with the reason. `duration_s` and `rotation_rad` apply to rows without
-/// an exposure time or a rotation.
+/// Columns: `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or exposure)`; optional: `unique_id, rotation_deg,
+/// band`. Positions are ICRS, in degrees or as text such as `12h34m56s` and `-30d30m`. A row without a position is
+/// kept, with the reason. `duration_s` and `rotation_rad` are used for rows without an exposure time or a rotation.
 ///
 /// # Errors
-/// The errors of [`Schedule::read`](super::Schedule::read), and missing columns.
+/// Same as [`Schedule::read`](super::Schedule::read), and missing columns.
 pub fn read_targets(
     path: &Path,
     duration_s: Option<f64>,
@@ -117,7 +116,7 @@ impl TargetCells<'_> {
         };
         Ok(Exposure {
             id: name.to_owned(),
-            // The start is not used: windows contain the start times.
+            // The start is not used: windows are computed for all start times of a range.
             start: Epoch::from_gregorian_utc_at_midnight(2000, 1, 1),
             duration_s,
             pointing: Direction::from_lon_lat_rad(right_ascension_deg.to_radians(), declination_deg.to_radians()),

@@ -1,4 +1,4 @@
-//! Verdict on one exposure, with the numbers on which it is based; `judge` computes it.
+//! Verdict on one exposure, with the numbers that it is based on. The module `judge` computes it.
 
 use std::fmt;
 
@@ -13,16 +13,18 @@ use crate::passes::Pass;
 pub enum VerdictKind {
     /// No lit satellite crosses the exposure.
     Clear,
-    /// A lit satellite crosses the exposure, within the limits of the policy.
+    /// A lit satellite crosses or may cross the exposure or crosses its margins, and no limit of the policy is
+    /// exceeded.
     Streaked,
-    /// A crossing exceeds a limit of the policy with at least the probability of the policy.
+    /// A limit of the policy is exceeded: magnitude, with at least the probability of the policy, or expected pixel
+    /// loss.
     Avoid,
     /// The exposure cannot be judged.
     Invalid,
 }
 
 impl VerdictKind {
-    /// Returns the word used in tables: `clear`, `streaked`, `avoid`, `invalid`.
+    /// Returns the kind as a word: `clear`, `streaked`, `avoid` or `invalid`.
     pub fn name(self) -> &'static str {
         match self {
             VerdictKind::Clear => "clear",
@@ -39,46 +41,47 @@ impl fmt::Display for VerdictKind {
     }
 }
 
-/// Verdict on one exposure, with its reasons and the passes that cause it.
+/// Verdict on one exposure, with its reasons and the passes that count.
 ///
-/// Displayed as one line: the kind, the reasons, and the next clear start.
+/// `Display` writes one line: the kind, the reasons, and the next clear start.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
     /// Identifier of the exposure in the schedule.
     pub exposure_id: String,
-    /// Clear, streaked, avoid or invalid.
+    /// Kind of the verdict.
     pub kind: VerdictKind,
-    /// Lit satellites whose nominal tracks cross the field.
+    /// Number of lit satellites whose nominal tracks cross the field.
     pub n_streaks: usize,
-    /// Brightest magnitude of all lit crossings in the field; `None` without crossings or magnitudes.
+    /// Peak magnitude of the brightest pass that counts; `None` without such passes or without magnitudes.
     pub brightest_mag: Option<f64>,
-    /// Expected fraction of the pixels lost, each streak weighted with its probability; `None` without a telescope.
+    /// Expected fraction of pixels lost: the sum over all streaks, each weighted with its probability. `None` without a
+    /// telescope.
     pub expected_lost_pixel_fraction: Option<f64>,
-    /// Probability that at least one lit satellite crosses that is brighter than a limit of the policy (that crosses, if
-    /// no limit applies), for independent errors: 1 - Π(1 - p).
+    /// Probability that at least one lit satellite crosses and is brighter than a limit of the policy: 1 - Π(1 - p),
+    /// with independent errors. Equal to `p_crossing` if no limit applies.
     pub p_any: f64,
     /// Probability that at least one lit satellite crosses, of any brightness.
     pub p_crossing: f64,
-    /// True if `p_any`, `p_crossing` and the expected loss are lower limits: more than 10 % of the delays of a satellite are
-    /// outside the range searched.
+    /// True if `p_any`, `p_crossing` and the expected loss are lower limits: for a satellite, more than 10 % of the
+    /// possible delays are outside the range searched.
     pub p_any_is_lower_limit: bool,
-    /// Length of all nominal lit streaks in the field, degrees.
+    /// Total length of all nominal lit streaks in the field, degrees.
     pub streak_length_deg: f64,
     /// Reasons for the verdict.
     pub reasons: Vec<String>,
-    /// Earliest start, not before the scheduled one, at which the verdict is `clear`; `None` if none exists within the
-    /// allowed delay.
+    /// Earliest start, not before the scheduled one, at which the verdict is `clear`; `None` if there is none within
+    /// the longest delay.
     pub next_clear_start: Option<Epoch>,
     /// Delay of `next_clear_start` after the scheduled start, seconds.
     pub delay_s: Option<f64>,
-    /// Catalogue numbers of `passes`.
+    /// NORAD catalogue numbers of `passes`.
     pub norad_ids: Vec<NoradId>,
-    /// Lit crossings in order of entry, and near misses if the policy has a probability.
+    /// Lit crossings in order of entry, and probable near misses if the policy has a `min_probability`.
     pub passes: Vec<Pass>,
 }
 
 impl Verdict {
-    /// Returns the verdict on a row that cannot be judged.
+    /// Returns the verdict for a row that cannot be judged.
     pub fn invalid(exposure_id: &str, reason: String) -> Self {
         Self {
             exposure_id: exposure_id.to_owned(),

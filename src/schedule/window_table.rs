@@ -9,12 +9,12 @@ use crate::output::{Column, Kind, Table, csv_cell, format_utc};
 use super::targets::ListedTarget;
 use super::windows::{ClearWindow, TargetWindows};
 
-/// A target with its windows.
+/// One target with its windows.
 #[derive(Copy, Clone)]
 pub struct FoundWindows<'a> {
-    /// Row of the list.
+    /// Row of the target list.
     pub listed: &'a ListedTarget,
-    /// Windows of the target; `None` for an invalid row.
+    /// Windows of the target; `None` if the row is invalid.
     pub found: Option<&'a TargetWindows>,
 }
 
@@ -23,7 +23,7 @@ impl FoundWindows<'_> {
         self.found.map_or(&[], |found| &found.windows)
     }
 
-    /// Returns the reason why the target has no window; `None` if it has one.
+    /// Returns the reason why the target has no window; `None` if it has at least one.
     pub fn reason(&self) -> Option<String> {
         match (&self.listed.target, self.found) {
             (Err(reason), _) => Some(reason.clone()),
@@ -115,20 +115,20 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
     }
 }
 
-/// Format of windows for a scheduler.
+/// File format of windows for an observatory scheduler.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum SchedulerFormat {
-    /// `windows` of requests of the LCO observation portal, each long enough for a request with its overhead. They are
-    /// at least a second apart, because the scheduler joins windows that overlap or touch.
+    /// JSON `windows` of requests for the LCO observation portal; each is long enough for one request with its
+    /// overhead. They are at least 1 s apart, because the scheduler joins windows that overlap or touch.
     Lco,
-    /// Absolute time constraints of an ESO p2 observation block: the block begins inside one.
+    /// Absolute time constraints of an ESO p2 observation block; the block starts inside one of them.
     EsoP2,
-    /// `custom.csv` of AstroQ: allowed intervals.
+    /// File `custom.csv` of AstroQ with allowed intervals.
     AstroQ,
 }
 
 impl SchedulerFormat {
-    /// Returns the format of a name on the command line: `lco`, `eso-p2`, `astroq`.
+    /// Returns the format with this command line name: `lco`, `eso-p2` or `astroq`.
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
             "lco" => Some(SchedulerFormat::Lco),
@@ -138,12 +138,12 @@ impl SchedulerFormat {
         }
     }
 
-    /// Returns the text of the file, and the targets without a window. These are omitted from the file, because the
+    /// Returns the text of the file, and the targets without a window. The file omits these targets, because the
     /// schedulers treat a target without windows as unconstrained.
     ///
     /// `overhead_s` is the time from the start of a request or block to the opening of its shutter (slew, acquisition).
-    /// Windows are rounded inwards to the resolution of the format (seconds for LCO and AstroQ, minutes for p2); empty
-    /// ones are omitted.
+    /// Windows are rounded inwards to the resolution of the format (seconds for LCO and AstroQ, minutes for p2); those
+    /// that become empty are omitted.
     pub fn text<'a>(self, all: &[FoundWindows<'a>], overhead_s: f64) -> (String, Vec<&'a ListedTarget>) {
         let (with, without): (Vec<_>, Vec<_>) =
             all.iter().map(|one| (one.listed, self.spans(one, overhead_s))).partition(|(_, spans)| !spans.is_empty());
@@ -189,10 +189,10 @@ impl SchedulerFormat {
     }
 }
 
-/// Returns the windows of at least `least_s` in order, at least a second apart.
+/// Returns the windows that last at least `least_s`, in order and at least 1 s apart.
 ///
-/// If the overhead of a window overlaps the window before it, the later one is shortened; if nothing would remain, the
-/// shorter one is omitted.
+/// If a window overlaps the one before it, its start is moved later; if it then lasts less than `least_s`, the shorter
+/// of the two is omitted.
 fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
     let worth_s = |(start, end): (Epoch, Epoch)| seconds_between(start, end) - least_s;
     let mut found: Vec<(Epoch, Epoch)> = Vec::with_capacity(windows.len());
@@ -217,7 +217,8 @@ fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
     found
 }
 
-/// Returns windows with times added to their ends (seconds), rounded inwards to whole steps of UTC.
+/// Returns windows with `first_add_s` and `last_add_s` (seconds) added to their starts and ends, rounded inwards to
+/// multiples of `step_s` in UTC.
 fn spans(one: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f64) -> Vec<(Epoch, Epoch)> {
     let nanoseconds = |seconds: f64| (seconds * 1e9).round() as i128;
     let utc = |epoch: Epoch, add_s: f64| {
@@ -294,8 +295,8 @@ mod tests {
         );
     }
 
-    /// Clear starts 40 s apart for an exposure of 30 s: with an overhead of 90 s the windows would overlap, and the
-    /// scheduler, which joins them, would expose between them.
+    /// The clear starts of a 30 s exposure are 40 s apart. With an overhead of 90 s the windows would overlap; the
+    /// scheduler would join them and expose in between.
     #[test]
     fn requests_with_overheads_stay_clear_wherever_they_lie() {
         let at = |seconds: f64| seconds_after(utc("2024-08-14T01:00:00Z"), seconds);
@@ -330,7 +331,7 @@ mod tests {
             let (start_s, end_s) = (seconds(&window["start"]), seconds(&window["end"]));
             assert!(start_s > before_s && end_s - start_s >= 120.0, "{text}");
             before_s = end_s;
-            // The shutter opens 90 s into a request of 120 s.
+            // The shutter opens 90 s after the start of a request of 120 s.
             for step in 0..=((end_s - start_s - 120.0) as usize) {
                 let opens_s = start_s + 90.0 + step as f64;
                 assert!(clear.iter().any(|[first, last]| (*first..=*last).contains(&opens_s)), "{opens_s}: {text}");

@@ -1,4 +1,4 @@
-//! Clear windows: intervals of shutter openings on a target without a blocking crossing.
+//! Clear windows: intervals of shutter opening times for which no blocking satellite crosses an exposure of a target.
 
 use hifitime::Epoch;
 
@@ -12,85 +12,86 @@ use super::judge::{CameraLimits, Rules, counts, is_dodged, is_to_avoid};
 use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, late_s, pass_options};
 use super::shift::{Interval, clear_starts};
 
-/// Satellites that block an exposure.
+/// Choice of the satellites that block an exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum Blocking {
-    /// All lit satellites: the verdict of an exposure in a window is `clear`.
+    /// All lit satellites; the verdict of every exposure in a window is `clear`.
     #[default]
     Any,
-    /// Satellites for any of which the verdict would be `avoid` by a magnitude limit of the policy.
+    /// Satellites that make the verdict `avoid` by a magnitude limit of the policy.
     Avoided,
-    /// Satellites brighter than a limit with a probability of at least 0.5, every nominal crossing taken as certain, or
-    /// with a `min_probability` that cross and are brighter with at least this probability; all lit satellites if no
-    /// limit applies to the band.
+    /// Satellites that are brighter than a limit. Without a `min_probability` every nominal crossing is taken as
+    /// certain, and the probability of being brighter must be at least 0.5. With one, the probability of crossing and
+    /// being brighter must be at least `min_probability`. If no limit applies to the band, only the crossing
+    /// probability is compared.
     Limits,
 }
 
-/// Sky, rules and constraints for windows.
+/// Sky, policy and constraints for clear windows.
 pub struct WindowRequest<'a> {
-    /// Sky, field, telescope, and the rules: magnitude limits, margin and probability. The expected loss of all
-    /// satellites (`max_lost_fraction`) and the longest delay (`max_delay_s`) are not applied.
+    /// Sky, field, telescope, photometry and policy: magnitude limits, margin and probability are applied;
+    /// `max_lost_fraction` and `max_delay_s` are not.
     pub against: FlagRequest<'a>,
-    /// Satellites that block an exposure.
+    /// Choice of the satellites that block an exposure.
     pub blocking: Blocking,
-    /// Lowest altitude of the target while the shutter is open, radians, without refraction; above the Earth's limb for
-    /// a telescope in orbit.
+    /// Lowest altitude of the target while the shutter is open, radians, without refraction; for a telescope in orbit,
+    /// the angle above the Earth's limb.
     pub min_altitude_rad: f64,
-    /// Highest altitude of the Sun while the shutter is open, radians; `None` for day and night.
+    /// Highest altitude of the Sun while the shutter is open, radians; `None` for no limit.
     pub max_sun_altitude_rad: Option<f64>,
 }
 
-/// Exposure to be started in a window; the `start` of `exposure` is not used.
+/// Target with its exposure. The `start` of `exposure` is not used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowTarget {
-    /// Name, length and pointing.
+    /// Name, duration and pointing.
     pub exposure: Exposure,
-    /// Band of the exposure, for limits by band.
+    /// Band of the exposure; selects limits by band.
     pub band: Option<String>,
 }
 
-/// Interval of shutter openings, both ends included, for which an exposure of the target is clear.
+/// Closed interval of shutter opening times for which an exposure of the target is clear.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ClearWindow {
-    /// Earliest opening, to the millisecond.
+    /// Earliest opening, rounded to the millisecond.
     pub first: Epoch,
-    /// Latest opening, to the millisecond.
+    /// Latest opening, rounded to the millisecond.
     pub last: Epoch,
 }
 
 /// Windows of one target.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TargetWindows {
-    /// The windows in time order.
+    /// Clear windows in time order.
     pub windows: Vec<ClearWindow>,
-    /// Openings allowed by the altitudes of target and Sun, regardless of satellites.
+    /// Opening times allowed by the altitudes of target and Sun; satellites are not considered.
     pub observable: Vec<ClearWindow>,
-    /// Passes between the windows, in order of entry.
+    /// Passes that block part of the range, in order of entry.
     pub dodged: Vec<Pass>,
 }
 
 /// Windows of all targets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WindowReport {
-    /// Windows by target, in the order of the targets.
+    /// Windows of each target, in the order of the targets.
     pub by_target: Vec<TargetWindows>,
-    /// Satellites without a position.
+    /// Satellites whose position cannot be computed.
     pub left_out: Vec<LeftOut>,
 }
 
-/// Computes all clear windows of shutter openings from `from` to `to`; none if `to` is before `from`.
+/// Computes all clear windows of shutter opening times from `from` to `to`; none if `to` is before `from`.
 ///
-/// No satellite of `blocking` crosses an exposure that opens in a window. The margin of the policy applies at both
-/// ends, so the shutter may open late by up to the margin. With a `min_probability` near misses count, and an allowance
-/// of three sigmas is made for early and late satellites. A pass counts as a whole: a window ends before a satellite
-/// enters, even if it is faint or dark until the shutter closes.
+/// No satellite of `blocking` crosses an exposure that opens in a window. The margin of the policy applies before and
+/// after the exposure, so the shutter may also open late by up to the margin. With a `min_probability`, near misses
+/// count, and blocked intervals are extended by three sigmas for early and late satellites. A blocking pass blocks from
+/// its entry to its exit, also while the satellite is faint or in shadow.
 ///
-/// Target and Sun are sampled once a minute (the limb every 10 s): a target above its limit for less than that has no
-/// window.
+/// The altitudes of target and Sun are sampled once a minute (every 10 s for the limb): a target above its limit for
+/// less than that may have no window.
 ///
 /// # Errors
-/// [`SkyError`] if passes cannot be computed, or for a limit on the Sun with a telescope in orbit, which has no
-/// horizon.
+/// [`SkyError`] if passes cannot be computed, or if a Sun altitude limit is given for a telescope in orbit, which has
+/// no horizon.
 pub fn clear_windows(
     targets: &[WindowTarget],
     from: Epoch,
@@ -100,11 +101,11 @@ pub fn clear_windows(
     windows_of(targets, from, to, request, true)
 }
 
-/// Computes the same windows without the passes between them, for plans with many targets: [`TargetWindows::dodged`] is
-/// empty, and magnitudes and probabilities are computed only if the policy needs them.
+/// Computes the same windows without blocking passes: [`TargetWindows::dodged`] is empty. It is faster for many
+/// targets, because magnitudes and probabilities are computed only if the policy needs them.
 ///
 /// # Errors
-/// The errors of [`clear_windows`].
+/// Same as [`clear_windows`].
 pub fn clear_windows_without_passes(
     targets: &[WindowTarget],
     from: Epoch,
@@ -134,7 +135,7 @@ fn windows_of(
             ..target.exposure.clone()
         })
         .collect();
-    // Every lit crossing blocks, so magnitudes and probabilities are not needed.
+    // Every lit crossing blocks, so that magnitudes and probabilities are not needed.
     let bare = request.blocking == Blocking::Any && request.against.policy.min_probability.is_none();
     let (blocked, left_out) = if bare && !with_passes {
         crossings(&exposures, request)?
@@ -152,7 +153,7 @@ fn windows_of(
                 .observable(exposure)
                 .into_iter()
                 .filter_map(|interval| {
-                    // The whole exposure lies in the interval: s >= a and s + D <= b.
+                    // The interval must contain the whole exposure: s >= a and s + D <= b.
                     let end_s = (interval.end_s - exposure.duration_s).min(span_s);
                     (interval.start_s <= end_s).then_some(Interval { start_s: interval.start_s, end_s })
                 })
@@ -173,13 +174,13 @@ fn windows_of(
     Ok(WindowReport { by_target, left_out })
 }
 
-/// Intervals in which satellites block one target, seconds after the start of the range, and their passes.
+/// Intervals in which satellites block one target, seconds after the start of the range, and the blocking passes.
 struct Blocked {
     intervals: Vec<Interval>,
     dodged: Vec<Pass>,
 }
 
-/// Returns the blocking passes of each target, with their magnitudes.
+/// Returns blocked intervals and passes of each target, with magnitudes and probabilities.
 fn passes(
     targets: &[WindowTarget],
     from: Epoch,
@@ -206,7 +207,7 @@ fn passes(
     Ok((targets.iter().zip(answer.by_exposure).map(of).collect(), answer.left_out))
 }
 
-/// Returns the blocking intervals of each target if every lit crossing blocks.
+/// Returns blocked intervals of each target if every lit crossing blocks.
 fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.against;
     let margin_s = policy.margin_or_default_s();
@@ -219,18 +220,18 @@ fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec
     Ok((answer.by_exposure.into_iter().map(of).collect(), answer.left_out))
 }
 
-/// Rounds an interval inwards to the millisecond; `None` if it becomes empty.
+/// Rounds an interval inwards to milliseconds; `None` if it becomes empty.
 fn window(from: Epoch, interval: Interval) -> Option<ClearWindow> {
     let tick = |seconds: f64, round: fn(f64) -> f64| round(seconds / TICK_S) * TICK_S;
-    // The tolerance keeps the start of the range in spite of rounding.
+    // Floating point rounding must not move the ends inwards by a millisecond.
     let (first_s, last_s) = (tick(interval.start_s - 1e-9, f64::ceil), tick(interval.end_s + 1e-9, f64::floor));
     (first_s <= last_s).then(|| ClearWindow { first: seconds_after(from, first_s), last: seconds_after(from, last_s) })
 }
 
-/// Tolerance of risings and settings, which are rounded inwards, seconds.
+/// Accuracy of rising and setting times, which are rounded inwards, seconds.
 const SETTING_TOLERANCE_S: f64 = 1e-3;
 
-/// Limits on the altitudes of target and Sun over a site, or on the height above the limb.
+/// Limits on the altitude of the target (above horizon or limb) and of the Sun.
 struct ObservabilityConstraint<'a> {
     viewpoint: &'a Viewpoint,
     min_altitude_rad: f64,
@@ -239,7 +240,7 @@ struct ObservabilityConstraint<'a> {
     span_s: f64,
 }
 
-/// Highest altitude of the Sun.
+/// Upper limit on the altitude of the Sun.
 struct SunLimit<'a> {
     observer: &'a Observer,
     sun: SunTable,
@@ -264,7 +265,8 @@ impl<'a> ObservabilityConstraint<'a> {
         })
     }
 
-    /// Returns the intervals in which the target is above and the Sun below its altitude limit, seconds.
+    /// Returns the intervals in which the target is above and the Sun below its limit, seconds after the start of the
+    /// range.
     fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
         let target_rad =
             |seconds: f64| altitude_rad(exposure, self.viewpoint, &self.orientation, seconds) - self.min_altitude_rad;
@@ -276,11 +278,11 @@ impl<'a> ObservabilityConstraint<'a> {
     }
 }
 
-/// Returns the intervals in which a function is not negative, from samples every `every_s`; their ends are found by
-/// bisection and lie inside.
+/// Returns the intervals in which a function is at least 0, from samples every `every_s`. Their ends are found by
+/// bisection and lie inside the exact intervals.
 fn nonnegative_intervals(value: impl Fn(f64) -> f64, within: Interval, every_s: f64) -> Vec<Interval> {
     let is_in = |seconds: f64| value(seconds) >= 0.0;
-    // Last point inside the interval, within the tolerance.
+    // Last time inside the interval, within the tolerance.
     let border = |mut inside: f64, mut outside: f64| {
         while (inside - outside).abs() > SETTING_TOLERANCE_S {
             let middle = 0.5 * (inside + outside);
@@ -307,7 +309,7 @@ fn nonnegative_intervals(value: impl Fn(f64) -> f64, within: Interval, every_s: 
     found
 }
 
-/// Returns the rest of the first window that is open at `now` or opens until `last`; `None` if no window does.
+/// Returns the remaining part of the first window that is open at `now` or opens by `last`; `None` if there is none.
 pub fn next_window(windows: &[ClearWindow], now: Epoch, last: Epoch) -> Option<ClearWindow> {
     let window = windows.iter().find(|window| window.last >= now)?;
     (window.first <= last).then(|| ClearWindow { first: window.first.max(now), last: window.last })
@@ -330,7 +332,7 @@ mod tests {
     #[test]
     fn intervals_lie_inside_and_reach_their_borders() {
         let within = Interval { start_s: 0.0, end_s: 3000.0 };
-        // Positive from 100 to 700, from 1300 to 1900, and so on: a sine with a half period of 600 s.
+        // Sine with a half period of 600 s: positive from 100 to 700, from 1300 to 1900, and so on.
         let found = nonnegative_intervals(|s| ((s - 100.0) / 600.0 * std::f64::consts::PI).sin(), within, 60.0);
         let expected = [(100.0, 700.0), (1300.0, 1900.0), (2500.0, 3000.0)];
         assert_eq!(found.len(), expected.len());

@@ -1,4 +1,4 @@
-//! Reading of 25,000 element sets from text, in every syntax; target: below 0.2 s.
+//! Time to read 25,000 element sets from text in every format; target: below 0.2 s.
 
 use std::fmt::Write;
 
@@ -13,7 +13,7 @@ fn main() {
     divan::main();
 }
 
-/// Every fourth of a hundred thousand Starlink Gen2 satellites, with numbers that fit a TLE.
+/// Every fourth satellite of the simulated constellation Starlink Gen2, with numbers that fit a TLE.
 fn sets() -> Vec<ElementSet> {
     let constellation = Constellation::by_name("starlink-gen2").expect("embedded");
     let mut sets = constellation.element_sets(Epoch::from_gregorian_utc_at_noon(2026, 3, 20));
@@ -90,7 +90,7 @@ fn text(format: &str) -> String {
     text
 }
 
-/// Reads a catalogue from the bytes of a file, including provenance.
+/// Reads a catalogue from the bytes of a file, and computes its provenance.
 #[divan::bench(args = ["tle", "csv", "json", "xml", "kvn"], sample_count = 20)]
 fn read_25000(bencher: Bencher, format: &str) {
     let text = text(format);
@@ -101,7 +101,7 @@ fn read_25000(bencher: Bencher, format: &str) {
     });
 }
 
-/// Reads a catalogue from a file on disk; RAYON_NUM_THREADS=1 measures one core.
+/// Reads a catalogue from a file on disk. With RAYON_NUM_THREADS=1 it uses one core.
 #[divan::bench(sample_count = 20)]
 fn read_25000_tle_from_disk(bencher: Bencher) {
     let folder = tempfile::tempdir().expect("a folder");

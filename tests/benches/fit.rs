@@ -1,10 +1,10 @@
-//! Least squares and posterior of the two-panel form on a file of points.
+//! Time of a least-squares fit and of posterior sampling with the two-panel form, for the points in a file.
 //!
 //!     venv/bin/python tests/reference/make_fit_goldens.py --points 20000 points.csv
 //!     cargo bench --bench fit -- points.csv [--steps 500] [--threads 1]
 //!
-//! Times one descent from a fixed start (the start of `peers/fit.py`), the whole search from many starts, and steps of
-//! 32 walkers, without and with earthshine. Prints medians.
+//! Measures one descent from a fixed start (that of `peers/fit.py`), the search from many starts, and steps of 32
+//! walkers, each without and with earthshine. Prints medians.
 
 use std::time::Instant;
 

@@ -1,9 +1,9 @@
-//! Frame files: a copy with five drawn streaks compared with a plain copy of the file, and pixel positions of
-//! directions.
+//! Time to copy a frame file with five added streaks, compared with a plain copy of the file; and time to compute pixel
+//! positions of directions.
 //!
 //!     cargo bench --bench frame_files
 //!
-//! Rounds are interleaved because the machine's speed drifts; the ratio of the medians is printed.
+//! Rounds of both are interleaved, because the speed of the machine varies; the ratio of the medians is printed.
 
 use std::fs;
 use std::hint::black_box;
@@ -24,11 +24,12 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// Angles of streaks to the rows, radians: through nearly all rows, and through about a hundred.
+/// Angles between streaks and rows, radians. Streaks at these angles touch nearly all rows, those at the next ones
+/// about a hundred.
 const ACROSS: [f64; 5] = [0.3, 0.55, 0.8, 1.05, 1.3];
 const ALONG: [f64; 5] = [-0.002, -0.001, 0.0, 0.001, 0.002];
 
-/// Draws five streaks into the frame.
+/// Adds five streaks to the frame.
 fn inject(source: &Path, target: &Path, hdu: usize, angles_rad: [f64; 5]) {
     let frame = FrameFile::open(source).expect("a frame");
     let mut copy = FrameCopy::begin(&frame, target).expect("a copy");
@@ -79,7 +80,7 @@ fn files(folder: &Path) {
         ours.push(timed(|| inject(&plain, &target, 0, ACROSS)));
         fs::remove_file(&target).expect("removed");
         few_rows.push(timed(|| inject(&plain, &target, 0, ALONG)));
-        // Overwrites the existing file; our writer flushes to disk before it replaces the file.
+        // Replaces an existing file. The library flushes the new file to disk before it replaces the old one.
         synced.push(timed(|| {
             fs::copy(&plain, &target).expect("copied");
             fs::File::options().append(true).open(&target).expect("open").sync_all().expect("synced");
@@ -104,7 +105,7 @@ fn files(folder: &Path) {
     );
 }
 
-/// Pixel positions of directions in a frame, ns each.
+/// Measures the time to compute pixel positions of directions, ns each.
 fn places(name: &str, wcs: &Wcs) {
     let [columns, rows] = wcs.size();
     let directions: Vec<_> = (0..1000)

@@ -1,4 +1,4 @@
-//! Time for frames and the Sun: exact, from tables, and the shadow; targets are given for each.
+//! Time to compute reference frames and the Sun, exactly and from tables, and the Earth's shadow; each has a target.
 
 use divan::{Bencher, black_box};
 use hifitime::Epoch;
@@ -19,14 +19,14 @@ fn orientation_exact(bencher: Bencher) {
     bencher.bench(|| Orientation::at(black_box(dusk()), &eop));
 }
 
-/// Orientation table for a night; target: 1 ms.
+/// Table of the Earth's orientation for a night; target: 1 ms.
 #[divan::bench]
 fn orientation_table_of_a_night(bencher: Bencher) {
     let eop = EopTable::embedded();
     bencher.bench(|| OrientationTable::new(dusk(), seconds_after(dusk(), 36_000.0), &eop));
 }
 
-/// Orientation table for a year; target: 0.1 s.
+/// Table of the Earth's orientation for a year; target: 0.1 s.
 #[divan::bench(sample_count = 10)]
 fn orientation_table_of_a_year(bencher: Bencher) {
     let eop = EopTable::embedded();
@@ -67,7 +67,8 @@ fn aspect_of_a_satellite(bencher: Bencher) {
     bencher.bench(|| aspect(black_box(&satellite), &sun.earth_velocity, &observer, &sun.earth_velocity));
 }
 
-/// Target: 0.2 µs far from the shadow; behind the Earth and in the penumbra inverse functions are needed.
+/// Target: 0.2 µs far from the shadow. Behind the Earth and in the penumbra, inverse trigonometric functions are
+/// required.
 #[divan::bench(args = [0.0, 0.5, 1.168, 2.0])]
 fn shadow(bencher: Bencher, angle_from_antisun_rad: f64) {
     let sun = Position::<Gcrs>::new(1.5e8, 0.0, 0.0);
@@ -76,7 +77,7 @@ fn shadow(bencher: Bencher, angle_from_antisun_rad: f64) {
     bencher.bench(|| illumination(black_box(&satellite), black_box(&sun)));
 }
 
-/// The embedded table, cloned after the first call; reading finals2000A files is not included.
+/// Bundled table of Earth orientation: after the first call it is cloned. Files of finals2000A are not read.
 #[divan::bench]
 fn embedded_table() -> EopTable {
     EopTable::embedded()

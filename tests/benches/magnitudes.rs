@@ -1,8 +1,8 @@
-//! Magnitudes in bulk: time per direction on one core, for the two-panel model; and whole predictions, with earthshine
-//! and sigma, for the default models beside the models that they replace.
+//! Time per direction to compute many magnitudes with the two-panel model on one core; and time of predictions with
+//! earthshine and sigma, for the default models and for the models that they replaced.
 //!
 //! ```text
-//! cargo bench --bench magnitudes            medians of columns at once and one by one
+//! cargo bench --bench magnitudes            medians for whole columns and for single directions
 //! ```
 
 use std::time::Instant;
@@ -11,7 +11,7 @@ use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BodyAngles, BrightnessModel, ModelLibrary, PhotometryOptions};
 
 const DIRECTIONS: usize = 20_000;
-/// Directions of a prediction with earthshine.
+/// Number of directions of a prediction with earthshine.
 const FEW: usize = 1000;
 const ROUNDS: usize = 51;
 
@@ -55,7 +55,7 @@ fn main() {
     }
 }
 
-/// Nanoseconds of a prediction with earthshine and sigma, the Sun at a latitude, radians.
+/// Returns the time of a prediction with earthshine and sigma, ns per direction. `sun_rad` is the latitude of the Sun.
 fn prediction_ns(name: &str, sun_rad: f64, longitudes_rad: &[f64], latitudes_rad: &[f64]) -> f64 {
     let model = ModelLibrary::embedded().get(name).expect("shipped");
     let options = PhotometryOptions::default();
@@ -75,7 +75,7 @@ fn prediction_ns(name: &str, sun_rad: f64, longitudes_rad: &[f64], latitudes_rad
     all * DIRECTIONS as f64 / geometries.len() as f64
 }
 
-/// Nanoseconds per direction.
+/// Returns the median time per direction, ns.
 fn median(mut work: impl FnMut()) -> f64 {
     let mut times: Vec<f64> = (0..ROUNDS)
         .map(|_| {

@@ -1,4 +1,4 @@
-//! Time for maps: all sky at nside 64 on all cores, and an image of it.
+//! Time to compute a map of the whole sky at nside 64 on all cores, and to draw it.
 
 use divan::{Bencher, black_box};
 use streakcast::maps::{Earth, Grid, SkyView};
@@ -18,7 +18,7 @@ fn view(model: &BrightnessModel, sun_altitude_deg: f64, earthshine: Earthshine) 
     SkyView::new(model, Earth::Sphere, 550.0, 0.0, sun, options).expect("a sound question")
 }
 
-/// 24,704 directions at or above the horizon. With the Sun at 0 almost none of them is in the shadow.
+/// The map has 24,704 directions at or above the horizon. With the Sun at 0°, almost no satellite is in the shadow.
 #[divan::bench(args = [0.0, -16.0])]
 fn all_sky_nside_64(bencher: Bencher, sun_altitude_deg: f64) {
     let model = model();

@@ -1,4 +1,4 @@
-//! Speed of the main task: element text to list of crossings, a warm exposure, and scaling.
+//! Time of the main task, from element text to crossings; time of an exposure with filled caches; and scaling.
 //!
 //! ```text
 //! cargo bench --bench night -- ELEMENTS SCHEDULE [FOV_DEG]          medians of cold and warm runs
@@ -59,12 +59,12 @@ fn exposures(schedule: &str) -> Vec<Exposure> {
 
 fn crossings_of(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
     let field = Field::circle(fov_deg.to_radians()).expect("a field");
-    // Including satellites in the shadow, as in the peers' lists.
+    // Satellites in the shadow are included, because the peers list them too.
     let options = PassOptions { include_dark: true, ..PassOptions::default() };
     sky.field_passes(exposures, &field, &options).expect("an answer")
 }
 
-/// Seconds for reading, preparation, and crossings.
+/// Returns the times for reading, preparation, and crossings, seconds.
 fn cold(elements: &str, exposures: &[Exposure], fov_deg: f64) -> [f64; 3] {
     let start = Instant::now();
     let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
@@ -112,7 +112,7 @@ fn medians(elements: &str, schedule: &str, fov_deg: f64) {
     println!("{:14} {:8.1} µs per exposure, as called by a scheduler", "one by one", 1e6 * median(one_by_one));
 }
 
-/// Probabilities of all satellites in a dozen visits of an evening, warm.
+/// Measures the probabilities of all satellites in twelve visits of an evening, with filled caches.
 fn old_elements(elements: &str, date: &str, fov_deg: f64) {
     let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let sky = sky(catalogue.element_sets);
@@ -146,7 +146,7 @@ fn old_elements(elements: &str, date: &str, fov_deg: f64) {
     println!("{:14} {:8.2} ms a visit", "one by one", 1e3 * median(one_by_one));
 }
 
-/// Clear windows of forty targets above the horizon in an evening, computed together.
+/// Measures the clear windows of forty targets above the horizon in an evening, computed in one request.
 fn clear(elements: &str, date: &str, fov_deg: f64) {
     let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let sky = sky(catalogue.element_sets);
@@ -174,10 +174,10 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
     println!("{:14} {:8.2} ms a target", "five hours", 1e3 * median(times) / targets.len() as f64);
 }
 
-/// Random pointings above 30° of altitude every 34 s over successive nights.
+/// Returns random pointings above an altitude of 30°, one every 34 s over successive nights.
 fn random_exposures(start: Epoch, count: usize) -> Vec<Exposure> {
     let mut state = 1_u64;
-    // Knuth's MMIX generator: the pointings only need to be spread out and reproducible.
+    // Linear congruential generator of Knuth (MMIX): the pointings must only be spread out and reproducible.
     let mut random = move || {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 11) as f64 / (1_u64 << 53) as f64
@@ -209,7 +209,7 @@ fn growth() {
     }
     let measure = |satellites: usize, count: usize| {
         let exposures = random_exposures(start, count);
-        // Every n-th satellite, so that each size has the same mixture of shells.
+        // Every n-th satellite is used, so that catalogues of all sizes contain the same fractions of shells.
         let step = shells.len() as f64 / satellites as f64;
         let chosen = (0..satellites).map(|number| shells[(number as f64 * step) as usize].clone()).collect();
         let sky = sky(chosen);

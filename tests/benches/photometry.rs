@@ -1,5 +1,5 @@
-//! Time of a magnitude: by sunlight, with earthshine, for two panels as a list of panels, and for a map of all
-//! directions below.
+//! Time to compute a magnitude: with sunlight only, with earthshine, for two panels given as a list of panels, and for
+//! a map of all directions below the satellite.
 
 use divan::{Bencher, black_box};
 use nalgebra::Vector3;
@@ -9,7 +9,8 @@ use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, Photomet
 
 /// Number of directions in one iteration.
 const DIRECTIONS: usize = 1000;
-/// Solar latitudes, degrees: low twilight, terminator below the satellite, and daylight on half of the visible cap.
+/// Latitudes of the Sun, degrees: low twilight, terminator below the satellite, and daylight on half of the visible
+/// ground.
 const SUNS_DEG: [f64; 3] = [-8.0, 0.0, 8.0];
 
 fn main() {
@@ -20,11 +21,11 @@ fn model() -> std::sync::Arc<BrightnessModel> {
     ModelLibrary::embedded().get("starlink-v1.5").expect("shipped")
 }
 
-/// Directions in the lower hemisphere and around one Sun, at 550 km.
+/// Returns directions in the lower hemisphere of a satellite at 550 km, with the Sun near one latitude.
 fn geometries(n: usize, sun_deg: f64) -> Vec<ViewingGeometry> {
     (0..n)
         .map(|i| {
-            // Equal areas along a golden spiral.
+            // Directions on a golden spiral, each for the same solid angle.
             let up = -(i as f64 + 0.5) / n as f64;
             let longitude = 2.399_963 * i as f64;
             let range_km = 550.0 / up.abs().max(0.2);
@@ -40,7 +41,7 @@ fn geometries(n: usize, sun_deg: f64) -> Vec<ViewingGeometry> {
         .collect()
 }
 
-/// Sunlight only; target: 0.2 µs.
+/// Sunlight only; target: 0.2 µs per direction.
 #[divan::bench]
 fn brightness_1000_sun_only(bencher: Bencher) {
     let (model, geometries) = (model(), geometries(DIRECTIONS, -8.0));
@@ -48,7 +49,7 @@ fn brightness_1000_sun_only(bencher: Bencher) {
     bencher.bench(|| total(&model, &geometries, &options));
 }
 
-/// With earthshine for a different Sun each time; target: 5 µs each.
+/// With earthshine for a different Sun each time; target: 5 µs per direction.
 #[divan::bench(args = SUNS_DEG)]
 fn brightness_1000_with_earthshine(bencher: Bencher, sun_deg: f64) {
     let (model, geometries) = (model(), geometries(DIRECTIONS, sun_deg));
@@ -79,10 +80,10 @@ fn directions(n: usize, sun_deg: f64) -> Vec<(f64, Vector3<f64>)> {
         .collect()
 }
 
-/// Directions of nside 64 below the chassis.
+/// Number of directions of nside 64 below the chassis.
 const MAP: usize = 24_448;
 
-/// A map of the lower hemisphere of the body frame by sunlight, one direction after the other.
+/// Map of the lower hemisphere of the body frame in sunlight, one direction after the other.
 #[divan::bench(sample_count = 20)]
 fn map_24448_sun_only(bencher: Bencher) {
     let (model, geometries) = (model(), geometries_of_map(-8.0));
@@ -92,7 +93,7 @@ fn map_24448_sun_only(bencher: Bencher) {
     });
 }
 
-/// The paper's satellite as a list of panels, by sunlight: general code compared with the two-panel equations.
+/// Satellite of the paper as a list of panels in sunlight; compares the general code with the two-panel equations.
 #[divan::bench(sample_count = 20)]
 fn map_24448_sun_only_as_list_of_panels(bencher: Bencher) {
     let file = ModelLibrary::embedded().get("visorsat-panels").expect("shipped").file().expect("from a file").clone();

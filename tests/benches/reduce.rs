@@ -1,11 +1,11 @@
-//! Two million rows of photometry, from text to geometry to pixels: time, rows per second and peak memory.
+//! Reduction of two million rows of photometry, from text to geometry to pixels: time, rows per second, peak memory.
 //!
 //! ```text
 //! cargo bench --bench reduce                  2 million simulated rows, on all threads of the pool
 //! cargo bench --bench reduce -- 10            10 million
 //! ```
 //!
-//! The rows are simulated first (also timed) and written to a temporary folder; 40 nights over a year, a shell of 1584
+//! The rows are first simulated (also timed) and written to a temporary folder: 40 nights in a year, a shell of 1584
 //! satellites, one element set per night and satellite.
 
 use std::fs::File;
@@ -32,7 +32,7 @@ use simulated_photometry::{SimulationOptions, simulate, write_mmt_csv};
 
 const SHELL: &str = "[[constellation]]\nname = 'shell'\nshell = [{ altitude_km = 550, inclination_deg = 53, planes = 72, \
                      satellites_per_plane = 22, phasing = 17 }]";
-/// Rounds of each measurement; the median is printed.
+/// Number of rounds of each measurement, of which the median is printed.
 const ROUNDS: usize = 3;
 const DAY_S: f64 = 86_400.0;
 
@@ -44,20 +44,20 @@ fn main() {
     }
 }
 
-/// Returns the noon before the first of forty nights spread over a year.
+/// Returns the noon before the first of forty nights in a year.
 fn first_night() -> Epoch {
     "2023-01-05T12:00:00 UTC".parse().expect("an epoch")
 }
 
-/// One element set per night and satellite.
+/// Returns one element set per night and satellite.
 fn history() -> History {
     let shell = Constellation::from_toml(SHELL).expect("a shell").remove(0);
     let nights = (0..40).map(|night| seconds_after(first_night(), (f64::from(night) * 9.0 + 0.5) * DAY_S));
     History::new(nights.flat_map(|epoch| shell.element_sets(epoch)).collect())
 }
 
-/// Simulates the given number of million rows, and measures them in another process, so that its memory is that of
-/// reading only.
+/// Simulates `millions` million rows. They are measured in another process, so that its memory is only that of the
+/// reduction.
 fn make(millions: u32) {
     let (history, model) = (history(), ModelLibrary::embedded().get("starlink-v1.5").expect("shipped"));
     let folder = tempfile::tempdir().expect("a folder");
@@ -132,7 +132,7 @@ fn pack(path: &Path) {
     out.finish().expect("packed");
 }
 
-/// Peak or present memory, if the system provides it.
+/// Returns the peak and current memory as text, if the operating system provides them.
 fn memory(what: &str) -> String {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));

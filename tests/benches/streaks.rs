@@ -1,10 +1,10 @@
-//! Streaks drawn into a 4096 x 4096 frame, and the detector effects on one.
+//! Time to draw streaks into a 4096 x 4096 frame, and to apply detector effects to one frame.
 //!
 //!     cargo bench --bench streaks [-- --rounds 15]
 //!
-//! Prints medians on one core. `peers/streaks.py` runs the same cases with GalSim and NumPy and prints ratios; it calls
-//! this with `--pixels FILE`, which writes the light of the shortest Gaussian streak as 32-bit numbers for a
-//! comparison.
+//! Prints medians on one core. `peers/streaks.py` measures the same cases with GalSim and NumPy and prints ratios. It
+//! runs this benchmark with `--pixels FILE`, which writes the pixel values of the shortest Gaussian streak as 32-bit
+//! floats for comparison.
 
 use std::io::Write;
 use std::time::Instant;
@@ -14,8 +14,8 @@ use streakcast::streaks::{Blur, RadialProfile, Seeing};
 use streakcast::streaks::{PathNode, StreakPath, draw};
 
 const SIZE: usize = 4096;
-/// Streaks as in `peers/streaks.py`: an angle that favours neither rows nor columns, through the centre of the frame,
-/// one count of light per pixel.
+/// Streaks as in `peers/streaks.py`: inclined to rows and columns, through the centre of the frame, with one count per
+/// pixel of length.
 const ANGLE_RAD: f64 = 0.7;
 
 fn blurs() -> Vec<(&'static str, Blur)> {
@@ -30,7 +30,7 @@ fn blurs() -> Vec<(&'static str, Blur)> {
     ]
 }
 
-/// Straight, or a parabola with its middle `bow_pix` away from the chord, as caused by distortion.
+/// Returns a straight path, or a parabola whose middle is `bow_pix` away from the chord, as caused by distortion.
 fn streak(length_pix: f64, bow_pix: f64) -> StreakPath {
     let (sin, cos) = ANGLE_RAD.sin_cos();
     let node = |time_s: f64| {
@@ -70,7 +70,7 @@ fn main() {
         let profile = RadialProfile::of(&blur).expect("a profile");
         println!("{name} profile: {profile_ms:.3} ms (reach {:.0} pixels)", profile.reach_pix());
         let straight = [500.0, 1000.0, 2000.0, 4000.0, 8000.0].map(|length_pix| (length_pix, 0.0));
-        // The last straight one is longer than the frame's diagonal, so both ends are outside.
+        // The last straight streak is longer than the diagonal of the frame, so that both ends are outside.
         for (length_pix, bow_pix) in straight.into_iter().chain([(4000.0, 0.5), (4000.0, 3.0)]) {
             let path = streak(length_pix, bow_pix);
             let mut pixels = 0;

@@ -1,6 +1,6 @@
-//! Annotated schedules in the formats of common tools (samples from tests/reference/make_schedule_samples.py): original
-//! bytes are kept, verdicts agree between formats, streaks are written to a second file, and shards of a batch add up
-//! to the whole.
+//! Annotated schedules in the formats of common tools (samples from tests/reference/make_schedule_samples.py): the
+//! original text is contained unchanged, verdicts agree between formats, streaks are written to a second file, and the
+//! shards of a batch together equal the whole.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -20,8 +20,8 @@ fn annotated(folder: &TempDir, name: &str, more: &[&str]) -> PathBuf {
     PathBuf::from(output)
 }
 
-/// Returns true if each line of a text (and each object of one-line JSON) is contained unchanged and in order in
-/// another text, which may have additional lines.
+/// Returns true if each line of a text (and each object of one-line JSON) occurs unchanged and in order in another
+/// text.
 fn is_contained(original: &str, text: &str) -> bool {
     let mut rest = text;
     let mut pieces = original
@@ -54,7 +54,7 @@ fn consdb_exports_are_tai_and_the_same_in_every_format() {
     for name in ["consdb.ecsv", "consdb_comma.ecsv", "consdb.vot"] {
         assert_eq!(verdicts(name, &[]), expected, "{name}");
     }
-    // The sample's starts (23:05:37 on) are TAI: 37 s earlier in UTC.
+    // The start times of the sample (23:05:37 and later) are TAI, 37 s ahead of UTC.
     let answer = crate::common::cli::json(&[&["flag", "--schedule", &sample("consdb.csv")], FLAG, SKY]);
     assert_eq!(answer["provenance"]["time_scale"], "tai");
     assert_eq!(answer["provenance"]["schedule"]["first_start_utc"], "2024-08-14T23:05:00.000Z");
@@ -70,7 +70,7 @@ fn obsplan_feeds_need_a_time_scale_and_number_their_rows() {
     assert_eq!(code, 2);
     assert!(stderr.contains("the time scale of column t_planning is missing") && stderr.contains("37 s"), "{stderr}");
     let scale = &["--time-scale", "utc"];
-    // The same night as the other samples, without rotation, which is irrelevant for a circular field.
+    // The same exposures as in the other samples, without rotation, which has no effect for a circular field.
     assert_eq!(verdicts("obsplan.json", scale), verdicts("consdb.csv", &[]));
     let folder = tempfile::tempdir().unwrap();
     let output = annotated(&folder, "obsplan.json", scale);
@@ -101,7 +101,7 @@ fn original_bytes_are_kept_and_a_second_annotation_replaces_the_first() {
             text.matches("clear").count() + text.matches("streaked").count() + text.matches("avoid").count()
         };
         assert!(verdict_count(&text) >= 12, "{name}");
-        // An annotated file can be read as before, and annotated again only with the flag.
+        // An annotated file can be read like the original, and annotated again only with `--replace`.
         let output = output.display().to_string();
         let again = |more: &[&str]| {
             run(&[&["annotate", "--schedule", &output, "-o", &path(&folder, "second")], FLAG, SKY, scale, more])
@@ -113,7 +113,7 @@ fn original_bytes_are_kept_and_a_second_annotation_replaces_the_first() {
         assert_eq!(code, 0, "{name}: {stderr}");
         let strip = |text: &str| text.replace(&output, "").replace(&sample(name), "");
         assert_eq!(strip(&fs::read_to_string(path(&folder, "second")).unwrap()), strip(&text), "{name}");
-        // An annotation in place is also written atomically, and no temporary file remains.
+        // An annotation of the file itself is also written atomically, and no temporary file remains.
         let (code, ..) = run(&[&["annotate", "--schedule", &output, "-o", &output, "--replace"], FLAG, SKY, scale]);
         assert_eq!(code, 0, "{name}");
         let stray = fs::read_dir(folder.path())
@@ -168,10 +168,10 @@ fn unwritable_formats_are_rejected_before_any_work() {
     );
 }
 
-/// A field wide enough for streaks in most rows.
+/// Wide field, so that most rows have streaks.
 const WIDE: &[&str] = &["--fov", "12deg", "--limit-mag", "6.5"];
 
-/// The same evening on three nights.
+/// Returns a schedule with the same exposures on three nights.
 fn three_nights() -> String {
     let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
     for night in 0..3 {
@@ -227,8 +227,8 @@ fn shards_of_a_batch_add_up_to_the_whole() {
     assert_eq!(all_streaks, streaks);
     assert!(!streaks.is_empty());
 
-    // In the other formats a shard is a complete file: there is one night here, so one shard has it and the other has
-    // no rows.
+    // In the other formats a shard is a complete file. These schedules have one night: one shard contains it, and the
+    // other has no rows.
     for (name, scale) in [
         ("consdb.ecsv", &[][..]),
         ("consdb.vot", &[]),
@@ -291,7 +291,7 @@ mod parquet {
         for (index, field) in before.schema().fields().iter().enumerate() {
             assert_eq!(after.schema().field(index), field.as_ref());
             let (old, new) = (before.column(index).to_data(), after.column(index).to_data());
-            // NaN values in a list are compared by their bytes.
+            // Lists may contain NaN, which is not equal to itself; their text is compared.
             assert!(old == new || format!("{old:?}") == format!("{new:?}"), "{}", field.name());
         }
         let verdict = after.column_by_name("verdict").unwrap().as_string::<i32>().iter();

@@ -32,7 +32,7 @@ fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// Checks that a run fails with one error line that contains every part, nothing on standard output, and exit code 2.
+/// Checks that a run fails with exit code 2, one error line that contains every part, and no standard output.
 #[track_caller]
 fn fails(arguments: &[&[&str]], parts: &[&str]) {
     let (code, stdout, stderr) = run(arguments);
@@ -55,7 +55,7 @@ fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 
-/// A build without Parquet reports an error, and does not write text instead.
+/// A build without Parquet support reports an error, and does not write another format.
 #[cfg(not(feature = "parquet"))]
 #[test]
 fn parquet_is_rejected_without_a_file() {
@@ -203,7 +203,7 @@ fn invalid_schedules() {
     let mjd = b"exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n1,60536.14,30,280,-30\n";
     schedule("mjd.csv", mjd, &["the time scale of column start_mjd is missing", "--time-scale utc, tai or tt", "37 s"]);
     let early = format!("{HEADER}1,1850-08-14T03:30:00Z,30,280,-30\n");
-    // Rows that cannot be evaluated are reported in the result and are not an error.
+    // Rows that cannot be judged are part of the result and not an error.
     let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);
     assert_eq!(code, 0, "{stderr}");
     for part in ["warning: ", "none of its 1 rows can be judged", "outside the years of the ephemeris", "1957 to 2099"]
@@ -416,7 +416,7 @@ fn misspelt_columns_are_suggested_and_other_encodings_named() {
             "ra_deg (did you mean RA_deg?), dec_deg;",
         ],
     );
-    // 0xf3 is ó in Latin-1.
+    // Byte 0xf3 is ó in Latin-1.
     let latin = [HEADER.as_bytes(), b"Pach\xf3n,2024-08-14T03:30:00Z,30,280,-30\n"].concat();
     schedule("l.csv", &latin, &["invalid UTF-8 in line 2", "Latin-1", "iconv -f LATIN1 -t UTF-8"]);
     let elements = file(&folder, "empty.xml", b"<ndm><omm id=\"a\"><body><segment/></body></omm></ndm>");
@@ -426,7 +426,7 @@ fn misspelt_columns_are_suggested_and_other_encodings_named() {
 #[test]
 fn an_unwritable_annotation_is_rejected_before_any_work() {
     let folder = tempfile::tempdir().unwrap();
-    // The schedule does not exist, but the error is about the folder.
+    // The schedule does not exist either, but the error is that of the output folder.
     let nowhere = folder.path().join("no/such/out.csv").display().to_string();
     fails(
         &[&["annotate", "--schedule", "/nowhere.csv", "-o", &nowhere, "--fov", "1deg"], SITE, SHELLS],
@@ -498,7 +498,8 @@ fn a_policy_with_limits_of_the_telescope_needs_a_telescope() {
     fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);
 }
 
-/// Memory and time grow with the exposure: 11.4 million years took 172 GB, 1e300 s is beyond every date.
+/// Very long exposures are rejected: without a limit, 11.4 million years took 172 GB, and 1e300 s is outside the
+/// calendar.
 #[test]
 fn exposures_longer_than_a_day_are_refused() {
     let pointing = [&POINTING[..3], &POINTING[5..]].concat();
@@ -515,7 +516,7 @@ fn exposures_longer_than_a_day_are_refused() {
     }
 }
 
-/// Nested block sequences and mappings overflowed the stack of the YAML loader.
+/// Deeply nested YAML is rejected: it would overflow the stack of the YAML loader.
 #[test]
 fn deeply_nested_ecsv_headers_are_refused() {
     let folder = TempDir::new().unwrap();
@@ -529,7 +530,8 @@ fn deeply_nested_ecsv_headers_are_refused() {
     }
 }
 
-/// A named pipe without a writer blocked the run, a device without end filled the memory.
+/// Named pipes and devices are rejected: a pipe without a writer blocks the run, and an endless device fills the
+/// memory.
 #[cfg(unix)]
 #[test]
 fn pipes_and_devices_are_refused() {
@@ -551,7 +553,7 @@ fn pipes_and_devices_are_refused() {
     fails(&[strict, SITE, &["--elements", "/dev/fd/0"]], &["/dev/fd/0 is a stream", "allowed: a file"]);
 }
 
-/// A shell gives `<(command)` as the name of an open descriptor.
+/// The shell passes `<(command)` as the path of an open file descriptor.
 #[cfg(unix)]
 #[test]
 fn a_schedule_can_come_from_a_stream() {
@@ -562,7 +564,7 @@ fn a_schedule_can_come_from_a_stream() {
     }
 }
 
-/// The file is sparse: its 3 GB take no space.
+/// The file is sparse: its 3 GB occupy no disk space.
 #[test]
 fn files_above_2_gb_are_refused() {
     let folder = TempDir::new().unwrap();
@@ -574,7 +576,7 @@ fn files_above_2_gb_are_refused() {
     fails(&[POINTING, SITE, SHELLS, &["--eop", &large]], &parts);
 }
 
-/// A terminal obeys control characters: they could clear the screen, or rename the window.
+/// Control characters are escaped on terminals: they could clear the screen or rename the window.
 #[test]
 fn control_characters_of_files_are_escaped_for_people() {
     let folder = TempDir::new().unwrap();
@@ -585,7 +587,7 @@ fn control_characters_of_files_are_escaped_for_people() {
     assert!(stdout.contains("a\\u{1b}[2J"), "{stdout}");
     assert!(stderr.contains("30\\u{9b}\\u{7}"), "{stderr}");
     assert!(!(stdout + &stderr).contains(|c: char| c.is_control() && c != '\n'));
-    // Data for programs keep the cells as they are.
+    // In data formats, cells are not escaped.
     assert!(run(&[&flag(&schedule), &["--format", "csv"]]).1.contains("a\u{1b}[2J"));
     fails(&[POINTING, SITE, &["--shells", "x\u{1b}[2J"]], &["x\\u{1b}[2J"]);
 }

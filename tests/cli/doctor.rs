@@ -1,4 +1,4 @@
-//! `streakcast doctor`: check of the setup.
+//! `streakcast doctor`: setup check.
 
 use crate::common::cli::{path, run};
 use crate::common::elements::pair;

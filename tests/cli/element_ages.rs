@@ -1,5 +1,5 @@
-//! Effect of the age of element sets: drag of satellites that hold their orbits, and warnings about lateness and
-//! verdicts.
+//! Effects of old element sets: no drag for satellites that hold their orbits, and warnings about along-track errors
+//! and changed verdicts.
 
 use std::fs;
 
@@ -11,14 +11,15 @@ use crate::common::cli::{json, path, run};
 const EPOCH: &str = "2026-08-07T00:00:00 UTC";
 const FIELD: &[&str] = &["--mpc", "X05", "--fov", "3.5deg", "--limit-mag", "7"];
 
-/// Writes the satellites of a simulated constellation as real ones with this name, a week before examples/night.csv.
+/// Writes the satellites of a simulated constellation as real ones with this name and an epoch a week before
+/// examples/night.csv.
 fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivative_rev_day2: f64) -> String {
     let sets = Constellation::by_name(shells).unwrap().element_sets(EPOCH.parse().unwrap());
     let text = |(number, set): (u32, &ElementSet)| {
         let set = ElementSet {
             norad_id: NoradId(60_000 + number),
             mean_motion_dot_rev_day2: half_derivative_rev_day2,
-            // B* of a circular orbit at 550 km with this ṅ/2, in order of magnitude.
+            // Approximate B* of a circular orbit at 550 km for this ṅ/2.
             bstar_per_earth_radius: 5.0 * half_derivative_rev_day2,
             origin: Origin::Published,
             ..set.clone()
@@ -31,7 +32,7 @@ fn catalogue(folder: &tempfile::TempDir, shells: &str, name: &str, half_derivati
     file
 }
 
-/// A V2 Mini by its name, with a published drag: D t² = P ṅ/2 t² are 50 s after 7 days.
+/// V2 Mini satellites, identified by name, with a published drag whose effect D t² = P ṅ/2 t² is 50 s after 7 days.
 #[test]
 fn verif_published_drag_changes_places_and_is_stated() {
     let folder = tempfile::tempdir().unwrap();
@@ -48,7 +49,7 @@ fn verif_published_drag_changes_places_and_is_stated() {
     let [ra, dec] = ["ra_deg", "dec_deg"].map(|name| number(&published, name) - number(&ours, name));
     let moved_deg = (ra * number(&ours, "dec_deg").to_radians().cos()).hypot(dec);
     assert!(moved_deg > 0.5, "{moved_deg}");
-    // Without drag the stated error is smaller.
+    // Without drag the stated along-track error is smaller.
     let late_s = |answer: &Value| number(answer, "along_track_sigma_s");
     assert!(late_s(&ours) < 0.5 * late_s(&published), "{} {}", late_s(&ours), late_s(&published));
 }
@@ -58,7 +59,8 @@ fn share(text: &str) -> f64 {
     before.rsplit(' ').next().unwrap().parse().unwrap()
 }
 
-/// Percentage of verdicts that change: the mean of p_crossing of clear visits, and of 1 - p_crossing of others.
+/// Returns the printed percentage of verdicts that change: the mean of p_crossing of clear visits, and of 1 -
+/// p_crossing of the others.
 fn changed(stdout: &str) -> f64 {
     let answer: Value = serde_json::from_str(stdout).unwrap();
     let flags = answer["flags"].as_array().unwrap();
@@ -71,7 +73,7 @@ fn changed(stdout: &str) -> f64 {
 
 const SMALL_FIELD: &[&str] = &["--mpc", "X05", "--fov", "2deg", "--format", "json"];
 
-/// Writes a schedule of some visits of the first minutes of the night.
+/// Writes a schedule of selected visits of the first minutes of the night.
 fn visits(folder: &tempfile::TempDir, name: &str, wanted: impl Fn(&str) -> bool) -> String {
     let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n".to_owned();
     for number in 0..80 {
@@ -86,8 +88,8 @@ fn visits(folder: &tempfile::TempDir, name: &str, wanted: impl Fn(&str) -> bool)
     file
 }
 
-/// With --min-probability near misses make visits `streaked`, without a nominal crossing: these change to clear with the
-/// probability that no satellite crosses. Visits that no satellite crosses nominally have a share too.
+/// With --min-probability, near misses make visits `streaked` without a nominal crossing. These visits change to clear
+/// with the probability that no satellite crosses. Clear visits also contribute to the percentage.
 #[test]
 fn verif_shares_of_near_misses_follow_the_verdicts() {
     let folder = tempfile::tempdir().unwrap();
@@ -152,7 +154,7 @@ fn verif_old_elements_warn_with_their_effect_on_verdicts() {
     assert!(code == 2 && stdout.contains("no-such.csv"), "{stdout}");
 }
 
-/// Simulated satellites never age.
+/// The elements of simulated satellites are always current.
 #[test]
 fn verif_new_elements_do_not_warn() {
     let night = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/night.csv");

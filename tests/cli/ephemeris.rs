@@ -15,7 +15,7 @@ fn verif_columns_rows_and_formats_agree() {
     let rows = records(&text);
     assert_eq!(rows[0].iter().collect::<Vec<_>>().join(","), HEADER);
     assert!(rows.len() > 10 && rows.len() % 3 == 1, "{} rows", rows.len());
-    // Satellite by satellite, in order of time.
+    // Rows are grouped by satellite, in time order.
     assert_eq!((&rows[1][0], &rows[1][2]), (&rows[3][0], "2026-08-14T23:29:05.000000Z"));
     assert_eq!((&rows[3][2], &rows[1][3]), ("2026-08-14T23:30:05.000000Z", "2461267.47853009"));
 
@@ -60,7 +60,7 @@ fn verif_times_of_a_list_a_file_and_steps_are_the_same() {
     assert_eq!(rows(&[&["--times"], &times[..]].concat()), steps);
 }
 
-/// The place at the time of entry is that of `passes`.
+/// The position at the time of entry equals that of `passes`.
 #[test]
 fn verif_the_place_at_an_entry_is_that_of_the_pass() {
     let exposure =
@@ -73,7 +73,8 @@ fn verif_the_place_at_an_entry_is_that_of_the_pass() {
     let place = &answer["ephemeris"][0];
     for (ours, theirs) in [("ra_deg", "enter_ra_deg"), ("dec_deg", "enter_dec_deg")] {
         let [ours, theirs] = [&place[ours], &pass[theirs]].map(|value| value.as_f64().unwrap());
-        // Times are written to the microsecond, half a microsecond of 1 deg/s; degrees of passes to six decimals.
+        // Times are rounded to a microsecond, half of which is 5e-7 deg at 1 deg/s; degrees of passes have six
+        // decimals.
         assert!((ours - theirs).abs() < 2e-6, "{ours} {theirs}");
     }
 }
@@ -96,7 +97,7 @@ fn errors_name_what_is_allowed() {
         assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
         assert!(stderr.contains(part), "{part}: {stderr}");
     }
-    // No place above the altitude is an answer.
+    // If no position is above the altitude limit, the result is empty and not an error.
     let (code, stdout, _) = run(&[PLACES, SKY, &at, &["--min-altitude", "89.9"]]);
     assert_eq!((code, records(&stdout).len()), (1, 1));
 }

@@ -1,5 +1,5 @@
-//! `streakcast fetch` with faulty servers: a valid cached file is replaced only by a valid newer one, and requests are
-//! not repeated early.
+//! `streakcast fetch` with faulty servers: a valid cached file is replaced only by newer valid data, and no request is
+//! sent within the waiting time of the source.
 
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -18,7 +18,7 @@ fn elements(file: &str) -> Vec<u8> {
     crate::common::elements::sample(file)
 }
 
-/// A server on loopback that answers each connection in turn and records the requests.
+/// Server on a loopback address that handles each connection by the next handler and records the requests.
 struct Server {
     url: String,
     requests: Arc<Mutex<Vec<String>>>,
@@ -51,8 +51,8 @@ impl Server {
     }
 }
 
-/// Reads the head and, if its length is given, the body of a request. Of a TLS handshake, which starts with byte 22 and
-/// has no head, it reads what arrives first.
+/// Reads the head and, if its length is stated, the body of a request. A TLS handshake starts with byte 22 and has no
+/// head; only its first bytes are read.
 fn request(stream: &mut TcpStream) -> String {
     let mut bytes = Vec::new();
     let mut buffer = [0; 4096];
@@ -116,7 +116,7 @@ impl Cache {
 
     fn source(&self, source: &[&str], server: &str, now: &str, more: &[&str]) -> (i32, String, String) {
         let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));
-        // A proxy of this machine does not apply to loopback.
+        // Proxies of the machine must not be used for loopback addresses.
         for name in ["http_proxy", "HTTP_PROXY", "https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"] {
             command.env_remove(name);
         }
@@ -126,7 +126,7 @@ impl Cache {
         (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
     }
 
-    /// A cache with a valid file from two days before, so that the waiting time is over.
+    /// Returns a cache with a valid file that is two days old, so that the waiting time is over.
     fn filled() -> Self {
         let cache = Self::new();
         let headers = "Content-Type: text/csv\r\nETag: \"abc\"\r\nLast-Modified: Mon, 12 Aug 2024 10:00:00 GMT\r\n";
@@ -183,7 +183,7 @@ fn later_requests_are_conditional_and_304_keeps_the_file() {
     let record = cache.record();
     assert_eq!((&record["fetched_utc"], &record["asked_utc"]), (&"2024-08-12T12:00:00Z".into(), &NOON.into()));
     assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
-    // "Not modified" does not apply to a file that another program has changed.
+    // "Not modified" does not apply to a file that was changed locally.
     std::fs::write(cache.file(), elements("sample.2le")).unwrap();
     let server = Server::one(ok(elements("sample.csv"), ""));
     assert_eq!(cache.run(&server.url, "2024-08-15T12:00:00Z", &[]).0, 0);
@@ -201,7 +201,7 @@ fn a_newer_file_replaces_the_old_one() {
     assert_eq!(cache.record()["fetched_utc"], NOON);
 }
 
-/// After each failure of the server the valid file is kept, the sidecar has the reason, and the next request must wait.
+/// After each kind of failure, the valid file is kept, the sidecar contains the reason, and the next request must wait.
 #[test]
 fn no_failure_replaces_a_valid_file() {
     let status = |status: &'static str, headers: &'static str, body: &'static str| -> Reply {
@@ -234,7 +234,7 @@ fn no_failure_replaces_a_valid_file() {
         (status("200 OK", "Content-Type: image/png\r\n", "\u{1}PNG"), &[], "no element sets"),
         (status("200 OK", "", ""), &[], "nothing"),
         (status("200 OK", "Content-Encoding: gzip\r\n", "this is not gzip"), &[], "with a truncated body"),
-        // The response announces more bytes than it sends.
+        // The response states more bytes than are sent.
         (
             Box::new(move |stream| {
                 send(stream, format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n", half.len()).as_bytes());
@@ -243,7 +243,7 @@ fn no_failure_replaces_a_valid_file() {
             &[],
             "with a truncated body",
         ),
-        // The response has no length, and its last record is cut.
+        // The length of the response is not stated, and its last record is truncated.
         (
             Box::new(move |stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n");
@@ -252,15 +252,15 @@ fn no_failure_replaces_a_valid_file() {
             &[],
             "the response has no element sets",
         ),
-        // The connection ends before the last chunk.
+        // The connection is closed before the last chunk.
         (
             Box::new(|stream| send(stream, b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nOBJEC\r\n")),
             &[],
             "with a truncated body",
         ),
-        // The response has more bytes than the limit.
+        // The response is larger than the limit.
         (Box::new(ok(vec![b'1'; 5_000], "")), &["--max-bytes", "1000"], "more than the limit of 1000 bytes"),
-        // The server sends single bytes with long pauses.
+        // The server sends single bytes at long intervals.
         (
             Box::new(|stream| {
                 send(stream, b"HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n");
@@ -294,7 +294,7 @@ fn no_failure_replaces_a_valid_file() {
             "{record}"
         );
         assert_eq!(server.requests().len(), 1, "{expected}");
-        // The failure is remembered: the old file is used with a warning and no request is sent.
+        // The failure is recorded: the old file is used with a warning, and no request is sent.
         let (code, stdout, stderr) = cache.run(&server.url, "2024-08-14T13:00:00Z", &[]);
         assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
         assert!(stderr.contains("warning: the last request to CelesTrak was at 2024-08-14T12:00:00Z"), "{stderr}");
@@ -308,7 +308,7 @@ fn no_failure_replaces_a_valid_file() {
     }
 }
 
-/// Unresolvable name, closed port, failing TLS: no request was sent, so no waiting time starts.
+/// Unknown host name, closed port, failing TLS: no request is sent, so that no waiting time starts.
 #[test]
 fn failed_connections_start_no_waiting_time() {
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
@@ -330,7 +330,7 @@ fn failed_connections_start_no_waiting_time() {
         assert_eq!(cache.run(&server.url, "2024-08-14T12:01:00Z", &[]).0, 0, "{url}");
         assert_eq!(server.requests().len(), 1, "{url}");
     }
-    // A first failed request leaves no record that would delay the next one.
+    // A first request that fails leaves no record that delays the next one.
     let cache = Cache::new();
     assert_eq!(cache.run(&format!("http://{gone}"), NOON, &[]).0, 2);
     assert!(!cache.folder().join(format!("{NAME}.fetch.json")).exists());
@@ -338,7 +338,7 @@ fn failed_connections_start_no_waiting_time() {
     assert_eq!(cache.run(&server.url, NOON, &[]).0, 0);
 }
 
-/// A login that does not reach the server starts no waiting time.
+/// If a login does not reach the server, no waiting time starts.
 #[test]
 fn a_login_without_connection_starts_no_waiting_time() {
     let cache = Cache::new();
@@ -348,7 +348,7 @@ fn a_login_without_connection_starts_no_waiting_time() {
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let (code, _, stderr) = cache.source(&words, &format!("http://{gone}"), NOON, &[]);
     assert!(code == 2 && stderr.contains("no request was sent; you may retry now"), "{stderr}");
-    // A login that the server receives before it disconnects starts one.
+    // If the server receives the login and then disconnects, the waiting time starts.
     let server = Server::one(|_| {});
     let (code, _, stderr) = cache.source(&words, &server.url, NOON, &[]);
     assert!(
@@ -428,13 +428,13 @@ fn space_track_logs_in_and_out_and_the_account_is_not_stored() {
     for text in [&stdout, &stderr, &record] {
         assert!(!text.contains("hunter") && !text.contains("example.org"), "{text}");
     }
-    // A wrong password is answered with status 200.
+    // The status for a wrong password is also 200.
     let server =
         Server::one(|stream| answer(stream, "200 OK", "Set-Cookie: chocolatechip=1\r\n", b"{\"Login\":\"Failed\"}"));
     let (code, _, stderr) = cache.source(&words, &server.url, "2024-08-15T12:00:00Z", &[]);
     assert!(code == 2 && stderr.contains("the account was refused") && !stderr.contains("hunter"), "{stderr}");
     assert_eq!(server.requests().len(), 1);
-    // The account is read from environment variables.
+    // User name and password are read from environment variables.
     let (code, _, stderr) = cache.source(
         &["space-track", "--identity-env", "NO_SUCH_A", "--password-env", "NO_SUCH_B"],
         &server.url,
@@ -455,7 +455,7 @@ fn supgp_and_satchecker_have_separate_addresses() {
     let (code, stdout, stderr) =
         cache.source(&["satchecker", "--epoch", "2024-08-14T00:00:00Z"], &server.url, NOON, &[]);
     assert_eq!(code, 0, "{stderr}");
-    // JD 2460536.5 is 2024-08-14 00:00.
+    // JD 2460536.5 is 2024-08-14 00:00 UTC.
     assert!(
         server.requests()[0].starts_with("GET /tools/tles-at-epoch/?epoch=2460536.5000&format=txt "),
         "{:?}",
@@ -483,7 +483,7 @@ fn invalid_arguments_send_no_request() {
     assert!(server.requests().is_empty());
 }
 
-/// After a crash between request and response the time of the request is already recorded.
+/// The time of a request is recorded before the response arrives, so that it is known after a crash.
 #[test]
 fn a_request_without_a_response_starts_the_waiting_time() {
     let cache = Cache::filled();
@@ -499,7 +499,7 @@ fn a_request_without_a_response_starts_the_waiting_time() {
 
 const EPHEMERIS: &str = "MEME_90001_INVENTED-1_2270000_Operational_1407628800_UNCLASSIFIED.txt";
 
-/// The invented ephemeris as it is on the server, not compressed.
+/// Returns the invented ephemeris, not compressed, as published by the server.
 fn ephemeris() -> Vec<u8> {
     let path = crate::common::golden_dir().join("ephemerides").join(format!("{EPHEMERIS}.gz"));
     let mut bytes = Vec::new();
@@ -507,7 +507,7 @@ fn ephemeris() -> Vec<u8> {
     bytes
 }
 
-/// A manifest with an older file of the satellite, another satellite, and names that are not files of the folder.
+/// Returns a manifest with an older file of the satellite, another satellite, and names that are not ephemeris files.
 fn manifest() -> Vec<u8> {
     let older = EPHEMERIS.replace("2270000", "2261600").replace("1407628800", "1407600000");
     let other = EPHEMERIS.replace("90001", "90002");
@@ -531,13 +531,14 @@ fn ephemerides_of_candidates_are_fetched_once_and_used() {
     assert!(requests[0].starts_with("GET /public-files/ephemerides/MANIFEST.txt "), "{requests:?}");
     assert!(requests[1].starts_with(&format!("GET /public-files/ephemerides/{EPHEMERIS} ")), "{requests:?}");
 
-    // Within the waiting time and with the file in the cache, no request is sent.
+    // Within the waiting time, and with the file in the cache, no request is sent.
     let idle = Server::new(Vec::new());
     let (code, again, stderr) = cache.source(&source, &idle.url, "2024-08-14T01:00:00Z", &[]);
     assert_eq!((code, again), (0, stdout), "{stderr}");
     assert!(idle.requests().is_empty());
 
-    // The ephemeris is used with the element set of the same satellite, and element sets where it ends.
+    // The ephemeris is used together with the element set of the same satellite; outside its time range the element set
+    // is used.
     let elements = crate::common::golden_dir().join("elements/sample.csv");
     let forecast = |start: &str, end: &str| {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
@@ -570,7 +571,7 @@ fn a_truncated_ephemeris_is_not_stored() {
     assert!(code != 0 && stdout.is_empty(), "{stdout}");
     assert!(stderr.contains(&format!("{EPHEMERIS}:")) && stderr.contains("may be truncated"), "{stderr}");
     assert!(!cache.folder().join(EPHEMERIS).exists());
-    // Satellites without an ephemeris, and too many.
+    // Errors for satellites without an ephemeris, and for too many satellites.
     let (code, _, stderr) =
         cache.source(&["starlink-ephemerides", "--norad", "44713"], &server.url, "2024-08-14T00:31:00Z", &[]);
     assert!(code != 0 && stderr.contains("none of the satellites has an ephemeris"), "{stderr}");
@@ -578,7 +579,7 @@ fn a_truncated_ephemeris_is_not_stored() {
     assert!(code != 0 && stderr.contains("the number of satellites is 1; allowed: 1 to 0"), "{stderr}");
 }
 
-/// After a refused request nothing more is requested from the source before the wait has passed, for whichever satellite.
+/// After a refused request, no request for any satellite is sent to the source within the waiting time.
 #[test]
 fn a_refused_ephemeris_starts_the_waiting_time() {
     let cache = Cache::new();
@@ -589,7 +590,7 @@ fn a_refused_ephemeris_starts_the_waiting_time() {
     assert!(code != 0 && stdout.is_empty() && stderr.contains("429 Too Many Requests"), "{stderr}");
     assert!(stderr.contains("0 of 1 files were downloaded"), "{stderr}");
     assert_eq!(server.requests().len(), 2);
-    // The request and its response are recorded beside the file and beside the manifest.
+    // Request and response are recorded in the sidecars of the file and of the manifest.
     for name in [EPHEMERIS, "starlink-ephemerides.manifest.txt"] {
         let text = std::fs::read(cache.folder().join(format!("{name}.fetch.json"))).unwrap();
         let record: Value = serde_json::from_slice(&text).unwrap();
@@ -604,7 +605,7 @@ fn a_refused_ephemeris_starts_the_waiting_time() {
         assert!(stderr.contains("429 Too Many Requests") && stderr.contains("the next one is allowed in "), "{stderr}");
     }
     assert!(idle.requests().is_empty());
-    // Later the manifest is requested again, and the file.
+    // After the waiting time, the manifest and the file are requested again.
     let server = Server::new(vec![Box::new(ok(manifest(), "")), Box::new(ok(ephemeris(), ""))]);
     let (code, _, stderr) = cache.source(&source("90001"), &server.url, "2024-08-14T12:00:00Z", &[]);
     assert_eq!((code, server.requests().len()), (0, 2), "{stderr}");
@@ -613,7 +614,7 @@ fn a_refused_ephemeris_starts_the_waiting_time() {
     assert_eq!((&record["answer"], &record["records"]), (&"200 OK".into(), &91.into()), "{record}");
 }
 
-/// A refused manifest starts the wait too; an address that is not reached does not.
+/// A refused manifest also starts the waiting time; an address that is not reached does not.
 #[test]
 fn a_refused_manifest_starts_the_waiting_time() {
     let cache = Cache::new();
@@ -642,7 +643,7 @@ fn candidates_in_a_named_pipe_are_rejected() {
     assert!(code != 0 && stderr.contains("pipe.csv: is a named pipe; allowed: a file"), "{stderr}");
 }
 
-/// Ephemerides are not compared with previous ones.
+/// The number of records of an ephemeris is not compared with that of the previous file.
 #[test]
 fn accept_fewer_is_rejected_for_ephemerides() {
     let cache = Cache::new();
@@ -652,7 +653,7 @@ fn accept_fewer_is_rejected_for_ephemerides() {
     assert!(code == 2 && stderr.contains("--accept-fewer"), "{stderr}");
 }
 
-/// Every output with positions states their source, and `doctor` counts ephemerides.
+/// Every output with positions states their source, and `doctor` reports the number of ephemerides.
 #[test]
 fn the_source_of_positions_is_stated() {
     let folder = TempDir::new().unwrap();
@@ -667,7 +668,7 @@ fn the_source_of_positions_is_stated() {
     let run = |words: &[&str]| {
         let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
             .args(words)
-            // Below the satellite at 00:40.
+            // The site is below the satellite at 00:40.
             .args(["--lat", "22", "--lon=-171", "--format", "json", "--elements", &elements, &used, &without])
             .output()
             .unwrap();
@@ -681,10 +682,10 @@ fn the_source_of_positions_is_stated() {
     let (answer, stderr) = run(&[&["ephemeris", "--norad", "90001"][..], &times].concat());
     let rows = answer["ephemeris"].as_array().unwrap();
     assert_eq!(rows.iter().map(source).collect::<Vec<_>>(), [of_file.as_str(), "element set"]);
-    // A satellite without an element set is named.
+    // The warning names the satellite without an element set.
     assert!(stderr.contains("INVENTED-2 (90002)") && stderr.contains("no element set"), "{stderr}");
 
-    // A field at the place of the satellite.
+    // Field at the position of the satellite.
     let [ra, dec] = ["ra_deg", "dec_deg"].map(|name| format!("{}deg", rows[0][name].as_f64().unwrap()));
     let exposure = ["--start", "2024-08-14T00:39:55Z", "--exposure", "10s", "--include-dark"];
     let (answer, _) = run(&[&["passes", "--ra", &ra, "--dec", &dec, "--fov", "5deg"][..], &exposure].concat());

@@ -1,4 +1,4 @@
-//! `streakcast fit`: simulated photometry in a file gives a model file, a report and chains; invalid input is rejected.
+//! `streakcast fit`: model file, report and chains from simulated photometry in a file; errors for invalid input.
 
 use std::collections::HashMap;
 use std::fs;
@@ -13,7 +13,8 @@ use tempfile::{TempDir, tempdir};
 
 const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
 
-/// A folder with `mmt.csv` (simulated tracks of one shell with known coefficients) and the element file `fit.csv`.
+/// Creates a folder with `mmt.csv` (simulated tracks of one shell for known coefficients) and the element file
+/// `fit.csv`.
 fn folder() -> TempDir {
     let folder = tempdir().expect("a folder");
     let library = ModelLibrary::embedded();
@@ -65,13 +66,13 @@ fn verif_a_fit_writes_a_valid_model_and_a_report_with_charts() {
     assert_eq!((file.name.as_str(), file.provenance.date.as_str()), ("mine", "2026-11"));
     assert!(file.covariance.is_some() && file.geometry_range.is_some() && file.rms_mag.is_some_and(|rms| rms < 0.6));
     let c = file.coefficients.expect("coefficients");
-    // Orbits are approximated by circles at 550 km: the geometry has errors of degrees, which limits the accuracy.
+    // Orbits are approximated by circles at 550 km; the angles have errors of degrees, which limits the accuracy.
     assert!((c.c5 / 0.09 - 1.0).abs() < 0.3 && (c.c3 / 0.006 - 1.0).abs() < 0.5, "{c:?}");
     let report = fs::read_to_string(at("fit.md")).expect("a report");
     for part in ["# Fit of mine", "## Verdict", "| c5 |", "Held-out points", "diffuse sphere"] {
         assert!(report.contains(part), "{part} is not in {report}");
     }
-    // All images named by the report exist.
+    // All pictures linked in the report exist.
     #[cfg(feature = "plot")]
     {
         let named: Vec<&str> = report.split("](<").skip(1).filter_map(|rest| rest.split(">)").next()).collect();
@@ -80,7 +81,7 @@ fn verif_a_fit_writes_a_valid_model_and_a_report_with_charts() {
             assert!(fs::read(at(name)).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG")), "{name}");
         }
     }
-    // The model is accepted by the other verbs.
+    // Other verbs accept the model file.
     let (code, table, stderr) = run(folder.path(), "map body --model mine.json --sun-latitude-deg -14 --format csv");
     assert!(code == 0 && table.contains("brdf:mine"), "{stderr}");
     let (code, page, stderr) = {
@@ -112,7 +113,7 @@ fn verif_interrupted_chains_can_be_resumed() {
     assert_eq!((whole.steps(), whole.walkers(), whole.parameters()), (60, 32, 7));
     assert_eq!(about.parameters, ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"]);
     assert_eq!(whole, cut);
-    // A chain of other points is that of another fit, and is rejected.
+    // A saved chain for other points belongs to another fit, and is rejected.
     let (code, _, stderr) = run(
         folder.path(),
         &format!("{FIT} --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.npz -o m.json"),
@@ -149,7 +150,7 @@ fn verif_pixels_comparison_and_pictures() {
     let standings = answer["standings"].as_array().expect("standings");
     assert_eq!(standings.len(), 4);
     let unseen = |i: usize| standings[i]["held_out_rms_mag"].as_f64().expect("a number");
-    // The true form predicts unseen data better than the others.
+    // The true form predicts held-out data better than the other forms.
     assert!((1..4).all(|other| unseen(0) < unseen(other)), "{standings:?}");
     assert_eq!(answer["rivals"].as_array().map(Vec::len), Some(4));
     assert!(answer["panel_offsets"].as_array().is_some_and(|layers| !layers.is_empty()));
@@ -216,8 +217,8 @@ fn verif_invalid_fits_are_rejected_in_one_line() {
     }
 }
 
-/// Differences from the model's band are reported on standard error, in the report and in the model file; names may
-/// contain blanks.
+/// If the band of the photometry differs from that of the model, this is stated on standard error, in the report and in
+/// the model file. Filter names may contain blanks.
 #[test]
 fn verif_bands_are_compared_and_names_may_contain_blanks() {
     let folder = folder();
@@ -234,7 +235,7 @@ fn verif_bands_are_compared_and_names_may_contain_blanks() {
     assert!(text.contains("**Band:** photometry through Clear"), "{text}");
     #[cfg(feature = "plot")]
     assert!(text.contains("](<my fit-phase.png>)") && folder.path().join("my fit-phase.png").is_file());
-    // Two files with different filters are mixed and counted separately.
+    // Two files with different filters are used together and counted separately.
     let table = fs::read_to_string(folder.path().join("mmt.csv")).expect("a table");
     fs::write(folder.path().join("v.csv"), table.replace(",Clear,", ",V,")).expect("a file");
     let two = FIT.replace("mmt.csv", "mmt.csv v.csv --filter Clear V --keep-duplicates") + " --folds 0 -o m.json";
@@ -247,7 +248,7 @@ fn verif_bands_are_compared_and_names_may_contain_blanks() {
     assert!(!stderr.contains("taken as"), "{stderr}");
 }
 
-/// Thresholds of the selection are options and are listed in the provenance.
+/// Thresholds of the selection are flags, and are listed in the provenance.
 #[test]
 fn verif_thresholds_are_options_and_are_listed() {
     let folder = folder();
@@ -271,24 +272,24 @@ fn verif_thresholds_are_options_and_are_listed() {
     );
     let rows = provenance["rows_through_Clear"].as_u64().expect("a number");
     assert_eq!(provenance["rows_left_out"].as_u64(), Some(rows - count(&high) as u64), "{provenance}");
-    // The survey flags rows as in the penumbra.
+    // Rows that the survey flags as in the penumbra.
     let table = fs::read_to_string(at("mmt.csv")).expect("a table");
     fs::write(at("mmt.csv"), table.replace(",Clear,0,", ",Clear,1,")).expect("a file");
     assert_eq!(count(&reduce("--keep-penumbra-flag")), count(&plain));
     let (code, _, stderr) = run(folder.path(), "fit reduce --photometry mmt.csv --height-km 550 --raw-points");
     assert!(code == 2 && stderr.contains("penumbra flag"), "{stderr}");
     fs::write(at("mmt.csv"), table).expect("a file");
-    // The Sun is at 1.0119 au on 20 May 2023: its light is fainter by 5 log10 of that.
+    // On 20 May 2023 the Sun is at 1.0119 au, so that its light is fainter by 5 log10 1.0119 mag.
     let magnitudes = |answer: &serde_json::Value| {
         let rows = answer["measurements"].as_array().expect("rows");
         rows.iter().filter_map(|row| row["standard_magnitude"].as_f64()).collect::<Vec<f64>>()
     };
-    /// Tolerance over five days and for rounded digits, mag.
+    /// Tolerance for changes of the distance over five days and for rounded digits, mag.
     const WITHIN: f64 = 0.003;
     for (with, without) in magnitudes(&reduce("--sun-distance")).iter().zip(magnitudes(&plain)) {
         assert!((without - with - 0.0257).abs() < WITHIN, "{without} {with}");
     }
-    // The provenance of a comparison has all thresholds and all numbers of omitted rows.
+    // The provenance of a comparison contains all thresholds and the numbers of omitted rows.
     let compare = FIT.replace("fit run", "fit compare") + " --layer-deg 30 --max-phase-difference-deg 2 --format json";
     let (code, json, stderr) = run(folder.path(), &compare);
     assert_eq!(code, 0, "{stderr}");
@@ -302,7 +303,7 @@ fn verif_thresholds_are_options_and_are_listed() {
     assert!(answer["dropped"].is_array());
 }
 
-/// A fit with every parameter at a bound, or with fewer nights than folds, still gives a result.
+/// A fit in which every parameter is at a bound, or with fewer nights than folds, gives a result.
 #[test]
 fn verif_poor_fits_are_reported_and_not_dropped() {
     let folder = folder();
@@ -312,7 +313,7 @@ fn verif_poor_fits_are_reported_and_not_dropped() {
     let (code, _, stderr) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
     assert!(code < 2 && stderr.contains("for 5000 folds"), "{stderr}");
     assert!(folder.path().join("m.json").is_file());
-    // Held values are also held in the paper's tests, except those that a test sets itself.
+    // Fixed values are also fixed in the tests of the paper, except for those that a test sets.
     let compare = FIT.replace("fit run", "fit compare") + " --format json --quiet --layer-deg 10";
     let rivals = |more: &str| {
         let (code, json, stderr) = run(folder.path(), &format!("{compare} {more}"));
@@ -325,8 +326,8 @@ fn verif_poor_fits_are_reported_and_not_dropped() {
     assert_ne!(plain[0], held[0]);
 }
 
-/// MMT-9 tracks of identified satellites: positions from element sets agree with the recorded ranges, and the model
-/// fits at least as well.
+/// MMT-9 tracks of identified satellites: positions from element sets agree with the recorded ranges, and with them the
+/// model fits at least as well.
 #[test]
 fn valid_identified_tracks_use_element_sets() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -348,7 +349,7 @@ fn valid_identified_tracks_use_element_sets() {
         .skip(1)
         .filter(|line| !line.split(',').nth(1).unwrap_or("").is_empty());
     assert!(named.count() > 5_000, "{stderr}");
-    // Without the identifications the same tracks give the same satellites.
+    // `fit identify` finds the same satellites for these tracks.
     let identify =
         format!("fit identify --photometry {table} --elements {} --format csv -o found.csv", elements.join(" "));
     let (code, _, stderr) = run(folder.path(), &identify);
@@ -375,13 +376,13 @@ fn valid_identified_tracks_use_element_sets() {
     let radius = arguments.replace("--fit-offset-s 90", "--elements-radius --max-element-age-days 50");
     let (code, on_radius, stderr) = run(folder.path(), &radius);
     assert!(code == 0 && on_radius.lines().count() > 5_000 && on_radius != rows, "{stderr}");
-    // A table without the required columns, and an invalid number.
+    // Errors for a table without the required columns, and for an invalid number.
     fs::write(folder.path().join("bad.csv"), "track,norad\n18903315,many\n").expect("a file");
     let (code, _, stderr) = run(folder.path(), &arguments.replace(&tracks, "bad.csv"));
     assert!(code == 2 && stderr.contains("row 1: invalid norad many"), "{stderr}");
 }
 
-/// Published photometry of Pomenis and Slingshot: single measurements on unseen nights.
+/// Published photometry of Pomenis and Slingshot: fits to single measurements predict held-out nights.
 #[test]
 fn valid_published_photometry_is_predicted_better_than_by_phase_alone() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -401,6 +402,6 @@ fn valid_published_photometry_is_predicted_better_than_by_phase_alone() {
         .iter()
         .filter_map(|row| row["held_out_rms_mag"].as_f64())
         .collect();
-    // The best published figure is 0.762 (in-sample).
+    // The best published RMS is 0.762 mag (in-sample).
     assert!(unseen[0] < 0.55 && unseen[1..].iter().all(|other| *other > unseen[0] + 0.05), "{unseen:?}");
 }

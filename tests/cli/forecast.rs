@@ -7,10 +7,10 @@ use serde_json::Value;
 
 const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days,position_source";
 const NIGHT: &[&str] = &["forecast", "--night", "2024-08-14"];
-/// Twenty planes of the constellation, with visible passes in the evening and in the morning.
+/// Twenty planes of a constellation, which have visible passes in the evening and in the morning.
 const PLANES: &[&str] = &["--name", "S1 P2", "S1 P6"];
 
-/// Tolerance of peak magnitudes, which are printed with three decimals.
+/// Tolerance of peak magnitudes, which have three decimals.
 const MAGNITUDE_DECIMALS: f64 = 5e-4;
 
 fn number(value: &Value) -> f64 {
@@ -36,7 +36,7 @@ fn verif_columns_rows_and_json_agree() {
                 "{name}: {cell} {text}"
             );
         }
-        // The visible part lies within the pass, and the peak within the visible part (or in the penumbra next to it).
+        // The visible part is within the pass, and the peak is within the visible part (or in the penumbra next to it).
         let time = |name: &str| pass[name].as_str().unwrap_or_default().to_owned();
         assert!(time("begin_utc") <= time("highest_utc") && time("highest_utc") <= time("end_utc"), "{pass}");
         assert!(time("rise_utc") <= time("begin_utc") && time("end_utc") <= time("set_utc"), "{pass}");
@@ -64,7 +64,7 @@ fn verif_filters_omit_only_the_specified_passes() {
     let all = all["passes"].as_array().unwrap();
     let keep = |holds: &dyn Fn(&Value) -> bool| all.iter().filter(|pass| holds(pass)).cloned().collect::<Vec<_>>();
     let found = |more: &[&str]| json(&[NIGHT, SKY, PLANES, more]);
-    // Between two printed magnitudes, so that rounding does not matter.
+    // The limit is between two printed magnitudes, so that rounding has no effect.
     let bright = found(&["--max-mag", "5.4995"]);
     let expected = keep(&|pass| pass["peak_magnitude"].as_f64().is_some_and(|magnitude| magnitude <= 5.4995));
     assert!(!expected.is_empty() && expected.len() < all.len());
@@ -77,7 +77,7 @@ fn verif_filters_omit_only_the_specified_passes() {
     assert_eq!(shown, expected);
     let omitted = all.len() - expected.len();
     assert_eq!(bright["night"][0]["passes_too_faint"].as_u64().unwrap() as usize, omitted);
-    // Passes omitted as fainter than the limit may be brighter too, each with a probability of about a half or less.
+    // Passes that are fainter than the limit may still be brighter with a probability of up to about a half.
     let expected = number(&bright["night"][0]["expected_brighter"]);
     assert!((sum..sum + 0.6 * omitted as f64).contains(&expected), "{expected} {sum}");
     let high = found(&["--min-culmination", "40"]);
@@ -88,11 +88,12 @@ fn verif_filters_omit_only_the_specified_passes() {
     let ours = found(&["--norad", &one.to_string()]);
     assert_eq!(ours["passes"].as_array().unwrap(), &keep(&|pass| pass["norad_id"] == one));
     assert_eq!(found(&["--generation", "starlink-v1.5"])["passes"].as_array().unwrap(), all);
-    // All passes include the visible ones.
+    // With --include-dark the visible passes are unchanged.
     let dark = found(&["--include-dark"]);
     let dark = dark["passes"].as_array().unwrap();
     assert!(dark.len() > all.len() + 50, "{} {}", dark.len(), all.len());
-    // Another search ends elsewhere by rounding; times agree to the second, and no root is close to a full second here.
+    // The intervals are found by another search with other rounding. Times agree to the second, and none is close to a
+    // full second here.
     let second = |pass: &Value| pass["begin_utc"].as_str().unwrap_or_default().chars().take(19).collect::<String>();
     for pass in all {
         assert!(
@@ -149,7 +150,7 @@ fn verif_a_night_without_darkness_has_a_reason() {
     let night = &answer["night"][0];
     assert!(why.ends_with(night["why_empty"].as_str().unwrap().split(" (").next().unwrap()), "{night}");
     assert!(night["dark_from_utc"].is_null() && number(&night["lowest_sun_altitude_deg"]) > 11.0);
-    // A dark night without bright passes has a reason too.
+    // The reason is also printed for a dark night without bright passes.
     let (_, _, stderr) = run(&[NIGHT, &SKY[..4], PLANES, &["--max-mag", "-8", "--format", "csv"]]);
     assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -8"), "{stderr}");
 }
@@ -203,7 +204,7 @@ fn verif_documents() {
     assert!(votable.starts_with("<?xml") && votable.trim_end().ends_with("</VOTABLE>"));
 }
 
-/// Satellites of unknown brightness are reported, shown or hidden.
+/// The number of satellites of unknown brightness is reported, both of listed and of omitted passes.
 #[test]
 fn verif_priors_are_reported() {
     let elements = crate::common::golden_dir().join("elements/sample.3le").display().to_string();
@@ -224,7 +225,7 @@ fn verif_priors_are_reported() {
             && warning.contains(&format!("({count} passes shown); specify standard magnitudes with --qs-mag FILE")),
         "{warning}"
     );
-    // A limit slightly brighter than the faintest peak hides one pass; the message uses the singular.
+    // With a limit slightly brighter than the faintest peak, one pass is omitted, and the message uses the singular.
     let peak = all[0].iter().position(|name| name == "peak_magnitude").unwrap();
     let mut peaks: Vec<f64> = all[1..].iter().map(|row| row[peak].parse().unwrap()).collect();
     peaks.sort_by(f64::total_cmp);
@@ -246,7 +247,7 @@ fn passes(count: usize) -> String {
     format!("{count} {}", if count == 1 { "pass" } else { "passes" })
 }
 
-/// Numbers are stored as numbers, other columns as the text of CSV; the provenance is in the file's metadata.
+/// In Parquet, numbers are stored as numbers and other columns as the text of CSV. The provenance is in the metadata.
 #[cfg(feature = "parquet")]
 #[test]
 fn verif_parquet_has_the_rows_of_csv() {
@@ -284,14 +285,14 @@ fn messages_use_the_singular_for_one() {
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "one.tle");
     let good = fs::read_to_string(crate::common::golden_dir().join("elements/sample.2le")).unwrap();
-    // The last digit of each line is its checksum.
+    // Changes the checksum, which is the last digit of each line.
     let wrong = |line: &str| format!("{}{}\n", &line[..68], (line.as_bytes()[68] - b'0' + 1) % 10);
     fs::write(&file, good.lines().take(2).map(wrong).collect::<String>()).unwrap();
     let arguments =
         ["forecast", "--elements", &file, "--accept-bad-checksums", "--mpc", "X05", "--night", "2026-03-20"];
     let (code, _, stderr) = run(&[&arguments]);
     assert!(code == 0 && stderr.contains("1 record accepted despite a wrong checksum"), "{stderr}");
-    // The selection has one satellite with one high pass, because of the minimum culmination.
+    // The selected satellite has one pass above the minimum culmination.
     let all = json(&[NIGHT, SKY, PLANES]);
     let all = all["passes"].as_array().unwrap();
     let one = all.iter().map(|pass| number(&pass["max_altitude_deg"])).fold(0.0, f64::max);
@@ -371,18 +372,18 @@ fn invalid_input_gives_one_line_with_the_allowed_values() {
     }
 }
 
-/// Passes counted as in the shadow are above the horizon in darkness within the time span, and never sunlit there.
+/// Passes counted as in the shadow are above the horizon during darkness, and not sunlit in the dark hours.
 #[test]
 fn verif_shadow_counts_passes_in_darkness_only() {
-    // The satellite is sunlit and sets before it is dark.
+    // The satellite is sunlit, but sets before darkness.
     let evening = ["--start", "2026-08-14T22:10:00Z", "--end", "2026-08-14T22:45:00Z", "--norad", "900002031"];
     let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
     assert_eq!(night["passes_in_shadow"], 0, "{night}");
     let why = night["why_empty"].as_str().unwrap();
     assert!(why.starts_with("the only satellite does not rise above 10.0 deg while it is dark"), "{why}");
     assert!(!json(&[&["forecast"], SKY, &evening, &["--include-dark"]])["passes"].as_array().unwrap().is_empty());
-    // By brute force: all passes in a dark time span minus the visible ones; ten seconds at midnight, and the last
-    // hours of a night.
+    // Counted independently: all passes in a dark time span minus the visible ones, for ten seconds at midnight and for
+    // the last hours of a night.
     for (start, end) in
         [("2026-08-15T04:00:00Z", "2026-08-15T04:00:10Z"), ("2026-08-15T08:00:00Z", "2026-08-15T10:30:00Z")]
     {
@@ -413,12 +414,12 @@ fn verif_an_empty_night_is_a_valid_calendar_without_message() {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");
-    // The extension of the file name selects the format, in upper or lower case.
+    // The extension of the file name determines the format, in upper or lower case.
     let folder = tempfile::tempdir().unwrap();
     let file = path(&folder, "NIGHT.ICS");
     done(&[NIGHT, SKY, PLANES, empty, &["-o", &file]]);
     assert!(fs::read_to_string(&file).unwrap().starts_with("BEGIN:VCALENDAR"));
-    // The calendar has this event also if all passes are invisible.
+    // The calendar also contains this event if no pass is visible.
     let unseen = ["forecast", "--start", "2026-08-15T04:00:00Z", "--end", "2026-08-15T04:00:10Z", "--include-dark"];
     let calendar = done(&[&unseen, SKY, &["--format", "ics"]]);
     assert!(calendar.matches("BEGIN:VEVENT").count() == 1 && calendar.contains("all passes are in the Earth's shadow"));

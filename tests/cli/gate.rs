@@ -1,4 +1,4 @@
-//! `gate`: exit codes, standard input and status file; requests to a mount; errors that must not stop a night.
+//! `gate`: exit codes, standard input and status file; reading of a mount; errors that must not stop a night.
 
 use std::fs;
 use std::io::{Read, Write};
@@ -11,17 +11,17 @@ use crate::common::cli::{json, path, run};
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// Dusk over Rubin Observatory: a field of 8 deg is crossed by a synthetic Starlink every minute.
+/// At dusk over Rubin Observatory, a simulated Starlink satellite crosses a field of 8 deg about every minute.
 const GATE: &[&str] = &["gate", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--exposure", "10s"];
 const POINTING: &[&str] = &["--ra", "217.5", "--dec=-30"];
 const LIMIT: &[&str] = &["--limit-mag", "7", "--max-wait", "10min"];
 /// Time of the simulated runs.
 const NOW: &str = "2024-08-14T23:30:00.000Z";
-/// The same evening in the year of the invented satellite, with elements half a day old.
+/// The same evening in the year of the invented satellite, whose elements are half a day old.
 const ELEMENTS_NOW: &str = "2026-08-14T23:30:00.000Z";
-/// Time limit that only ends a hanging run; the result does not depend on it.
+/// Time limit that only stops a blocked run.
 const LONG: &str = "600s";
-/// Time limit of a run that ends with a timeout.
+/// Time limit of runs that end with a timeout.
 const SHORT: &str = "3s";
 
 #[track_caller]
@@ -33,7 +33,7 @@ fn gate(folder: &TempDir, more: &[&str]) -> (i32, String, Value) {
     (code, stderr, serde_json::from_str(&text).unwrap())
 }
 
-/// Runs the gate as Ekos does, with the given standard input.
+/// Runs the gate with the given standard input, as Ekos does.
 fn ekos(folder: &TempDir, input: &[u8], close: bool, more: &[&str]) -> (i32, Value) {
     let status = path(folder, "status.json");
     let is_complete = close || serde_json::from_slice::<Value>(input).is_ok();
@@ -87,7 +87,7 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
         let late = streakcast::frames::parse_instant(start, None).unwrap() + 2.0 * hifitime::Unit::Second;
         assert_eq!(brighter(&streakcast::output::format_utc(late, 3), "10s"), 0, "{status}");
         if wait_s > 0.0 {
-            // The blocking satellite is in the field now, or within the margins.
+            // The blocking satellite is in the field now or within the margins.
             let early = streakcast::frames::parse_instant(&now, None).unwrap() - 2.0 * hifitime::Unit::Second;
             assert!(brighter(&streakcast::output::format_utc(early, 3), "14s") > 0, "{status}");
             assert!(status["n_dodged"].as_u64().unwrap() > 0);
@@ -99,7 +99,7 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
 #[test]
 fn exit_codes_and_counters_are_as_documented() {
     let folder = tempfile::tempdir().unwrap();
-    // All lit satellites within 60 deg: never clear.
+    // In a field of 60 deg there are always lit satellites.
     let never: &[&str] = &["--fov", "60deg", "--max-wait", "20s", "--now", NOW];
     let never: Vec<&str> =
         GATE[1..5].iter().chain(&["--exposure", "60s"]).chain(POINTING).chain(never).copied().collect();
@@ -112,7 +112,7 @@ fn exit_codes_and_counters_are_as_documented() {
     let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
     assert_eq!((record["verdict"].as_str(), record["exit_code"].as_i64()), (Some("not_clear"), Some(1)));
     assert_eq!((record["counters"]["runs"].as_i64(), record["counters"]["not_clear"].as_i64()), (Some(2), Some(2)));
-    // No satellite is brighter than -20: clear now.
+    // No satellite is brighter than magnitude -20, so the field is clear at once.
     let (code, stderr, record) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
     assert_eq!(
         (code, record["verdict"].as_str(), record["waited_s"].as_f64()),
@@ -173,19 +173,19 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
         crate::common::elements::pair(25544, "227.50000000") + &crate::common::elements::pair(25545, "227.50000000");
     let many: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
     check("elements", "elements.tle", 1, ELEMENTS_NOW);
-    // The file ends within a record, as during a slow copy.
+    // The file is truncated within a record, as during a slow copy.
     fs::write(&elements, &all[..100]).unwrap();
     check("elements", "elements.tle", 2, ELEMENTS_NOW);
     fs::write(&elements, "").unwrap();
     check("elements", "is empty", 3, ELEMENTS_NOW);
-    // The file is complete, and the field is clear because there are few satellites.
+    // The file is complete. The field is clear because there are few satellites.
     fs::write(&elements, &many).unwrap();
     let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
     assert_eq!(code, 0, "{stderr}");
     let record: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
     assert_eq!((record["satellites"].as_i64(), record["verdict"].as_str()), (Some(40), Some("clear")), "{record}");
-    // A quarter of the previous file, cut between records: it has fewer than half of the satellites and is rejected
-    // until it has not changed for minutes.
+    // The file has a quarter of its previous records and is truncated between records. It has fewer than half of the
+    // previous satellites, and is rejected until it has not changed for minutes.
     let is_believed = |text: &str, minutes: i64, part: &str| {
         fs::write(&elements, text).unwrap();
         let apart = Duration::from_secs(60 * minutes.unsigned_abs());
@@ -200,11 +200,11 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     };
     let quarter: String = many.split_inclusive('\n').take(20).collect();
     let fewer = "elements may be incomplete: 10 satellites, 0 records rejected, 40 in the last run";
-    // A modification time in the future (clock of another machine) is ignored.
+    // A modification time in the future (from the clock of another machine) is ignored.
     for minutes in [-60, 0, 1, 9] {
         assert!(!is_believed(&quarter, minutes, fewer));
     }
-    // Cut within a record: with fewer than nine in ten valid records the file is always rejected.
+    // A file truncated within a record is always rejected if fewer than 90 % of its records are valid.
     let torn: String = many.split_inclusive('\n').take(60).collect::<String>() + &many[..100];
     let broken = "elements may be incomplete: 30 satellites, 1 records rejected, 40 in the last run";
     assert!(!is_believed(&torn, 60, broken));
@@ -212,7 +212,7 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     assert!(is_believed(&last, 1, "ends with a broken record"));
     assert!(is_believed(&many, 0, "clear now"));
     assert!(is_believed(&quarter, 11, "clear now"));
-    // Element sets that are weeks old do not give reliable waiting times.
+    // Element sets that are weeks old are too inaccurate for waiting times.
     fs::write(&elements, &many).unwrap();
     check("stale_elements", "100 % of the elements are more than 14 days from now", 1, "2026-09-14T23:30:00Z");
 }
@@ -224,7 +224,7 @@ fn elements_being_replaced_are_read_again() {
     let whole: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
     let base: &[&str] =
         &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
-    // The gate retries for 0.9 s. On a loaded machine the writer may be later, and the test is then repeated.
+    // The gate retries for 0.9 s. On a loaded machine the file may be completed later; the test is then repeated.
     let end = Instant::now() + Duration::from_secs(120);
     loop {
         fs::write(&elements, &whole[..60]).unwrap();
@@ -256,7 +256,8 @@ fn ekos_jobs_are_read_and_darks_pass() {
             "{{\"script_type\":\"PRE_CAPTURE\",\"job\":{{\"filter\":\"L\",\"exposure\":120.0,\"type\":\"{kind}\",\"binning_x\":1,\"binning_y\":1,\"target_name\":\"{target}\"}}}}"
         )
     };
-    // Ekos replaces blanks by underscores; its exposure time is used. The pipe stays open, as with some hosts.
+    // Ekos replaces blanks in names by underscores; the exposure time of the job is used. The pipe stays open, as with
+    // some hosts.
     let (code, status) = ekos(&folder, job("Light", "Field 1").as_bytes(), false, more);
     assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{status}");
     assert_eq!((status["exposure_s"].as_f64(), status["ra_deg"].as_f64()), (Some(120.0), Some(217.5)));
@@ -265,8 +266,8 @@ fn ekos_jobs_are_read_and_darks_pass() {
         let (code, status) = ekos(&folder, job(kind, "anything").as_bytes(), true, more);
         assert_eq!((code, status["verdict"].as_str()), (0, Some("skipped")), "{status}");
     }
-    // Unknown target, target below the horizon, invalid JSON, partial JSON, and no input: the night continues, with
-    // counters.
+    // Unknown target, target below the horizon, invalid JSON, truncated JSON, and no input: the exit code is 0, and a
+    // counter of the status file increases.
     for (input, close, kind) in [
         (job("Light", "NGC 1"), true, "target"),
         (job("Light", "M 31"), true, "target"),
@@ -281,7 +282,7 @@ fn ekos_jobs_are_read_and_darks_pass() {
         let strict: Vec<&str> = more.iter().chain(&["--strict"]).copied().collect();
         assert_eq!(ekos(&folder, input.as_bytes(), close, &strict).0, 2, "{input}");
     }
-    // Older KStars versions send no data: the arguments are used.
+    // Older versions of KStars send no data; the command line arguments are used.
     let typed: Vec<&str> = ["--limit-mag=-20", "--now", NOW].iter().chain(POINTING).copied().collect();
     for (input, close) in [("", true), ("", false), ("\n", false)] {
         let (code, status) = ekos(&folder, input.as_bytes(), close, &typed);
@@ -290,8 +291,8 @@ fn ekos_jobs_are_read_and_darks_pass() {
     }
 }
 
-/// As N.I.N.A.: a program with arguments; any exit code except 0 fails the sequence; the result is read from the status
-/// file.
+/// Called as by N.I.N.A.: a program with arguments. Any exit code except 0 stops the sequence, and the result is read
+/// from the status file.
 #[test]
 fn nina_reads_the_status_file_and_fails_only_with_strict() {
     let folder = tempfile::tempdir().unwrap();
@@ -313,7 +314,7 @@ fn nina_reads_the_status_file_and_fails_only_with_strict() {
     assert_eq!(named("nowhere", &["--strict"]).0, 2);
 }
 
-/// An INDI server that sends messages to its first client, and then keeps the connection open or closes it.
+/// INDI server that sends messages to its first client, and then keeps the connection open or closes it.
 fn fake_indi(messages: impl FnOnce() -> Vec<String> + Send + 'static, close: bool) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
@@ -326,7 +327,7 @@ fn fake_indi(messages: impl FnOnce() -> Vec<String> + Send + 'static, close: boo
             if stream.write_all(message.as_bytes()).is_err() {
                 return;
             }
-            // Usually received in separate reads.
+            // So that the parts are usually received by separate reads.
             thread::sleep(Duration::from_millis(20));
         }
         if !close {
@@ -350,7 +351,7 @@ fn numbers(device: &str, name: &str, state: &str, stamp: &str, numbers: &[(&str,
 }
 
 fn eod(state: &str, stamp: &str) -> String {
-    // Apparent position (of date) of ICRS 217.5, -30 on 2024-08-14: astropy 8.0.2, TETE.
+    // Apparent position of date for ICRS 217.5, -30 on 2024-08-14, by astropy 8.0.2 (TETE).
     numbers("Mount", "EQUATORIAL_EOD_COORD", state, stamp, &[("RA", "14:31:26.619"), ("DEC", "-30.110918")])
 }
 
@@ -367,8 +368,8 @@ fn place(latitude: &str, longitude: &str) -> String {
 const STAMP: &str = "2024-08-14T23:30:00";
 const CCD: &str = "<defTextVector device='CCD' name='DRIVER_INFO' state='Idle'><defText name='A'>a &amp; b</defText></defTextVector>\n";
 
-/// Runs the gate with an INDI server; the time limit matters only if the server sends nothing and keeps the connection
-/// open.
+/// Runs the gate with an INDI server. The time limit has an effect only if the server sends nothing and keeps the
+/// connection open.
 #[track_caller]
 fn run_with_indi(folder: &TempDir, messages: Vec<String>, close: bool, more: &[&str]) -> (i32, String, Value) {
     let timeout = if messages.is_empty() && !close { SHORT } else { LONG };
@@ -380,7 +381,7 @@ fn run_with_indi(folder: &TempDir, messages: Vec<String>, close: bool, more: &[&
 fn pointing_and_site_are_read_from_a_mount() {
     let folder = tempfile::tempdir().unwrap();
     let now = &["--now", NOW];
-    // In one message, because the gate waits less than a second for the site after it has received the pointing.
+    // Sent in one message, because the gate waits less than a second for the site after the pointing.
     let good = || vec![CCD.to_owned() + &eod("Ok", STAMP) + &place("-30:14:40", "289.2506")];
     let (code, stderr, status) = run_with_indi(&folder, good(), false, now);
     assert_eq!(
@@ -388,10 +389,10 @@ fn pointing_and_site_are_read_from_a_mount() {
         (0, Some("clear"), Some("Mount")),
         "{stderr}"
     );
-    // Converted from the mount's coordinates of date (a third of a degree away) to 0.1 arcsec.
+    // Coordinates of date, which differ by a third of a degree, are converted to ICRS with an error below 0.1 arcsec.
     let (ra, dec) = (status["ra_deg"].as_f64().unwrap(), status["dec_deg"].as_f64().unwrap());
     assert!((ra - 217.5).abs() < 3e-5 && (dec + 30.0).abs() < 3e-5, "{ra} {dec}");
-    // A message in pieces, and a mount that stops moving during the connection.
+    // A message that is sent in parts, and a mount that stops moving during the connection.
     let cut = eod("Busy", STAMP) + &place("-30.2446", "289.2506");
     let moved = eod("Ok", STAMP)
         .replace("def", "set")
@@ -404,7 +405,7 @@ fn pointing_and_site_are_read_from_a_mount() {
     let j2000 = numbers("Mount", "EQUATORIAL_COORD", "Idle", STAMP, &[("RA", "14.5"), ("DEC", "-30")]);
     let (_, stderr, status) = run_with_indi(&folder, vec![j2000], false, now);
     assert_eq!((status["ra_deg"].as_f64(), status["dec_deg"].as_f64()), (Some(217.5), Some(-30.0)), "{stderr}");
-    // Without a configured site, the mount's site is used.
+    // If no site is configured, the site of the mount is used.
     let status_file = path(&folder, "own.json");
     let address = fake_indi(good, false);
     let own =
@@ -442,7 +443,7 @@ fn faulty_servers_do_not_stop_the_gate() {
 #[test]
 fn a_different_site_and_a_wrong_clock_are_reported() {
     let folder = tempfile::tempdir().unwrap();
-    // 0.02 deg are 2.2 km; 0.005 deg are 0.5 km.
+    // A difference of 0.02 deg is 2.2 km; 0.005 deg is 0.5 km.
     let (code, stderr, status) =
         run_with_indi(&folder, vec![eod("Ok", STAMP) + &place("-30.2646", "289.2506")], false, &["--now", NOW]);
     assert_eq!((code, status["fault"].as_str()), (0, Some("site")), "{stderr}");
@@ -451,7 +452,8 @@ fn a_different_site_and_a_wrong_clock_are_reported() {
         run_with_indi(&folder, vec![eod("Ok", STAMP) + &place("-30.2496", "289.2506")], false, &["--now", NOW]);
     assert_eq!(status["verdict"], "clear", "{stderr}");
 
-    // Compared with the machine's clock: correct, and 37 s wrong. The server reads the time when it is called.
+    // Server clocks compared with the system clock: correct, and 37 s wrong. The time stamp is computed when the server
+    // sends.
     let stamp = |offset_s: f64| {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
         streakcast::output::format_utc(hifitime::Epoch::from_unix_seconds(now + offset_s), 0).replace('Z', "")
@@ -471,7 +473,7 @@ fn a_different_site_and_a_wrong_clock_are_reported() {
 
 #[test]
 fn the_gate_waits_in_real_time() {
-    // A field near the pole never sets; only the fact that real time passes is tested, not its amount.
+    // A field near the pole does not set. The test only checks that real time passes, not how much.
     let folder = tempfile::tempdir().unwrap();
     let status = path(&folder, "status.json");
     let began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();

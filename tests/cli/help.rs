@@ -42,7 +42,7 @@ fn examples(help: &str) -> Vec<&str> {
     list.lines().map(str::trim).filter(|line| !line.is_empty()).collect()
 }
 
-/// Every example is complete: it runs, or fails only because a file of the example does not exist here.
+/// Every example is complete: it runs, or fails only because a file of the example is missing here.
 #[test]
 fn every_verb_has_two_working_examples() {
     let mut completed = 0;
@@ -99,7 +99,7 @@ fn required_flags_are_marked() {
     assert!(!help(&["doctor"]).contains("required"));
 }
 
-/// Checks that one error names all of these inputs.
+/// Checks that one error lists all of these inputs.
 #[track_caller]
 fn misses(arguments: &str, inputs: &[&str]) {
     let folder = tempfile::tempdir().unwrap();
@@ -137,12 +137,12 @@ fn all_missing_inputs_are_in_one_error() {
         &[&sky[..], &[field, "picture (-o FILE)", "schedule (--schedule FILE, or --from FILE)"]].concat(),
     );
     misses("plot sky-rate", &[&sky[..], &[field, "picture (-o FILE)", exposure[0], exposure[1]]].concat());
-    // The error of a single missing input names its flags.
+    // The error for a single missing input lists its flags.
     misses("forecast --night 2024-08-14 --mpc X05", &["missing satellites; specify --elements FILE or --shells NAME"]);
     misses("plot body --model visorsat --sun-latitude-deg 20", &["missing picture; specify -o FILE"]);
 }
 
-/// Returns an element set of 2024; with a large drag term SGP4 fails two years later.
+/// Returns an element set of 2024. With a large drag term, SGP4 fails two years later.
 fn old_set(norad_id: u32, bstar_per_earth_radius: f64) -> String {
     let pair = crate::common::elements::pair(norad_id, "226.52426840");
     let mut set = crate::common::elements::read(pair.as_bytes()).unwrap().element_sets[0].clone();
@@ -169,7 +169,7 @@ fn element_sets_that_cannot_be_propagated_are_counted_on_one_line() {
     assert!(code == 2 && stderr.contains("--quiet"), "{stderr}");
 }
 
-/// The script of bash, loaded into bash, completes verbs and flags.
+/// The completion script completes verbs and flags in bash.
 #[cfg(unix)]
 #[test]
 fn bash_completes_verbs_and_flags() {

@@ -1,9 +1,9 @@
-//! `streakcast identify`: all forms of a streak, and errors for invalid ones.
+//! `streakcast identify`: all ways to specify a streak, and errors for invalid values.
 
 use crate::common::cli::{SKY, done, json, path, records, run};
 use serde_json::Value;
 
-/// A pass of a synthetic constellation, which needs no files.
+/// Returns a pass of a simulated constellation.
 fn pass() -> Value {
     let answer = json(&[
         &["passes"],
@@ -64,7 +64,7 @@ fn the_same_rows_in_every_format() {
 
 #[test]
 fn no_candidate_ends_with_1() {
-    // Far south, where no satellite of inclination 53 degrees passes.
+    // Position far in the south, where no satellite of inclination 53 degrees passes.
     let words = ["--end", "10,-86.5", "--end", "12,-86.6", "--start", "2026-08-14T23:29:05Z", "--exposure", "1s"];
     let (code, stdout, stderr) = run(&[&["identify"], &SKY[..4], &words, &["--format", "csv"]]);
     assert_eq!(code, 1, "{stderr}");
@@ -74,7 +74,7 @@ fn no_candidate_ends_with_1() {
 
 #[test]
 fn rows_of_satellites_that_do_not_fit_are_omitted() {
-    // The streak of the pass, shifted by 0.16 deg across the track.
+    // The streak of the pass, shifted by 0.16 deg perpendicular to the track.
     let pass = pass();
     let end = |which: &str| {
         let ra_deg = pass[format!("{which}_ra_deg")].as_f64().unwrap();
@@ -134,7 +134,7 @@ fn invalid_streaks_give_one_line() {
     }
 }
 
-/// Two forms of one frame of Boley et al. (2021): the region file, and its corner points as ends.
+/// One frame of Boley et al. (2021), specified by its region file and by the corner points as ends.
 #[test]
 fn valid_a_ds9_region_is_a_streak() {
     let Some(data) = crate::common::data_dir() else { return };

@@ -1,4 +1,4 @@
-//! `inject` on the command line: frames, masks, truth, invalid input.
+//! `inject` on the command line: frames, masks, truth tables, errors for invalid input.
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
     let folder = TempDir::new().unwrap();
     let plain = path(&folder, "plain.fits");
     let description = path(&folder, "sky.toml");
-    // Floating-point pixels, so that nothing is rounded.
+    // Pixels are floating-point numbers, so that nothing is rounded.
     fs::write(&description, SKY.replace(", quantisation = { greatest_adu = 65535 }", "")).unwrap();
     done(&[&["inject", "--synthetic", &description, "-o", &plain, "--pixels-only", "--seed", "1"], RANDOM]);
     let before = fs::read(&plain).unwrap();
@@ -42,10 +42,10 @@ fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
     let counts: f64 = numbers(&rows, "counts").iter().sum();
     let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
     let added: f64 = old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum();
-    // Rounding to single precision, with a sky of a thousand counts, has an error of 1e-4 counts per pixel.
+    // Rounding to single precision, on a sky of a thousand counts, causes errors of 1e-4 counts per pixel.
     assert!((added - counts).abs() < 1e-4 * counts, "{added} {counts}");
-    // LSST bits are STREAK 0 and INJECTED 1. Changed pixels are marked, except for the faintest wings. Pixels with
-    // STREAK also have INJECTED.
+    // In LSST masks, bit 0 is STREAK and bit 1 is INJECTED. Changed pixels are marked, except in the faintest wings.
+    // Pixels with STREAK also have INJECTED.
     assert!(mask.iter().all(|&bits| [0.0, 2.0, 3.0].contains(&bits)));
     let unmarked: f64 = old
         .iter()
@@ -57,7 +57,7 @@ fn verif_added_light_equals_the_truth_and_other_data_are_kept() {
     assert!(unmarked.abs() < 1e-2 * counts, "{unmarked}");
     let stands_out = mask.iter().filter(|&&bits| bits == 3.0).count();
     assert!(stands_out > 300, "{stands_out}");
-    // Both streaks end at the frame's border, or at the position at which the shutter closed.
+    // Both streaks end at the edge of the frame, or at the position at which the shutter closed.
     for (x, y) in numbers(&rows, "x1_pix").into_iter().zip(numbers(&rows, "y1_pix")) {
         assert!((0.5..=400.5).contains(&x) && (0.5..=300.5).contains(&y));
     }
@@ -93,7 +93,7 @@ fn verif_many_frames_are_written_to_a_folder_with_individual_streaks() {
     let mut lengths = column(&rows, "x1_pix");
     lengths.dedup();
     assert_eq!(lengths.len(), 6, "no two streaks are the same");
-    // Each frame of a set can be reproduced from the seed in its truth table.
+    // Each frame of a set is reproduced from the seed in its truth table.
     let alone = path(&folder, "alone.fits");
     let seed = column(&rows, "seed")[2].clone();
     done(&[&["inject", "--synthetic", &description, "-o", &alone, "--seed", &seed], RANDOM]);
@@ -133,8 +133,7 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     let streaks = document["streaks"].as_array().unwrap();
     assert!(!streaks.is_empty());
     assert!(document["provenance"]["models"].to_string().contains("starlink"));
-    // The same satellites as found by `passes` in the circle around the frame, restricted to those that touch the
-    // frame.
+    // Satellites found by `passes` in the circle around the frame, without those that do not touch the frame.
     let passes: serde_json::Value =
         crate::common::cli::json(&[&["passes"], &shot[..8], &["--fov", "4.6deg", "--quiet"], &question]);
     let known: Vec<i64> =
@@ -143,7 +142,7 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
         assert!(known.contains(&streak["norad_id"].as_i64().unwrap()), "{streak}");
         assert!(streak["magnitude"].as_f64().unwrap() < 9.0 && streak["length_pix"].as_f64().unwrap() > 0.0);
     }
-    // Trails: mag is per pixel of length, so the total flux is that of the streak.
+    // In the table of trails, mag is per pixel of length; with the length, it gives the total flux of the streak.
     let rows = records(&fs::read_to_string(&trails).unwrap());
     assert_eq!(column(&rows, "source_type")[0], "Trail");
     let (mag, length) = (numbers(&rows, "mag")[0], numbers(&rows, "trail_length")[0]);
@@ -152,7 +151,7 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     assert!((total - first["total_magnitude"].as_f64().unwrap()).abs() < 2e-3);
 }
 
-/// A wide synthetic frame under a constellation, exposed for 4 s while the first satellite of the evening crosses it.
+/// Creates a wide synthetic frame, exposed for 4 s while the first satellite of the evening crosses it.
 fn wide(folder: &TempDir, more: &[&str]) -> Vec<csv::StringRecord> {
     let pointing = ["--shells", "starlink-gen1", "--mpc", "X05", "--ra", "198.9", "--dec", "7.7"];
     let evening = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--fov", "2deg", "--quiet"];
@@ -193,15 +192,15 @@ fn verif_a_tracked_satellite_is_a_point_with_its_total_light() {
     let followed = wide(&folder, &[&follow]);
     let index =
         column(&followed, "norad_id").iter().position(|id| *id == norad).expect("the satellite is in the frame");
-    // The satellite moves along its orbit, the telescope along a great circle at the middle rate: a difference of a few
-    // pixels of 30" in 4 s.
+    // The satellite follows its orbit, and the telescope a great circle at the mean rate. In 4 s the difference is a
+    // few pixels of 30".
     assert!(numbers(&followed, "length_pix")[index] < 6.0);
-    // All light of the 4 s is in one point: 10^(-0.4 (m - ZP)), m at the middle, which changes by a few hundredths over
-    // 4 s.
+    // All light of the 4 s is in one point: 10^(-0.4 (m - ZP)) with m at mid-exposure, which changes by a few
+    // hundredths in 4 s.
     let expected = 10f64.powf(-0.4 * (magnitude - zero_point));
     let counts = numbers(&followed, "counts")[index];
     assert!((counts / expected - 1.0).abs() < 0.05, "{counts} {expected}");
-    // A point keeps its magnitude; a streak has a lower surface brightness.
+    // For a point the effective magnitude is the magnitude; a streak has a lower surface brightness.
     let effective = |rows: &[csv::StringRecord], index: usize| numbers(rows, "effective_magnitude")[index];
     assert!(
         (effective(&followed, index) - magnitude).abs() < 1.5
@@ -236,7 +235,8 @@ fn verif_stars_trail_with_non_sidereal_tracking() {
     };
     let (still, trailed) =
         (moments(&take("still.fits", &[])), moments(&take("trailed.fits", &["--track-rate", "2,1"])));
-    // 2"/s east and 1"/s north for 30 s: 120 and 60 pixels. A uniform line of length L has a variance of L² / 12.
+    // The rates are 2"/s east and 1"/s north for 30 s: 120 and 60 pixels. A uniform line of length L has the variance
+    // L²/12.
     assert!((trailed[0] / still[0] - 1.0).abs() < 1e-3, "{} {}", trailed[0], still[0]);
     let mean = |sums: &[f64; 6], index: usize| sums[index] / sums[0];
     assert!((mean(&trailed, 1) - mean(&still, 1)).abs() < 0.05 && (mean(&trailed, 2) - mean(&still, 2)).abs() < 0.05);
@@ -246,7 +246,7 @@ fn verif_stars_trail_with_non_sidereal_tracking() {
     }
     assert!((mean(&trailed, 5).abs() / 600.0 - 1.0).abs() < 0.01, "{}", mean(&trailed, 5));
 
-    // The number of random stars is the same with tracking of a satellite.
+    // With tracking of a satellite, the number of random stars is the same.
     let field = "stars = { per_megapixel = 1000, slope = 0.6, brightest_mag = 14, faintest_mag = 16 }";
     fs::write(&description, sky.replace("star_list = 'stars.csv'", field)).unwrap();
     let total = |pixels: Vec<f32>| pixels.iter().map(|pixel| f64::from(*pixel)).sum::<f64>();
@@ -256,7 +256,7 @@ fn verif_stars_trail_with_non_sidereal_tracking() {
         assert!((trailed / still - 1.0).abs() < 0.4, "{rate}: {trailed} {still}");
     }
 
-    // Too many trails are rejected; so is a star that is too bright, if it is on the frame.
+    // Too many trails are rejected, and so is a star on the frame that is too bright.
     let refused = |more: &[&str]| {
         let output = path(&folder, "none.fits");
         let centre = ["--ra", "40", "--dec", "10", "--random-streaks", "0", "--magnitude", "5", "--exposure", "30s"];
@@ -307,7 +307,7 @@ fn verif_the_middle_point_and_a_flash_in_the_light_curve() {
             < 2e-3
     );
     let flash = inject_with(&["--glint", "5,0,0.1"]);
-    // A flash of magnitude 5 on light of magnitude 9: 4.97 at the peak, and its fluence, 0.1 s × 1.064, in 30 s.
+    // A flash of magnitude 5 is added to light of magnitude 9: the peak is 4.97. Its fluence in 30 s is 0.1 s × 1.064.
     assert!((numbers(&flash, "magnitude_peak")[0] - 4.97).abs() < 0.03, "{:?}", column(&flash, "magnitude_peak"));
     let gained = numbers(&flash, "counts")[0] - numbers(&eleven, "counts")[0];
     let expected = 10f64.powf(-0.4 * (5.0 - numbers(&flash, "zero_point_mag")[0])) * 0.106_447 / 30.0;
@@ -317,7 +317,7 @@ fn verif_the_middle_point_and_a_flash_in_the_light_curve() {
 #[test]
 fn verif_faint_light_is_not_rounded_away() {
     let folder = TempDir::new().unwrap();
-    // 16-bit integer counts: a streak with a peak below one count.
+    // Pixels are 16-bit integers; the peak of the streak is below one count.
     let plain = synthetic(&folder, "plain.fits", &["--pixels-only", "--seed", "1"]);
     let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
     for (more, noise) in [(&["--no-noise"][..], 0.0), (&["--gain", "8"], 1.0 / 8.0)] {
@@ -342,8 +342,8 @@ fn verif_faint_light_is_not_rounded_away() {
             pixels += old.iter().zip(&new).filter(|(old, new)| old != new).count() as f64;
             expected_counts += numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum::<f64>();
         }
-        // A pixel of x counts is rounded to 1 with probability x, with a variance below 1/4 count², to which photon
-        // noise is added. Five sigma.
+        // A pixel with x counts is rounded to 1 with probability x. The variance is below 1/4 count², plus photon
+        // noise. The tolerance is five sigma.
         let sigma = (4.0 * 0.25 * 400.0 * 40.0 + noise * expected_counts).sqrt();
         assert!(
             (added - expected_counts).abs() < 5.0 * sigma && pixels > 500.0,
@@ -357,7 +357,7 @@ fn verif_faint_light_is_not_rounded_away() {
 fn verif_resolved_panels_are_two_light_sources() {
     let folder = TempDir::new().unwrap();
     let rows = wide(&folder, &[]);
-    // A small frame with small pixels at the position of a satellite, exposed for 4 s.
+    // Small frame with small pixels at the position of a satellite, exposed for 4 s.
     let entered: hifitime::Epoch = column(&rows, "enter_utc")[0].parse().unwrap();
     let start = streakcast::output::format_utc(entered - hifitime::Unit::Second * 2.0, 3);
     let [ra, dec, norad] = ["ra1_deg", "dec1_deg", "norad_id"].map(|name| column(&rows, name)[0].clone());
@@ -366,7 +366,7 @@ fn verif_resolved_panels_are_two_light_sources() {
     let inject_with = |name: &str, more: &[&str]| {
         let (output, truth) = (path(&folder, name), path(&folder, "small.csv"));
         let frame = ["--synthetic", &description, "-o", &output, "--truth", &truth, "--quiet", "--no-noise"];
-        // The default model of these satellites has no chassis and solar array of its own.
+        // The default model of these satellites does not separate chassis and solar array.
         let panels = ["--model", "starlink-v1.5=starlink-v1.5"];
         let shot = ["--shells", "starlink-gen1", "--mpc", "X05", "--start", &start, "--exposure", "4s", "--ra", &ra];
         done(&[&["inject"], &frame, &shot, &panels, &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"], more]);
@@ -383,10 +383,10 @@ fn verif_resolved_panels_are_two_light_sources() {
     let labels = |parts: &[(String, f64)]| parts.iter().map(|(label, _)| label.clone()).collect::<Vec<_>>();
     assert_eq!(labels(&whole), ["whole"]);
     assert_eq!(labels(&apart), ["chassis", "array"]);
-    // The total light is the same; at a corner of the frame one of the paths is a few pixels longer.
+    // The total is the same, except that at a corner of the frame one path is a few pixels longer.
     let together: f64 = apart.iter().map(|(_, counts)| counts).sum();
     assert!((together / whole[0].1 - 1.0).abs() < 0.05, "{together} {}", whole[0].1);
-    // The total is the same, but its distribution differs.
+    // The distribution of the light differs.
     let moved: f64 = whole_values.iter().zip(&apart_values).map(|(a, b)| f64::from((a - b).abs())).sum();
     assert!(moved > 0.05 * together, "{moved} {together}");
 }
@@ -398,7 +398,7 @@ fn verif_a_satellite_at_the_edge_of_a_chip_adds_only_the_light_inside() {
     let (x1, x2) = (numbers(&truth_of_wide, "x1_pix")[0], numbers(&truth_of_wide, "x2_pix")[0]);
     let (y1, y2) = (numbers(&truth_of_wide, "y1_pix")[0], numbers(&truth_of_wide, "y2_pix")[0]);
     assert!((y2 - y1).abs() > 4.0 && (x2 - x1).abs() >= 0.0, "{y1} {y2}");
-    // The same frame without the rows above the middle of the streak: the track leaves the chip there.
+    // The frame without the rows above the middle of the streak, so that the track leaves it there.
     let whole = path(&folder, "plain.fits");
     let description = path(&folder, "plain.toml");
     let text = unrounded()
@@ -431,7 +431,7 @@ fn verif_a_satellite_at_the_edge_of_a_chip_adds_only_the_light_inside() {
         (light, records(&fs::read_to_string(&truth).unwrap()))
     };
     let ((all, _), (kept, truth)) = (added(&whole), added(&part));
-    // Identical light in all remaining pixels up to the last row, and the track ends at the edge.
+    // The light in all remaining pixels is identical, up to the last row, and the track ends at the edge.
     let peak = all.iter().copied().fold(0.0_f32, f32::max);
     let worst = all.iter().zip(&kept).map(|(a, b)| (a - b).abs()).fold(0.0_f32, f32::max);
     assert_eq!(kept.len(), 400 * rows_kept);
@@ -448,14 +448,14 @@ fn verif_names_with_brackets_and_undefined_pixels() {
     let (description, plain) = (path(&folder, "sky.toml"), path(&folder, "plain.fits"));
     fs::write(&description, unrounded()).unwrap();
     done(&[&["inject", "--synthetic", &description, "-o", &plain, "--pixels-only"], RANDOM]);
-    // Every seventh pixel is undefined.
+    // Every seventh pixel has no value.
     let mut bytes = fs::read(&plain).unwrap();
     let header = 2880 * (bytes.chunks_exact(80).position(|card| card.starts_with(b"END ")).unwrap() / 36 + 1);
     for pixel in (0..400 * 300).step_by(7) {
         let at = header + 4 * pixel;
         bytes[at..at + 4].copy_from_slice(&f32::NAN.to_be_bytes());
     }
-    // CFITSIO would interpret these names as sections, filters and compression.
+    // CFITSIO would interpret such names as sections, filters and compression.
     let input = path(&folder, "night[1:100,*](2)+1.fits");
     let output = path(&folder, "out[compress R][0].fits");
     fs::write(&input, &bytes).unwrap();
@@ -468,7 +468,7 @@ fn verif_names_with_brackets_and_undefined_pixels() {
     assert!(changed > 1000, "{changed}");
 }
 
-/// A full disk, simulated by a limit on file sizes (its signal is ignored), and folders that do not accept files.
+/// Full disk, simulated by a limit on file sizes whose signal is ignored; and folders in which files cannot be created.
 #[cfg(target_os = "linux")]
 #[test]
 fn verif_a_full_disk_and_missing_permissions_leave_no_output() {
@@ -477,7 +477,7 @@ fn verif_a_full_disk_and_missing_permissions_leave_no_output() {
     let (before, output) = (fs::read(&plain).unwrap(), path(&folder, "out.fits"));
     fs::write(&output, "an older file").unwrap();
     let options = ["--random-streaks", "1", "--magnitude", "5", "--seeing", "2arcsec", "--quiet"];
-    // 100 blocks of 512 (or 1024) bytes; the frame has 240,000.
+    // The limit is 100 blocks of 512 (or 1024) bytes; the frame has 240,000 bytes.
     let script = "trap '' XFSZ; ulimit -f 100; exec \"$0\" \"$@\"";
     let full = std::process::Command::new("sh")
         .args(["-c", script, env!("CARGO_BIN_EXE_streakcast"), "inject", "--image", &plain, "-o", &output])
@@ -491,7 +491,7 @@ fn verif_a_full_disk_and_missing_permissions_leave_no_output() {
         "{stderr}"
     );
     assert_eq!(fs::read_to_string(&output).unwrap(), "an older file", "the old file is kept");
-    // Permissions do not apply to root; /proc does not accept files.
+    // Permissions have no effect for root, but files cannot be created in /proc.
     let (code, stdout, stderr) = run(&[&["inject", "--image", &plain, "-o", "/proc/out.fits"], &options]);
     assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
     assert!(stderr.contains("/proc"), "{stderr}");
@@ -567,7 +567,7 @@ fn verif_invalid_input_gives_one_line_and_no_output() {
     assert_eq!(fs::read(&plain).unwrap(), bytes);
 }
 
-/// The folder of the output is created, and `identify` does not count the mask of the written frame as an image.
+/// The folder of the output is created. `identify` does not take the mask of the written frame as an image.
 #[test]
 fn verif_an_injected_frame_in_a_new_folder_is_one_image() {
     let folder = TempDir::new().unwrap();

@@ -1,4 +1,4 @@
-//! `inject` with a detector: no light is lost in large numbers, and masks mark bleeding and ghosts.
+//! `inject` with a detector: the light of bright streaks is conserved, and masks mark bleeding and ghosts.
 
 use std::fs;
 use std::path::Path;
@@ -10,7 +10,7 @@ use tempfile::TempDir;
 
 const SIDE: usize = 300;
 
-/// Pixels of the first HDU with full precision.
+/// Returns the pixels of the first HDU in double precision.
 fn exact(file: &str) -> Vec<f64> {
     FrameFile::open(Path::new(file)).unwrap().read_rows(0, 0..SIDE).unwrap()
 }
@@ -26,7 +26,7 @@ fn verif_noise_beside_large_numbers_loses_no_light() {
         let image = ImageValues::new(SIDE, pixels).unwrap();
         let image = NewImage { name: "", values: &image, cards: &cards, rice: None };
         write_frame(Path::new(&input), &[image]).unwrap();
-        // The peak is about 30 counts, half of the resolution of single precision at 1e9.
+        // The peak is about 30 counts, half of the resolution of single precision at 1e9 counts.
         let light = ["--random-streaks", "1", "--magnitude", "8", "--zero-point-1s", "22", "--gain", "2"];
         let sky =
             ["--pixel-scale", "1arcsec", "--seeing", "2.5arcsec", "--start", "2024-08-14T00:30:00Z", "--seed", "3"];
@@ -51,7 +51,7 @@ fn verif_bleeding_and_ghosts_are_masked() {
         &["inject", "--synthetic", &description, "-o", &plain, "--random-streaks", "0", "--pixels-only"],
         &RANDOM[2..],
     ]);
-    // Full wells of 4,000 electrons, including 1,200 of the sky; one half of the chip has ghosts of the other.
+    // Full wells hold 4,000 electrons, of which the sky is 1,200. Each half of the chip has ghosts of the other half.
     let text = "bias_adu = 300\nsaturation = { full_well_e = 4000, bleeding = 'columns' }\nquantisation = {}\n\
         crosstalk = { coefficients = [[0, 0.03], [0.03, 0]], amplifiers = [\
         { first_row = 0, rows = 300, first_column = 0, columns = 200 },\
@@ -60,7 +60,7 @@ fn verif_bleeding_and_ghosts_are_masked() {
     let files = ["--image", &plain, "-o", &output, "--detector", &detector, "--quiet", "--seed", "5"];
     done(&[&["inject"], &files, &["--random-streaks", "1", "--magnitude", "1", "--seeing", "2.5arcsec"]]);
     let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
-    // The sky noise is 17.5 counts; streaks of one count are added.
+    // The sky noise is 17.5 counts, and streaks of one count are added.
     let [mut changed, mut unmasked, mut alone, mut idle] = [0; 4];
     for ((old, new), bits) in old.iter().zip(&new).zip(&mask) {
         let change = (new - old).abs();

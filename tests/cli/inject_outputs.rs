@@ -1,4 +1,4 @@
-//! Output files of `inject`: links, pipes, and names with an unsupported extension.
+//! Output files of `inject`: links, pipes, and file names with an extension that is not supported.
 
 use std::fs;
 use std::path::Path;
@@ -46,7 +46,7 @@ fn verif_links_are_followed_and_pipes_are_rejected() {
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     symlink(&pipe, &link).unwrap();
     for output in [&pipe, &link] {
-        // Checked before reading: the frame does not exist, but the error is not about it.
+        // The outputs are checked before reading: the error is not that of the missing frame.
         let none = path(&folder, "none.fits");
         let (code, stdout, stderr) = run(&[&["inject", "--image", &none, "-o", output], RANDOM]);
         assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
@@ -68,7 +68,7 @@ fn verif_names_of_compressed_files_are_rejected() {
         assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
         assert!(stderr.contains(name) && stderr.contains(words) && !fs::exists(&output).unwrap(), "{stderr}");
     }
-    // A tile-compressed frame stays tile-compressed.
+    // The output for a tile-compressed frame is tile-compressed.
     fs::write(&description, format!("compress = true\n{SKY}")).unwrap();
     let [first, second] = ["first.fits.fz", "second.fits.fz"].map(|name| path(&folder, name));
     assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &first], RANDOM]).0, 0);
@@ -85,7 +85,7 @@ fn verif_a_failed_batch_names_the_frame_and_the_finished_ones() {
     let [good, bad, out] = ["good.fits", "bad.fits", "out"].map(|name| path(&folder, name));
     let plain: &[&str] = &["--random-streaks", "0", "--pixels-only"];
     assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &good], plain, &RANDOM[2..]]).0, 0);
-    // With pixels of 1000 arcsec an image of 2 arcsec is a point and cannot be drawn.
+    // With pixels of 1000 arcsec, an image of 2 arcsec is narrower than can be drawn.
     fs::write(&description, SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 100.0")).unwrap();
     let wide: &[&str] =
         &["--random-streaks", "0", "--pixels-only", "--magnitude", "8", "--exposure", "30s", "--seeing", "100arcsec"];
@@ -151,7 +151,7 @@ fn verif_history_and_tables_contain_the_settings() {
     assert_eq!(header.integer(&format!("TNULL{column}")), Some(-1));
 }
 
-/// Two chips side by side: a streak over both is one streak in two pieces.
+/// A streak that crosses two adjacent chips is one streak with two parts.
 #[test]
 fn pieces_of_streaks_on_a_mosaic_are_counted_apart() {
     let folder = TempDir::new().unwrap();
@@ -178,7 +178,7 @@ fn pieces_of_streaks_on_a_mosaic_are_counted_apart() {
     assert!(stderr.contains(&format!(": {streaks} streaks of random lights in {pieces} pieces, ")), "{stderr}");
 }
 
-/// An interrupted run removes its temporary files; those of a killed one are removed by the next run.
+/// An interrupted run removes its temporary files. Those of a killed run are removed by the next run.
 #[cfg(unix)]
 #[test]
 fn no_temporary_files_remain() {
@@ -191,7 +191,7 @@ fn no_temporary_files_remain() {
         let names = fs::read_dir(&frames).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
         names.filter(|name| name.starts_with(".streakcast-")).collect()
     };
-    // More frames than any machine writes before the signal.
+    // More frames than can be written before the signal.
     let arguments = ["inject", "--synthetic", &description, "-o", &frames, "--frames", "100000"];
     let ended_by = |signal: &str| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));

@@ -1,4 +1,4 @@
-//! `inject` into raw frames: overscan regions and non-square pixels.
+//! `inject` for raw frames: overscan regions and non-square pixels.
 
 use std::fs;
 use std::ops::Range;
@@ -25,7 +25,7 @@ fn frame(folder: &TempDir, name: &str, sky: &str, cards: &[(&str, CardValue)]) -
     output
 }
 
-/// Numbers of changed pixels on the illuminated part of the frame and elsewhere.
+/// Returns the numbers of changed pixels in the illuminated part of the frame and elsewhere.
 fn changed(before: &str, after: &str) -> [usize; 2] {
     let mut counts = [0, 0];
     for (pixel, (old, new)) in values(before, 0).iter().zip(&values(after, 0)).enumerate() {
@@ -55,7 +55,7 @@ fn verif_overscan_receives_no_light() {
     assert!(stderr.contains("HDU 0: only [51:380,11:290] is illuminated"), "{stderr}");
     let [lit, dark] = changed(&raw, &output);
     assert!(lit > 1000 && dark == 0, "{lit} {dark}");
-    // The truth table covers the illuminated part: its light, and ends at its borders.
+    // The truth table describes the light and the ends of the streak in the illuminated part.
     let rows = records(&fs::read_to_string(&truth).unwrap());
     let counts: f64 = numbers(&rows, "counts").iter().sum();
     let light = values(&raw, 0).iter().zip(&values(&output, 0)).map(|(old, new)| f64::from(new - old)).sum::<f64>();
@@ -68,7 +68,7 @@ fn verif_overscan_receives_no_light() {
     let on_y = borders([numbers(&rows, "y1_pix"), numbers(&rows, "y2_pix")].concat(), 10.5, 290.5);
     assert_eq!(on_x + on_y, 2 * (rows.len() - 1), "every streak runs from border to border");
 
-    // Sections that may be left over from before trimming are ignored.
+    // Section keywords that may remain after the overscan was trimmed are ignored.
     let trimmed = with(&unrounded(), &folder, "trimmed.fits", &[DATA]);
     let files = ["--image", &trimmed, "-o", &output, "--no-noise", "--quiet"];
     done(&[&["inject"], &files, &options]);
@@ -91,10 +91,10 @@ fn verif_charge_that_bleeds_stays_out_of_the_overscan() {
 #[test]
 fn verif_non_square_pixels_give_an_elongated_image() {
     let folder = TempDir::new().unwrap();
-    // Pixels of 2" by 1".
+    // Pixels are 2" by 1".
     let oblong = frame(&folder, "oblong.fits", &unrounded(), &[("CD1_1", CardValue::Real(-2.0 / 3600.0))]);
     let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
-    // A light source that moves by 0.02 arcsec.
+    // A streak of only 0.02 arcsec.
     let still = ["--random-streaks", "1", "--magnitude", "7", "--streak-rate-deg-s", "1e-4", "--exposure", "0.05s"];
     let files = ["--image", &oblong, "-o", &output, "--truth", &truth, "--no-noise", "--quiet"];
     done(&[&["inject"], &files, &still, &["--seeing", "12arcsec", "--psf", "gaussian"]]);
@@ -105,7 +105,7 @@ fn verif_non_square_pixels_give_an_elongated_image() {
     }
     let [light, x, y, xx, yy] = sums;
     let variance = |first: f64, second: f64| second / light - (first / light).powi(2);
-    // Variance of a Gaussian plus that of a pixel, each in pixels; single precision with the sky has an error of 1 %.
+    // Variance of a Gaussian plus that of a pixel, in pixels². Single precision on the sky causes an error of 1 %.
     let sigma_arcsec = 12.0 / (8.0f64 * 2f64.ln()).sqrt();
     let expected = |side_arcsec: f64| (sigma_arcsec / side_arcsec).powi(2) + 1.0 / 12.0;
     let (across, along) = (variance(x, xx) / expected(2.0), variance(y, yy) / expected(1.0));

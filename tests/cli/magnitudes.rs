@@ -1,9 +1,9 @@
-//! Photometry options on the command line: each changes magnitudes as documented and is named in the provenance.
+//! Photometry options on the command line: each changes magnitudes as documented, and is stated in the provenance.
 
 use crate::common::cli::{SKY, json, run};
 use serde_json::Value;
 
-/// A wide field at dusk with Starlink satellites.
+/// Wide field at dusk with Starlink satellites.
 const PASSES: &[&str] = &[
     "passes",
     "--start",
@@ -17,7 +17,7 @@ const PASSES: &[&str] = &[
     "80deg",
 ];
 
-/// Returns satellite, magnitude and altitude of every pass with a magnitude.
+/// Returns satellite, magnitude and altitude (radians) of every pass with a magnitude.
 fn magnitudes(answer: &Value) -> Vec<(u64, f64, f64)> {
     let of = |pass: &Value| {
         Some((pass["norad_id"].as_u64()?, pass["magnitude"].as_f64()?, pass["altitude_deg"].as_f64()?.to_radians()))
@@ -36,8 +36,8 @@ fn extinction_dims_by_the_airmass() {
     assert!(above_air.len() > 10 && above_air.len() == below_air.len(), "{}", above_air.len());
     for ((id, above, altitude_rad), (same, below, _)) in above_air.into_iter().zip(below_air) {
         assert_eq!(id, same);
-        // The plane-parallel airmass has an error of 1 % above 20 degrees, and the altitude one of 0.2 degrees
-        // (latitude).
+        // Above 20 degrees, the plane-parallel airmass has an error of 1 %, and the altitude an error of 0.2 degrees
+        // (geodetic latitude).
         if altitude_rad > 0.35 {
             assert!((below - above - 0.2 / altitude_rad.sin()).abs() < 0.01, "{id}: {above} {below} {altitude_rad}");
         }
@@ -86,8 +86,8 @@ fn an_invalid_extinction_is_rejected() {
     }
 }
 
-/// Models by `--model`: one for all satellites, one for a kind, from the library and from a file; one for a kind takes
-/// precedence, and all are named in the rows and the provenance.
+/// Models given by `--model`: one for all satellites and one for a generation, by name and as a file. The model for a
+/// generation takes precedence, and all are stated in the rows and in the provenance.
 #[test]
 fn models_of_all_satellites_and_of_a_kind() {
     let folder = tempfile::tempdir().unwrap();

@@ -18,7 +18,7 @@ const PASSES: &[&str] = &[
     "20deg",
 ];
 
-/// Forty exposures of an evening, as CSV.
+/// Returns forty exposures of an evening as CSV.
 fn evening() -> String {
     let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,rotation_deg,band\n".to_owned();
     for number in 0..40 {
@@ -70,7 +70,7 @@ fn rows_are_self_consistent() {
     for pass in json(&[PASSES, SKY, &["--samples", "5", "--telescope", "rubin"]])["passes"].as_array().unwrap() {
         let number = |name: &str| pass[name].as_f64().unwrap_or_else(|| panic!("{name} in {pass}"));
         let text = |name: &str| pass[name].as_str().unwrap().to_owned();
-        // ISO texts of equal length sort like their times.
+        // ISO times of equal length are ordered like their text.
         assert!(text("enter_utc") <= text("mid_utc") && text("mid_utc") <= text("exit_utc"), "{pass}");
         assert!(text("enter_utc").as_str() >= "2024-08-14T23:30:00.000000Z");
         assert!(text("exit_utc").as_str() <= "2024-08-14T23:32:00.000000Z");
@@ -181,7 +181,7 @@ fn schedules_in_four_formats_give_the_same_flags() {
 
 #[test]
 fn a_next_clear_start_is_the_earliest_clear_one() {
-    /// Field ten degrees wide, so that some exposures must wait.
+    /// Field of ten degrees, so that some exposures must be delayed.
     const WIDE: &[&str] = &["--fov", "10deg"];
     let folder = tempfile::tempdir().unwrap();
     fs::write(path(&folder, "s.csv"), evening()).unwrap();
@@ -196,7 +196,7 @@ fn a_next_clear_start_is_the_earliest_clear_one() {
         later += &format!("{},{start},{},{},{}\n", &row[0], &row[2], &row[3], &row[4]);
         if delay_s.is_some_and(|delay_s| delay_s > 0.01) {
             waiting += 1;
-            // Ten milliseconds earlier the blocking satellite is still in the field.
+            // Ten milliseconds before the clear start, the blocking satellite is still in the field.
             let seconds: f64 = start[17..23].parse().unwrap();
             let hundredth =
                 if seconds >= 0.01 { format!("{}{:06.3}Z", &start[..17], seconds - 0.01) } else { continue };
@@ -273,8 +273,7 @@ fn policies_and_exit_codes() {
     let flag =
         |more: &[&str]| run(&[&["flag", "--schedule", &schedule, "--fov", "3.5deg", "--format", "jsonl"], more, SKY]);
     let count = |stdout: &str, verdict: &str| stdout.matches(&format!("\"verdict\": \"{verdict}\"")).count();
-    // Without a limit no exposure is avoided; with a limit that excludes everything, all exposures with lit crossings
-    // are.
+    // Without a limit no exposure is `avoid`. With a limit that every satellite exceeds, all with lit crossings are.
     let (code, free, _) = flag(&["--fail-on", "avoid"]);
     assert_eq!((code, count(&free, "avoid")), (0, 0));
     let (code, strict, _) = flag(&["--limit-mag", "30", "--fail-on", "avoid"]);
@@ -287,14 +286,14 @@ fn policies_and_exit_codes() {
     assert_eq!(count(&flag(&["--policy", &policy]).1, "avoid"), count(&strict, "avoid"));
     fs::write(&policy, "[limit_mag]\ng = 30\n").unwrap();
     assert_eq!(count(&flag(&["--policy", &policy]).1, "avoid"), 0);
-    // A margin can only increase the number of streaked exposures, and each has a reason.
+    // With a margin the number of streaked exposures is the same or larger, and each has a reason.
     fs::write(&policy, "margin_s = 20\n").unwrap();
     let (_, wide, _) = flag(&["--policy", &policy]);
     assert!(count(&wide, "clear") < count(&free, "clear") && wide.contains("within 20 s of the exposure"));
     fs::write(&policy, "max_lost_fraction = 1e-9\n").unwrap();
     let (_, lost, _) = flag(&["--policy", &policy, "--telescope", "rubin"]);
     assert_eq!(count(&lost, "avoid"), count(&free, "streaked"));
-    // Without waiting time, exposures that are not clear have no next start.
+    // Without a delay, exposures that are not clear have no next clear start.
     let (_, hurried, _) = flag(&["--max-delay", "0s"]);
     assert_eq!(hurried.matches("\"next_clear_start_utc\": null").count(), count(&hurried, "streaked"));
 }
@@ -321,7 +320,7 @@ fn bare_dates_use_the_given_scale() {
     assert_eq!(first("mjd.csv", &["--time-scale", "tt"]), at("28:50.816", "tt"));
     assert_eq!(first("tai.csv", &[]), at("29:23.000", "tai"));
     assert_eq!(first("utc.csv", &["--time-scale", "utc"]), at("30:00.000", "utc"));
-    // A flag and a column name with different scales are an error; a Z in a cell takes precedence.
+    // Different scales in the flag and the column name are an error. A Z in a cell takes precedence.
     let named = ["flag", "--schedule", &path(&folder, "utc.csv"), "--fov", "0.1deg", "--time-scale", "tai"];
     let (code, _, stderr) = run(&[&named, SKY]);
     assert_eq!(code, 2, "{stderr}");
@@ -355,13 +354,13 @@ fn csv_schedules_are_annotated_and_keep_all_bytes() {
     }
     let flags = records(&done(&[&["flag", "--schedule", &input], FLAG, SKY]));
     for (row, flag) in records(&annotated).iter().zip(&flags) {
-        // The schedule has the start, length, pointing and band, with which `flag` ends.
+        // The rows of `flag` end with start, length, pointing and band; the annotated schedule has them already.
         assert_eq!(row.iter().skip(7).collect::<Vec<_>>(), flag.iter().take(12).skip(1).collect::<Vec<_>>());
     }
     let streaks = records(&fs::read_to_string(path(&folder, "out.streaks.csv")).unwrap());
     let count: usize = flags[1..].iter().map(|flag| flag[2].parse::<usize>().unwrap()).sum();
     assert_eq!(streaks.len() - 1, count);
-    // An annotation in place replaces an earlier annotation only with the flag.
+    // An earlier annotation is replaced only with `--replace`.
     let again = |more: &[&str]| run(&[&["annotate", "--schedule", &output, "-o", &output], more, FLAG, SKY]);
     assert_eq!(again(&[]).0, 2);
     assert_eq!(again(&["--replace"]).0, 0);
@@ -417,7 +416,7 @@ fn lists_of_models_sites_and_shells() {
     assert!(model["rms_mag"].is_number() && model["provenance"].is_object());
     let names = records(&done(&[&["model", "list", "--format", "csv"]]));
     assert!(names.iter().any(|row| &row[0] == "starlink-v1.5"));
-    // Every model has a comparison, and without the folder of measurements there are no data.
+    // Every model is compared with published values; without the folder of measurements, it is not compared with data.
     let checks = records(&done(&[&["model", "check", "--format", "csv"]]));
     let verdict = checks[0].len() - 1;
     assert!(names[1..].iter().all(|name| checks.iter().any(|row| row[0] == name[0])));
@@ -486,7 +485,7 @@ fn flags_end_with_the_exposures_of_the_schedule() {
         "{screen}"
     );
 
-    // With one valid row --fail-on has a result, without any it has none.
+    // With one valid row --fail-on has a result, without any it is an error.
     assert!([0, 1].contains(&run(&[&flag, FLAG, SKY, &["--fail-on", "avoid"]]).0));
     for kept in [&rows.lines().skip(1).collect::<Vec<_>>()[..], &rows.lines().skip(2).collect::<Vec<_>>()[..]] {
         let text = format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n{}\n", kept.join("\n"));

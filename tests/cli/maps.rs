@@ -1,4 +1,4 @@
-//! `streakcast map`: tables, FITS, charts, and errors for invalid arguments.
+//! `streakcast map`: tables, FITS, pictures, and errors for invalid arguments.
 
 use std::fs;
 
@@ -15,7 +15,7 @@ fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// Rows below the provenance, including the header.
+/// Returns the rows after the provenance, including the header.
 fn rows(text: &str) -> Vec<Vec<&str>> {
     text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect()).collect()
 }
@@ -51,7 +51,7 @@ fn verif_body_table() {
         assert!(row[2].is_empty() || row[2].parse::<f64>().unwrap().is_finite(), "{row:?}");
     }
     assert!(text.contains("# earthshine: \"computed\""));
-    // The mean model has no such option, and the option is not mentioned.
+    // Earthshine does not apply to the mean model, and is not stated.
     let mean = answers(&[&["map", "body", "--model", "oneweb", "--sun-latitude-deg", "-14", "--format", "csv"]]);
     assert!(mean.contains("# model: ") && !mean.contains("earthshine"), "{}", &mean[..400]);
     let sunlight = answers(&[BODY, &["--no-earthshine", "--format", "csv"]]);
@@ -67,7 +67,7 @@ fn verif_sky_table_of_a_site() {
     assert_eq!(sphere.len(), 1 + 72 * 19);
     assert_eq!(sphere[sphere.len() - 1][2], "550.000");
     assert!(text.contains("# earth: \"sphere of 6378.137 km\""));
-    // Low and opposite to the Sun: in the shadow, with a range and without a magnitude.
+    // Low and opposite to the Sun, the satellite is in the shadow: the range is given, but no magnitude.
     let low = sphere.iter().find(|row| row[0] == "180.000000" && row[1] == "10.000000").unwrap();
     assert!(low[3].is_empty() && low[2].parse::<f64>().unwrap() > 1500.0);
     let place = ["--mpc", "X05", "--sun-azimuth-deg", "250", "--extinction", "0.15", "--band", "r"];
@@ -117,7 +117,7 @@ fn verif_the_papers_twelve_maps() {
     assert_eq!(fs::read_dir(&made).unwrap().count(), 4);
 }
 
-/// Options of light also apply to the paper's figures.
+/// Options of the photometry also apply to the figures of the paper.
 #[cfg(feature = "plot")]
 #[test]
 fn verif_the_papers_figures_in_another_band() {
@@ -201,7 +201,7 @@ fn verif_invalid_arguments() {
 #[test]
 fn verif_a_provisional_model_and_a_hidden_sun_are_reported() {
     let (_, _, stderr) = run(&[BODY]);
-    // As stated in the model's file.
+    // Same as in the model file.
     let file = answers(&[&["model", "show", "starlink-v1.5", "--format", "json"]]);
     let file: serde_json::Value = serde_json::from_str(&file).unwrap();
     assert_eq!(stderr.contains("is provisional"), file["provenance"]["provisional"] == true, "{stderr}");
@@ -211,7 +211,8 @@ fn verif_a_provisional_model_and_a_hidden_sun_are_reported() {
     assert_eq!(run(&[&dark, &["--height-km", "1200"]]).2, "");
 }
 
-/// The file name extension (in any case) determines the format, and unsupported ones are rejected before any work.
+/// The extension of the file name (in any case) determines the format. Unsupported ones are rejected before the
+/// computation.
 #[test]
 fn verif_file_name_extensions() {
     let folder = tempdir().unwrap();
@@ -268,7 +269,7 @@ fn verif_two_outputs_need_two_files() {
     assert!(fs::read(path("a.png")).unwrap().starts_with(b"\x89PNG"));
 }
 
-/// Values of the configuration apply unless overridden; values that a map cannot use are reported.
+/// Values of the configuration are used unless flags override them. Values without effect on a map are reported.
 #[test]
 fn verif_a_configuration() {
     let folder = tempdir().unwrap();
@@ -286,7 +287,7 @@ fn verif_a_configuration() {
         stderr.contains("warning: sun_distance of the configuration has no effect on a map of the sky"),
         "{stderr}"
     );
-    // Flags take precedence, including the file name extension.
+    // Flags and file name extensions take precedence.
     assert!(answers(&[SKY, &with, &["--format", "csv"]]).contains("healpix_cell,azimuth_deg"));
     let table = path("sky.csv");
     assert_eq!(answers(&[SKY, &with, &["-o", &table]]), "");
@@ -325,7 +326,7 @@ fn verif_a_model_is_a_name_or_a_path() {
     for path in ["mine.v2", "./mine.v2", &whole] {
         assert!(here(path)[0].contains("# model: \"prior:mine\""), "{path}: {:?}", here(path)[1]);
     }
-    // A model name is not a file name, and a path is not a model name.
+    // A name of a bundled model is not read as a file, and a path is not read as a model name.
     assert!(here("oneweb")[0].contains("# model: \"prior:oneweb\""), "{}", here("oneweb")[1]);
     assert!(here("./oneweb")[1].contains("./oneweb"));
     assert!(
@@ -354,7 +355,7 @@ fn verif_an_invalid_temporary_folder_is_reported_once_with_a_remedy() {
     assert!(error.contains("No such file") && error.contains("TMPDIR sets another folder"), "{error}");
     assert_eq!(error.matches(&scratch.display().to_string()).count(), 1, "{error}");
     assert!(!output.exists());
-    // CFITSIO interprets brackets in a name as a filter; the temporary folder may contain them.
+    // CFITSIO interprets brackets in a file name as a filter; the temporary folder may contain brackets.
     let bracket = folder.path().join("a[b]");
     fs::create_dir(&bracket).unwrap();
     assert!(map_with(&bracket).status.success());

@@ -1,4 +1,4 @@
-//! Rubin's opsim databases on the command line: verdicts, annotation, and unchanged cells.
+//! Rubin opsim databases on the command line: verdicts, annotation, unchanged cells.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,7 +43,7 @@ fn rubins_night_is_flagged() {
     let flags = answer["flags"].as_array().unwrap();
     assert_eq!(flags.len(), 242);
     let count = |verdict: &str| flags.iter().filter(|flag| flag["verdict"] == verdict).count();
-    // A night in August with ten thousand satellites: most visits are clear, some are not, and all are above the
+    // On a night in August with ten thousand satellites, most visits are clear, some are not, and all are above the
     // horizon.
     assert!(count("clear") > 150 && count("streaked") > 5 && count("avoid") > 5, "{} clear", count("clear"));
     assert_eq!(count("invalid"), 0);
@@ -52,7 +52,7 @@ fn rubins_night_is_flagged() {
     assert!(stderr.contains("the time scale of column observationStartMJD is missing"), "{stderr}");
 }
 
-/// A time error of 37 s changes the result: almost no visit of 30 s is still crossed by the same satellite.
+/// With a time error of 37 s, almost no visit of 30 s is crossed by the same satellite.
 #[test]
 fn tai_read_as_utc_finds_other_satellites() {
     let Some(data) = crate::common::data_dir() else { return };

@@ -1,4 +1,4 @@
-//! `streakcast plot`: PNG and SVG with their data, charts redrawn from tables of other verbs, and errors.
+//! `streakcast plot`: PNG and SVG with their data files, plots of tables written by other verbs, and errors.
 
 use std::fs;
 use std::path::Path;
@@ -15,7 +15,7 @@ const SCHEDULE: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n\
     d,2026-08-15T04:10:00Z,30,0,-30,r\n\
     broken,2026-08-14T23:31:00Z,-5,198.9,7.7,r\n";
 
-/// Draws a chart as PNG and SVG; returns standard error.
+/// Writes a plot as PNG and SVG. Returns standard error.
 #[track_caller]
 fn drawn(folder: &TempDir, name: &str, plot: &[&[&str]], code: i32) -> String {
     let (png, svg) = (path(folder, &format!("{name}.png")), path(folder, &format!("{name}.svg")));
@@ -28,7 +28,7 @@ fn drawn(folder: &TempDir, name: &str, plot: &[&[&str]], code: i32) -> String {
     stderr
 }
 
-/// Returns the texts of an SVG, which must be well-formed and contain its font.
+/// Returns the texts of an SVG file. It must be well-formed and contain its font.
 #[track_caller]
 fn svg_texts(svg: &str) -> Vec<String> {
     let text = fs::read_to_string(svg).unwrap();
@@ -77,11 +77,11 @@ fn verif_a_night_has_the_numbers_of_flag() {
     let data = fs::read_to_string(path(&folder, "night-data.ecsv")).unwrap();
     let (_, flags, _) = run(&[&["flag"], arguments, SKY, FIELD, &["--format", "csv"]]);
     for name in ["exposure_id", "verdict", "n_streaks", "brightest_mag"] {
-        // The invalid row has no time, and so belongs to no night.
+        // The invalid row has no time, and belongs to no night.
         assert_eq!(column(&data, name), column(&flags, name)[..4], "{name}");
     }
     assert!(column(&flags, "n_streaks").iter().any(|number| number != "0"), "{flags}");
-    // In twilight the Sun is setting; four hours later it is near midnight.
+    // At twilight the Sun is setting; four hours later it is near its lowest altitude.
     let sun: Vec<f64> = column(&data, "sun_altitude_deg").iter().map(|cell| cell.parse().unwrap()).collect();
     assert!(sun[0] > sun[1] && sun[1] > sun[2] && (-25.0..-8.0).contains(&sun[0]) && sun[3] < -60.0, "{sun:?}");
     let texts = svg_texts(&path(&folder, "night.svg"));
@@ -95,7 +95,7 @@ fn verif_a_night_has_the_numbers_of_flag() {
         "{texts:?}"
     );
 
-    // Saved data, and flags with their schedule, give the same chart.
+    // The saved data, and the verdicts together with their schedule, give the same plot.
     let png = fs::read(path(&folder, "night.png")).unwrap();
     drawn(
         &folder,
@@ -108,11 +108,11 @@ fn verif_a_night_has_the_numbers_of_flag() {
     fs::write(&flags_file, &flags).unwrap();
     drawn(&folder, "flags", &[&["night", "--from", &flags_file, "--mpc", "X05"], arguments], 0);
     assert_eq!(fs::read(path(&folder, "flags.png")).unwrap(), png);
-    // A table of one night does not give the number of other rows in the schedule.
+    // A table of one night does not contain the number of the other rows of the schedule.
     let again = svg_texts(&path(&folder, "again.svg"));
     assert!(again.iter().any(|text| text.starts_with("4 exposures, ")), "{again:?}");
 
-    // No satellite is bright enough.
+    // No satellite is brighter than the limit.
     let (code, _, stderr) =
         run(&[&["plot", "night", "--night", "2026-08-20"], arguments, SKY, FIELD, &["-o", &path(&folder, "x.png")]]);
     assert!(code == 2 && stderr.contains("allowed: 2026-08-14"), "{stderr}");
@@ -127,7 +127,7 @@ fn verif_an_empty_night_is_labelled() {
     drawn(&folder, "empty", &[&["night", "--from", &file]], 0);
     let texts = svg_texts(&path(&folder, "empty.svg"));
     assert!(texts.contains(&"no exposure of this night has a streak".to_owned()), "{texts:?}");
-    // Without a site there is neither twilight nor a local clock.
+    // Without a site there is neither twilight nor local time.
     assert!(!texts.iter().any(|text| text.contains("local") || text.contains("twilight")), "{texts:?}");
 }
 
@@ -149,7 +149,7 @@ fn verif_a_field_has_the_table_of_passes() {
             || texts.contains(&"1°".to_owned()),
         "{texts:?}"
     );
-    // Tables written by passes in any format give the same chart.
+    // Tables written by `passes` in any format give the same plot.
     let picture = fs::read(path(&folder, "field.png")).unwrap();
     for format in ["csv", "ecsv", "json"] {
         let file = path(&folder, &format!("passes.{format}"));
@@ -157,7 +157,8 @@ fn verif_a_field_has_the_table_of_passes() {
         drawn(&folder, "again", &[&["field", "--from", &file]], 0);
         assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{format}");
     }
-    // In the middle of a night no satellite is lit: the chart is drawn, with a message and exit code 1 as for passes.
+    // In the middle of a night no satellite is lit. The plot is written, with a message and exit code 1 as for
+    // `passes`.
     let night: &[&str] =
         &["--ra", "75", "--dec", "-30", "--start", "2024-12-14T04:45:00Z", "--exposure", "1s", "--fov", "3arcmin"];
     let (code, ..) = run(&[&["passes"], night, SKY]);
@@ -177,14 +178,14 @@ fn verif_a_light_curve_agrees_with_its_pass() {
     let peaks = column(&passes, "magnitude_peak");
     let number = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
     assert!(peaks.iter().all(|peak| number(peak) >= number(&peaks[row])), "the brightest: {peaks:?} {row}");
-    // Entry, exit and mid magnitude agree with the table of passes.
+    // Times of entry and exit and the magnitude at mid agree with the table of passes.
     let (utc, inside) = (column(&data, "utc"), column(&data, "in_field"));
     let first = inside.iter().position(|cell| cell == "true").unwrap();
     assert!(utc[first] >= column(&passes, "enter_utc")[row] && utc[first - 1] < column(&passes, "enter_utc")[row]);
     let mid = column(&passes, "mid_utc")[row].clone();
     let near = utc.iter().position(|moment| *moment > mid).unwrap();
     let (magnitude, expected) = (number(&column(&data, "magnitude")[near]), number(&column(&passes, "magnitude")[row]));
-    // A step of the track is at most a third of a second.
+    // The time between two points of the track is at most a third of a second.
     assert!((magnitude - expected).abs() < 0.05, "{magnitude} {expected}");
     let texts = svg_texts(&path(&folder, "curve.svg"));
     for expected in
@@ -233,7 +234,7 @@ fn verif_rates_over_the_sky_are_means_of_passes() {
     drawn(&folder, "sun", &[&["sky-rate"], arguments, &at, SKY, FIELD], 0);
     let data = fs::read_to_string(path(&folder, "sun-data.ecsv")).unwrap();
     let texts = data.split("\"sun_altitude_deg\":").nth(1).unwrap().split([',', '}']).next().unwrap();
-    // The time is rounded to 0.1 s, in which the Sun sets by 0.0004°.
+    // The time is rounded to 0.1 s, in which the altitude of the Sun changes by 0.0004°.
     assert!((texts.parse::<f64>().unwrap() + 15.0).abs() < 0.001, "{texts}");
     fails(
         &[&["sky-rate"], arguments, &["--sun-altitude-deg", "85"], SKY, FIELD, &["-o", &path(&folder, "x.png")]],
@@ -291,7 +292,7 @@ fn verif_charts_of_maps_equal_those_of_map() {
     }
 }
 
-/// Points of a model, made 0.1 mag fainter: all residuals are 0.1 mag.
+/// Magnitudes of a model, made 0.1 mag fainter: all residuals are 0.1 mag.
 #[test]
 fn verif_residuals_are_observed_less_computed() {
     let folder = tempdir().unwrap();
@@ -324,7 +325,7 @@ fn verif_residuals_are_observed_less_computed() {
         let title = if is_curve { "observed and computed" } else { "observed minus computed" };
         assert!(texts.iter().any(|text| text == &format!("starlink-v1.5: {title}")), "{texts:?}");
         let residuals = column(&data, "residual_mag");
-        // The map has three decimals.
+        // Magnitudes of the map have three decimals.
         assert!(
             residuals.len() > 500 && residuals.iter().all(|cell| (cell.parse::<f64>().unwrap() - 0.1).abs() < 0.001)
         );
@@ -404,7 +405,7 @@ fn verif_tables_of_forecast_are_drawn() {
         let (code, _, stderr) = run(&[&night, SKY, &["--light-curves", light_curves, "-o", output]]);
         assert_eq!(code, 0, "{stderr}");
     }
-    // Rows of points, or passes that contain them, in each format give one chart.
+    // Tables of points, and of passes that contain points, give the same plot in each format.
     drawn(&folder, "sky", &[&["sky-chart", "--from", &curves]], 0);
     let sky = svg_texts(&path(&folder, "sky.svg"));
     for expected in ["Passes over Rubin Observatory, 2026-08-14 to 2026-08-15", "N", "E", "60°", "from UTC", "11"] {
@@ -419,7 +420,7 @@ fn verif_tables_of_forecast_are_drawn() {
     let local = svg_texts(&path(&folder, "local.svg"));
     assert!(local.iter().any(|text| text == "from") && !local.iter().any(|text| text == "from UTC"), "{local:?}");
     assert!(local.join(" ").contains("Times: local time (UTC−4)."), "{local:?}");
-    // A single pass is labelled with minutes, and its light curve has the peak of the table.
+    // A single pass is labelled in minutes, and its light curve contains the peak of the table.
     let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
     let passes = document["passes"].as_array().unwrap();
     let peak = |pass: &serde_json::Value| pass["peak_magnitude"].as_f64().unwrap();
@@ -442,7 +443,7 @@ fn verif_tables_of_forecast_are_drawn() {
         assert!(texts.iter().any(|text| text.contains(&format!("(NORAD {id})"))), "{texts:?}");
         assert!(texts.iter().any(|text| text == "magnitude, ±1σ") && !texts.iter().any(|text| text == "in the field"));
     }
-    // A night without passes gives an empty chart; without a pass there is no light curve.
+    // A night without passes gives an empty sky chart. A light curve cannot be plotted.
     let empty = path(&folder, "empty.json");
     let (code, _, stderr) = run(&[&night[..3], &["--max-mag", "-9", "--samples", "5", "-o", &empty], SKY]);
     assert_eq!(code, 0, "{stderr}");
@@ -468,14 +469,14 @@ fn verif_the_list_names_every_plot() {
     let named: Vec<String> = column(&list, "plot");
     let commands =
         help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
-    // Long descriptions are continued on indented lines.
+    // Long descriptions continue on indented lines.
     let commands = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
     let commands: Vec<&str> =
         commands.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").collect();
     assert_eq!(named, commands);
 }
 
-/// Charts of synthetic satellites are labelled as such, also when redrawn from a table, with site, limit and twilight.
+/// Plots of simulated satellites are labelled as such, with site, limit and twilight, also if plotted from a table.
 #[test]
 fn metadata_of_a_table_are_drawn_again() {
     let folder = tempdir().unwrap();
@@ -490,7 +491,7 @@ fn metadata_of_a_table_are_drawn_again() {
     assert!(text(&first).contains("All satellites are simulated.") && text(&first).contains("limit"), "{}", &first);
     let (code, _, stderr) = run(&[&["plot", "night", "--from", &table, "-o", &again]]);
     assert_eq!(code, 0, "{stderr}");
-    // Identical except for the number of invalid rows, which saved data do not contain.
+    // Identical except for the number of invalid rows, which the saved data do not contain.
     let kept = |path: &str| {
         svg_texts(path).into_iter().filter(|text| !text.contains("of the schedule is invalid")).collect::<Vec<_>>()
     };
@@ -498,7 +499,7 @@ fn metadata_of_a_table_are_drawn_again() {
     assert!(drawn_first.iter().all(|one| drawn_again.contains(one)), "{drawn_first:?} {drawn_again:?}");
     assert!(drawn_again.iter().any(|one| one.contains("Rubin Observatory")), "{drawn_again:?}");
     assert!(text(&again).contains("All satellites are simulated."));
-    // Without a site neither twilight nor clock can be drawn, and a message is printed.
+    // Without a site, twilight and local time cannot be drawn, and a message is printed.
     let stripped: String = text(&table)
         .lines()
         .filter(|line| !line.contains("\"site\"") && !line.contains("# site"))
@@ -513,8 +514,8 @@ fn metadata_of_a_table_are_drawn_again() {
     assert!(code == 0 && stderr.contains("no site is given, and the table has none"), "{stderr}");
 }
 
-/// Rates over right ascension and declination: all directions reached by the site, means over the dark hours, redrawn
-/// from the table.
+/// Rates over right ascension and declination: all directions visible from the site, means over the dark hours, and the
+/// same plot from the table.
 #[test]
 fn verif_the_rate_over_right_ascension_and_declination() {
     let folder = tempdir().unwrap();
@@ -543,13 +544,13 @@ fn verif_the_rate_over_right_ascension_and_declination() {
     // At latitude -30.2, altitudes above 40 deg have declinations between -80 and +20 deg, and cell centres up to half
     // a cell of 29 deg more.
     assert!(dec.iter().all(|dec| *dec < 20.0 + 15.0), "{dec:?}");
-    // Every exposure of every dark hour is in one cell: the total equals the number of times multiplied by the cells
-    // above 40 deg.
+    // Every exposure of every dark hour is in one cell: the total is the number of times multiplied by the number of
+    // cells above 40 deg.
     let all: f64 = exposures.iter().sum();
     let above = 12.0;
     assert!(all % above == 0.0 && all >= 5.0 * above, "{all}");
     assert!(rate.iter().zip(&exposures).all(|(rate, n)| (rate * n - (rate * n).round()).abs() < 1e-3 * n));
-    // A repeated night counts once, and a configuration may set the exposure.
+    // A repeated night counts once, and the exposure time may be set in a configuration file.
     let config = path(&folder, "config.toml");
     fs::write(&config, "exposure = \"30s\"\n").unwrap();
     let night: Vec<&str> = arguments.iter().copied().filter(|word| !["--exposure", "30s"].contains(word)).collect();

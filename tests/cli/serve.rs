@@ -8,11 +8,10 @@ use crate::common::cli::{json as command, run};
 use crate::common::server::{RULES, SHARED, Server, parse, serve, shared};
 use serde_json::{Value, json};
 
-/// First exposure of the example, with its pointing.
+/// First exposure of the example schedule, with its pointing.
 const FIRST: &str = "start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=198.9&dec_deg=7.7";
 
-/// Answer of `flag`, without the start, length, pointing and band with which its flags end: the API has them in
-/// `exposures`.
+/// Returns the result of `flag` without the columns start, length, pointing and band, which the API has in `exposures`.
 fn flags_of_the_command_line() -> &'static Value {
     static FLAGS: OnceLock<Value> = OnceLock::new();
     FLAGS.get_or_init(|| {
@@ -39,7 +38,7 @@ fn the_night_equals_flag() {
     for statement in ["version", "shells", "site", "models", "earth_orientation", "band"] {
         assert_eq!(night["provenance"][statement], flags["provenance"][statement], "{statement}");
     }
-    // The Sun is up at both ends of the night and down in between.
+    // The Sun is above the horizon at both ends of the night, and below it in between.
     let sun: Vec<f64> =
         night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
     assert!(sun[0] > 30.0 && sun[sun.len() - 1] > 30.0 && sun.iter().copied().fold(90.0, f64::min) < -40.0, "{sun:?}");
@@ -67,7 +66,7 @@ fn every_exposure_equals_flag_and_passes() {
         let mut expected = flag.clone();
         expected["exposure_id"] = json!("1");
         assert_eq!(answer["flags"][0], expected, "{target}");
-        // Shells are generated for 0h UTC of the date of the first exposure of the schedule.
+        // Simulated satellites are generated for 0h UTC of the date of the first exposure of the schedule.
         if !text("start_utc").starts_with("2026-08-14") {
             continue;
         }
@@ -136,7 +135,7 @@ fn crossings_before_and_after_equal_those_of_a_longer_exposure() {
     }
 }
 
-/// An element set that is two years old on the schedule's night.
+/// Returns an element set that is two years old on the night of the schedule.
 fn old(norad_id: u32, bstar_per_earth_radius: f64) -> String {
     let now =
         crate::common::elements::read(crate::common::elements::pair(norad_id, "226.52426840").as_bytes()).unwrap();
@@ -146,7 +145,7 @@ fn old(norad_id: u32, bstar_per_earth_radius: f64) -> String {
     streakcast::elements::format_tle(&set).unwrap().map(|line| line + "\n").concat()
 }
 
-/// A server with old elements: one valid set, one for which SGP4 soon fails, and one invalid.
+/// Starts a server with old elements: one valid set, one for which SGP4 fails soon, and one invalid record.
 fn stale() -> (tempfile::TempDir, Server) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("old.tle").display().to_string();
@@ -157,7 +156,7 @@ fn stale() -> (tempfile::TempDir, Server) {
     (folder, server)
 }
 
-/// Returns a warning without its hint of the command line.
+/// Returns a warning without its hint about command line flags.
 fn without_hint(warning: &str) -> &str {
     warning.strip_suffix("; --verbose lists them").unwrap_or(warning)
 }
@@ -189,8 +188,8 @@ fn warnings_of_the_command_line_are_in_the_responses() {
             "{start}"
         );
     }
-    // The sky and SatChecker's paths have the same warnings; the time at which a satellite fails depends on the
-    // request.
+    // Responses for the sky and of the SatChecker paths have the same warnings. The time at which SGP4 fails for a
+    // satellite depends on the request.
     let words = |answer: &Value| -> Vec<String> {
         let warnings = answer["warnings"].as_array().unwrap().iter();
         warnings.map(|one| one.as_str().unwrap().split("SGP4").next().unwrap().to_owned()).collect()
@@ -201,7 +200,7 @@ fn warnings_of_the_command_line_are_in_the_responses() {
         assert_eq!(words(&answer), words(&exposure), "{target}");
         assert_eq!((&answer["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
     }
-    // Shells are generated for the day of the schedule; a request for another day has a warning.
+    // Simulated satellites are generated for the day of the schedule; a request for another day has a warning.
     let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
     assert!(
         answer["warnings"].to_string().contains("the shells were generated for 2026-08-14"),
@@ -223,7 +222,7 @@ fn warnings_of_the_command_line_are_in_the_responses() {
     );
 }
 
-/// Other requests about satellites, for the first exposure.
+/// Returns other requests about satellites at the time of the first exposure.
 fn at_the_first_exposure() -> [String; 4] {
     let field = "duration=30&ra=198.9&dec=7.7&fov_radius=1.75";
     let passes = format!("/fov/satellite-passes/?site=rubin&start_time_jd=2461267.4785300926&{field}");
@@ -239,7 +238,7 @@ fn at_the_first_exposure() -> [String; 4] {
 fn a_sky_that_cannot_be_computed_is_not_empty() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("old.tle").display().to_string();
-    // Valid on the night of the schedule, and decayed years later.
+    // Valid on the night of the schedule; the satellite has decayed years later.
     std::fs::write(&path, old(90001, 0.001)).unwrap();
     let server = Server::start(&[&["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet"], RULES].concat());
     let later = |target: &str| target.replace("2026-08-14", "2090-08-14").replace("2461267.", "2484643.");
@@ -273,7 +272,7 @@ fn the_dome_contains_the_crossings_of_the_field() {
     assert!(up.len() > 50, "{} satellites up at dusk", up.len());
     for pass in exposure["passes"].as_array().unwrap() {
         let found = up.iter().find(|one| one["norad_id"] == pass["norad_id"]).expect("on the dome");
-        // The middle of the pass lies between the ends of the track.
+        // The middle of the pass is between the ends of the track.
         let altitudes: Vec<f64> =
             found["track_deg"].as_array().unwrap().iter().map(|place| place[1].as_f64().unwrap()).collect();
         let (low, high) =
@@ -281,7 +280,7 @@ fn the_dome_contains_the_crossings_of_the_field() {
         let altitude = pass["altitude_deg"].as_f64().unwrap();
         assert!((low - 2.0..=high + 2.0).contains(&altitude), "{altitude} {altitudes:?}");
     }
-    // The map equals `map sky` for the same Sun.
+    // The map equals that of `map sky` for the same position of the Sun.
     let sun = (dome["sun"]["altitude_deg"].to_string(), dome["sun"]["azimuth_deg"].to_string());
     let map = command(&[
         &["map", "sky", "--model", "starlink-v1.5", "--height-km", "550", "--mpc", "X05", "--step-deg", "5", "--quiet"],
@@ -293,7 +292,7 @@ fn the_dome_contains_the_crossings_of_the_field() {
     assert_eq!(table.len(), ours.len());
     for (theirs, ours) in table.iter().zip(ours) {
         match (theirs["magnitude"].as_f64(), ours.as_f64()) {
-            // The map, the response and the Sun of the request are rounded.
+            // Map, response and position of the Sun in the request are rounded.
             (Some(theirs), Some(ours)) => assert!((theirs - ours).abs() < 0.02, "{theirs} {ours}"),
             (theirs, ours) => assert_eq!(theirs.is_some(), ours.is_some(), "{theirs:?} {ours:?}"),
         }
@@ -306,14 +305,14 @@ fn the_dome_contains_the_crossings_of_the_field() {
     assert_eq!(server.get("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&model=none").status, 400);
 }
 
-/// Keys of the example bodies in SatChecker's docs (docs/source/fov.rst, 2026), which clients read.
+/// Keys of the example bodies in SatChecker's documentation (docs/source/fov.rst, 2026), used by clients.
 const POSITION: &[&str] = &["altitude", "angle", "azimuth", "date_time", "dec", "julian_date", "ra", "tle_epoch"];
 const ABOVE: &[&str] = &["altitude", "azimuth", "dec", "julian_date", "name", "norad_id", "ra", "range", "tle_epoch"];
 
 #[test]
 fn satchecker_shapes_carry_magnitudes() {
     let server = shared();
-    // The time is 2026-08-14T23:29:05Z, the site that of the MPC code X05.
+    // The time is 2026-08-14T23:29:05Z, and the site is that with MPC code X05.
     let site = server.json("/api/v1/night")["site"].clone();
     let place =
         format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
@@ -334,7 +333,7 @@ fn satchecker_shapes_carry_magnitudes() {
             assert!(magnitude >= pass["magnitude_peak"].as_f64().unwrap() - 1e-3, "{position} {pass}");
             assert!(position["angle"].as_f64().unwrap() <= 1.75 + 1e-4 && position["illuminated"] == true);
         }
-        // At least one point per second, from entry to exit.
+        // There is at least one point per second from entry to exit.
         let jd: Vec<f64> = positions.iter().map(|one| one["julian_date"].as_f64().unwrap()).collect();
         assert!(jd.windows(2).all(|pair| (0.0..=1.05 / 86_400.0).contains(&(pair[1] - pair[0]))), "{jd:?}");
         let streak = &satellite["streaks"][0];
@@ -358,7 +357,7 @@ fn satchecker_shapes_carry_magnitudes() {
     assert!(up.len() > 20 && up.iter().all(|one| ABOVE.iter().all(|key| !one[key].is_null())));
     assert!(up.iter().all(|one| one["altitude"].as_f64().unwrap() >= 20.0));
     assert!(up.iter().any(|one| one["apparent_magnitude"].is_number()));
-    // At a named site, and at a site on the other side of the Earth.
+    // For a named site, and for a site on the opposite side of the Earth.
     let named = server.json("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926&min_altitude=20");
     assert_eq!(named["count"], above["count"]);
     let elsewhere =
@@ -423,8 +422,8 @@ fn openapi_describes_all_paths() {
 fn a_stop_completes_open_requests() {
     for signal in ["-TERM", "-INT"] {
         let server = serve(&[]);
-        // Half a request arrives before the signal. The server completes it, and then ends. The result is cached,
-        // because the server waits at most 10 s.
+        // Half of a request is sent before the signal. The server completes the request, and then ends. An earlier
+        // request fills the cache, because a stopped server waits at most 10 s.
         let target = format!("/api/v1/exposure?{FIRST}");
         server.json(&target);
         let mut stream = server.connect();

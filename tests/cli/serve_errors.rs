@@ -43,7 +43,7 @@ fn errors_are_problem_documents_and_everything_carries_its_headers() {
     }
 }
 
-/// Headers of every response.
+/// Headers of all responses.
 const HEADERS: [&str; 6] = [
     "content-security-policy",
     "x-content-type-options",
@@ -53,7 +53,7 @@ const HEADERS: [&str; 6] = [
     "cache-control",
 ];
 
-/// Checks that this is a problem document with every header, after which the connection closes.
+/// Checks that the response is a problem document with all headers, after which the connection is closed.
 #[track_caller]
 fn is_last_problem(answer: &Response, status: u16, words: &str) {
     let text = String::from_utf8_lossy(&answer.body);
@@ -69,7 +69,7 @@ fn is_last_problem(answer: &Response, status: u16, words: &str) {
     assert!(document["title"].is_string() && document["detail"].as_str().unwrap().contains(words), "{document}");
 }
 
-/// Returns a request for `/health` with these header lines, followed by these bytes.
+/// Returns a request for `/health` with these header lines and this body.
 fn request(method: &str, lines: &str, body: &str) -> Vec<u8> {
     format!("{method} /health HTTP/1.1\r\nHost: localhost\r\n{lines}\r\n{body}").into_bytes()
 }
@@ -97,7 +97,7 @@ fn malformed_heads_get_problem_documents() {
     ] {
         is_last_problem(&server.raw(&bytes), status, words);
     }
-    // After valid requests on the same connection.
+    // Invalid requests after valid requests on the same connection.
     let mut both = request("GET", "", "");
     both.extend(request("HEAD", "", ""));
     both.extend(b"bad\x01\r\n\r\n");
@@ -149,7 +149,7 @@ fn bodies_are_not_read_as_requests() {
         // A second response would follow the JSON document.
         is_last_problem(&server.raw(&request(method, lines, hidden)), status, "");
     }
-    // A malformed body causes no second response.
+    // A malformed body does not cause a second response.
     is_last_problem(&server.raw(&request("POST", "Transfer-Encoding: chunked\r\n", "ZZ\r\nabc")), 405, "");
     // A client that is still sending receives the response.
     let large = "a".repeat(8 << 20);
@@ -192,8 +192,8 @@ fn queries_of_any_bytes_are_read() {
 #[test]
 fn too_many_requests_are_refused() {
     let server = serve(&["--rate", "1"]);
-    // All are sent at once on one connection, because a slow machine that sends them one by one could stay below the
-    // rate.
+    // All requests are sent at once on one connection: on a slow machine, single requests could stay below the rate
+    // limit.
     let first = server.raw(&[request("GET", "", "").repeat(100), request("GET", "Connection: close\r\n", "")].concat());
     assert_eq!(first.status, 200);
     let at = first.body.windows(12).position(|window| window == b"HTTP/1.1 429").expect("a refused request");
@@ -230,7 +230,7 @@ fn other_addresses_than_loopback_need_a_token() {
         server.send("GET", "/api/v1/night", &[("Authorization", &right), ("Host", "telescope.example")]).status,
         200
     );
-    // The page needs no token; it has a form for it.
+    // The page requires no token; it has an input field for the token.
     assert_eq!((server.get("/").status, server.get("/health").status), (200, 200));
     assert_eq!(server.get("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4").status, 401);
 }

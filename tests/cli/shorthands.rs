@@ -1,4 +1,4 @@
-//! Inputs that people type: targets by name, rectangular fields, schedules from standard input, `now` and `tonight`.
+//! Shorthands on the command line: target names, rectangular fields, schedules on standard input, `now` and `tonight`.
 
 use std::fs;
 
@@ -12,7 +12,7 @@ const EXPOSURE: &[&str] = &["passes", "--start", "2024-08-14T23:30:00Z", "--expo
 #[test]
 fn targets_by_name() {
     let by_name = json(&[EXPOSURE, SKY, &["--fov", "80deg", "--target", "M 13"]]);
-    // 16h41m41.6s +36d27m41s in the table of deep-sky objects, to four decimals of a degree.
+    // 16h41m41.6s +36d27m41s in the table of deep-sky objects, in degrees with four decimals.
     let by_angles = json(&[EXPOSURE, SKY, &["--fov", "80deg", "--ra", "250.4233", "--dec", "36.4603"]]);
     assert!(by_name["passes"].as_array().unwrap().len() > 3);
     let names = |answer: &Value| -> Vec<Value> {
@@ -31,7 +31,7 @@ fn fields_by_width_and_height() {
     let count = |size: &str| json(&[EXPOSURE, SKY, pointing, &["--fov", size]])["passes"].as_array().unwrap().len();
     let (wide, narrow) = (count("60x60deg"), count("60x1deg"));
     assert!(wide > narrow && wide > 3, "{wide} {narrow}");
-    // A square lies between its inscribed and its circumscribed circle.
+    // The square contains its inscribed circle, and is contained in its circumscribed circle.
     assert!(count("60deg") <= wide && wide <= count("84.9deg"));
 }
 
@@ -48,7 +48,7 @@ fn a_schedule_from_standard_input() {
         .write_stdin(fs::read(&schedule).unwrap())
         .output()
         .unwrap();
-    // The comments name the file.
+    // Comment lines contain the name of the file.
     let rows = |text: &str| text.lines().filter(|line| !line.starts_with('#')).map(str::to_owned).collect::<Vec<_>>();
     assert_eq!(rows(&from_file), rows(&String::from_utf8(answer.stdout).unwrap()));
     assert_eq!(rows(&from_file).len(), 2);
@@ -56,7 +56,7 @@ fn a_schedule_from_standard_input() {
 
 #[test]
 fn now_and_tonight() {
-    // Simulated satellites, since the sample's element sets are too old today.
+    // Simulated satellites are used, because the element sets of the sample are too old today.
     let sky = ["--shells", "oneweb", "--lat", "47", "--lon", "10", "-q"];
     done(&[&["passes", "--start", "now", "--exposure", "30s", "--target", "M31", "--fov", "90deg"], &sky]);
     let answer = json(&[&["forecast", "--night", "tonight"], &sky]);

@@ -1,4 +1,4 @@
-//! A telescope in orbit and the shadow models on the command line.
+//! Telescopes in orbit and models of the Earth's shadow on the command line.
 
 use std::fs;
 
@@ -6,7 +6,7 @@ use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
-/// An invented satellite, and 6,372 synthetic ones.
+/// Element set of the telescope, an invented satellite. The catalogue contains 6,372 simulated satellites.
 const OBSERVER: &str = "tests/data/elements/sample.2le";
 const SHELLS: &[&str] = &["--shells", "oneweb", "--quiet"];
 const EXPOSURE: &[&str] =
@@ -18,7 +18,7 @@ fn run(arguments: &[&[&str]]) -> (i32, String, String) {
     (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
 }
 
-/// Returns the first of eight pointings around the sky that the Earth does not block and a satellite crosses.
+/// Returns the first of eight pointings around the sky that is not blocked by the Earth and is crossed by a satellite.
 fn crossed() -> (String, String, Value) {
     for ra in (0..360).step_by(45) {
         let (ra, dec) = (ra.to_string(), "20".to_owned());
@@ -44,7 +44,7 @@ fn passes_and_flags_from_an_orbit() {
         assert!(pass["altitude_deg"].is_null() && pass["azimuth_deg"].is_null());
         assert!(pass["range_km"].as_f64().unwrap() > 0.0 && pass["norad_id"] != 90001);
     }
-    // The same field in a schedule, and one on the opposite side of the sky, have the two verdicts on the limb.
+    // A schedule of the same field and of pointings all over the sky: those that the Earth blocks are invalid.
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("s.csv").display().to_string();
     let mut rows = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
@@ -98,7 +98,7 @@ fn the_observer_is_specified_once() {
         assert_eq!(code, 2, "{more:?}");
         assert!(stderr.contains(expected) && stderr.trim_end().lines().count() == 1, "{more:?}: {stderr}");
     }
-    // Selected from several by its number, and from the satellites themselves.
+    // The telescope is selected by its number from several element sets, and from the catalogue of satellites.
     for more in [
         &["--observer-elements", &two, "--accept-bad-checksums", "--observer-norad", "90001"][..],
         &["--elements", OBSERVER, "--observer-norad", "90001"],
@@ -108,8 +108,8 @@ fn the_observer_is_specified_once() {
     }
 }
 
-/// A wide field over a site at dusk contains fading satellites: with the atmosphere none is brighter, and more of them
-/// are dimmed.
+/// Wide field over a site at dusk with satellites that enter the shadow: with the atmosphere none is brighter, and more
+/// of them are dimmed.
 #[test]
 fn the_shadow_with_atmosphere_dims_and_is_named() {
     let lit = |shadow: &str| -> Vec<(u64, f64)> {
@@ -139,7 +139,7 @@ fn the_shadow_with_atmosphere_dims_and_is_named() {
     assert!(fading(&air) > fading(&solid) && fading(&air) > 2, "{} {}", fading(&solid), fading(&air));
     for (solid, air) in solid.iter().zip(&air) {
         assert_eq!(solid.0, air.0);
-        // The atmosphere only adds light refracted into the umbra.
+        // Compared with the solid Earth, the atmosphere only adds refracted light in the umbra.
         assert!(air.1 <= solid.1 || solid.1 < 0.12, "{solid:?} {air:?}");
     }
 }

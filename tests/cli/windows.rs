@@ -1,4 +1,4 @@
-//! `windows`: clear windows compared with `passes` at random times, and the formats of schedulers.
+//! `windows`: comparison with `passes` at random times, and file formats of schedulers.
 
 use std::fs;
 
@@ -17,15 +17,15 @@ use streakcast::schedule::{
 
 const LIMIT_MAG: f64 = 6.5;
 const MARGIN_S: f64 = 1.0;
-/// Number of openings tried for each target.
+/// Number of opening times that are checked for each target.
 const TRIALS: usize = 400;
 
 fn utc(text: &str) -> Epoch {
     parse_instant(text, None).unwrap()
 }
 
-/// Windows compared with single exposures at random times: inside no satellite crosses; outside one crosses, or the
-/// altitude of target or Sun excludes it.
+/// Exposures at random times: inside the windows no satellite crosses; outside a satellite crosses, or the altitude of
+/// target or Sun is not allowed.
 #[test]
 fn verif_windows_agree_with_passes() {
     let config = Config::from_toml("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '6deg'", "t.toml").unwrap();
@@ -72,11 +72,11 @@ fn verif_windows_agree_with_passes() {
         let windows = &found.windows;
         assert!(windows.iter().all(|window| window.first <= window.last && window.first >= from && window.last <= to));
         assert!(windows.windows(2).all(|pair| pair[0].last < pair[1].first));
-        // Random openings, and the ends of windows.
+        // Random opening times, and the ends of the windows.
         let mut starts: Vec<Epoch> =
             (0..TRIALS).map(|_| seconds_after(from, random.between(0.0, seconds_between(from, to)))).collect();
         starts.extend(windows.iter().take(40).flat_map(|window| [window.first, window.last]));
-        // Including the margin at both ends.
+        // The margin is included at both ends.
         let exposures: Vec<Exposure> = starts
             .iter()
             .map(|start| Exposure {
@@ -101,8 +101,7 @@ fn verif_windows_agree_with_passes() {
             } else if lowest_deg >= min_altitude_deg + 1e-3 && highest_sun_deg <= max_sun_altitude_deg - 1e-3 {
                 crossed += 1;
                 if bright == 0 {
-                    // The whole pass counts: its part within the exposure may be faint or dark, and the guard interval
-                    // is 2 ms.
+                    // A pass blocks from entry to exit, also while it is faint or in shadow, with a guard of 2 ms.
                     let begin = seconds_after(exposure.start, -0.003);
                     let end = seconds_after(exposure.start, exposure.duration_s + 0.003);
                     let touches = found.dodged.iter().any(|pass| pass.enter.epoch <= end && pass.exit.epoch >= begin);
@@ -150,7 +149,7 @@ fn lists_in_every_syntax_give_the_same_windows() {
         reasons,
         ["", "right ascension is missing: the target has no position", "never above the lowest altitude in the dark"]
     );
-    // Every format reports the targets without a window.
+    // In every format, targets without a window are reported.
     let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
     for format in ["table", "csv", "json", "lco"] {
         let command = ["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7", "--format", format];
@@ -206,7 +205,7 @@ fn formats_of_schedulers() {
     let astroq = records(&astroq);
     assert_eq!(astroq.len() - 1, windows.len());
     assert!(astroq[1..].iter().all(|row| clear(utc(&format!("{}Z", &row[2])), utc(&format!("{}Z", &row[3])))));
-    // A whole night, given by its name, contains these windows.
+    // A whole night, specified by its date, contains these windows.
     let night =
         json(&[&["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--night", "2024-08-14"], SKY]);
     let firsts: Vec<Epoch> =

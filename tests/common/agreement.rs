@@ -1,11 +1,12 @@
-//! Comparison with a reference: the largest difference must not exceed the allowed one.
+//! Comparison with a reference: the largest difference must not exceed a limit.
 //!
-//! Passed comparisons are written, one line each, to the file named by `STREAKCAST_FIGURES`; `docs/tables.sh` makes the
-//! table of docs/explanation/accuracy.md from these lines.
+//! Each successful comparison appends one line to the file named by the environment variable `STREAKCAST_FIGURES`. From
+//! these lines `docs/tables.sh` makes the table of docs/explanation/accuracy.md.
 
 use std::io::Write;
 
-/// Differences from a reference. On drop it asserts that something was compared and that none exceeds the allowed one.
+/// Differences from a reference. When dropped, it checks that there is at least one difference and that none exceeds
+/// the limit.
 pub struct Agreement {
     what: &'static str,
     authority: &'static str,
@@ -16,22 +17,22 @@ pub struct Agreement {
 }
 
 impl Agreement {
-    /// Creates an empty comparison; `unit` may be empty, for ratios.
+    /// Creates an empty comparison. `unit` may be empty, for ratios.
     pub fn new(what: &'static str, authority: &'static str, allowed: f64, unit: &'static str) -> Self {
         Self { what, authority, allowed, unit, worst: 0.0, compared: 0 }
     }
 
-    /// Adds a difference, in the unit; its sign is ignored.
+    /// Adds a difference in this unit. Its sign is ignored.
     pub fn see(&mut self, difference: f64) {
         let size = difference.abs();
-        // NaN counts as the largest difference.
+        // NaN is treated as the largest difference.
         if size.is_nan() || size > self.worst {
             self.worst = size;
         }
         self.compared += 1;
     }
 
-    /// Returns the largest difference so far.
+    /// Returns the largest difference.
     pub fn worst(&self) -> f64 {
         self.worst
     }
@@ -41,7 +42,7 @@ impl Agreement {
         let Self { what, authority, allowed, unit, worst, compared } = self;
         let line = format!("{what}\t{authority}\t{compared}\t{worst:e}\t{allowed:e}\t{unit}\n");
         let file = std::fs::OpenOptions::new().create(true).append(true).open(path);
-        // One write per line, so that lines of concurrent tests do not mix.
+        // Each line is written in one call, so that lines of parallel tests are not mixed.
         file.and_then(|mut file| file.write_all(line.as_bytes())).expect("STREAKCAST_FIGURES names a file");
     }
 }

@@ -1,11 +1,12 @@
-//! Helpers for tests of the command line: running it, and reading its output.
+//! Helpers for tests of the command line: run the program, and read its output.
 
 use assert_cmd::Command;
 use serde_json::Value;
 use tempfile::TempDir;
 
 const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
-/// Flags of a synthetic constellation over Rubin Observatory, which needs no data and has crossings at every dusk.
+/// Flags of a simulated constellation over Rubin Observatory, which needs no data files and has crossings at every
+/// dusk.
 pub const SKY: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
 
 pub fn run(arguments: &[&[&str]]) -> (i32, String, String) {
@@ -26,7 +27,7 @@ pub fn json(arguments: &[&[&str]]) -> Value {
     serde_json::from_str(&done(&[&arguments.concat(), &["--format", "json"]])).unwrap()
 }
 
-/// Header and rows of CSV or ECSV, without the `#` lines.
+/// Returns the header and the rows of CSV or ECSV, without the `#` lines.
 pub fn records(text: &str) -> Vec<csv::StringRecord> {
     let reader = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(text.as_bytes());
     reader.into_records().collect::<Result<_, _>>().unwrap()
@@ -36,5 +37,5 @@ pub fn path(folder: &TempDir, name: &str) -> String {
     folder.path().join(name).display().to_string()
 }
 
-/// Field and magnitude limit for the schedules.
+/// Flags of the field and the magnitude limit for schedules.
 pub const FLAG: &[&str] = &["--fov", "3.5deg", "--limit-mag", "6.5"];

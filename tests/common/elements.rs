@@ -6,24 +6,24 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use streakcast::elements::{ElementsError, Keep, NoradId, ReadOptions, Satellites, format_tle};
 
-/// The invented satellite in one syntax.
+/// Returns the element set of the invented satellite in one format.
 pub fn sample(name: &str) -> Vec<u8> {
     let path = super::golden_dir().join("elements").join(name);
     std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// Reads the text as one file.
+/// Reads the bytes as one file.
 pub fn read(bytes: &[u8]) -> Result<Satellites, ElementsError> {
     Satellites::from_bytes("test", bytes, &ReadOptions::default())
 }
 
-/// Like `read`, and checks that every element set is kept.
+/// Same as `read`, with a check that no record is rejected.
 pub fn read_all(bytes: &[u8]) -> Satellites {
     let options = ReadOptions { keep: Keep::All, ..Default::default() };
     Satellites::from_bytes("test", bytes, &options).expect("readable")
 }
 
-/// Line and reason of each rejected record.
+/// Returns line number and reason of each rejected record.
 pub fn reasons(catalogue: &Satellites) -> Vec<(usize, String)> {
     catalogue.rejected.iter().map(|rejected| (rejected.line, rejected.reason.to_string())).collect()
 }
@@ -35,7 +35,7 @@ pub fn gzip(bytes: &[u8]) -> Vec<u8> {
     encoder.finish().unwrap()
 }
 
-/// The sample with another day of the epoch, and valid checksums.
+/// Returns the sample with another catalogue number and day of the epoch, and valid checksums.
 pub fn pair(norad_id: u32, day: &str) -> String {
     let mut set = read(sample("sample.2le").as_slice()).unwrap().element_sets.remove(0);
     set.norad_id = NoradId(norad_id);

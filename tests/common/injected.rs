@@ -4,7 +4,7 @@ use std::path::Path;
 
 use streakcast::images::FrameFile;
 
-/// A small sky for synthetic frames.
+/// Small synthetic frame.
 pub const SKY: &str = "columns = 400
 rows = 300
 pixel_scale_arcsec = 1.0
@@ -14,27 +14,27 @@ stars = { per_megapixel = 200, slope = 0.3, brightest_mag = 13, faintest_mag = 2
 detector = { gain_e_adu = 2.0, read_noise_e = 5, bias_adu = 300, quantisation = { greatest_adu = 65535 } }
 ";
 
-/// Two random streaks.
+/// Flags for two random streaks.
 pub const RANDOM: &[&str] =
     &["--random-streaks", "2", "--magnitude", "6,8", "--exposure", "30s", "--seeing", "2.5arcsec", "--quiet"];
 
-/// `SKY` with floating-point pixels, so that nothing is rounded.
+/// Returns `SKY` with floating-point pixels, so that nothing is rounded.
 pub fn unrounded() -> String {
     SKY.replace(", quantisation = { greatest_adu = 65535 }", "")
 }
 
-/// Pixels of an HDU.
+/// Returns the pixels of an HDU.
 pub fn values(file: &str, hdu: usize) -> Vec<f32> {
     FrameFile::open(Path::new(file)).unwrap().read_plane(hdu).unwrap().values().to_vec()
 }
 
-/// Columns of a truth table by name, as text.
+/// Returns a column of a truth table as text.
 pub fn column(rows: &[csv::StringRecord], name: &str) -> Vec<String> {
     let index = rows[0].iter().position(|header| header == name).unwrap_or_else(|| panic!("no column {name}"));
     rows[1..].iter().map(|row| row[index].to_owned()).collect()
 }
 
-/// Columns of a truth table by name, as numbers.
+/// Returns a column of a truth table as numbers.
 pub fn numbers(rows: &[csv::StringRecord], name: &str) -> Vec<f64> {
     column(rows, name).iter().map(|cell| cell.parse().unwrap()).collect()
 }

@@ -1,4 +1,4 @@
-//! Helpers for the integration tests, and the folder of real data with a message if it is missing.
+//! Helpers for integration tests. Tests that need real data are skipped with a message if the data folder is missing.
 #![allow(dead_code)]
 
 pub mod agreement;
@@ -17,9 +17,9 @@ pub mod simulated_photometry;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The folder of real data: `STREAKCAST_DATA`, otherwise `../shared/data` next to the project. It is not part of the
-/// project (licences differ), so tests that need it are skipped with a message on standard error if it is missing. Call
-/// this function at the start of such a test:
+/// Returns the folder of real data: `STREAKCAST_DATA`, or else `../shared/data` next to the project. It is not part of
+/// the project, because its licences differ. If it is missing, a message is printed on standard error, and the test
+/// must be skipped:
 ///
 /// ```ignore
 /// let Some(data) = common::data_dir() else { return };
@@ -32,7 +32,7 @@ pub fn data_dir() -> Option<PathBuf> {
         return Some(folder);
     }
     let test = std::thread::current().name().unwrap_or("a test").to_string();
-    // Written to the handle directly: output of `eprintln!` is hidden if a test passes.
+    // `eprintln!` is not used, because its output is hidden if a test passes.
     let _ = writeln!(
         std::io::stderr(),
         "\n*** SKIPPED {test}: no real data at {} (set STREAKCAST_DATA) ***\n",
@@ -41,7 +41,7 @@ pub fn data_dir() -> Option<PathBuf> {
     None
 }
 
-/// The folder of golden data and small samples of this project.
+/// Returns the folder of golden data and small samples of this project.
 pub fn golden_dir() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("data")
 }

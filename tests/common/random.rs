@@ -1,12 +1,12 @@
-//! Reproducible random numbers: SplitMix64, which needs no crate.
+//! Reproducible random numbers (SplitMix64), without a dependency.
 
 use nalgebra::Vector3;
 
-/// A stream of random numbers from a seed.
+/// Generator with its state; the initial state is the seed.
 pub struct Random(pub u64);
 
 impl Random {
-    /// Uniform in (0, 1), excluding both ends.
+    /// Returns a number that is uniform in (0, 1), excluding both ends.
     pub fn uniform(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut z = self.0;
@@ -15,17 +15,17 @@ impl Random {
         (((z ^ (z >> 31)) >> 11) as f64 + 0.5) / (1u64 << 53) as f64
     }
 
-    /// Uniform between two numbers.
+    /// Returns a number that is uniform between two numbers.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.uniform()
     }
 
-    /// Normal with mean 0 and sigma 1 (Box and Muller).
+    /// Returns a normal number with mean 0 and sigma 1 (Box and Muller).
     pub fn normal(&mut self) -> f64 {
         (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
     }
 
-    /// A unit vector, uniform over the sphere.
+    /// Returns a unit vector that is uniform over the sphere.
     pub fn direction(&mut self) -> Vector3<f64> {
         let (longitude, z) = (self.between(0.0, std::f64::consts::TAU), self.between(-1.0, 1.0));
         let r = (1.0 - z * z).sqrt();

@@ -1,4 +1,4 @@
-//! A `streakcast serve` for tests: started on a free port, called over plain TCP, stopped at the end.
+//! `streakcast serve` for tests: started on a free port, called over plain TCP, and stopped at the end.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -8,12 +8,12 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-/// Limit on a read that would otherwise not end.
+/// Time limit of a read, which could otherwise block.
 const READ_TIMEOUT: Duration = Duration::from_secs(300);
 
-/// Sky, site and field of the servers of most tests.
+/// Flags of satellites, site and field for the servers of most tests.
 pub const SHARED: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--fov", "3.5deg", "--quiet"];
-/// Schedule and policy.
+/// Flags of schedule and policy.
 pub const RULES: &[&str] = &["--schedule", "examples/night.csv", "--limit-mag", "7"];
 pub struct Server {
     pub child: Child,
@@ -92,17 +92,17 @@ impl Server {
         stream
     }
 
-    /// Sends bytes, and reads the response until the connection closes.
+    /// Sends bytes, and reads the response until the connection is closed.
     pub fn raw(&self, bytes: &[u8]) -> Response {
         let mut stream = self.connect();
-        // The server may close before all is written.
+        // The server may close the connection before all bytes are sent.
         let _ = stream.write_all(bytes);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
         parse(&answer)
     }
 
-    /// Sends a signal, and waits for the end of the process.
+    /// Sends a signal, and waits until the process ends.
     #[cfg(unix)]
     pub fn stop(mut self, signal: &str) -> i32 {
         self.signal(signal);
@@ -127,7 +127,7 @@ pub fn serve(more: &[&str]) -> Server {
     Server::start(&[SHARED, RULES, &["--telescope", "rubin"], more].concat())
 }
 
-/// Returns the server shared by all tests that only send requests; it stops with the last of them.
+/// Returns the server shared by all tests that only send requests. It is stopped after the last of them.
 pub fn shared() -> Arc<Server> {
     static SERVER: Mutex<Weak<Server>> = Mutex::new(Weak::new());
     let mut known = SERVER.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,12 +1,13 @@
-//! Simulated photometry as MMT-9 would record it, of satellites with a known brightness model.
+//! Simulated photometry in the form of MMT-9 records, for satellites with a known brightness model.
 //!
 //! 1. A night consists of the times at which the Sun is low enough at the site.
-//! 2. Satellites in a random order are checked every half minute; a satellite that is high enough and clears the 100 km
-//!    rule makes a pass.
-//! 3. A part of each pass with random length is a track, until the night has enough tracks.
-//! 4. Along a track the model gives the brightness; noise, scatter and attitude are random.
-//! 5. Some tracks are recorded under another satellite: its number, distance and phase, with the magnitudes of the true
-//!    one.
+//! 2. Satellites in random order are checked every half minute. A pass begins when a satellite is high enough and its
+//!    sunlight passes at least 100 km above the ground.
+//! 3. A part of each pass with a random length becomes a track, until the night has enough tracks.
+//! 4. Along a track the model gives the magnitudes, to which noise, scatter and the effect of other attitudes are
+//!    added.
+//! 5. Some tracks are recorded as another satellite: with its number, range and phase angle, and the magnitudes of the
+//!    observed one.
 //!
 //! Every night and every track has its own stream of random numbers, so that the result does not depend on the number
 //! of threads.
@@ -34,20 +35,20 @@ use streakcast::photometry::{BrightnessModel, Earthshine};
 
 /// Step of the search for passes, s.
 const STEP_S: f64 = 30.0;
-/// Maximum number of draws of another satellite for a misidentified track, until one is above the horizon.
+/// Largest number of draws of another satellite for a misidentified track, until one is above the horizon.
 const DRAWS: usize = 16;
 
-/// Satellites are observed above this altitude, and with the Sun below this altitude.
+/// Lowest altitude of observed satellites.
 const LEAST_ALTITUDE_DEG: f64 = 20.0;
 const HIGHEST_SUN_DEG: f64 = -8.0;
-/// One sigma of the effect of another attitude, mag.
+/// Standard deviation of the effect of another attitude, mag.
 const OUTLIER_MAG: f64 = 1.0;
 
-/// Campaign and errors.
+/// Observing campaign and errors.
 #[derive(Clone, Debug)]
 pub struct SimulationOptions {
     pub seed: u64,
-    /// A time on the day (by the Sun at the site) of the first night's evening.
+    /// Any time in the day (by the Sun at the site) of the first night's evening.
     pub first_night: Epoch,
     pub nights: u32,
     /// Days from one night to the next, at least 1.
@@ -57,17 +58,17 @@ pub struct SimulationOptions {
     pub cadence_s: f64,
     /// Shortest and longest track, s.
     pub track_s: [f64; 2],
-    /// One sigma of the photometry, mag.
+    /// Standard deviation of the photometry, mag.
     pub noise_mag: f64,
-    /// One sigma of other differences between points, mag.
+    /// Standard deviation of other differences between points, mag.
     pub point_scatter_mag: f64,
-    /// One sigma of differences between tracks, mag.
+    /// Standard deviation of differences between tracks, mag.
     pub track_scatter_mag: f64,
-    /// Share of tracks recorded under another satellite.
+    /// Fraction of tracks recorded as another satellite.
     pub wrong_association_share: f64,
-    /// Share of tracks in another attitude.
+    /// Fraction of tracks in another attitude.
     pub outlier_track_share: f64,
-    /// Share of points in another attitude.
+    /// Fraction of points in another attitude.
     pub outlier_point_share: f64,
     pub earthshine: Earthshine,
 }
@@ -95,12 +96,12 @@ impl SimulationOptions {
     }
 }
 
-/// Truth of a track.
+/// True values of a track.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct TrackTruth {
-    /// The observed satellite.
+    /// Observed satellite.
     pub norad_id: NoradId,
-    /// The satellite in the record.
+    /// Satellite in the record.
     pub recorded_as: NoradId,
     /// Effect of another attitude on all points, mag; 0 for most tracks.
     pub attitude_mag: f64,
@@ -108,13 +109,13 @@ pub struct TrackTruth {
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Simulation {
-    /// Records with time, magnitude, distance, phase, satellite and track.
+    /// Records with time, magnitude, range, phase angle, satellite and track.
     pub records: Records,
-    /// Truth of each group of the records.
+    /// True values of each group of records.
     pub truth: Vec<TrackTruth>,
 }
 
-/// Photometry of the satellites of a history, each with its element set nearest in time.
+/// Simulates photometry of the satellites of a history, each with its element set nearest in time.
 pub fn simulate(model: &BrightnessModel, history: &History, options: &SimulationOptions) -> Simulation {
     let objects: Vec<&[ElementSet]> = history.objects().collect();
     let site = Site::by_name("MMT-9").expect("a known site");
@@ -139,7 +140,7 @@ pub fn simulate(model: &BrightnessModel, history: &History, options: &Simulation
     simulation
 }
 
-/// Writes records as an MMT-9 table with the catalogue number as an additional column; digits are those of the survey.
+/// Writes records as an MMT-9 table with the catalogue number as an additional column, with the digits of the survey.
 ///
 /// `StdMag` is computed as in the survey: `Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ)`.
 pub fn write_mmt_csv(out: &mut dyn Write, records: &Records) -> std::io::Result<()> {
@@ -160,7 +161,7 @@ pub fn write_mmt_csv(out: &mut dyn Write, records: &Records) -> std::io::Result<
     out.flush()
 }
 
-/// Position of observer and Sun at one time.
+/// Positions of observer and Sun at one time.
 struct Moment {
     seconds: f64,
     orientation: Orientation,
@@ -176,7 +177,7 @@ struct Night<'o> {
     noon: Epoch,
     orientations: OrientationTable,
     suns: SunTable,
-    /// Dark times in steps of the search.
+    /// Dark times at the step of the search.
     dark: Vec<Moment>,
 }
 
@@ -196,7 +197,7 @@ impl<'o> Night<'o> {
         night
     }
 
-    /// Observer and Sun at a number of seconds after noon.
+    /// Returns the positions of observer and Sun at a number of seconds after noon.
     fn at(&self, seconds: f64) -> Moment {
         let orientation = self.orientations.at_s(seconds);
         let to_gcrs = &orientation.itrs_to_gcrs;
@@ -205,7 +206,7 @@ impl<'o> Night<'o> {
         Moment { seconds, orientation, sun: self.suns.at_s(seconds).sun, observer, zenith }
     }
 
-    /// Random numbers of the night (`track` 0) or of one of its tracks.
+    /// Returns the random generator of the night (`track` 0) or of one of its tracks.
     fn random(&self, track: usize) -> ChaCha8Rng {
         let mut random = ChaCha8Rng::seed_from_u64(self.options.seed);
         random.set_stream((u64::from(self.number) << 32) | track as u64);
@@ -244,7 +245,7 @@ impl<'o> Night<'o> {
         propagator.state_at_minutes(minutes, &moment.orientation.teme_to_gcrs).ok().map(|state| state.position)
     }
 
-    /// First and last second of each pass, in steps of the search.
+    /// Returns the first and last second of each pass, in steps of the search.
     fn passes(&self, propagator: &Propagator) -> Vec<[f64; 2]> {
         let mut passes: Vec<[f64; 2]> = Vec::new();
         for moment in &self.dark {
@@ -262,7 +263,7 @@ impl<'o> Night<'o> {
         passes
     }
 
-    /// Geometry, altitude in radians, and whether the satellite is lit.
+    /// Returns the geometry, the altitude in radians, and whether the satellite is lit.
     fn seen(&self, propagator: &Propagator, moment: &Moment) -> Option<(ViewingGeometry, f64, bool)> {
         let satellite = self.satellite(propagator, moment)?;
         let geometry = ViewingGeometry::new(&satellite, &moment.observer, &moment.sun)?;
@@ -281,7 +282,7 @@ impl<'o> Night<'o> {
         let options = self.options;
         let normal = |sigma: f64, random: &mut ChaCha8Rng| sigma * random.sample::<f64, _>(StandardNormal);
         let [shortest, longest] = options.track_s;
-        // A pass found in a single step has the length of a step.
+        // A pass found at a single step has the length of one step.
         let pass_s = (last_s - first_s).max(STEP_S);
         let drawn_s = shortest + (longest - shortest) * random.random::<f64>();
         let track_s = drawn_s.min(pass_s);
@@ -302,7 +303,7 @@ impl<'o> Night<'o> {
             let seconds = ((start_s + f64::from(step) * options.cadence_s) * 1e6).round() * 1e-6;
             let moment = self.at(seconds);
             let Some((geometry, altitude_rad, is_lit)) = self.seen(propagator, &moment) else { continue };
-            // Drawn for every point, so that points do not depend on one another.
+            // A new number is drawn for every point, so that the noise of different points is independent.
             let noise_mag = normal(options.noise_mag.hypot(options.point_scatter_mag), random);
             let is_turned = random.random::<f64>() < options.outlier_point_share;
             let turned_mag = normal(OUTLIER_MAG, random);
@@ -332,7 +333,7 @@ impl<'o> Night<'o> {
         (truth, points)
     }
 
-    /// Another satellite, above the horizon if one is drawn soon.
+    /// Returns another satellite above the horizon; `None` if none is drawn within the largest number of draws.
     fn another(
         &self,
         objects: &[&[ElementSet]],

@@ -1,14 +1,14 @@
-//! Default models have the best score of all built-in candidates on unseen tracks, nights or degrees of the Sun's
+//! The default models have the best score of all bundled candidates on held-out tracks, nights or degrees of the Sun's
 //! altitude.
 //!
-//! Models fitted for this project are fitted again without one fifth of the groups at a time and predict that fifth.
-//! Published models were made from other measurements, so all points are unseen for them. The quadratic in the phase
-//! angle, fitted on the same folds, shows whether panels are worth their parameters.
+//! Models fitted for this project are fitted again to four fifths of the groups and predict the remaining fifth.
+//! Published models were made from other measurements, so that all points are held-out for them. The quadratic in the
+//! phase angle, fitted to the same folds, shows whether the additional parameters of panels improve the prediction.
 //!
-//! The log score is the mean logarithm of the probability density of the residuals, mag⁻¹: that of two normal
-//! distributions of mean zero, a core and wings, fitted to the residuals of the other folds.
+//! The log score is the mean logarithm of the probability density of the residuals, mag⁻¹. The density is a sum of two
+//! normal distributions of mean zero, a core and wings, fitted to the residuals of the other folds.
 //!
-//! Needs the data folder; skipped with a message without it.
+//! Requires the data folder; skipped with a message without it.
 
 use std::path::Path;
 
@@ -26,29 +26,29 @@ use streakcast::photometry::{BrightnessModel, Earthshine, ModelKind, ModelLibrar
 
 const FOLDS: usize = 5;
 
-/// Points that a candidate explains and predicts, each with the residual and its fold.
+/// Residuals of the points for which a candidate predicts a magnitude, each with its fold.
 type Residuals = Vec<(f64, usize)>;
 
-/// One survey of satellites of one kind.
+/// Survey of satellites of one generation.
 struct Survey {
     kind: Generation,
     path: &'static str,
     format: Format,
     height_km: Option<f64>,
-    /// Built-in models of this kind.
+    /// Bundled models of this generation.
     candidates: &'static [Candidate],
 }
 
-/// A built-in model with the settings of the fit that made it (docs/explanation/models.md).
+/// Bundled model with the settings of the fit that produced it (docs/explanation/models.md).
 struct Candidate {
     model: &'static str,
     held: &'static [(&'static str, f64)],
     loss: Loss,
-    /// Log score, mag⁻¹, and RMS, mag, on unseen points.
+    /// Log score, mag⁻¹, and RMS, mag, on held-out points.
     expected: [f64; 2],
 }
 
-/// Tolerance of the expected scores: optimisers stop at slightly different points on other machines.
+/// Tolerance of the expected scores: the fit stops at slightly different parameters on other machines.
 const SCORE_TOLERANCE: f64 = 0.003;
 
 const fn candidate(
@@ -139,7 +139,7 @@ fn valid_default_models_have_the_best_score_on_unseen_points() {
         let best_log = scores.iter().max_by(|a, b| a.1[0].total_cmp(&b.1[0])).unwrap();
         let best_rms = scores.iter().min_by(|a, b| a.1[1].total_cmp(&b.1[1])).unwrap();
         assert_eq!((best_log.0, best_rms.0), (default.as_str(), default.as_str()), "{}: {scores:?}", survey.kind);
-        // Every built-in model of these satellites is a candidate.
+        // Every bundled model of these satellites is a candidate.
         let satellites = |name: &str| compare(&library.get(name).unwrap(), None)[0].satellites.unwrap();
         let mut candidates: Vec<&str> = survey.candidates.iter().map(|one| one.model).collect();
         candidates.sort_unstable();
@@ -159,7 +159,7 @@ impl Survey {
     }
 }
 
-/// Fold of each point; the points of one group stay together.
+/// Returns the fold of each point; all points of a group have the same fold.
 fn folds(points: &[FitPoint]) -> Vec<usize> {
     let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
     groups.sort_unstable();
@@ -184,13 +184,13 @@ fn unseen_of_model(model: &BrightnessModel, candidate: &Candidate, points: &[Fit
     };
     let held: Vec<(String, f64)> = candidate.held.iter().map(|(name, value)| ((*name).to_owned(), *value)).collect();
     let parameters = form.parameters().into_iter().map(|parameter| parameter.name);
-    // The panel offset of chassis and sail is not fitted.
+    // The angle between chassis and sail is not fitted.
     let is_free = |name: &String| name != "panel_offset_deg" && held.iter().all(|(other, _)| other != name);
     let free = parameters.filter(is_free).collect();
     unseen_of_form(&*form, &FitSettings { free, held, loss: candidate.loss, ..FitSettings::default() }, points, folds)
 }
 
-/// Residuals of each fold about the fit of the others, for the points that the form explains.
+/// Returns the residuals of each fold from the fit to the others, for points for which the form gives a magnitude.
 fn unseen_of_form(form: &dyn Form, settings: &FitSettings, points: &[FitPoint], folds: &[usize]) -> Residuals {
     let mut unseen = Vec::new();
     for fold in 0..FOLDS {
@@ -206,7 +206,7 @@ fn unseen_of_form(form: &dyn Form, settings: &FitSettings, points: &[FitPoint], 
     unseen
 }
 
-/// Log score, mag⁻¹, and RMS, mag.
+/// Returns log score, mag⁻¹, and RMS, mag.
 fn score(unseen: &Residuals) -> [f64; 2] {
     let all: Vec<f64> = unseen.iter().map(|(residual, _)| *residual).collect();
     let mut sum = 0.0;
@@ -220,7 +220,7 @@ fn score(unseen: &Residuals) -> [f64; 2] {
     [sum / all.len() as f64, rms(&all)]
 }
 
-/// Two normal distributions of mean zero.
+/// Sum of two normal distributions of mean zero.
 #[derive(Copy, Clone)]
 struct CoreAndWings {
     sigma_mag: [f64; 2],
@@ -228,7 +228,7 @@ struct CoreAndWings {
 }
 
 impl CoreAndWings {
-    /// Greatest likelihood by expectation and maximisation.
+    /// Fits the distribution by maximum likelihood (expectation maximisation).
     fn fitted(residuals_mag: &[f64]) -> Self {
         let whole = rms(residuals_mag);
         let mut now = Self { sigma_mag: [0.6 * whole, 1.8 * whole], share: [0.8, 0.2] };
@@ -243,7 +243,7 @@ impl CoreAndWings {
                 }
             }
             now.share = sums.map(|[weight, _]| weight / residuals_mag.len() as f64);
-            // No narrower than the errors of the surveys.
+            // The sigmas are at least the measurement errors of the surveys.
             now.sigma_mag = sums.map(|[weight, square]| (square / weight).sqrt().max(0.05));
         }
         now

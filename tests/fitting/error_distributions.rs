@@ -1,11 +1,12 @@
-//! Distribution of single magnitudes about the bundled models, on unseen points: the values in the model files, and
-//! the reliability of the probability to be brighter than a limit.
+//! Distribution of single magnitudes about the bundled models on held-out points: values in the model files, and
+//! reliability of the probability of being brighter than a limit.
 //!
-//! `cargo test --test fitting -- --ignored write_error_distributions` fits them anew for all models, writes them into
-//! the files of `src/photometry/models` and `src/photometry/error_distribution.rs` (the default), and makes
-//! `docs/tables/brightness.md` and `docs/tables/brightness-models.md`; `docs/brightness.py` draws the picture.
+//! `cargo test --test fitting -- --ignored write_error_distributions` fits the distributions of all models again,
+//! writes them into the files of `src/photometry/models` and (the default) into `src/photometry/error_distribution.rs`,
+//! and writes `docs/tables/brightness.md` and `docs/tables/brightness-models.md`. `docs/brightness.py` draws the
+//! figure.
 //!
-//! Needs the data folder; skipped with a message without it.
+//! Requires the data folder; skipped with a message without it.
 
 use std::path::Path;
 
@@ -20,25 +21,26 @@ use streakcast::photometry::{
     Band, BrightnessModel, Earthshine, ErrorDistribution, MagSystem, ModelKind, ModelLibrary, PANEL_OFFSET,
 };
 
-/// Folds by track, night or degree of the Sun's altitude.
+/// Number of folds, by track, night or degree of the Sun's altitude.
 const FOLDS: usize = 5;
-/// Limits at 1000 km for which probabilities are compared, mag: 3 to 10 in steps of a quarter.
+/// Magnitude limits at 1000 km for which probabilities are compared, in quarters of a magnitude: 3 to 10 mag.
 const LIMITS: std::ops::RangeInclusive<i32> = 12..=40;
-/// Most measurements of a survey: every second, third, ... one of larger surveys. Their tracks are sampled at 10 Hz, so
-/// that neighbouring measurements differ little.
+/// Largest number of measurements of a survey. Of larger surveys every second, third, ... measurement is used; tracks
+/// are sampled at 10 Hz, so that successive measurements differ little.
 const MOST_POINTS: usize = 12_000;
-/// Residuals that represent a model in the distribution pooled over the models: evenly spread quantiles.
+/// Number of evenly spaced quantiles of the residuals that represent a model in the distribution of all models
+/// together.
 const QUANTILES: usize = 1000;
-/// Largest difference of stated and observed share in any tenth, pooled over the models.
+/// Largest difference between stated probability and observed fraction in any tenth, for all models together.
 const POOLED_TOLERANCE: f64 = 0.05;
-/// Largest difference of a parameter in a model file from its fit here, in sigmas or as a share.
+/// Largest difference between a parameter in a model file and its fit here, in sigmas or as a fraction.
 const FILE_TOLERANCE: f64 = 0.03;
 
-/// Loss and held parameters of the fits of docs/explanation/models.md.
+/// Loss function and fixed parameters of the fits of docs/explanation/models.md.
 type FitOf = (Loss, &'static [(&'static str, f64)]);
 
-/// Models with measurements, the height of circular orbits for those without one, km, and how a model was fitted to the
-/// same measurements: such a model is fitted again without the fold that it predicts.
+/// Models with measurements; height of circular orbits for measurements without height, km; and the settings of a fit
+/// to the same measurements: such a model is fitted again without the fold that it predicts.
 const MODELS: [(&str, DataSet, Option<f64>, Option<FitOf>); 12] = [
     ("starlink-v1.5", DataSet::Pomenis, None, Some((Loss::Squares, &[("c1", 0.0), ("n_sail", 5.0)]))),
     ("starlink-v1.5-facets", DataSet::Pomenis, None, Some((Loss::Squares, &[]))),
@@ -59,7 +61,7 @@ const MODELS: [(&str, DataSet, Option<f64>, Option<FitOf>); 12] = [
     ("rocket-body", DataSet::AmateursRocketBodies, None, None),
 ];
 
-/// Unseen points of one model.
+/// Held-out points of one model.
 struct Unseen {
     model: &'static str,
     is_prior: bool,
@@ -68,14 +70,15 @@ struct Unseen {
 }
 
 impl Unseen {
-    /// Residuals in sigmas of the folds that are selected, each with the weight that gives all models the same weight.
+    /// Returns residuals, in sigmas, of selected folds; the weights are such that all models have the same total
+    /// weight.
     fn residuals(&self, is_selected: impl Fn(usize) -> bool) -> Vec<(f64, f64)> {
         let selected: Vec<_> = self.points.iter().filter(|point| is_selected(point.fold)).collect();
         let weight = 1.0 / selected.len() as f64;
         selected.iter().map(|point| (point.residual_mag() / self.sigma_mag, weight)).collect()
     }
 
-    /// Evenly spread quantiles of the residuals in sigmas, each with weight 1.
+    /// Returns evenly spaced quantiles of the residuals in sigmas, each with weight 1.
     fn quantiles(&self) -> Vec<(f64, f64)> {
         let mut sorted: Vec<f64> = self.residuals(|_| true).into_iter().map(|(residual, _)| residual).collect();
         sorted.sort_by(f64::total_cmp);
@@ -88,7 +91,7 @@ impl Unseen {
     }
 }
 
-/// Distribution of the models that are no priors, without one of them.
+/// Returns the distribution of all models except priors, optionally without one of them.
 fn pooled(all: &[Unseen], without: Option<&str>) -> ErrorDistribution {
     let counted = all.iter().filter(|one| !one.is_prior && Some(one.model) != without);
     let residuals: Vec<_> = counted.flat_map(Unseen::quantiles).collect();
@@ -140,7 +143,7 @@ fn unseen(data: &Path) -> Vec<Unseen> {
         let file = model.file().unwrap();
         let points = match (set, fit) {
             (DataSet::AmateursPayloads | DataSet::AmateursRocketBodies, _) => {
-                // Standard magnitudes of different objects.
+                // The standard magnitudes are those of different objects.
                 let predicted_mag = file.mean_mag.unwrap();
                 let listed = photometry.get(set).unwrap().iter().enumerate();
                 let point = |(row, one): (usize, &streakcast::fit::checks::ReferenceMeasurement)| UnseenPoint {
@@ -158,7 +161,8 @@ fn unseen(data: &Path) -> Vec<Unseen> {
     MODELS.into_iter().map(of).collect()
 }
 
-/// Weights, and weighted sums of stated probabilities and of observed shares, by tenth of the stated probability.
+/// Weights, and weighted sums of stated probabilities and of observed fractions, for each tenth of the stated
+/// probability.
 #[derive(Clone, Copy, Default)]
 struct Reliability([[f64; 3]; 10]);
 
@@ -193,24 +197,24 @@ impl Reliability {
         total
     }
 
-    /// Mean of stated probability and observed share of each tenth.
+    /// Returns the mean stated probability and the observed fraction in each tenth.
     fn shares(&self) -> [[f64; 2]; 10] {
         self.0.map(|[weight, stated, observed]| [stated / weight, observed / weight])
     }
 
-    /// Largest difference in any tenth.
+    /// Returns the largest difference in any tenth.
     fn worst(&self) -> f64 {
         self.shares().iter().map(|[stated, observed]| (stated - observed).abs()).fold(0.0, f64::max)
     }
 
-    /// Mean difference of all points.
+    /// Returns the mean difference over all points.
     fn mean(&self) -> f64 {
         let weights: f64 = self.0.iter().map(|tenth| tenth[0]).sum();
         self.0.iter().map(|[_, stated, observed]| (stated - observed).abs()).sum::<f64>() / weights
     }
 }
 
-/// Reliability of one model: with its own distribution from the other folds, with that of the other models, and with a
+/// Reliability of one model with its own distribution from the other folds, with that of the other models, and with a
 /// normal distribution.
 struct Row<'a> {
     of: &'a Unseen,
@@ -242,7 +246,7 @@ fn percent(share: f64) -> String {
     format!("{:.1} %", 100.0 * share)
 }
 
-/// Tables of docs/explanation/models.md: tenths, and models.
+/// Returns the tables of docs/explanation/models.md: by tenth, and by model.
 fn tables(rows: &[Row<'_>]) -> [String; 2] {
     let columns: [for<'a> fn(&'a Row<'_>) -> &'a Reliability; 3] =
         [|row| &row.own, |row| &row.others, |row| &row.normal];
@@ -312,9 +316,9 @@ fn valid_stated_probabilities_to_be_brighter_hold_on_unseen_points() {
         pooled_reliability(&rows, |row| &row.normal),
     ];
     assert!(own.worst() < POOLED_TOLERANCE, "{}", own.worst());
-    // Models without photometry have the distribution of the others.
+    // Models without photometry use the distribution of the other models.
     assert!(others.mean() < normal.mean() && own.mean() < others.mean());
-    // The values in the files are these.
+    // The values in the files are those of this fit.
     let library = ModelLibrary::embedded();
     let is_same = |name: &str, file: &ErrorDistribution, fitted: &ErrorDistribution| {
         for ((key, file), (_, fitted)) in parameters(file).into_iter().zip(parameters(fitted)) {
@@ -323,7 +327,8 @@ fn valid_stated_probabilities_to_be_brighter_hold_on_unseen_points() {
                 "{name}: {key} {file}, fitted {fitted}; cargo test --test fitting -- --ignored write_error_distributions"
             );
         }
-        // Sigma holds 68 % of a normal distribution; a published sigma is the standard deviation of wings and core.
+        // The sigma of a fitted model contains 68 %, as for a normal distribution; a published sigma is the standard
+        // deviation of core and wings together.
         let inside = file.cumulative(1.0, 0.0) - file.cumulative(-1.0, 0.0);
         assert!((0.6..0.87).contains(&inside), "{name}: {inside}");
     };
@@ -337,7 +342,7 @@ fn valid_stated_probabilities_to_be_brighter_hold_on_unseen_points() {
     }
 }
 
-/// Replaces the lines of a text that begin with a word, or inserts a line after those that begin with another.
+/// Replaces the lines of a text that start with `beginning`, or inserts `line` after those that start with `after`.
 fn with_line(text: &str, beginning: &str, after: Option<&str>, line: &str) -> String {
     let mut lines: Vec<&str> = text.lines().collect();
     let at = lines.iter().position(|old| old.starts_with(beginning)).or_else(|| {

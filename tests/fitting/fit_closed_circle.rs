@@ -1,18 +1,18 @@
-//! Simulated MMT-9 photometry of satellites with known coefficients through the pipeline of Lu (2024), sections 3 and
-//! 4: recovered coefficients and the results of the paper's three tests are checked.
+//! Simulated MMT-9 photometry of satellites with known coefficients, reduced and fitted as in sections 3 and 4 of
+//! Lu (2024). The recovered coefficients and the results of the paper's three tests are checked.
 //!
-//! The long version (two million points) is run by `cargo test --release --test fitting -- --include-ignored
-//! --nocapture fit_closed_circle`; the short one has fewer points and larger pixels.
+//! `cargo test --release --test fitting -- --include-ignored --nocapture fit_closed_circle` runs the long version with
+//! two million points; the short version has fewer points and larger pixels.
 //!
-//! In the long version (paper's thresholds, two million points in 3,600 tracks), switching off one noise source after
-//! the other shows one bias, caused by wrong associations. Two pixels in a hundred have a single track, and a tenth
-//! three tracks or fewer. If these tracks are associated with another satellite, the mode of the magnitudes is wrong,
-//! and the interquartile range, which is then the spread within tracks, is small, so that such pixels have the weight
-//! of good ones. With least squares they change c3 by +16 % and n_base by +10 % (4 to 5 sigma; without wrong
-//! associations at most 1 sigma), and the RMS is 0.27 instead of 0.11 mag. More points do not help; a robust loss or
-//! three tracks per pixel ([`ReduceOptions::least_tracks`]) do. Mode instead of mean, the size of pixels and the
-//! selection by spread change c1 by 3 %, n_sail by 1 % and the others by 0.6 % or less (measured without noise): a
-//! quarter of a sigma. noise): a quarter of a sigma.
+//! The long version (thresholds of the paper, two million points in 3,600 tracks) has one significant bias, as shown by
+//! switching off each error source: it is caused by misidentified tracks. Of all pixels 2 % have a single track, and 10
+//! % have three tracks or fewer. If these tracks are misidentified, the mode of the magnitudes is wrong, but the
+//! interquartile range, which is then the scatter within tracks, is small: such pixels have the same weight as good
+//! ones. With least squares they change c3 by +16 % and n_base by +10 % (4 to 5 sigma; at most 1 sigma without
+//! misidentified tracks), and the RMS is 0.27 instead of 0.11 mag. More points do not reduce the bias; a robust loss or
+//! at least three tracks per pixel ([`ReduceOptions::least_tracks`]) do. Other approximations (mode instead of mean,
+//! pixel size, selection by spread) change c1 by 3 %, n_sail by 1 % and the others by at most 0.6 %, measured without
+//! noise: a quarter of a sigma.
 
 use crate::common::simulated_photometry::{SimulationOptions, simulate};
 use streakcast::elements::{Constellation, ElementSet, History};
@@ -23,7 +23,7 @@ use streakcast::fit::{
 };
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelFile, ModelLibrary, PANEL_OFFSET};
 
-/// True coefficients: the paper's form with a glossy sail.
+/// True coefficients: the form of the paper with a glossy sail.
 const TRUTH: Coefficients =
     Coefficients { c1: 0.12, c2: 0.02, c3: 0.006, c4: 0.25, c5: 0.09, n_sail: 4.0, n_base: 16.0 };
 
@@ -60,7 +60,7 @@ struct Campaign {
     earthshine: Earthshine,
 }
 
-/// Photometry of the first shell of Starlink on some nights spread over a year.
+/// Returns simulated photometry of the first shell of Starlink on nights in a year.
 fn observed(campaign: &Campaign) -> Measurements {
     let model = BrightnessModel::from_file(file(), "truth").expect("a model");
     let first: hifitime::Epoch = "2023-01-10T20:00:00 UTC".parse().expect("a moment");
@@ -83,10 +83,10 @@ fn observed(campaign: &Campaign) -> Measurements {
     measure(&mut simulation.records.source(), &placement, &Selection::default()).expect("measurements")
 }
 
-/// Number of groups of tracks for the jackknife.
+/// Number of groups of tracks in the jackknife.
 const SETS: usize = 24;
 
-/// Pixels, and a fit to them with errors from the jackknife over tracks.
+/// Reduces photometry to pixels, and fits them with errors from the jackknife over tracks.
 fn fitted(
     form: &TwoPanelForm,
     measurements: &Measurements,
@@ -112,7 +112,7 @@ fn free(loss: Loss) -> FitSettings {
     FitSettings { loss, ..FitSettings::free(&COEFFICIENTS) }
 }
 
-/// Asserts that the coefficients are within `sigmas` of the truth.
+/// Checks that the coefficients are within `sigmas` of the true ones.
 fn check_coefficients(fit: &Fit, sigmas: f64) {
     let truth = [TRUTH.c1, TRUTH.c2, TRUTH.c3, TRUTH.c4, TRUTH.c5, TRUTH.n_sail, TRUTH.n_base];
     let off = |i: usize| (fit.parameters[i].value - truth[i]) / fit.uncertainty.sigma(i).expect("a sigma");
@@ -134,19 +134,19 @@ fn check_paper_tests(tests: &PaperTests, truth: Earthshine) {
         );
     }
     println!("  {:?}\n  {:?}", tests.sail_glossy, tests.earthshine);
-    // The sail is upright, so offsets are about 0 in every layer (except where a layer's points do not constrain all
-    // eight parameters).
+    // The sail is perpendicular to the chassis, so that the fitted offset is about 0 in every layer, except for layers
+    // whose points do not constrain all eight parameters.
     let known: Vec<f64> =
         tests.offsets.iter().filter(|layer| layer.sigma_deg.is_some()).map(|layer| layer.panel_offset_deg).collect();
     let mean = known.iter().sum::<f64>() / known.len() as f64;
-    /// Tolerance of the offset between layers of some hundred pixels each.
+    /// Tolerance of the offset between layers that have some hundred pixels each.
     const OFFSET_DEG: f64 = 0.5;
     assert!(known.len() > 3 && mean.abs() < OFFSET_DEG, "{mean}");
-    // The glossy lobe exists, and Akaike's criterion keeps it.
+    // The sail is glossy, and Akaike's criterion prefers the model with the glossy lobe.
     let gloss = &tests.sail_glossy;
     assert!(gloss.aic[0] < gloss.aic[1] - 10.0 && gloss.rms_mag[0] < gloss.rms_mag[1], "{gloss:?}");
-    // Mean residuals and RMSE hardly distinguish earthshine from light through the sail's back (the paper: p = 0.25).
-    // Akaike's criterion detects earthshine if there is any, and does not prefer it otherwise.
+    // By mean residuals and RMSE, earthshine can hardly be distinguished from light transmitted by the sail (the paper:
+    // p = 0.25). Akaike's criterion prefers earthshine if the data contain it, and does not otherwise.
     let earth = &tests.earthshine;
     assert!((earth.rms_mag[0] - earth.rms_mag[1]).abs() < 0.005, "{earth:?}");
     let [with, without] = earth.aic;
@@ -185,8 +185,8 @@ fn verif_known_coefficients_are_recovered_by_the_pipeline() {
     check_paper_tests(&tests, campaign.earthshine);
 }
 
-/// Public tracks of MMT-9: ten points per second, nine tracks in ten shorter than 109 s. The differences between
-/// satellites give an RMS on pixels, mostly from wrong associations, near the paper's (0.24 mag).
+/// Public tracks of MMT-9: ten points per second, 90 % of the tracks shorter than 109 s. Mostly because of
+/// misidentified tracks, the RMS of pixels is near that of the paper (0.24 mag).
 const MMT9: Campaign = Campaign {
     nights: 48,
     per_night: 80,
@@ -197,7 +197,7 @@ const MMT9: Campaign = Campaign {
     earthshine: Earthshine::Off,
 };
 
-/// Checks the panel offset of each layer with its jackknife sigma.
+/// Checks that the panel offset of each layer is 0 within its jackknife sigma.
 fn offsets_lie_about_zero(
     form: &TwoPanelForm,
     measurements: &Measurements,
@@ -245,23 +245,23 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         );
         assert!(measurements.points.len() > 1_800_000, "{}", measurements.points.len());
         let (form, paper) = (form(truth), ReduceOptions::default());
-        // The paper's thresholds and a robust loss; or least squares with pixels of several tracks.
+        // Thresholds of the paper and a robust loss; or least squares and pixels with several tracks.
         let robust = Loss::Student(4.0);
         let (pixels, fit) = fitted(&form, &measurements, paper, &free(robust));
         assert!(pixels.kept().count() > 1_000);
         let found = rms(&fit.residuals_mag);
-        /// Accepted RMS, around the paper's 0.24 mag.
+        /// Accepted RMS; that of the paper is 0.24 mag.
         const RMS_MAG: std::ops::Range<f64> = 0.2..0.3;
         assert!(RMS_MAG.contains(&found), "{found}");
         check_coefficients(&fit, 2.0);
         let several = ReduceOptions { least_tracks: 3, ..paper };
         let (checked, by_squares) = fitted(&form, &measurements, several, &free(Loss::Squares));
         check_coefficients(&by_squares, 2.0);
-        // The paper's choice, for the record (see above).
+        // The method of the paper (see above).
         let (_, plain) = fitted(&form, &measurements, paper, &free(Loss::Squares));
         let c3 = plain.value("c3").expect("c3") / TRUTH.c3 - 1.0;
         println!("  by squares over all pixels c3 is off by {:+.1} %", 100.0 * c3);
-        /// Least bias, as a fraction of c3.
+        /// Smallest expected bias, as a fraction of c3.
         const BIAS: f64 = 0.05;
         assert!(c3 > BIAS, "{c3}: the bias by wrong associations is gone");
 
@@ -270,7 +270,7 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         check_paper_tests(&tests, truth);
         offsets_lie_about_zero(&form, &measurements, several, &tests, Loss::Squares);
 
-        // The scatter of single measurements equals the simulated one.
+        // The measured scatter of single measurements equals the simulated one.
         let points = points_of_measurements(&measurements, &RawWeights::default());
         let predicted = predict(&form, &points, &fit.values());
         let residuals: Vec<f64> =

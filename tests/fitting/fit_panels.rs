@@ -1,10 +1,10 @@
-//! Lists of panels and spheres in a fit: magnitudes of the model, recovered parameters, and phase functions.
+//! Fits of models made of panels and spheres: magnitudes, recovered parameters, and phase functions.
 
 use streakcast::fit::{FitPoint, FitSettings, Form, PanelsForm, PhaseForm, Problem, SphereForm, predict, range_of};
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BrightnessModel, Earthshine};
 
-/// A satellite with a chassis of facets below a translucent sail, and a sphere called clutter.
+/// Model file: chassis with a facet law, a translucent sail above it, and a sphere named clutter.
 const SATELLITE: &str = r#"{
   "schema": 1, "name": "invented", "title": "An invented satellite", "kind": "panels", "band": "V", "mag_system": "Vega", "size_m": 4.0,
   "panels": {
@@ -79,7 +79,7 @@ fn verif_parameters_are_recovered() {
         let mut points = points();
         let magnitudes = predict(&form, &points, &truth);
         points.iter_mut().zip(magnitudes).for_each(|(point, magnitude)| point.magnitude = magnitude);
-        // Started from other values.
+        // The fit starts from other values.
         let mut begun = form.clone();
         for (parameter, value) in begun.spec.parameters.iter_mut().zip([0.1, 0.1, 30.0, 0.3, 0.3, 0.05, 0.1]) {
             parameter.value = value;
@@ -87,7 +87,7 @@ fn verif_parameters_are_recovered() {
         let names: Vec<String> = begun.parameters().into_iter().map(|parameter| parameter.name).collect();
         let settings = FitSettings { free: names, ..FitSettings::default() };
         let fit = Problem::new(&begun, &points, &settings).expect("a problem").solve().expect("a fit");
-        /// Relative tolerance of parameters without noise; derivatives are finite differences.
+        /// Relative tolerance of parameters fitted without noise; the derivatives are finite differences.
         const SHARE: f64 = 1e-3;
         for (parameter, truth) in fit.parameters.iter().zip(&truth) {
             assert!((parameter.value / truth - 1.0).abs() < SHARE, "{}: {} {truth}", parameter.name, parameter.value);

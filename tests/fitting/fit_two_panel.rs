@@ -1,4 +1,4 @@
-//! The paper's form in a fit: magnitudes, derivatives, minima, posterior; compared with SciPy and emcee.
+//! Fits of the two-panel form: magnitudes, derivatives, minima and posterior, compared with SciPy and emcee.
 
 use crate::common::agreement::Agreement;
 use std::fs;
@@ -32,7 +32,7 @@ fn form(earthshine: Earthshine) -> TwoPanelForm {
     }
 }
 
-/// Points of the golden file and the numbers in its header.
+/// Points of the golden file, and the numbers in its header.
 struct Golden {
     points: Vec<FitPoint>,
     head: Vec<(String, Vec<f64>)>,
@@ -70,8 +70,8 @@ fn many(suns_deg: &[f64]) -> Vec<FitPoint> {
     suns_deg.iter().flat_map(|&sun| directions.iter().map(move |&(lon, lat)| point(sun, lon, lat, 6.0, 0.2))).collect()
 }
 
-/// Tolerance of earthshine, mag: the product rule has errors of 3e-4 mag at exponents of 1 and 2, where its nodes
-/// change with the exponent, and interpolation adds 2e-5 mag.
+/// Tolerance of earthshine, mag. The quadrature has errors of 3e-4 mag at exponents of 1 and 2, where its nodes change
+/// with the exponent; interpolation adds 2e-5 mag.
 const EARTH: f64 = 4e-4;
 
 #[test]
@@ -87,7 +87,7 @@ fn verif_magnitudes_equal_those_of_the_model() {
             let mut seen = 0;
             for (point, predicted) in points.iter().zip(predict(&form, &points, &values)) {
                 let b_total = model.terms_with(&point.geometry, earthshine).b_total_m2_sr();
-                // Directions lit only by the Earth, on the chassis' night side, are omitted from fits.
+                // Points whose only light is earthshine on the night side of the chassis are omitted from fits.
                 if let Some(expected) =
                     StandardMagnitude::from_reflection(b_total, SUN).filter(|_| predicted.is_finite())
                 {
@@ -136,7 +136,7 @@ fn valid_least_squares_against_scipy() {
         let problem = Problem::new(&form(Earthshine::Off), &golden.points, &settings).expect("a problem");
         let fit = problem.solve().expect("a fit");
         let scipy = golden.numbers(key)[0];
-        /// Relative tolerance of the cost; both programs stop when it decreases by less than 1e-12.
+        /// Relative tolerance of the cost. Both programs stop when it decreases by less than 1e-12.
         const COST: f64 = 1e-8;
         Agreement::new("Least squares, plain and robust: the least cost", "SciPy 1.17", COST, "of it")
             .see(fit.cost / scipy - 1.0);
@@ -152,7 +152,7 @@ fn valid_least_squares_against_scipy() {
                     parameter.name,
                     parameter.value
                 );
-                // Seven errors of one draw: 4 sigma.
+                // Seven errors of one draw; the tolerance is 4 sigma.
                 assert!(
                     (parameter.value - truth).abs() < 4.0 * sigma,
                     "{}: {} ± {sigma}, {truth}",
@@ -170,7 +170,7 @@ fn verif_the_best_of_all_starts_is_kept() {
     let problem = Problem::new(&form(Earthshine::Off), &golden.points, &FitSettings::free(&SEVEN)).expect("a problem");
     let fit = problem.solve().expect("a fit");
     assert!(fit.costs.len() > 3, "{:?}", fit.costs);
-    // A descent from a poor start ends in another minimum or in the same one, never in a lower one.
+    // A descent from a poor start ends in the same or another minimum, but not in a lower one.
     let poor = problem.descend(&[0.5, 0.5, 0.5, 0.5, 0.5, 150.0, 1.0]);
     assert!(poor.cost >= fit.cost * (1.0 - 1e-9), "{} {}", poor.cost, fit.cost);
 }
@@ -188,9 +188,10 @@ fn valid_posterior_against_emcee() {
     assert!((0.2..0.7).contains(&found.acceptance), "{}", found.acceptance);
     for (i, marginal) in found.marginals.iter().enumerate() {
         let sigma = covariance[8 * i].sqrt();
-        // Number of independent draws of this chain; emcee's chain has five times as many.
+        // Number of independent draws of this chain. The chain of emcee has five times as many.
         let draws = (found.steps * settings.walkers) as f64 / marginal.autocorrelation.steps;
-        // Means scatter by σ/√draws, variances by √(2/draws): 4.5 sigma for 7 + 28 numbers.
+        // The errors of means are σ/√draws, those of variances √(2/draws). The tolerance is 4.5 sigma for 7 + 28
+        // numbers.
         let (of_mean, of_variance) = (4.5 * sigma * (1.2 / draws).sqrt(), 4.5 * (2.4 / draws).sqrt());
         assert!((marginal.mean - mean[i]).abs() < of_mean, "{}: {} {}", marginal.name, marginal.mean, mean[i]);
         for j in 0..=i {
@@ -208,7 +209,7 @@ fn valid_posterior_against_emcee() {
     }
     let emcee_tau = golden.numbers("emcee_tau");
     for (marginal, emcee) in found.marginals.iter().zip(emcee_tau) {
-        // Correlation times of equivalent chains differ by some tens of percent.
+        // Correlation times of equivalent chains differ by some ten percent.
         assert!((marginal.autocorrelation.steps / emcee).ln().abs() < 0.4, "{marginal:?} {emcee}");
     }
 }
@@ -228,14 +229,14 @@ fn valid_autocorrelation_times_against_emcee() {
     }
     let chain = Chain::from_parts(walkers, 1, places, vec![0.0; steps * walkers], vec![0; walkers]).expect("a chain");
     let tau = autocorrelation_times(&chain, 0)[0];
-    /// Tolerance of correlation times; emcee computes the same products by a Fourier transform.
+    /// Tolerance of correlation times; emcee computes the same sums by Fourier transforms.
     const ROUNDING: f64 = 1e-9;
     let mut times = Agreement::new("Autocorrelation times", "emcee 3.1.6", ROUNDING, "of them");
     times.see(tau.steps / golden.numbers("emcee_recurrence_tau")[0] - 1.0);
     assert!(tau.is_trusted && !autocorrelation_times(&chain, steps - 200)[0].is_trusted);
 }
 
-/// The same seed gives the same draws: on one thread and on many, in one run and resumed.
+/// The same seed gives the same draws on one thread and on many, in one run and in a resumed run.
 #[test]
 fn verif_a_chain_is_the_same_at_any_number_of_threads_and_when_resumed() {
     let golden = Golden::read();
@@ -255,13 +256,13 @@ fn verif_a_chain_is_the_same_at_any_number_of_threads_and_when_resumed() {
     assert_eq!(whole, run(2, 30, Some(run(1, 13, None))));
     let other = draw(&objective, &fit, &PosteriorSettings { seed: 12, ..settings }, None, |_| Ok(())).expect("a chain");
     assert_ne!(whole, other);
-    // Zero probability outside the bounds.
+    // The probability outside the bounds is zero.
     let mut outside = whole.at(29, 0).to_vec();
     outside[0] = 1.5;
     assert_eq!(objective.of_many(&[outside]), [f64::NEG_INFINITY]);
 }
 
-/// A fitted panel offset is in the file's covariance and contributes to the sigma of magnitudes.
+/// A fitted panel offset is part of the covariance in the model file, and contributes to the sigma of magnitudes.
 #[test]
 fn verif_a_fitted_panel_offset_is_in_the_covariance() {
     let mut form = form(Earthshine::Off);
@@ -300,7 +301,8 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
     assert!(covariance.len() == 8 && (covariance[7][7] / variance - 1.0).abs() < 1e-12, "{covariance:?}");
     assert_eq!(file.parameters()[7], ("panel_offset_deg", file.shape.expect("a shape").panel_offset_deg));
     assert!((file.parameters()[7].1 - 3.0).abs() < 0.5, "{:?}", file.parameters());
-    // The same file read again with an uncertain offset only: sigma is the derivative of the magnitude by the offset.
+    // The model file with an uncertain offset only: sigma is the derivative of the magnitude by the offset, times its
+    // error.
     let only = |variance: f64| {
         let mut file = file.clone();
         let mut covariance = vec![vec![0.0; 8]; 8];
@@ -314,7 +316,7 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
         file.shape = file.shape.map(|shape| SatelliteShape { panel_offset_deg: shape.panel_offset_deg + by, ..shape });
         BrightnessModel::from_file(file, "moved").expect("a model")
     };
-    /// Relative and absolute (mag) tolerance of differences over 0.02 deg.
+    /// Relative and absolute (mag) tolerance of finite differences with a step of 0.02 deg.
     const DIFFERENCES: (f64, f64) = (1e-2, 1e-3);
     let (model, up, down) = (only(0.04), at_offset(0.01), at_offset(-0.01));
     let mut compared = 0;

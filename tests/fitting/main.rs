@@ -1,4 +1,4 @@
-//! Photometry, fits and model checks.
+//! Tests of photometry, fits and model validation.
 #![cfg(feature = "fit")]
 
 #[path = "../common/mod.rs"]

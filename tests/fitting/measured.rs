@@ -1,5 +1,5 @@
-//! Photometry without real data: golden data of the reduction, every reason for dropping a row, and simulated tracks
-//! with known truth.
+//! Tests of photometry without real data: golden values of the reduction, every reason to drop a row, and simulated
+//! tracks with known true values.
 
 use crate::common::agreement::Agreement;
 use crate::common::simulated_photometry::{Simulation, SimulationOptions, simulate, write_mmt_csv};
@@ -28,7 +28,7 @@ fn golden(name: &str) -> csv::Reader<std::fs::File> {
 
 #[test]
 fn valid_modes_and_quartiles_against_scipy() {
-    // Tolerances: golden values are printed to 1e-9, and their grid for the kernel's mode is finer than 1e-5 mag.
+    // Golden values have nine decimals; the grid for the mode of the kernel density is finer than 1e-5 mag.
     const PRINTED_MAG: f64 = 2e-9;
     const GRID_MAG: f64 = 2e-5;
     let mut compared = 0;
@@ -97,11 +97,11 @@ fn verif_each_reason_is_counted_with_its_first_row() {
         (DropReason::NoMagnitude, GOOD.replace("7.18581", ""), "Mag is ''"),
         (DropReason::Duplicate, GOOD.to_owned(), ""),
         (DropReason::PenumbraFlag, row(",0,", ",1,"), ""),
-        // A satellite at a distance of 2900 km at midnight in January, at 550 km height.
+        // At 550 km height, no satellite has a range of 2900 km at midnight in January.
         (DropReason::NoGeometry, row("697.324", "350.0"), ""),
         (DropReason::NoGeometry, row(",78.267,", ",,"), ""),
     ] {
-        // A truncated row has no filter and no distance, so none of it is used.
+        // A truncated row lacks filter and range, so that none of it is used.
         let measured = measured(&format!("{HEADER}{GOOD}{bad}"), &at_550, &Selection::default());
         if reason == DropReason::Unparsable && bad.starts_with("2021-01-01,8.1") {
             assert_eq!((measured.points.len(), measured.dropped.total()), (1, 1), "{bad}");
@@ -113,7 +113,7 @@ fn verif_each_reason_is_counted_with_its_first_row() {
         assert_eq!((example.file.as_str(), example.row), ("t.csv", 2), "{bad}");
         assert!(example.to_string().contains(expected), "{example}");
     }
-    // The same text with one of two magnitudes.
+    // A duplicate row is dropped, unless duplicates are kept.
     let table = measured(&format!("{HEADER}{GOOD}{GOOD}"), &at_550, &Selection::default()).dropped.table();
     assert_eq!(table.rows.len(), 1);
     let kept = PhotometryOptions { keep_duplicates: true, ..PhotometryOptions::default() };
@@ -130,7 +130,7 @@ fn model() -> BrightnessModel {
     ModelLibrary::embedded().get("starlink-v1.5").unwrap().as_ref().clone()
 }
 
-/// A night of MMT-9 without errors.
+/// Options for a night of MMT-9 without errors.
 fn quiet() -> SimulationOptions {
     let first = "2023-05-20T12:00:00 UTC".parse().unwrap();
     SimulationOptions {
@@ -161,7 +161,7 @@ fn verif_reasons_that_need_element_sets() {
     let (placement, all) = (Placement::elements(&history), Selection::default());
     let sound = measure(&mut records.source(), &placement, &all).unwrap();
     assert_eq!((sound.points.len(), sound.dropped.total()), (200, 0), "{:?}", sound.dropped);
-    // No element set for this number.
+    // There is no element set of this number.
     let mut other = records.clone();
     other.records.iter_mut().for_each(|record| record.norad_id = Some(NoradId(5)));
     assert_eq!(count(&other, &placement, &all, DropReason::NoElements), 200);
@@ -174,7 +174,7 @@ fn verif_reasons_that_need_element_sets() {
         .collect();
     let by_group = Placement { identified, ..Placement::elements(&history) };
     assert_eq!(measure(&mut other.source(), &by_group, &all).unwrap().points, sound.points);
-    // The recorded satellite is the neighbour in the same plane, which is elsewhere, mostly below the horizon.
+    // The recorded satellite is the next one in the same plane, which is elsewhere, mostly below the horizon.
     let ids: Vec<NoradId> = history.element_sets().iter().map(|set| set.norad_id).collect();
     let next = |id: NoradId| ids[(ids.iter().position(|one| *one == id).unwrap() + 1) % ids.len()];
     other.records.iter_mut().zip(&records.records).for_each(|(other, one)| other.norad_id = one.norad_id.map(next));
@@ -183,10 +183,11 @@ fn verif_reasons_that_need_element_sets() {
     assert_eq!(count(&other, &placement, &blind, DropReason::WrongAssociation), 200);
     let by_phase = Selection { max_range_difference_km: None, max_phase_difference_rad: Some(0.01), ..blind };
     assert!(count(&other, &placement, &by_phase, DropReason::WrongAssociation) > 190);
-    // Element sets of a month before.
+    // Element sets that are a month old.
     let stale = History::new(shell("2023-04-10T20:00:00 UTC"));
     assert_eq!(count(&records, &Placement::elements(&stale), &all, DropReason::StaleElements), 200);
-    // A single element set does not determine the phase of the mission; three do, and three higher than the last rise.
+    // The phase of the orbit is unknown from a single element set. It is on station for three equal ones, and raising
+    // for three with increasing height.
     let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
     assert_eq!(count(&records, &placement, &station, DropReason::OffStation), 200);
     let days =
@@ -209,12 +210,12 @@ fn verif_reasons_that_need_element_sets() {
         ),
         200
     );
-    // An element set that SGP4 cannot initialise.
+    // An element set for which SGP4 cannot be initialised.
     let broken =
         history.element_sets().iter().map(|set| ElementSet { mean_motion_rev_day: 0.0, ..set.clone() }).collect();
     let broken = History::new(broken);
     assert_eq!(count(&records, &Placement::elements(&broken), &all, DropReason::NoPosition), 200);
-    // The 100 km rule: with 3000 km everything counts as shaded.
+    // With a smallest grazing height of 3000 km instead of 100 km, all rows are in the shadow.
     let high = Selection { least_grazing_height_km: Some(3000.0), ..Selection::default() };
     assert!(count(&records, &placement, &high, DropReason::Shaded) > 150);
 }
@@ -293,18 +294,18 @@ fn verif_mixed_filters_are_rejected_unless_named() {
     let filters: Vec<(Option<&str>, u64)> = reader.filters().iter().collect();
     assert_eq!(filters, [(Some("V"), 1), (Some("B"), 1), (Some("v"), 1)]);
     assert!(reader.filters().mismatch(Band::V).unwrap().to_string().starts_with("mixed filters: "));
-    // MMT-9 has its own filter; polarised rows are read only if named.
+    // MMT-9 has its own filter names. Rows with a polariser are only read if their filter is given.
     let polarised = format!("{HEADER}{GOOD}{}", GOOD.replace("Clear", "Pol"));
     assert_eq!(read(&polarised, &PhotometryOptions::default()).unwrap().dropped.count(DropReason::WrongFilter), 1);
     let named = PhotometryOptions { filters: vec!["pol".into()], ..PhotometryOptions::default() };
     assert_eq!(read(&polarised, &named).unwrap().records.len(), 1);
-    // Without the column the filter is unknown.
+    // Without a filter column the filter is unknown.
     let map = ColumnMap::from_text("magnitude=m,distance=d,phase=p").unwrap();
     let options = PhotometryOptions { columns: Some(map), filters: vec!["V".into()], ..PhotometryOptions::default() };
     assert!(read(text, &options).unwrap_err().to_string().contains("no column of filters"));
 }
 
-/// Spreadsheets write hours in uploads to SCORE without leading zero.
+/// In SCORE uploads made with spreadsheets, hours have no leading zero.
 #[test]
 fn verif_hours_of_one_digit_are_read() {
     let head = "satellite_name,norad_cat_id,observation_time_utc,apparent_magnitude,apparent_magnitude_uncertainty,\
@@ -331,7 +332,7 @@ fn verif_a_column_map_converts_units_and_scales() {
         site.height_m
     );
     let phase = 78.267_f64.to_radians();
-    // TAI is 37 s ahead; the same time as a Modified Julian Date and as a Julian date, UTC.
+    // TAI is 37 s ahead of UTC; the same time as a Modified Julian Date and as a Julian date in UTC.
     let tai = format!("when;mag;metres;angle;id;of\n2021-01-01T15:18:41.795;7.18581;697324.0;{phase};46056;18903315\n");
     let options = |map: &str| PhotometryOptions {
         columns: Some(ColumnMap::from_text(map).unwrap()),
@@ -354,7 +355,7 @@ fn verif_a_column_map_converts_units_and_scales() {
         assert!(apart.abs() < 1e-7, "{apart}");
         assert_eq!((one.norad_id, &same.groups), (other.norad_id, &usual.groups));
     }
-    // Z means UTC, the map has TAI.
+    // Z means UTC, although the column mapping states TAI.
     let records = read(&tai.replace("41.795", "41.795Z"), &options(&map)).unwrap();
     assert_eq!(records.dropped.count(DropReason::Unparsable), 1);
 }
@@ -389,7 +390,7 @@ fn verif_long_files_are_read_in_chunks_without_loss() {
 
 #[test]
 fn verif_simulated_photometry_survives_a_file() {
-    // Tolerance for rounding: times to 1 µs, distances to 1 m, phases to 0.001 deg, magnitudes to 1e-5.
+    // Tolerance for rounding of times to 1 µs, ranges to 1 m, phase angles to 0.001 deg, and magnitudes to 1e-5.
     const ROUNDING_MAG: f64 = 1e-4;
     let (model, options) = (model(), quiet());
     let history = History::new(shell("2023-05-20T20:00:00 UTC"));
@@ -408,7 +409,7 @@ fn verif_simulated_photometry_survives_a_file() {
         assert!((truth.0 - point.magnitude.0).abs() < ROUNDING_MAG, "{point:?} {truth}");
         assert!(point.geometry.sun_latitude_rad < 0.0);
     }
-    // From distance and phase, with the true radius from SGP4, up to the mirror image.
+    // Geometry from range and phase angle, with the true radius from SGP4; there are two mirrored solutions.
     let by_radius = Placement {
         source: PositionSource::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
         ..Placement::elements(&history)
@@ -425,7 +426,7 @@ fn verif_simulated_photometry_survives_a_file() {
     };
     let mut sorted = apart.clone();
     sorted.sort_by(f64::total_cmp);
-    // Solar parallax and rounding, amplified near α = 0 and π.
+    // Errors by solar parallax and rounding, which are amplified near α = 0 and π.
     assert!(quantile(&sorted, 0.9) < 0.1, "{}", quantile(&sorted, 0.9));
 }
 
@@ -453,9 +454,9 @@ fn verif_the_seed_determines_the_photometry_on_any_number_of_threads() {
     let wrong = one.truth.iter().filter(|track| track.norad_id != track.recorded_as).count() as f64;
     let turned = one.truth.iter().filter(|track| track.attitude_mag != 0.0).count() as f64;
     let tracks = one.truth.len() as f64;
-    // Thirty per cent of fifty tracks, within three sigma.
+    // 30 % of fifty tracks, within three sigma.
     assert!((wrong / tracks - 0.3).abs() < 0.2 && (turned / tracks - 0.3).abs() < 0.2, "{wrong} {turned} of {tracks}");
-    // Without other errors the differences from the model are the noise.
+    // Without other errors, the differences from the model are the noise.
     let placement = Placement::elements(&history);
     let measured = measure(&mut one.records.source(), &placement, &Selection::everything()).unwrap();
     let mut residuals: Vec<f64> = measured
@@ -469,9 +470,10 @@ fn verif_the_seed_determines_the_photometry_on_any_number_of_threads() {
         .collect();
     residuals.sort_by(f64::total_cmp);
     let core = (quantile(&residuals, 0.75) - quantile(&residuals, 0.25)) / 1.349;
-    // √(0.1² + 0.2² + 0.1²) = 0.245, slightly more because a tenth of the points are 1 mag off.
+    // The scatter is √(0.1² + 0.2² + 0.1²) = 0.245 mag, and slightly more, because a tenth of the points differ by 1
+    // mag.
     assert!((0.22..0.32).contains(&core), "{core}");
-    // The reduction is also independent of the number of threads.
+    // The result of the reduction does not depend on the number of threads.
     let options = ReduceOptions { least_count: 5, nside: 8, ..ReduceOptions::default() };
     let reduced = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -485,7 +487,7 @@ fn verif_a_late_satellite_is_detected_by_its_ranges() {
     let (model, options) = (model(), quiet());
     let history = History::new(shell("2023-05-20T20:00:00 UTC"));
     let simulation = simulate(&model, &history, &options);
-    // Element sets that are 6 s late: the same orbits with shifted epochs.
+    // Element sets that are 6 s late: the same orbits with later epochs.
     let late =
         history.element_sets().iter().map(|set| ElementSet { epoch: seconds_after(set.epoch, 6.0), ..set.clone() });
     let late = History::new(late.collect());
@@ -501,8 +503,8 @@ fn verif_a_late_satellite_is_detected_by_its_ranges() {
             .fold(0.0, f64::max)
     };
     let (as_it_is, fitted) = (worst_km(&with(None)), worst_km(&with(Some(10.0))));
-    // 6 s are 45 km along the track. The Earth's rotation in that time remains: at most 2.8 km, less in range, and
-    // short tracks hide part of it.
+    // In 6 s a satellite moves by 45 km. After the fit of the time offset, the rotation of the Earth in this time
+    // remains: at most 2.8 km, less in range, and partly absorbed by the fit for short tracks.
     assert!(as_it_is > 20.0 && fitted < 3.0, "{as_it_is} {fitted}");
 }
 
@@ -536,13 +538,13 @@ proptest! {
                     layer == pixel.layer && ring_cell(4, g.observer_longitude_rad, g.observer_latitude_rad) == Some(pixel.cell)
                 })
                 .collect();
-            // Degrees are not exact fractions of π: a point at the border of a layer may be in either.
+            // Rounding in the conversion of degrees may move a point at the border of a layer to the other side.
             prop_assert!(inside.len().abs_diff(pixel.count as usize) <= 1);
             prop_assert!((0.0..=std::f64::consts::PI + 1e-12).contains(&pixel.observer_longitude_rad));
             prop_assert_eq!(pixel.sun_latitude_rad.to_degrees().floor() as i32, pixel.layer);
             let magnitudes: Vec<f64> = inside.iter().map(|point| point.magnitude.0).collect();
             let [low, high] = [f64::INFINITY, f64::NEG_INFINITY].map(|start| magnitudes.iter().copied().fold(start, if start > 0.0 { f64::min } else { f64::max }));
-            // Magnitudes are stored to 5e-7.
+            // Magnitudes are stored with an error of 5e-7.
             prop_assert!(pixel.mode_mag > low - 1e-6 && pixel.mode_mag < high + 1e-6);
             prop_assert!(pixel.iqr_mag >= 0.0 && pixel.iqr_mag <= high - low + 1e-6);
         }

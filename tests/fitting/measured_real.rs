@@ -1,7 +1,7 @@
-//! Real photometry: identification of tracks, geometry from element sets compared with geometry from distance and
-//! phase, complete surveys.
+//! Real photometry: identification of tracks, geometry from element sets compared with geometry from range and phase
+//! angle, and complete surveys.
 //!
-//! Needs the data folder; skipped with a message without it.
+//! Requires the data folder; skipped with a message without it.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ fn visorsat(data: &Path) -> Records {
     Records::collect(&mut RecordReader::open(&[path], &PhotometryOptions::default()).unwrap()).unwrap()
 }
 
-/// Track, catalogue number, confidence.
+/// Returns track, catalogue number and confidence of the identified tracks.
 fn identified(data: &Path) -> Vec<(String, NoradId, String)> {
     let text = std::fs::read_to_string(data.join("derived/mmt9_visorsat_track_ident.csv")).unwrap();
     let row = |line: &str| {
@@ -58,7 +58,7 @@ fn quantile(values: &[f64], p: f64) -> f64 {
 fn valid_tracks_are_identified() {
     let Some(data) = crate::common::data_dir() else { return };
     let records = visorsat(&data);
-    // The 132 rows through a polariser are omitted, with a message.
+    // The 132 rows with a polariser are omitted, with a message.
     assert_eq!(records.dropped.count(DropReason::WrongFilter), 132);
     assert_eq!(records.records.len(), 12_633);
     let begin = std::time::Instant::now();
@@ -82,7 +82,7 @@ fn valid_tracks_are_identified() {
     assert_eq!(sure, 29);
     let (range_km, phase_deg) = (quantile(&ranges, 0.5), quantile(&phases, 0.5));
     println!("median differences {range_km:.2} km, {phase_deg:.2} deg");
-    // Public element sets have errors of about a kilometre.
+    // Public element sets have errors of about one kilometre.
     assert!(range_km < 1.0 && phase_deg < 0.5, "{range_km} km, {phase_deg} deg");
 }
 
@@ -111,7 +111,7 @@ fn valid_distance_and_phase_give_the_angles_of_element_sets() {
     let truth = by(PositionSource::Elements { fit_offset_s: Some(120.0) });
     let circle = by(PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(550.0)) });
     let osculating = by(PositionSource::Recorded { radius: Some(OrbitRadius::Elements) });
-    // Differences of α with either radius, degrees; and of range and phase.
+    // Differences of α for either radius, degrees; and of range and phase angle.
     let (mut rough, mut fine, mut ranges, mut phases) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for (at, record) in records.records.iter().enumerate() {
         let Ok(truth) = &truth[at] else { panic!("{:?}", truth[at]) };
@@ -151,18 +151,18 @@ fn valid_raw_text_of_mmt9() {
     assert_eq!(records.groups, ["35331456"]);
     let measured = measure(&mut records.source(), &Placement::recorded(Some(600.0)), &Selection::default()).unwrap();
     assert_eq!(measured.dropped.count(DropReason::PenumbraFlag), 6);
-    // StdMag = Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ): 9.048 for the first row after the penumbra but two.
+    // StdMag = Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ) is 9.048 for this row.
     let point = records.records.iter().find(|record| record.magnitude.0 == 7.59723).unwrap();
     let (range_km, phase_rad) = point.sighting.distance_and_phase();
     let standard = point.magnitude.to_standard(range_km.unwrap()).0 + 2.5 * (1.0 + phase_rad.unwrap().cos()).log10();
-    // Printed to 0.001, plus the survey's rounding.
+    // StdMag has three decimals; the rounding of the other columns of the survey is added.
     assert!((standard - 9.048).abs() < 0.004, "{standard}");
 }
 
 #[test]
 fn valid_surveys_are_read_completely() {
     let Some(data) = crate::common::data_dir() else { return };
-    // Number of measured rows of these files with these heights.
+    // Number of measured rows in these files with these heights.
     for (file, height_km, format, rows, duplicates) in [
         ("photometry/pomenis/pomenis_observations.csv", None, Format::Pomenis, 920, None),
         ("photometry/slingshot_v2/Observations_in_field.csv", None, Format::Slingshot, 1232, None),
@@ -189,7 +189,7 @@ fn valid_surveys_are_read_completely() {
     let records = Records::collect(&mut reader).unwrap();
     println!("SCORE: {} rows, {:?}, dropped {:?}", records.records.len(), records.groups, records.dropped);
     assert!(records.records.len() >= 5 && records.records.iter().all(|record| record.norad_id.is_some()));
-    // Positions from five Dutch frames, with ranges: geometry without element sets. Visual rows have none.
+    // Positions and ranges from five Dutch frames: the geometry does not need element sets. Visual rows have no ranges.
     let measured = measure(&mut records.source(), &Placement::recorded(None), &Selection::default()).unwrap();
     assert!(
         measured.points.len() >= 2 && measured.dropped.count(DropReason::NoGeometry) >= 3,
@@ -211,7 +211,8 @@ fn valid_pixels_of_visorsats() {
     let kept: Vec<_> = reduction.kept().collect();
     println!("{} points, {} pixels, {} kept", reduction.points, reduction.pixels.len(), kept.len());
     assert!(kept.len() > 50);
-    // Twilight: the Sun is not above the chassis; the magnitudes are those of VisorSats (7.2, sd 0.85).
+    // At twilight the Sun is not above the chassis. The magnitudes are those of VisorSats (mean 7.2, standard deviation
+    // 0.85).
     assert!(kept.iter().all(|pixel| (-35..0).contains(&pixel.layer) && (4.0..11.0).contains(&pixel.mode_mag)));
     let table = reduction.table();
     assert_eq!(table.rows.len(), reduction.pixels.len());
@@ -221,10 +222,10 @@ fn valid_pixels_of_visorsats() {
 fn valid_stations_are_distinguished() {
     let Some(data) = crate::common::data_dir() else { return };
     let sets = history(&[data.join("derived/starlink_tle_history_2026-05-29_2026-08-21_sel.tle")]);
-    // Since 2025 there are shells at 460 to 485 km, and Direct to Cell at 360 km.
+    // Since 2025 some shells have heights of 460 to 485 km; Direct to Cell is at 360 km.
     let stations = Stations::new(&sets, &StationRule { min_height_km: 355.0, ..StationRule::default() });
     let index = std::fs::read_to_string(data.join("derived/starlink_tle_history_sel_index.csv")).unwrap();
-    // For each group the satellites that were on station, raising or decaying for most of the time.
+    // Number of element sets in each phase, for satellites that were mostly on station, raising or decaying.
     let mut tally: HashMap<&str, HashMap<&str, usize>> = HashMap::new();
     for row in index.lines().skip(1) {
         let cells: Vec<&str> = row.split(',').collect();
@@ -250,11 +251,11 @@ fn valid_stations_are_distinguished() {
     };
     assert!(share("v15_onstation_cfg", OrbitPhase::OnStation) > 0.95);
     assert!(share("v2mini_onstation", OrbitPhase::OnStation) > 0.9);
-    // Orbit raising alternates with parking orbits; decaying satellites first remain in their orbits.
+    // Raising alternates with parking orbits. Decaying satellites first remain in their orbits.
     assert!(share("raising", OrbitPhase::Raising) > 3.0 * share("raising", OrbitPhase::Decaying));
     assert!(share("decaying", OrbitPhase::Decaying) > 3.0 * share("decaying", OrbitPhase::Raising));
     assert!(share("v15_onstation_cfg", OrbitPhase::Raising) + share("v15_onstation_cfg", OrbitPhase::Decaying) < 0.02);
-    // Histories over years: these satellites were raised, then on station by the paper's rule, then decayed.
+    // Histories over years: these satellites were raised, were on station by the rule of the paper, and then decayed.
     for number in [44713, 44714, 44724] {
         let sets = history(&[data.join(format!("tle/history/starlink_{number}.txt"))]);
         let intervals = Stations::new(&sets, &StationRule::default()).intervals(NoradId(number));

@@ -1,6 +1,6 @@
-//! Bundled models compared with published means, phase curves and photometry: the numbers of `streakcast model check`.
+//! Bundled models compared with published means, phase curves and photometry: the values of `streakcast model check`.
 //!
-//! Published numbers are always compared; measured magnitudes need the data folder and are skipped with a message
+//! Published values are always compared. Measured magnitudes require the data folder and are skipped with a message
 //! without it.
 
 use std::collections::BTreeMap;
@@ -34,13 +34,13 @@ fn valid_bundled_models_agree_with_published_means() {
             compared += 1;
         }
     }
-    // 15 models of satellites with a known mean (two of them of V2 Mini, with two means), 8 of them with a phase curve.
+    // 15 models have a known mean (two of them, of V2 Mini, have two means), and 8 have a phase curve.
     assert_eq!(compared, 15 + 2 + 8);
 }
 
 #[test]
 fn valid_files_have_the_published_numbers() {
-    // Tolerance of rounding: the model file and the table of published numbers have the same polynomial.
+    // Tolerance of rounding: the model file and the table of published values contain the same polynomial.
     const ROUNDING_MAG: f64 = 1e-9;
     for name in ["visorsat", "starlink-v1.5-phase", "v2mini", "direct-to-cell"] {
         let rows = rows_of(name, None);
@@ -57,7 +57,8 @@ fn valid_files_have_the_published_numbers() {
 
 #[test]
 fn valid_population_means_against_satellites_one_by_one() {
-    // Tolerances of two quadratures: steps of 2 by 5 deg and an ellipsoidal shadow here, a spherical shadow there.
+    // Tolerance of the mean over the population, mag: steps of 2 by 5 deg and an ellipsoidal shadow here, a spherical
+    // shadow in the reference.
     const MEAN_TOLERANCE_MAG: f64 = 0.015;
     const SD_TOLERANCE_MAG: f64 = 0.02;
     let mut reader = csv::ReaderBuilder::new()
@@ -78,7 +79,7 @@ fn valid_population_means_against_satellites_one_by_one() {
     assert_eq!(compared, 9);
 }
 
-/// A bundled file with another name and other numbers.
+/// Returns a bundled model with another name and other values.
 fn changed(from: &str, name: &str, changes: &[(&str, serde_json::Value)]) -> BrightnessModel {
     let (_, text) = ModelLibrary::shipped_files().iter().find(|(file, _)| *file == from).unwrap();
     let mut json: serde_json::Value = serde_json::from_str(text).unwrap();
@@ -101,17 +102,17 @@ fn verif_a_wrong_model_is_reported() {
     let rows = compare(&bright, None);
     assert_eq!(one(&rows, ReferenceKind::PhaseCurve).verdict, Verdict::Off);
     assert_eq!(one(&rows, ReferenceKind::Mean).verdict, Verdict::Off);
-    // The satellite of this model is unknown.
+    // The generation of this model is unknown.
     let rows = compare(&changed("oneweb.json", "mine", &[]), None);
     assert_eq!(rows.len(), 1);
     assert_eq!((rows[0].kind, rows[0].verdict, rows[0].satellites), (ReferenceKind::None, Verdict::NoData, None));
 }
 
-/// Models can be in any band; comparisons are made in V (Vega).
+/// Models may be in any band; comparisons are in V (Vega).
 #[test]
 fn verif_a_model_in_another_band_is_converted_to_v() {
     const ROUNDING_MAG: f64 = 1e-9;
-    // Sun in i (AB) less Sun in V (Vega): Willmer (2018), table 3, as in `Band`.
+    // Magnitude of the Sun in i (AB) minus that in V (Vega): Willmer (2018), table 3, as in `Band`.
     const I_LESS_V_MAG: f64 = -27.04 + 26.76;
     let in_i = [("/band", "i".into()), ("/mag_system", "AB".into())];
     let apart = |from: &str, name: &str, key: &str, value: f64| {
@@ -122,12 +123,12 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
     assert!(apart("oneweb.json", "oneweb-i", "/mean_mag", 7.18)[0].abs() < ROUNDING_MAG);
     let curve = apart("visorsat.json", "visorsat-i", "/phase_function/coefficients/0", 5.732);
     assert!(curve[1].abs() < ROUNDING_MAG, "{curve:?}");
-    // Panels have reflectances, which do not depend on the band, so nothing changes.
+    // The reflectances of panels do not depend on the band, so that the result is the same.
     let (panels_in_i, panels) = (changed("starlink-v1.5.json", "v1.5-i", &in_i), rows_of("starlink-v1.5", None));
     for (in_i, in_v) in compare(&panels_in_i, None).iter().zip(&panels).filter(|(_, row)| row.n > 0) {
         assert!((in_i.difference_mag.unwrap() - in_v.difference_mag.unwrap()).abs() < ROUNDING_MAG, "{in_i:?}");
     }
-    // The same holds for measurements.
+    // The same is true for comparisons with measurements.
     let geometry = ViewingGeometry::from_angles(-0.2, 1.0, -0.8, 1000.0, 550.0);
     let magnitude = StandardMagnitude(6.0);
     let seen = ReferenceMeasurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry };
@@ -136,15 +137,15 @@ fn verif_a_model_in_another_band_is_converted_to_v() {
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
 }
 
-/// Tolerance for the same rows in Python, with astropy's positions of site and Sun: arcseconds, and three digits.
+/// Tolerance for the same rows in Python: positions of site and Sun from astropy differ by arcseconds; three decimals.
 const PYTHON_MAG: f64 = 0.002;
-/// Tolerance of the core, a median, which jumps between points in samples of 736.
+/// Tolerance of the core. It is a median, which jumps between the points of samples of 736.
 const PYTHON_CORE_MAG: f64 = 0.005;
-/// Number of rows that may pass the 100 km rule only here, by metres.
+/// Number of rows that may satisfy the 100 km limit only here, by some metres.
 const PYTHON_ROWS: usize = 5;
 
-/// n, mean difference, RMS and core of bundled models against the measurements, mag: computed by
-/// tests/reference/model_magnitudes.py with independent geometry, panels, laws and spheres.
+/// Number of rows, and mean difference, RMS and core of measurements minus bundled model, mag. Computed by
+/// tests/reference/model_magnitudes.py with independent code for geometry, panels, laws and spheres.
 const EXPECTED: &[(&str, usize, [f64; 3])] = &[
     ("starlink-v1.5", 736, [0.019, 0.513, 0.372]),
     ("starlink-v1.5-facets", 736, [0.015, 0.474, 0.331]),
@@ -158,7 +159,7 @@ const EXPECTED: &[(&str, usize, [f64; 3])] = &[
     ("iridium-next", 11_403, [-0.007, 0.259, 0.211]),
 ];
 
-/// Models fitted for this project: their sigma is measured on unseen points.
+/// Models fitted for this project. Their sigma is measured on held-out points.
 const FITTED: [&str; 6] =
     ["starlink-v1.5", "starlink-v1.5-facets", "v2mini-panels", "visorsat-panels", "oneweb-panels", "iridium-next"];
 
@@ -186,11 +187,11 @@ fn valid_bundled_models_against_photometry() {
             assert!((ours.unwrap() - expected).abs() < tolerance, "{row:?}");
         }
         assert!(row.difference_mag.unwrap().abs() < OFFSET_TOLERANCE_MAG, "{row:?}");
-        // Published sigmas are the scatter of single magnitudes; because of wings more of them are within one sigma.
+        // Published sigmas are the scatter of single magnitudes. Because of wings, more than 68 % are within one sigma.
         let is_fitted = FITTED.contains(&name);
         let share = if is_fitted { 0.6..0.8 } else { 0.68..0.92 };
         assert!(share.contains(&row.within_one_sigma.unwrap()), "{row:?}");
-        // Sigma is that of the core, not of the wings: limits on both sides.
+        // Sigma is that of the core without the wings: it has a lower and an upper limit.
         let (rms, core) = (row.rms_mag.unwrap(), row.core_mag.unwrap());
         assert!(!is_fitted || (core < row.sigma_mag && rms < 2.0 * row.sigma_mag && row.sigma_mag < rms), "{row:?}");
     }
@@ -204,7 +205,7 @@ fn valid_bundled_models_against_photometry() {
     ] {
         assert!(rms(more) < rms(less), "{more} explains more than {less}");
     }
-    // The priors are the mean and the scatter of the listed values.
+    // The priors are the mean and the standard deviation of the listed values.
     for (name, n) in [("unknown", 2360), ("rocket-body", 1640)] {
         let row = &found[name];
         assert!(row.n == n && row.difference_mag.unwrap().abs() < 0.1, "{row:?}");
@@ -217,8 +218,8 @@ fn valid_fitted_range_contains_the_fitted_points() {
     let Some(data) = crate::common::data_dir() else { return };
     let photometry = Photometry::read(&data).unwrap();
     let library = ModelLibrary::embedded();
-    // Least fraction of points inside: files give the inner 99 % of three angles, rounded to whole degrees; that of
-    // V1.5 also omits nine bright points.
+    // Smallest fraction of points inside. The files state the central 99 % of three angles, rounded to whole degrees;
+    // that of V1.5 also omits nine bright points.
     const LEAST_SHARE: f64 = 0.93;
     for (name, set) in [
         ("starlink-v1.5", DataSet::Pomenis),

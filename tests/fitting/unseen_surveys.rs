@@ -1,7 +1,7 @@
-//! Sigma of default models on a survey that they were not fitted to: the Plaskett telescope's g' magnitudes of VisorSats
-//! and V1.0 (Boley et al. 2021), against models from MMT-9 and from Mallama's means.
+//! Sigma of the default models for a survey to which they were not fitted: g' magnitudes of VisorSats and V1.0 from the
+//! Plaskett telescope (Boley et al. 2021). The models were fitted to MMT-9 and to Mallama's means.
 //!
-//! Needs the data folder; skipped with a message without it.
+//! Requires the data folder; skipped with a message without it.
 
 use hifitime::Epoch;
 use streakcast::elements::{Generation, ReadOptions, Satellites};
@@ -11,22 +11,23 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{ModelChoice, Sky};
 use streakcast::photometry::{Band, MagSystem, Magnitude, PhotometryOptions};
 
-/// Exposure for which the zero points of Boley et al. are, s.
+/// Exposure time to which the zero points of Boley et al. refer, seconds.
 const EXPOSURE_S: f64 = 30.0;
 
-/// One measured satellite: name, time of its passage, apparent g' magnitude (AB).
+/// Returns name, time of the passage, and apparent g' magnitude (AB) of each measured satellite.
 fn plaskett(folder: &std::path::Path) -> Vec<(String, Epoch, Magnitude)> {
     let text = std::fs::read_to_string(folder.join("mags-streaks.dat")).unwrap();
     let row = |line: &str| {
         let cells: Vec<&str> = line.split_whitespace().collect();
-        // A defunct satellite has another attitude.
+        // One satellite is defunct and has another attitude.
         if cells.get(12) != Some(&"+") {
             return None;
         }
         let number = |cell: usize| cells[cell].parse::<f64>().unwrap();
         let [zero_point, adu, pixels, background, streak, rate] = [1, 3, 4, 5, 6, 7].map(number);
         let id = cells[0].trim_start_matches("starlink").trim_end_matches('v');
-        // Counts of the satellite in the time that it was inside the boxes: m = zero point - 2.5 log10(counts 30 s / t)
+        // Counts were measured during the time t for which the satellite was inside the boxes: m = zero point - 2.5
+        // log10(counts 30 s / t)
         let magnitude = zero_point - 2.5 * ((adu - pixels * background) * EXPOSURE_S * rate / streak).log10();
         let epoch = format!("2021-07-16T{} UTC", cells[9]).parse().unwrap();
         Some((format!("STARLINK-{id}"), epoch, Magnitude(magnitude)))
@@ -43,7 +44,7 @@ fn valid_sigma_on_another_survey() {
     let choice = ModelChoice::default();
     let sky = Sky::with_models(sets, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice);
     let options = PhotometryOptions::in_band(Band::LsstG, MagSystem::Ab);
-    // Number of satellites, number within sigma, sigma that holds 68 %, mag.
+    // Number of satellites, number within one sigma, and half width that contains 68 %, mag.
     for (kind, expected, expected_mag) in
         [(Generation::StarlinkVisorSat, [14, 7], 1.01), (Generation::StarlinkV10, [8, 6], 0.46)]
     {
@@ -73,7 +74,7 @@ fn valid_sigma_on_another_survey() {
         let holds_68_mag = sigma_68_mag(&residuals);
         println!("{kind}: {share} of {} within sigma; 68 % within {holds_68_mag:.2}; {statistics:.2?}", within.len());
         assert_eq!([within.len(), share], expected, "{kind}");
-        // The magnitudes depend on the models and, by the positions of the satellites, on SGP4.
+        // The magnitudes depend on the models, and on SGP4 through the positions of the satellites.
         assert!((holds_68_mag - expected_mag).abs() < 0.02, "{kind}: {holds_68_mag}");
     }
 }

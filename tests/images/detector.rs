@@ -1,4 +1,4 @@
-//! Detector effects: statistics of the noise, conservation of charge, optional stages.
+//! Detector effects: statistics of noise, conservation of charge, optional stages.
 
 use proptest::prelude::*;
 use streakcast::images::{Detector, Patch, PixelPosition, Plane, Saturated};
@@ -39,7 +39,7 @@ fn verif_a_detector_without_effects_is_the_identity() {
     let mut light = flat(20, 30, 7.25);
     point(12.3, 9.8, 500.0, 20, 30).add_to(&mut light);
     assert_eq!(off.expose(&light, 1).expect("a frame"), (light.clone(), Saturated::default()));
-    // Added light is summed with the frame, and an empty addition changes nothing.
+    // Added light is summed with the frame. Adding nothing leaves the frame unchanged.
     let patch = point(3.3, 4.4, 250.0, 20, 30);
     let mut frame = light.clone();
     off.add_light(&mut frame, std::slice::from_ref(&patch), 1).expect("added");
@@ -63,7 +63,7 @@ fn verif_noise_has_the_mean_and_the_variance_of_photons_and_readout() {
         let (frame, _) = Detector::default().expose(&flat(400, 400, sky), 7).expect("a frame");
         let (mean, variance) = mean_and_variance(frame.values());
         let sky = f64::from(sky);
-        // Six sigmas of the mean, and of the variance (whose variance is (2 λ² + λ) / n).
+        // Six sigma of the mean, and of the variance, whose variance is (2 λ² + λ) / n.
         assert!((mean - sky).abs() < 6.0 * (sky / count).sqrt(), "{sky}: {mean}");
         assert!((variance - sky).abs() < 6.0 * ((2.0 * sky * sky + sky) / count).sqrt(), "{sky}: {variance}");
     }
@@ -72,7 +72,7 @@ fn verif_noise_has_the_mean_and_the_variance_of_photons_and_readout() {
     assert!((mean - 260.0).abs() < 0.12, "{mean}");
     let expected = (90.0 + 36.0) / 2.25;
     assert!((variance / expected - 1.0).abs() < 0.025, "{variance} {expected}");
-    // Light added to a frame has only its own noise: the frame's noise is not generated again.
+    // Light added to a frame has only its own photon noise; the noise of the frame is not generated again.
     let base = noisy.expose(&flat(100, 100, 400.0), 3).expect("a frame").0;
     let patch = point(50.0, 50.0, 5e4, 100, 100);
     let mut chi2 = 0.0;
@@ -126,7 +126,7 @@ fn verif_bleeding_conserves_charge() {
     let (frame, saturated) = cut("columns").expose(&light, 0).expect("a frame");
     assert_eq!(saturated, Saturated { pixels: 1, lost_e: 0.0 });
     assert!((sum(&frame) - sum(&light)).abs() < 1e-6 * sum(&light));
-    // 450 electrons each way: five pixels with a capacity of 90 each.
+    // 450 electrons flow in each direction, into five pixels with a capacity of 90 each.
     let column: Vec<f32> = (43..58).map(|row| frame.row(row)[15]).collect();
     assert_eq!(
         column,
@@ -137,7 +137,7 @@ fn verif_bleeding_conserves_charge() {
     assert_eq!((frame.row(50)[10], frame.row(50)[9], frame.row(49)[15]), (100.0, 10.0, 10.0));
     let (frame, saturated) = cut("off").expose(&light, 0).expect("a frame");
     assert_eq!((frame.row(50)[15], frame.row(49)[15], saturated.lost_e), (100.0, 10.0, 900.0));
-    // Near an edge half of it leaves the frame, which is reported.
+    // Near the edge, half of the charge leaves the frame, which is reported.
     let mut light = flat(101, 31, 10.0);
     light.row_mut(2)[15] = 5000.0;
     let (frame, saturated) = cut("columns").expose(&light, 0).expect("a frame");
@@ -167,7 +167,7 @@ fn verif_light_added_to_a_frame_fills_the_remaining_capacity() {
     let cut = detector("shot_noise = false\ngain_e_adu = 2\nbias_adu = 50\nsaturation = { full_well_e = 1000 }");
     let counts = |e: f32| e / 2.0 + 50.0;
     let mut frame = flat(81, 20, counts(400.0));
-    // A pixel above the capacity of its well, and an undefined pixel.
+    // One pixel is above its full well, and another one has no value.
     frame.row_mut(30)[10] = counts(1500.0);
     frame.row_mut(5)[3] = f32::NAN;
     let before = frame.clone();
@@ -182,7 +182,7 @@ fn verif_light_added_to_a_frame_fills_the_remaining_capacity() {
     assert!((2.0 * (valid(&frame) - valid(&before)) / 20_000.0 - 1.0).abs() < 1e-4);
     assert!(frame.values().iter().all(|value| value.is_nan() || *value <= counts(1500.0)));
     assert!((frame.row(43)[10] - counts(1000.0)).abs() < 0.01);
-    // Far from it no pixel has changed.
+    // Distant pixels are unchanged.
     for row in (0..10).filter(|row| *row != 5) {
         assert_eq!(frame.row(row), before.row(row));
     }
@@ -208,7 +208,7 @@ fn verif_crosstalk_appears_in_the_mirrored_pixel() {
         let (frame, _) = detector(&text(corner)).expose(&light, 0).expect("a frame");
         assert_eq!((frame.row(4)[7], frame.row(row)[column]), (10_000.0, 10.0), "{corner}");
         assert!((sum(&frame) - 10_010.0).abs() < 1e-2, "{corner}");
-        // In the opposite direction with the other coefficient, and on top of a frame.
+        // In the opposite direction with the other coefficient, and added to a frame.
         let mut frame = flat(30, 80, 100.0);
         let patch = point(column as f64, row as f64, 1e5, 30, 80);
         detector(&text(corner)).add_light(&mut frame, std::slice::from_ref(&patch), 0).expect("added");
@@ -226,11 +226,11 @@ fn verif_non_linearity_and_its_inverse() {
     let bent = detector("shot_noise = false\nnon_linearity = { scale_e = 1e5, coefficients = [-0.04, 0.01] }");
     let (frame, _) =
         bent.expose(&Plane::from_values(1, 4, vec![0.0, 1e4, 1e5, 2e5]).expect("a plane"), 0).expect("a frame");
-    // e (1 - 0.04 s + 0.01 s²); above the scale along the tangent, with slope 1 - 0.08 + 0.03.
+    // The response is e (1 - 0.04 s + 0.01 s²), continued by its tangent above the scale, with slope 1 - 0.08 + 0.03.
     for (value, expected) in frame.values().iter().zip([0.0, 1e4 * (1.0 - 0.004 + 0.0001), 0.97e5, 0.97e5 + 0.95e5]) {
         assert!((f64::from(*value) - expected).abs() < 0.02, "{value} {expected}");
     }
-    // Light added in two steps equals light added in one.
+    // Light added in two steps gives the same result as in one step.
     let patch = point(10.0, 10.0, 3e5, 21, 21);
     let mut at_once = Plane::zeros(21, 21);
     patch.add_to(&mut at_once);
@@ -260,7 +260,7 @@ fn verif_vignetting() {
     {
         assert!((a.row(50)[column] - polynomial).abs() < 1e-3 && (b.row(50)[column] - table).abs() < 1e-3, "{column}");
     }
-    // Constant beyond the table; added light is reduced by the same factor.
+    // Beyond the table the factor is constant. Added light is reduced by the same factor.
     assert!((b.row(0)[0] - 50.0).abs() < 1e-3);
     let patch = point(75.0, 50.0, 1000.0, 101, 101);
     let mut frame = Plane::zeros(101, 101);
@@ -273,7 +273,7 @@ fn verif_integer_counts() {
     let whole = detector("shot_noise = false\ngain_e_adu = 2\nbias_adu = 100\nquantisation = { greatest_adu = 4095 }");
     let light = Plane::from_values(1, 4, vec![0.0, 2.9, 3.1, 1e5]).expect("a plane");
     assert_eq!(whole.expose(&light, 0).expect("a frame").0.values(), [100.0, 101.0, 102.0, 4095.0]);
-    // A tenth of a count in every pixel is not lost: a tenth of the pixels increase by one.
+    // A tenth of a count in every pixel is not lost by rounding: a tenth of the pixels increase by one.
     let mut wide = flat(300, 300, 0.2);
     wide.values_mut()[0] = 0.2;
     let profile = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 90.0 })).expect("a profile");
@@ -282,7 +282,7 @@ fn verif_integer_counts() {
     whole.add_light(&mut frame, std::slice::from_ref(&patch), 4).expect("added");
     assert!(frame.values().iter().all(|value| value.fract() == 0.0));
     let gained = sum(&frame) - 1000.0 * 9e4;
-    // 2000 counts in 9e4 pixels; the variance of a pixel is at most a quarter.
+    // 2000 counts in 9e4 pixels. The variance of a pixel is at most a quarter.
     assert!((gained - 0.5 * patch.sum()).abs() < 6.0 * (0.1 * 9e4_f64).sqrt(), "{gained}");
 }
 
@@ -326,7 +326,7 @@ fn verif_backgrounds() {
     let expected = 3000.0 * 1.02 * 1.02;
     assert!((drawn.len() as f64 - expected).abs() < 6.0 * f64::sqrt(expected), "{}", drawn.len());
     assert_eq!(drawn, stars.draw(1000, 1000, 10.0, 9).expect("stars"));
-    // Numbers grow by 10^0.4 per magnitude: 10^-0.8 of all stars are two magnitudes brighter than the faintest.
+    // Star numbers increase by 10^0.4 per magnitude: the fraction 10^-0.8 is two magnitudes brighter than the limit.
     let bright = drawn.iter().filter(|star| star.flux_e > 10_f64.powf(0.4 * 7.0)).count() as f64;
     let share = 10_f64.powf(-0.8);
     assert!((bright / drawn.len() as f64 - share).abs() < 0.03, "{bright}");

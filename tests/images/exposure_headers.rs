@@ -1,4 +1,4 @@
-//! Exposure times and zero points from headers as written by observatories.
+//! Exposure times and zero points read from headers of observatories.
 
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
@@ -12,7 +12,7 @@ fn time(text: &str) -> Result<ExposureTime, String> {
 fn begins(text: &str, utc: &str, from: &str) {
     let found = time(text).unwrap_or_else(|error| panic!("{error}"));
     let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
-    // A microsecond: the precision of days in one f64.
+    // One microsecond is the resolution of days in one f64.
     assert!(seconds_between(expected, found.start).abs() < 1e-6, "{} is not {utc}", found.start);
     assert_eq!(found.start_from, from);
 }
@@ -50,7 +50,7 @@ fn verif_spellings_of_the_start() {
         ("DATE-OBS= '2016-12-31T23:59:60.5'", "2017-01-01T00:00:00", "DATE-OBS"),
     ] {
         if cards.contains("23:59:60.5") {
-            // Within the leap second: half a second before the new year.
+            // Within a leap second: half a second before the new year.
             let found = time(&format!("{cards}\n{LENGTH}")).expect("a moment");
             let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
             assert!((seconds_between(found.start, expected) - 0.5).abs() < 1e-6, "{}", found.start);
@@ -95,7 +95,7 @@ fn verif_missing_and_contradictory_keywords() {
 
 #[test]
 fn verif_rounded_values_are_no_conflict() {
-    // Five decimals of a day are 0.86 s.
+    // Days with five decimals have a resolution of 0.86 s.
     let found =
         time("DATE-OBS= '2021-04-07T12:03:57.256'\nMJD_OBS =          59311.50275\nEXPTIME = 120.27").expect("agree");
     assert_eq!((found.start_from.as_str(), found.duration_s), ("DATE-OBS", 120.27));
@@ -157,7 +157,7 @@ fn verif_amplifiers_and_invalid_values() {
 fn valid_real_headers() {
     use streakcast::images::FrameFile;
     let Some(data) = crate::common::data_dir() else { return };
-    // Start in UTC from the observatory's web page, paper or time keyword; or the error message.
+    // Start in UTC according to the web page, paper or time keyword of the observatory; or the error message.
     for (name, hdu, expected, seconds) in [
         ("galsim_wcs/tpv.fits", 0, Ok("2007-10-11T04:28:14.1"), 420.0),
         ("galsim_wcs/tnx.fits", 0, Ok("2006-07-28T02:09:22.0"), 30.0),
@@ -171,7 +171,8 @@ fn valid_real_headers() {
         ("trailblazer/cutout_lbcb.20210407.120357.fits", 2, Ok("2021-04-07T12:03:57.256"), 120.27),
         ("clean/HorseHead.fits", 0, Ok("1990-12-22T13:49:00"), 3900.0),
         ("clean/sep_image.fits", 0, Ok("1992-10-26T15:04:07.968"), 1200.0),
-        // MJD-OBS is 69.7 s later than DATE-OBS (TT?); the primary header below has TAI for a DATE-OBS in UTC.
+        // MJD-OBS is 69.7 s later than DATE-OBS (possibly TT). The primary header below states TAI for a DATE-OBS in
+        // UTC.
         ("trailblazer/cutout_calexp-0941420_23.fits", 1, Err("37.0 s apart"), 0.0),
         ("astride/long.fits", 0, Err("DATE-OBS is the ambiguous date \"26/07/102\""), 0.0),
         ("clean/gc_2mass_k.fits", 0, Err("length of the exposure is missing"), 0.0),
@@ -194,7 +195,7 @@ fn valid_real_headers() {
     assert_eq!(calibration.band.expect("a band").value, "g DECam SDSS c0001 4720.0 1520.0");
 }
 
-/// The sum of such a length and an epoch is beyond any calendar.
+/// The sum of such an exposure time and any epoch is outside the calendar.
 #[test]
 fn verif_an_extremely_long_exposure_is_rejected() {
     let error = time("DATE-OBS= '2024-08-14T00:00:00'\nEXPTIME =  9223372036854775807").expect_err("refused");

@@ -1,11 +1,11 @@
-//! Copies of real frames: all cards, extensions and tables are kept in order.
+//! Copies of real frames: all cards, extensions and tables are kept, in order.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use streakcast::images::{Cells, FrameCopy, FrameFile, ImageValues, Pixels, TableColumn};
 
-/// Frames of every kind, and the HDU that is changed.
+/// Frames of all kinds, and the HDU that is changed.
 const FRAMES: &[(&str, usize)] = &[
     ("trailblazer/cutout_calexp-0941420_23.fits", 1),
     ("trailblazer/cutout_c4d_200306_000415_ori.fits.fz", 28),
@@ -25,10 +25,11 @@ const FRAMES: &[(&str, usize)] = &[
     ("astride/long.fits", 0),
 ];
 
-/// Keywords changed by compressing tiles again; EXTEND is T if there are extensions.
+/// Keywords that change when tiles are compressed again. EXTEND is T if there are extensions.
 const PACKING: &[&str] = &["PCOUNT", "TFORM1", "TFORM2", "CHECKSUM", "DATASUM", "EXTEND"];
 
-/// Folder of the copies; kept if STREAKCAST_KEEP names a folder, for `tests/reference/check_frame_copies.py`.
+/// Returns the folder of the copies. If STREAKCAST_KEEP names a folder, they are kept there for
+/// `tests/reference/check_frame_copies.py`.
 fn kept_folder() -> (Option<tempfile::TempDir>, PathBuf) {
     match std::env::var_os("STREAKCAST_KEEP") {
         Some(folder) => {
@@ -79,7 +80,7 @@ fn verif_all_content_is_kept() {
                 assert_eq!(old, new, "{name}[{}]", info.index);
                 continue;
             }
-            // One additional card after the others of its kind; checksums and sizes of compressed data are new.
+            // One additional card follows the others of its kind. Checksums and sizes of compressed data change.
             let is_new = |text: &str| text.starts_with("HISTORY light was added");
             let cards = |header: &streakcast::images::Header| -> Vec<String> {
                 let kept = header.cards().iter().filter(|card| !PACKING.contains(&card.keyword().as_str()));

@@ -1,4 +1,4 @@
-//! Frame files: read, copied with changes, created; and rejected files.
+//! Frame files: reading, copying with changes, creating; errors for invalid files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -8,7 +8,7 @@ use streakcast::images::{
     TableColumn, write_frame,
 };
 
-/// A frame with different numbers everywhere, in every type.
+/// Returns pixels that all differ, in the given type.
 fn numbers(kind: &str) -> ImageValues {
     let values = 0..30 * 20;
     let pixels = match kind {
@@ -32,7 +32,7 @@ fn cards(text: &str) -> Vec<Card> {
     Header::from_text(text).cards().to_vec()
 }
 
-/// A file of one image.
+/// Writes a file with one image.
 fn simple(folder: &Path, kind: &str, rice: Option<Rice>, extra: &str) -> PathBuf {
     let path = folder.join(format!("{kind}.fits"));
     let values = numbers(kind);
@@ -78,7 +78,7 @@ fn verif_only_changed_pixels_differ() {
         let before = source.read_rows(0, 0..20).expect(kind);
         let target = folder.path().join("out.fits");
         let mut copy = FrameCopy::begin(&source, &target).expect(kind);
-        // 2.5 and 3.5 are exact in every floating-point type; in integer types they are rounded half to even.
+        // 2.5 and 3.5 are exact in all floating-point types; integer types round them half to even.
         copy.add(0, 4, 10, &[2.5, 0.0, 3.5]).expect(kind);
         copy.add(0, 4, 12, &[1.0, 1.0]).expect(kind);
         copy.add(0, 19, 29, &[-7.0]).expect(kind);
@@ -96,7 +96,7 @@ fn verif_only_changed_pixels_differ() {
             };
             let mut expected = before[index] + added;
             if is_whole && expected.fract() != 0.0 {
-                // One of the two neighbouring integers.
+                // The result is one of the two neighbouring integers.
                 assert!((after[index] - expected).abs() < 1.0 && after[index].fract() == 0.0, "{kind} {index}");
                 expected = after[index];
             }
@@ -196,7 +196,7 @@ fn verif_rice_round_trip() {
         assert_eq!(file.hdus()[1].kind, HduKind::CompressedImage("RICE_1".into()));
         assert_eq!(file.hdus()[1].image_size(), Some([20, 30]));
         let packed = file.read_rows(1, 0..20).expect(kind);
-        // Integers are restored exactly; of floats, a straight ramp has no noise and is also kept exactly.
+        // Integers are restored exactly. A ramp of floats has no noise and is therefore also restored exactly.
         for (index, (a, b)) in plain.iter().zip(&packed).enumerate() {
             assert!((a - b).abs() <= if kind.starts_with('f') { 1e-6 } else { 0.0 }, "{kind} {index}: {a} {b}");
         }
@@ -241,7 +241,7 @@ fn verif_invalid_frames_are_rejected() {
     );
     let more = with("naxis-more.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                 2000"));
     assert!(more.contains("at least 122880 bytes for its data"), "{more}");
-    // With too few rows, data are read as a header.
+    // If the stated number of rows is too small, data are read as a header.
     let large = ImageValues::new(100, Pixels::I16((0..10_000).map(|n| n as i16 | 1).collect())).expect("rows");
     write_frame(&at("large.fits"), &[NewImage { name: "", values: &large, cards: &[], rice: None }]).expect("written");
     let text = String::from_utf8_lossy(&fs::read(at("large.fits")).expect("bytes")[..2880])
@@ -280,7 +280,7 @@ fn verif_hdus_that_are_missing_or_not_images() {
     assert!(copy.add_history(9, "x").is_err());
 }
 
-/// Names with CFITSIO syntax are used as plain names.
+/// File names with CFITSIO syntax are taken literally.
 #[test]
 fn verif_names_with_brackets_are_plain_names() {
     let folder = folder();
@@ -316,7 +316,7 @@ fn verif_the_input_is_kept_and_no_partial_output_remains() {
     copy.add(0, 0, 0, &[1.0]).expect("a change");
     drop(copy);
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
-    // The input is truncated during the work, so the output would be invalid.
+    // The input is truncated during the copy, so that the output would be invalid.
     let mut copy = FrameCopy::begin(&source, &folder.path().join("out.fits")).expect("a copy");
     copy.add(0, 0, 0, &[1.0]).expect("a change");
     fs::write(&path, &bytes[..3000]).expect("cut");
@@ -325,7 +325,7 @@ fn verif_the_input_is_kept_and_no_partial_output_remains() {
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }
 
-/// Untouched pixels of a compressed image are identical; touched ones differ by up to half a quantisation step.
+/// In a compressed image, unchanged pixels are identical; changed ones differ by up to half a quantisation step.
 #[track_caller]
 fn change_compressed(path: &Path, hdu: usize, step: f64) {
     let folder = folder();
@@ -338,7 +338,7 @@ fn change_compressed(path: &Path, hdu: usize, step: f64) {
     let touched = |row: usize, column: usize| row % 3 == 1 && (5..15).contains(&column);
     for row in (0..rows).filter(|row| row % 3 == 1) {
         copy.add(hdu, row, 5, &[60.0; 10]).expect("a change");
-        // Several changes of the same pixels.
+        // The same pixels are changed several times.
         copy.add(hdu, row, 8, &[40.0; 7]).expect("a change");
         copy.add(hdu, row, 5, &[40.0; 3]).expect("a change");
     }
@@ -359,7 +359,7 @@ fn change_compressed(path: &Path, hdu: usize, step: f64) {
             }
         }
     }
-    // The other HDUs are identical byte for byte.
+    // The other HDUs have identical bytes.
     for other in (0..source.hdus().len()).filter(|other| *other != hdu) {
         assert_eq!(source.header(other).expect("a header"), after.header(other).expect("a header"), "{name}[{other}]");
     }
@@ -385,8 +385,8 @@ fn verif_noisy_floats_keep_their_steps() {
     let values = ImageValues::new(200, Pixels::F32(values)).expect("rows");
     let rice = Rice { steps_per_sigma: 4.0, dither_seed: 9_999 };
     write_frame(&path, &[NewImage { name: "", values: &values, cards: &[], rice: Some(rice) }]).expect("written");
-    // A step is a quarter of the noise of 10, which is the largest error of added light; CFITSIO's noise estimate
-    // varies from row to row.
+    // The step is a quarter of the noise of 10, which is the largest error of added light. The noise estimate of
+    // CFITSIO differs between rows.
     change_compressed(&path, 1, 4.0);
 }
 
@@ -399,7 +399,8 @@ fn verif_real_compressed_frames() {
     change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 2, 0.0);
 }
 
-/// A folder without write permission, and a full disk: no output, and the system's error message.
+/// Without permission to write to the folder, and with a full disk, there is no output, and the error is that of the
+/// system.
 #[cfg(target_os = "linux")]
 #[test]
 fn verif_unwritable_disks() {
@@ -409,12 +410,12 @@ fn verif_unwritable_disks() {
     let closed = folder.path().join("closed");
     fs::create_dir(&closed).expect("a folder");
     fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).expect("closed");
-    // Root may write anywhere, so this part runs for other users only.
+    // Root can write to any folder, so that this part is skipped for root.
     if fs::write(closed.join("probe"), b"x").is_err() {
         let error = FrameCopy::begin(&source, &closed.join("out.fits")).expect_err("closed").to_string();
         assert!(error.contains("Permission denied") && error.contains("out.fits"), "{error}");
     }
-    // The full disk is simulated by a limit on file sizes in a shell, which starts this test again.
+    // The full disk is simulated by a limit on file sizes in a shell, which runs this test again.
     if std::env::var_os("STREAKCAST_FULL_DISK").is_none() {
         let test = std::env::current_exe().expect("this test");
         let command = format!(
@@ -429,7 +430,7 @@ fn verif_unwritable_disks() {
         assert!(output.status.success() && text.contains("full: copy and new frame refused"), "{text}");
         return;
     }
-    // 64 blocks of 512 or 1024 bytes; the frame has 120 kB, its source is small and is appended to.
+    // The limit is 64 blocks of 512 or 1024 bytes. The frame has 120 kB; it is appended to a small source file.
     let large = ImageValues::new(200, Pixels::F32(vec![1.0; 30_000])).expect("rows");
     let target = folder.path().join("out.fits");
     let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
@@ -474,7 +475,7 @@ fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
         fs::write(&path, [header.as_bytes(), data].concat()).expect("written");
         FrameFile::open(&path).expect(name)
     };
-    // A third axis of one pixel is ignored, one of two is not.
+    // A third axis with one pixel is ignored, one with two pixels is an error.
     let flat = with("flat.fits", &axes(1), &good[2880..]);
     assert_eq!(flat.read_plane(0).expect("a plane").values()[1], -299.0);
     let thick = with("thick.fits", &axes(2), &good[2880..]);

@@ -1,4 +1,4 @@
-//! Headers and tiles that must not reach CFITSIO: one clear error each.
+//! Headers and compressed tiles that could crash CFITSIO are rejected before it reads them, with a clear error.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use streakcast::images::{FrameCopy, FrameFile, HduKind, ImageValues, NewImage, Pixels, Rice, write_frame};
 use tempfile::TempDir;
 
-/// Bytes of a compressed frame of 80 by 64 pixels, one row per tile: integers, or floats with noise.
+/// Returns the bytes of a compressed frame of 80 by 64 pixels with one row per tile: integers, or floats with noise.
 fn compressed(folder: &TempDir, is_floating: bool) -> Vec<u8> {
     let mut random = crate::common::random::Random(3);
     let noise = (0..80 * 64).map(|_| 500.0 + 20.0 * random.uniform());
@@ -22,21 +22,21 @@ fn compressed(folder: &TempDir, is_floating: bool) -> Vec<u8> {
     fs::read(path).expect("bytes")
 }
 
-/// Byte offset of the card of a keyword in the header of HDU 1.
+/// Returns the byte offset of a card in the header of HDU 1.
 fn card_at(file: &[u8], keyword: &str) -> usize {
     let start = format!("{keyword:<8}=");
     let place = file[2880..].chunks_exact(80).position(|card| card.starts_with(start.as_bytes()));
     2880 + 80 * place.unwrap_or_else(|| panic!("no {keyword}"))
 }
 
-/// Returns the file with one card replaced.
+/// Returns a copy of the file in which one card is replaced.
 fn with_card(file: &[u8], keyword: &str, card: &str) -> Vec<u8> {
     let (mut bytes, at) = (file.to_vec(), card_at(file, keyword));
     bytes[at..at + 80].copy_from_slice(format!("{card:<80}").as_bytes());
     bytes
 }
 
-/// Opens a file, reads its images and adds light to them; returns the first error.
+/// Opens a file, reads its images and adds light to them. Returns the first error.
 fn used(path: &Path) -> Result<(), String> {
     let to_text = |error: streakcast::images::ImagesError| error.to_string();
     let file = FrameFile::open(path).map_err(to_text)?;
@@ -94,7 +94,7 @@ fn verif_headers_of_compressed_images_are_checked_before_they_are_read() {
     }
     let error = refused(&folder, &with_card(&floating, "ZDITHER0", "ZDITHER0=                   -7"));
     assert!(error.contains("ZDITHER0 is -7; allowed: a whole number from 1 to 10000"), "{error}");
-    // An image with more pixels than its compressed bytes can contain: all numbers are consistent with each other.
+    // An image has more pixels than its compressed bytes can contain, with consistent header values.
     let mut large = whole.clone();
     for (keyword, card) in [("ZNAXIS1", "ZNAXIS1 =           1000000000"), ("ZTILE1", "ZTILE1  =           1000000000")]
     {
@@ -111,14 +111,14 @@ fn verif_tiles_that_are_not_in_the_heap_are_refused() {
     assert_eq!(file.hdus()[1].kind, HduKind::CompressedImage("RICE_1".into()));
     let end = 2880 + 80 * good[2880..].chunks_exact(80).position(|card| card.starts_with(b"END     ")).expect("END");
     let table = end.next_multiple_of(2880);
-    // Length and offset of the third tile.
+    // Length and offset of the third tile are invalid.
     for (at, number) in [(16, 2_000_000_000u32), (20, 2_000_000_000), (16, u32::MAX)] {
         let mut bytes = good.clone();
         bytes[table + at..table + at + 4].copy_from_slice(&number.to_be_bytes());
         let error = refused(&folder, &bytes);
         assert!(error.contains("COMPRESSED_DATA of tile 3:") && error.contains("not in the heap"), "{error}");
     }
-    // A stream of other bytes: CFITSIO reports an error, or decodes some pixels.
+    // The compressed bytes are replaced: CFITSIO reports an error, or decodes some pixels.
     let mut bytes = good;
     let heap = table + 64 * 8;
     bytes[heap..].iter_mut().for_each(|byte| *byte = !*byte);
@@ -133,8 +133,7 @@ fn verif_tiles_that_are_not_in_the_heap_are_refused() {
 fn verif_a_malformed_table_before_an_image_is_named() {
     let folder = TempDir::new().expect("a folder");
     let good = compressed(&folder, false);
-    // Without ZIMAGE it is an ordinary table that is not read; the following image is preceded by a table of invalid
-    // width.
+    // Without ZIMAGE it is an ordinary table, which is not read. A table of invalid width precedes the next image.
     let table = with_card(&good, "ZIMAGE", "ZIMAGE  =                    F");
     let table = with_card(&table, "TFORM1", "TFORM1  = '9PB(70) '");
     let bytes = [&table[..], &good[2880..]].concat();
@@ -145,7 +144,7 @@ fn verif_a_malformed_table_before_an_image_is_named() {
     assert!(error.contains("HDU 1: NAXIS1 is 8; allowed: 72, the sum of the widths of the columns"), "{error}");
 }
 
-/// Frames with single changed bytes that made CFITSIO divide by zero, corrupt memory, or allocate gigabytes.
+/// Single changed bytes for which CFITSIO divides by zero, corrupts memory, or allocates gigabytes.
 #[test]
 fn valid_the_folder_of_hostile_frames() {
     let Some(data) = crate::common::data_dir() else { return };

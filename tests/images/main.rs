@@ -1,4 +1,4 @@
-//! Frames, detectors and streaks in pixels.
+//! Tests of frames, detectors and drawn streaks.
 
 #[path = "../common/mod.rs"]
 mod common;

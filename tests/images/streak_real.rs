@@ -1,4 +1,5 @@
-//! An observed streak: Starlink-1102 in an exposure of the Dark Energy Camera, compared with the track from element sets.
+//! Observed streak of Starlink-1102 in an exposure of the Dark Energy Camera, compared with the track from element
+//! sets.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -13,17 +14,17 @@ use streakcast::streaks::{
 };
 
 const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";
-/// STARLINK-1102.
+/// Catalogue number of STARLINK-1102.
 const NORAD: u32 = 44920;
 
-/// The streak in the cutout of chip S28: the line with the brightest mean of the pixels after subtraction of the columns'
-/// gradient (counted from 0; found on a grid of half a pixel).
+/// Ends of the streak in the cutout of chip S28, pixels counted from 0: the line with the largest mean pixel value,
+/// after subtraction of the gradient along columns, on a grid of half a pixel.
 const SEEN: [PixelPosition; 2] = [PixelPosition { x: 0.0, y: 67.5 }, PixelPosition { x: 70.0, y: -3.0 }];
 
 fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<SkyTrack> {
     let site = Site::from_mpc("W84").unwrap();
     let choice = ModelChoice::new(&ModelLibrary::embedded()).unwrap();
-    // As on the command line without an EOP table: with polar motion, 12 m there, the streak is 3" nearer.
+    // As on the command line without an EOP table. With polar motion, 12 m at this site, the streak is 3" closer.
     let eop = EopTable::embedded().without_polar_motion();
     let sky = Sky::with_models(vec![elements.clone()], Observer::new(site), eop.clone(), &choice);
     let light = SatelliteLight {
@@ -50,14 +51,15 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_observed() {
         pointing: seen[0],
         rotation_rad: 0.0,
     };
-    // The header gives the instrument's position: that of the observatory is 70 m away, 11" at this satellite.
+    // The header has the position of the instrument. That of the observatory is 70 m away, which is 11" at this
+    // satellite.
     let overrides = FrameOverrides { zero_point: Some((30.0, CountBasis::Frame)), ..FrameOverrides::default() };
     let frame = TargetFrame::open(&folder.join(FRAME), &overrides).unwrap();
     let site = frame.site().unwrap().unwrap();
     assert_eq!(site.mpc_code.as_deref(), Some("W84"));
-    // Elements 11.5 days old, and 9.5 days old within a manoeuvre: distance of the track from the streak, arcmin, and a
-    // field that it just crosses (the track bends by 3" within a degree). The streak is measured to half a pixel,
-    // 0.002'.
+    // Elements 11.5 days old, and 9.5 days old during a manoeuvre: distance of the track from the streak, arcmin, and
+    // radius of a field that the track just crosses (it deviates from a great circle by 3" in one degree). The error of
+    // the measured streak is half a pixel, 0.002'.
     for (file, age_days, beside_arcmin, radius_deg) in [
         ("supgp/starlink_supgp_2020-02-23.tle", 11.48, 0.50, 0.03),
         ("supgp/starlink_supgp_2020-02-25.tle", 9.48, 27.09, 0.47),
@@ -66,7 +68,7 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_observed() {
         let elements = catalogue.element_sets.iter().find(|one| one.norad_id.0 == NORAD).unwrap();
         assert!((seconds_between(elements.epoch, exposure.start) / 86_400.0 - age_days).abs() < 0.01, "{file}");
         let track = track(elements, &exposure, radius_deg).expect("the satellite crosses the field");
-        // The great circle through the two points of the track nearest to the streak.
+        // Great circle through the two points of the track that are nearest to the streak.
         let away = |pair: &[SkyPoint]| pair[0].direction.separation_rad(&seen[0]);
         let near = track.points.windows(2).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
         let [from, to] = [near[0].direction, near[1].direction];
@@ -75,11 +77,11 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_observed() {
         for place in &seen {
             assert!((beside(place) - beside_arcmin).abs() < 0.01, "{file}: {:.3}'", beside(place));
         }
-        // The line was measured over 70 pixels to half a pixel at its ends: 0.4 degrees.
+        // The ends are measured to half a pixel, and are 70 pixels apart: 0.4 degrees.
         let turned = (from.position_angle_rad(&to) - seen[1].position_angle_rad(&seen[0])).to_degrees();
         assert!(turned.abs() < 0.4, "{file}: {turned:.3} deg");
-        // Chip S28 is 9' by 18', and the streak crosses all of it: a track 0.5' beside it is on the chip at a time
-        // within the exposure.
+        // Chip S28 has 9' by 18', and the streak crosses all of it. A track 0.5' beside the streak is on the chip
+        // during the exposure.
         assert!((0.0..120.0).contains(&near[0].time_s));
     }
 }

@@ -1,4 +1,4 @@
-//! Streaks in pixels against GalSim, and against direct sums over points of the path.
+//! Drawn streaks compared with GalSim, and with direct sums over points of the path.
 
 use crate::common::agreement::Agreement;
 use std::f64::consts::{PI, TAU};
@@ -8,7 +8,7 @@ use streakcast::images::{PixelPosition, Plane};
 use streakcast::streaks::{Blur, RadialProfile, Seeing, draw_point};
 use streakcast::streaks::{PathNode, StreakPath, draw};
 
-/// Of the peak, and of the flux: the accuracy that issue 19 requires.
+/// Required accuracy, as a fraction of the peak and of the flux.
 const PIXEL_TOLERANCE: f64 = 1e-3;
 const FLUX_TOLERANCE: f64 = 1e-3;
 
@@ -59,7 +59,7 @@ fn golden() -> Vec<Case> {
     cases
 }
 
-/// The path of a case through five nodes: parabolas and ramps come out exact.
+/// Returns the path of a case through five nodes, which represent parabolas and linear ramps exactly.
 fn path_of(numbers: &[f64; 8]) -> StreakPath {
     let [x0, vx, ax, y0, vy, ay, r0, r1] = *numbers;
     let nodes = (0..5).map(|i| {
@@ -93,7 +93,7 @@ fn valid_streaks_against_galsim() {
     }
 }
 
-/// Point spread function from its definition, by sums over the areas of the disks, tabulated by the radius.
+/// Point spread function computed from its definition by sums over the areas of the disks, tabulated by radius.
 struct DirectProfile {
     step_pix: f64,
     values: Vec<f64>,
@@ -147,7 +147,7 @@ impl DirectProfile {
         before + (place - node as f64) * (after - before)
     }
 
-    /// Mean over the pixel whose centre lies at an offset.
+    /// Returns the mean over a pixel whose centre is at an offset from the source.
     fn pixel(&self, dx: f64, dy: f64) -> f64 {
         const GAUSS: [(f64, f64); 4] = [
             (-0.430_568_155_8, 0.173_927_422_6),
@@ -166,7 +166,8 @@ impl DirectProfile {
         GAUSS.iter().map(row).sum()
     }
 
-    /// Points of a path with their light: four nodes of Gauss in each half of the full width at half maximum.
+    /// Returns points of a path with their light: Gauss-Legendre rules of four nodes in steps of half the full width at
+    /// half maximum.
     fn points(&self, path: &StreakPath) -> Vec<(PixelPosition, f64)> {
         const GAUSS: [(f64, f64); 4] = [
             (0.069_431_844_2, 0.173_927_422_6),
@@ -193,7 +194,7 @@ impl DirectProfile {
     }
 }
 
-/// Positions evenly spread over the area of a ring.
+/// Returns positions evenly spaced over the area of a ring.
 fn area_nodes(inner: f64, outer: f64, fwhm: f64) -> Vec<[f64; 2]> {
     let radii = (32.0 * (outer - inner) / fwhm).ceil().clamp(32.0, 100.0) as usize;
     let angles = (12.0 * outer / fwhm).ceil().clamp(24.0, 200.0) as usize;
@@ -206,7 +207,8 @@ fn area_nodes(inner: f64, outer: f64, fwhm: f64) -> Vec<[f64; 2]> {
     (0..radii * angles).map(place).collect()
 }
 
-/// Greatest difference of a drawn streak from the direct sum, of the peak, over pixels on the path and others spread evenly over the frame.
+/// Returns the largest difference between a drawn streak and the direct sum, as a fraction of the peak, for pixels on
+/// the path and others spread evenly over the frame.
 fn difference(path: &StreakPath, blur: &Blur, aspect: f64, rows: usize, columns: usize) -> f64 {
     let profile = RadialProfile::on_oblong(blur, aspect).expect("a profile");
     let patch = draw(path, &profile, rows, columns);
@@ -214,7 +216,7 @@ fn difference(path: &StreakPath, blur: &Blur, aspect: f64, rows: usize, columns:
     let points = direct.points(path);
     let (first_s, last_s) = (path.nodes()[0].time_s, path.nodes()[path.nodes().len() - 1].time_s);
     let on_path = (0..=48).map(|number| {
-        // Up to 5 pixels beside the path.
+        // Pixels up to 5 pixels beside the path.
         let at = path.point_at(first_s + (last_s - first_s) * f64::from(number) / 48.0);
         [at.y + f64::from(number % 11) - 5.0, at.x + f64::from(number % 7) - 3.0].map(f64::round)
     });
@@ -225,7 +227,7 @@ fn difference(path: &StreakPath, blur: &Blur, aspect: f64, rows: usize, columns:
     let is_inside =
         |[row, column]: &[f64; 2]| (0.0..rows as f64).contains(row) && (0.0..columns as f64).contains(column);
     let on_path = on_path.filter(is_inside).map(|[row, column]| (row as usize, column as usize));
-    // A generator of the golden ratio spreads the others.
+    // The other pixels are spread by a golden-ratio sequence.
     let others = (0..100).map(|number| {
         let share = |step: f64| (f64::from(number) * step).fract();
         ((share(0.754_877_666) * rows as f64) as usize, (share(0.569_840_291) * columns as f64) as usize)
@@ -239,7 +241,7 @@ fn difference(path: &StreakPath, blur: &Blur, aspect: f64, rows: usize, columns:
         worst = worst.max((found - expected).abs());
         peak = peak.max(expected);
     }
-    // Where only wings reach the frame, relative to the mean brightness on the middle line of the streak.
+    // If only wings reach the frame, the scale is the mean brightness on the middle line of the streak.
     let mean = path.total() * profile.line(0.0, 0.0) / path.length_pix().max(4.0 * profile.fwhm_pix());
     worst / peak.max(mean)
 }
@@ -265,7 +267,7 @@ fn ring_blur() -> Blur {
     Blur { seeing, outer_radius_pix: 6.0, inner_radius_pix: 3.5, body_radius_pix: 0.8 }
 }
 
-/// Blurs of all kinds, with the ratio of the sides of pixels.
+/// Returns blurs of all kinds, with the ratio of the sides of pixels.
 fn blurs() -> Vec<(Blur, f64)> {
     let gaussian = |fwhm_pix| Blur::seeing(Seeing::Gaussian { fwhm_pix });
     let moffat = |fwhm_pix, beta| Blur::seeing(Seeing::Moffat { fwhm_pix, beta });
@@ -301,7 +303,8 @@ fn blurs() -> Vec<(Blur, f64)> {
 
 type Way = fn(f64) -> (f64, f64);
 
-/// Straight and bent paths with ends on the frame and off it; each has a jump of brightness in the middle, and a smooth change before it.
+/// Straight and bent paths with ends inside and outside the frame. The brightness jumps in the middle, and varies
+/// smoothly before it.
 #[test]
 fn verif_every_blur_agrees_with_direct_sums() {
     let ways: [(&str, Way); 6] = [
@@ -326,7 +329,7 @@ fn verif_every_blur_agrees_with_direct_sums() {
     }
 }
 
-/// Long lines that bend a little, and narrow ones that turn.
+/// Long paths with a small bend, and narrow streaks with a large one.
 #[test]
 fn verif_long_lines_agree_with_direct_sums() {
     for (blur, aspect) in blurs().into_iter().take(9) {
@@ -349,18 +352,18 @@ fn verif_long_lines_agree_with_direct_sums() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 
-    /// Straight and bent paths of changing brightness, with a jump, partly off the frame.
+    /// Straight and bent paths of varying brightness, with a jump, partly outside the frame.
     #[test]
     fn verif_random_streaks_agree_with_direct_sums(
         x in -60.0..180.0_f64, y in -60.0..160.0_f64, log_length in -0.5..2.6_f64, angle in 0.0..(2.0 * PI),
         bend in -1.0..1.0_f64, rates in prop::array::uniform5(0.2..3.0_f64), jump in proptest::option::of(0.0..3.0_f64),
         kind in 0..4, fwhm_pix in 1.0..9.0_f64, beta in 2.3..5.0_f64, ring in 1.0..4.0_f64, log_aspect in -0.4..0.4_f64,
     ) {
-        // Half of the paths bend less.
+        // Half of the paths have a small bend.
         let bend = if jump.is_some() { bend } else { bend.powi(5) };
         let nodes = (0..5).map(|i| {
             let t = f64::from(i) / 4.0;
-            // An arc of a circle that turns by twice `bend`.
+            // Circular arc whose direction changes by twice `bend`.
             let phi = angle + bend * (2.0 * t - 1.0);
             let u = 10f64.powf(log_length) * t * if bend.abs() < 1e-6 { 1.0 } else { bend.sin() / bend };
             PathNode { rate_after: jump.filter(|_| i == 2), ..node(t, x + u * phi.cos(), y + u * phi.sin(), rates[i as usize]) }
@@ -377,7 +380,7 @@ proptest! {
         prop_assert!(found < PIXEL_TOLERANCE, "{found} with {blur:?} {aspect}");
     }
 
-    /// Flux and centroid of streaks on the frame.
+    /// Flux and centroid of streaks inside the frame.
     #[test]
     fn verif_flux_and_centroid(
         x in 60.0..140.0_f64, y in 60.0..140.0_f64, length in 0.0..70.0_f64, angle in 0.0..(2.0 * PI), duration_s in 0.01..30.0_f64,
@@ -390,7 +393,7 @@ proptest! {
         prop_assert!((path.total() - 7.0 * duration_s).abs() < 1e-12 * path.total());
         prop_assert!((patch.sum() / path.total() - 1.0).abs() < FLUX_TOLERANCE, "{}", patch.sum() / path.total());
         let centroid = patch.centroid().expect("light");
-        // Required: 0.02 pixels.
+        // The required accuracy is 0.02 pixels.
         prop_assert!(centroid.distance(PixelPosition { x, y }) < 0.001, "{centroid:?} of {x} {y}");
     }
 }
@@ -407,7 +410,7 @@ fn verif_flux_of_profiles_is_one() {
             let at = PixelPosition { x: size as f64 / 2.0 + 0.2, y: size as f64 / 2.0 - 0.4 };
             let patch = draw_point(&profile, at, 1000.0, size, size);
             assert!((patch.sum() / 1000.0 - 1.0).abs() < 1e-5, "{fwhm_pix} {beta} {outer}: {}", patch.sum());
-            // The pixels themselves move what is narrower than two of them: by exp(-2π²σ²)/π.
+            // If the profile is narrower than two pixels, the sampling by pixels shifts the centroid by exp(-2π²σ²)/π.
             let allowed = if fwhm_pix < 2.0 { 0.015 } else { 0.001 };
             assert!(patch.centroid().expect("light").distance(at) < allowed);
             if outer == 0.0 {
@@ -415,7 +418,7 @@ fn verif_flux_of_profiles_is_one() {
             }
         }
     }
-    // The light of a line across it is 1.
+    // Across a line, the light integrates to 1.
     let profile = gaussian(4.0);
     for angle in [0.0, 0.3, PI / 4.0] {
         let across: f64 = (-400..=400).map(|i| 0.05 * profile.line(0.05 * f64::from(i), angle)).sum();
@@ -425,7 +428,7 @@ fn verif_flux_of_profiles_is_one() {
 
 #[test]
 fn verif_a_long_streak_is_even_along_itself_and_cheap_outside() {
-    // The frame sees a thousandth of it, in the middle of its brightness.
+    // A thousandth of the path is on the frame, at the middle of its brightness change.
     let path = path(vec![node(0.0, -2e6, -1e6, 3.0), node(1.0, 2e6, 1e6, 3.0)]);
     let profile = gaussian(3.5);
     let patch = draw(&path, &profile, 1000, 1000);
@@ -435,9 +438,9 @@ fn verif_a_long_streak_is_even_along_itself_and_cheap_outside() {
         let value = f64::from(patch.at(column / 2, column));
         assert!((value / expected - 1.0).abs() < PIXEL_TOLERANCE, "{column}: {value} {expected}");
     }
-    // 1000 px wide, 500 px high, 7.9 px to each side.
+    // 1000 px wide, 500 px high, 7.9 px to either side.
     assert!(patch.len() < 25_000, "{}", patch.len());
-    // In a frame that it does not touch there is nothing.
+    // A frame that the streak does not touch stays empty.
     assert!(draw(&path, &profile, 1000, 1).len() < 30);
     let beside = StreakPath::new(vec![node(0.0, -50.0, 500.0, 1.0), node(1.0, -20.0, 2000.0, 1.0)]).expect("a path");
     assert!(draw(&beside, &profile, 1000, 1000).is_empty());
@@ -457,7 +460,7 @@ fn verif_what_hardly_moves_is_a_point() {
         let worst = worst.map(|(row, column, value)| (patch.at(row, column) - value).abs()).fold(0.0_f32, f32::max);
         assert!(worst < 1e-5 * star.at(50, 47), "{drift}: {worst}");
     }
-    // Back and forth over the same pixels: turning round is no trouble.
+    // The path reverses on the same pixels.
     let there = path(vec![node(0.0, 20.0, 50.0, 1.0), node(1.0, 80.0, 50.0, 1.0), node(2.0, 20.0, 50.3, 1.0)]);
     assert!((draw(&there, &gaussian(3.0), 100, 100).sum() / 2.0 - 1.0).abs() < FLUX_TOLERANCE);
 }
@@ -479,14 +482,14 @@ fn verif_jumps_and_dark_stretches() {
     let profile = gaussian(3.5);
     let blur = *profile.blur();
     assert!(difference(&path, &blur, 1.0, 120, 160) < PIXEL_TOLERANCE);
-    // As if it began where the light comes on.
+    // The result is that of a path that begins where its brightness becomes positive.
     let patch = draw(&path, &profile, 120, 160);
     let shorter = StreakPath::new(vec![node(1.0, 60.0, 50.0, 5.0), node(3.0, 140.0, 90.0, 5.0)]).expect("a path");
     let shorter = draw(&shorter, &profile, 120, 160);
     assert!((patch.sum() / shorter.sum() - 1.0).abs() < 1e-6);
     assert!((patch.at(50, 60) / shorter.at(50, 60) - 1.0).abs() < 1e-4);
     assert_eq!(patch.at(30, 20), 0.0);
-    // Without any light there is none.
+    // A path without light is empty.
     let dark = StreakPath::new(vec![node(0.0, 10.0, 10.0, 0.0), node(1.0, 90.0, 70.0, 0.0)]).expect("a path");
     assert_eq!(draw(&dark, &profile, 100, 100).sum(), 0.0);
     assert!(draw(&dark, &profile, 0, 0).is_empty());
@@ -494,7 +497,8 @@ fn verif_jumps_and_dark_stretches() {
 
 #[test]
 fn verif_rates_between_nodes() {
-    // A glint between dark nodes does not swing below 0, a smooth curve is followed to two thousandths.
+    // The interpolated brightness of a peak between dark nodes is not negative; a smooth curve is interpolated to 0.2
+    // %.
     let times: Vec<f64> = (0..11).map(f64::from).collect();
     let spike = path(times.iter().map(|t| node(*t, 10.0 * t, 0.0, if *t == 5.0 { 100.0 } else { 1.0 })).collect());
     let wave = path(times.iter().map(|t| node(*t, 10.0 * t, 0.0, 2.0 + (0.6 * t).sin())).collect());

@@ -8,10 +8,10 @@ use std::path::Path;
 use streakcast::frames::{Direction, Gcrs};
 use streakcast::images::{Header, ImagesError, PixelPosition, Wcs};
 
-/// Tolerance of both directions against astropy: 1e-6 pixel; rounding is 1e-9 pixel for frames far from their CRPIX.
+/// Tolerance in both directions, pixels. Rounding is 1e-9 pixel for frames far from their CRPIX.
 const TOLERANCE_PIX: f64 = 1e-6;
 
-/// Tolerance of round trips: errors of Newton's method and f64.
+/// Tolerance of round trips, pixels: convergence of Newton's method and rounding.
 const ROUND_TRIP_PIX: f64 = 1e-8;
 
 struct Golden {
@@ -19,7 +19,7 @@ struct Golden {
     direction: Direction<Gcrs>,
 }
 
-/// All golden values by header and HDU.
+/// Returns all golden values by header and HDU.
 fn goldens() -> BTreeMap<(String, usize), Vec<Golden>> {
     let path = crate::common::golden_dir().join("wcs_golden.csv");
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).expect("goldens");
@@ -159,7 +159,7 @@ fn verif_fk5_and_icrs_agree() {
     }
 }
 
-/// A straight line on the sky through the frame and far beyond: along it pixel positions advance or do not exist.
+/// Along a great circle through the frame and far beyond it, pixel positions advance or do not exist.
 #[test]
 fn verif_a_track_far_outside_does_not_return() {
     for name in ["sip-no-suffix-no-inverse.hdr", "tpv-radial-dec-first.hdr", "tnx-chebyshev.hdr"] {
@@ -198,12 +198,12 @@ fn verif_tangent_frames() {
     assert!(wcs.to_pixel(centre).expect("inside").distance(middle) < 1e-9);
     assert!((wcs.pixel_scale_arcsec(middle) - 0.2).abs() < 1e-9);
     assert!((wcs.pixel_area_arcsec2(middle) - 0.04).abs() < 1e-9);
-    // Rows increase towards position angle 0.5; columns towards 90 degrees less.
+    // Rows increase towards position angle 0.5 rad, columns towards 0.5 rad - 90°.
     for (x, y, angle) in [(0.0, 10.0, 0.5), (-10.0, 0.0, 0.5 + std::f64::consts::FRAC_PI_2)] {
         let there = wcs.to_sky(PixelPosition { x: middle.x + x, y: middle.y + y }).expect("inside");
         assert!((centre.position_angle_rad(&there) - angle).abs() < 1e-9, "{x} {y}");
     }
-    // The cards give the same.
+    // The header cards give the same coordinates.
     let mut cards = Header::from_text("NAXIS1  = 4000\nNAXIS2  = 2000");
     cards.extend(wcs.cards());
     assert_eq!(Wcs::from_header(&cards).expect("its own cards"), wcs);

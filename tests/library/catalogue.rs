@@ -1,4 +1,4 @@
-//! Catalogues: every format gives the same satellite, from short and long texts and from one or several files.
+//! Catalogues: all formats give the same satellite, from short and long texts, and from one or several files.
 
 use crate::common::elements::{gzip, read, reasons, sample};
 use hifitime::Epoch;
@@ -34,7 +34,7 @@ fn verif_every_syntax_gives_the_same_satellite_bit_for_bit() {
     }
 }
 
-/// Positions and velocities over ten days, km and km/s.
+/// Returns positions and velocities over ten days, km and km/s.
 fn ephemeris(set: &ElementSet) -> Vec<([f64; 3], [f64; 3])> {
     let propagator = Propagator::new(set).expect("a good orbit");
     (-10..=10).map(|day| propagator.teme_state_at_minutes(f64::from(day) * 720.0).expect("in orbit")).collect()
@@ -64,7 +64,7 @@ fn verif_line_ends_and_blank_lines_do_not_matter() {
     }
 }
 
-/// Long texts are read in pieces on several cores; the result equals that of a single piece.
+/// Long texts are parsed in parallel chunks; the result equals that of one chunk.
 #[test]
 fn verif_long_files_are_read_like_short_ones() {
     const COUNT: usize = 6000;
@@ -72,7 +72,7 @@ fn verif_long_files_are_read_like_short_ones() {
     let number = |text: &str, index: usize| text.replace("90001", &format!("{}", 10_000 + index));
     let tle = |index: usize| {
         let lines = number(&text("sample.3le"), index);
-        // Without checksums, and with some invalid records.
+        // Lines without checksums, and some invalid records.
         let lines: String = lines.lines().map(|line| format!("{}\n", &line[..line.len().min(68)])).collect();
         match index % 100 {
             0 => lines.replace("53.0541", "53.O541"),
@@ -100,7 +100,7 @@ fn verif_long_files_are_read_like_short_ones() {
         let format = catalogue.sources[0].format;
         assert_eq!((catalogue.rejected.len(), catalogue.element_sets.len()), (bad, COUNT - bad), "{format}");
         assert!(catalogue.element_sets.windows(2).all(|pair| pair[0].norad_id < pair[1].norad_id), "{format}");
-        // Every line number refers to an invalid record.
+        // Every reported line number is that of an invalid record.
         let lines: Vec<_> = text.lines().collect();
         let mut last = 0;
         for rejected in &catalogue.rejected {
@@ -135,7 +135,7 @@ fn verif_mixed_files_in_one_run() {
     let catalogue = Satellites::read(&paths, &ReadOptions::default()).unwrap();
     let ids: Vec<_> = catalogue.element_sets.iter().map(|set| set.norad_id.0).collect();
     assert_eq!((ids, catalogue.duplicates), (vec![90001, 900_010], 1));
-    // The two-line file has no name; the name of the duplicate is used.
+    // The two-line file contains no name; the name of the duplicate record is used.
     assert_eq!(&*catalogue.element_sets[0].name, "SAMPLE & SON");
     let formats: Vec<_> = catalogue.sources.iter().map(|source| (source.format.to_string(), source.gzipped)).collect();
     assert_eq!(formats, [("TLE".into(), false), ("OMM JSON".into(), true), ("OMM XML".into(), false)]);
@@ -146,7 +146,7 @@ fn verif_mixed_files_in_one_run() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// A written TLE is read back to its last digit.
+    /// A TLE that was written is read with identical digits.
     #[test]
     fn verif_tle_round_trip(
         id in 1_u32..340_000,
@@ -161,7 +161,7 @@ proptest! {
         dot in -99_999_999_i64..100_000_000,
         revolution in 0_u32..100_000,
     ) {
-        // The mantissa needs all five digits.
+        // The mantissa requires all five digits.
         let bstar = f64::from(if negative { -bstar } else { bstar }) / 1e5;
         let mut set = read(&sample("sample.2le")).unwrap().element_sets.remove(0);
         set.norad_id = NoradId(id);

@@ -1,4 +1,4 @@
-//! Several element sets of one satellite: the nearest, the newest, and the state of its orbit.
+//! Several element sets of one satellite: the nearest to a time, the newest, and the phase of its orbit.
 
 use crate::common::elements::{pair, read, read_all, sample};
 use hifitime::{Epoch, Unit};
@@ -50,7 +50,7 @@ fn verif_history_and_selection() {
 #[test]
 fn verif_the_station_rule() {
     let base = read(&sample("sample.2le")).unwrap().element_sets.remove(0);
-    // a falls by 2/3 a dn/n: at 15.06 rev/day 1e-5 rev/day are 3 m.
+    // The semi-major axis a decreases by 2/3 a dn/n: at 15.06 rev/day, 1e-5 rev/day are 3 m.
     let history = |changes: &[f64]| -> Vec<ElementSet> {
         let mut mean_motion = base.mean_motion_rev_day;
         changes
@@ -77,7 +77,7 @@ fn verif_the_station_rule() {
     assert_eq!(names(&[0.0, 0.0], &rule), ["unknown"; 2]);
     assert_eq!(names(&[], &rule), [""; 0]);
     assert_eq!(names(&[0.0, 0.0, 0.0], &StationRule { min_height_km: 560.0, ..rule }), ["parked"; 3]);
-    // On station: the sets after the manoeuvre are steady.
+    // The sets after the manoeuvre are steady, and therefore on station.
     let phases = names(&[0.0, -1e-2, -1e-2, 0.0, 0.0, 0.0], &rule);
     assert_eq!(phases, ["raising", "raising", "on_station", "on_station", "on_station", "on_station"]);
 }
@@ -85,7 +85,7 @@ fn verif_the_station_rule() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// The nearest element set of a history equals that found by a search through all sets.
+    /// The nearest element set of a history equals that found by comparing all sets.
     #[test]
     fn verif_nearest_equals_brute_force(
         minutes in proptest::collection::vec(0_i32..5000, 1..40),

@@ -1,4 +1,4 @@
-//! Invalid input: errors are named and counted, valid records are read, nothing panics.
+//! Invalid input: errors are specific and counted, valid records are read, and nothing panics.
 
 use std::path::Path;
 
@@ -78,7 +78,7 @@ fn verif_broken_messages_do_not_affect_others() {
     );
     assert_eq!(catalogue.rejected[2].line, 1 + text[..text.find("{\"NORAD").unwrap()].matches('\n').count());
 
-    // Lists in objects, one object per line, and records with only the two lines.
+    // Lists in objects, one object per line, and records that contain only the two lines of a TLE.
     let lines = format!("{{\"name\": \"X\", \"line1\": \"{LINE1}\", \"line2\": \"{LINE2}\"}}");
     let wrapped = [
         format!("{{\"name\": \"list\", \"total\": 1, \"data\": [{good}]}}"),
@@ -212,14 +212,14 @@ fn verif_a_whole_file_fails_with_one_clear_error() {
 proptest! {
     #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// Reading returns a result for any bytes.
+    /// Any bytes give a result or an error, and no panic.
     #[test]
     fn verif_reading_never_panics(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
         let _ = read(&bytes);
         let _ = read(&gzip(&bytes));
     }
 
-    /// Reading also returns a result for texts that begin like valid ones.
+    /// Texts that begin like valid files also give a result or an error.
     #[test]
     fn verif_damaged_files_never_panic(
         which in 0_usize..7,

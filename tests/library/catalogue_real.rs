@@ -1,4 +1,4 @@
-//! Catalogues from real files, including damaged ones: expected numbers of records. Skipped without the data.
+//! Catalogues from real files, including damaged ones: numbers of records. Skipped without the data folder.
 
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -14,7 +14,7 @@ fn read(path: PathBuf, keep: Keep) -> Satellites {
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// File, format, valid records, rejected ones, objects, exact duplicates.
+/// File, format, number of valid records, of rejected records, of objects, and of exact duplicates.
 type Expected = (&'static str, ElementFormat, usize, usize, usize, usize);
 
 const EXPECTED: [Expected; 26] = {
@@ -75,7 +75,7 @@ fn valid_every_real_file_reads() {
 fn valid_other_files_are_rejected_by_name() {
     let Some(data) = crate::common::data_dir() else { return };
     for (name, words) in [
-        // An ephemeris in Modified ITC, whose satellite only the name of the published file contains.
+        // Ephemeris in Modified ITC under another name: only the name of the published file identifies the satellite.
         ("omm/sample_starlink_ephemeris.txt", "allowed: MEME_NUMBER_NAME"),
         ("history/manoeuvres_Sentinel-6A.yaml", "contains no element sets"),
         ("omm/ccsds_ndm/LICENSE", "contains no element sets"),
@@ -90,7 +90,7 @@ fn valid_the_same_object_in_two_syntaxes() {
     let Some(data) = crate::common::data_dir() else { return };
     let one = |name: &str| read(data.join("tle/omm").join(name), Keep::All).element_sets.remove(0);
     let (tle, omm) = (one("iss_tle.txt"), one("iss_omm.json"));
-    // The TLE has fewer digits: eccentricity 7 instead of 8 decimals, B* five digits instead of eight.
+    // The TLE has fewer digits: seven instead of eight for the eccentricity, five instead of eight for B*.
     assert_eq!((tle.eccentricity, omm.eccentricity), (0.0006669, 0.00066697));
     assert_eq!((tle.bstar_per_earth_radius, omm.bstar_per_earth_radius), (0.10370e-3, 0.00010370434));
     let mut rounded = omm.clone();
@@ -120,7 +120,7 @@ fn valid_a_real_catalogue_survives_a_round_trip() {
             let mut back =
                 Satellites::from_bytes("written", text.as_bytes(), &ReadOptions::default()).unwrap().element_sets;
             let mut back = back.remove(0);
-            // Designators of other forms are not written; the sign of zero and the form of an exponent may differ.
+            // Designators of other forms cannot be written. The sign of zero and the form of an exponent may differ.
             back.international_designator = set.international_designator.clone();
             assert_eq!(back, set, "{line1}");
         }
@@ -135,7 +135,7 @@ fn valid_the_station_rule_on_real_histories() {
     let index = std::fs::read_to_string(data.join("derived/starlink_tle_history_sel_index.csv")).unwrap();
     let mut tally: HashMap<&str, HashMap<&str, usize>> = HashMap::new();
     let (mut raising, mut decaying) = (0, 0);
-    // Since 2025 there are shells at 460 to 485 km, and Direct to Cell at 360 km.
+    // Since 2025 some shells have heights of 460 to 485 km; Direct to Cell is at 360 km.
     let rule = StationRule { min_height_km: 355.0, ..Default::default() };
     for row in index.lines().skip(1) {
         let cells: Vec<_> = row.split(',').collect();
@@ -145,7 +145,7 @@ fn valid_the_station_rule_on_real_histories() {
         for phase in &phases {
             *tally.entry(cells[0]).or_default().entry(phase.name()).or_default() += 1;
         }
-        // Mean altitudes that change by more than 2 km from both neighbours are raising or decaying beyond doubt.
+        // If the mean altitude changes by more than 2 km from both neighbours, the satellite is raising or decaying.
         for (at, three) in sets.windows(3).enumerate() {
             let [before, now, after] = [0, 1, 2].map(|index| semi_major_axis_km(&three[index]));
             if now - before > 2.0 && after - now > 2.0 {
@@ -169,7 +169,7 @@ fn valid_the_station_rule_on_real_histories() {
     assert!(raising > 100 && decaying > 100);
 }
 
-/// Every Starlink element set of the data folder with a name or a launch, one per object.
+/// Returns the Starlink element sets of the data folder that have a name or a launch, one per object.
 fn starlinks(data: &std::path::Path) -> Vec<ElementSet> {
     let files = [
         "active/active_2024-08-14.txt",
@@ -208,12 +208,12 @@ fn valid_generations_against_the_list_of_launches() {
             Generation::StarlinkV09 => "v0.9",
             Generation::StarlinkV10 | Generation::StarlinkVisorSat => "v1",
             Generation::StarlinkV15 => "v1.5",
-            // The list has no separate kind for Direct to Cell.
+            // The list does not distinguish Direct to Cell from V2 Mini.
             Generation::StarlinkV2Mini | Generation::StarlinkDirectToCell => "v2 mini",
             _ => "other",
         };
         with_launch += usize::from(kinds(table.of(&set)) == expected);
-        // Treated as if launched after the table's date.
+        // As if launched after the end of the table.
         let mut late = set.clone();
         late.international_designator = "".into();
         by_name += usize::from(kinds(table.of(&late)) == expected);
@@ -263,7 +263,7 @@ fn valid_constellations_by_name() {
         (counts[&Generation::OneWeb], counts[&Generation::Kuiper], counts[&Generation::Qianfan]),
         (651, 238, 126)
     );
-    // Five launches of BlueBirds and BlueWalker 3; all of Iridium NEXT.
+    // Satellites of five launches of BlueBird and BlueWalker 3, and all of Iridium NEXT.
     assert_eq!((counts[&Generation::IridiumNext], counts[&Generation::BlueBird]), (80, 7));
     assert!(counts[&Generation::StarlinkDirectToCell] > 600 && counts[&Generation::Guowang] > 150);
 }
@@ -287,7 +287,7 @@ fn valid_kinds_without_a_name_and_assumed_kinds() {
         } else {
             assert!(!assumed, "{set:?}");
         }
-        // The same satellite before it was named; three test objects are named after Guowang.
+        // The same satellite before it had a name. Three test objects have names with Guowang.
         let was_test = set.name.starts_with("GUOWANG TEST");
         set.name = "OBJECT A".into();
         let is_dedicated = [Generation::Kuiper, Generation::Qianfan, Generation::Guowang, Generation::IridiumNext];
@@ -305,7 +305,7 @@ fn valid_shells_against_a_published_list() {
     let Some(data) = crate::common::data_dir() else { return };
     let text = std::fs::read_to_string(data.join("metadata/constellations.json")).unwrap();
     let list: Value = serde_json::from_str(&text).unwrap();
-    // Satellites by altitude and inclination of every constellation of the list.
+    // Satellites by altitude and inclination in the list, for every constellation.
     let listed = |code: &str| -> Vec<(i64, f64, u64)> {
         let all = list.as_array().unwrap();
         let found = all.iter().find(|entry| entry["code"] == code).unwrap_or_else(|| panic!("{code}"));
@@ -317,7 +317,7 @@ fn valid_shells_against_a_published_list() {
                 let altitude = shell["alt"].as_f64().unwrap().round() as i64;
                 (altitude, shell["inc"].as_f64().unwrap(), shell["totSat"].as_u64().unwrap())
             })
-            // Gen1 of the list includes the very low shells of 2018.
+            // In the list, Gen1 includes the very low shells of 2018.
             .filter(|(altitude, _, _)| *altitude > 400)
             .collect();
         shells.sort_by(|a, b| a.partial_cmp(b).unwrap());
@@ -336,7 +336,7 @@ fn valid_shells_against_a_published_list() {
         ours.sort_by(|a, b| a.partial_cmp(b).unwrap());
         for (ours, theirs) in ours.iter().zip(listed(code)) {
             assert_eq!((ours.0, ours.2), (theirs.0, theirs.2), "{name}");
-            // The list rounds Kuiper's 51.9 deg to 52.
+            // The list rounds Kuiper's inclination of 51.9 deg to 52 deg.
             assert!((ours.1 - theirs.1).abs() <= 0.11, "{name}: {} {}", ours.1, theirs.1);
         }
         assert_eq!(ours.len(), listed(code).len());

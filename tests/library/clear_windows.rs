@@ -1,4 +1,4 @@
-//! Clear windows: exposures that start inside are clear, and those between two windows are not.
+//! Clear windows: exposures that start inside are clear, and those that start between two windows are not.
 
 use hifitime::Epoch;
 use streakcast::elements::Constellation;
@@ -14,8 +14,8 @@ use streakcast::schedule::{
 const EXPOSURE_S: f64 = 30.0;
 const MARGIN_S: f64 = 2.0;
 const SPAN_S: f64 = 3600.0;
-/// Distance beyond the end of a window at which the verdict must differ, seconds; ends have an error of 1 ms and a
-/// guard of 2 ms.
+/// Time beyond the end of a window at which the verdict must differ, seconds. Ends have an error of 1 ms and a guard of
+/// 2 ms.
 const TURN_S: f64 = 0.01;
 
 fn dusk() -> Epoch {
@@ -35,7 +35,7 @@ fn exposure(start: Epoch, duration_s: f64, number: usize) -> Exposure {
     Exposure { id: number.to_string(), start, duration_s, pointing, rotation_rad: 0.0 }
 }
 
-/// Verdicts of one target's exposures with starts relative to dusk.
+/// Returns the verdicts of exposures of one target; starts are seconds after dusk.
 fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<VerdictKind> {
     let rows: Vec<ScheduledExposure> = starts_s
         .iter()
@@ -51,7 +51,7 @@ fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<V
     report.flags.iter().map(|flag| flag.kind).collect()
 }
 
-/// Windows of four targets within an hour of dusk, including the exposures.
+/// Returns the windows of four targets within an hour after dusk, including the exposures.
 fn windows(min_altitude_rad: f64, blocking: Blocking, against: &FlagRequest<'_>) -> Vec<Vec<ClearWindow>> {
     let target = |number| WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, number), band: None };
     let targets: Vec<WindowTarget> = (0..4).map(target).collect();
@@ -99,8 +99,9 @@ fn verif_starts_within_are_clear_and_between_are_not() {
                 .map(|pair| (ends_s(&pair[0]).1, ends_s(&pair[1]).0))
                 .flat_map(|(last_s, next_s)| match blocking {
                     Blocking::Any => vec![last_s + TURN_S, 0.5 * (last_s + next_s), next_s - TURN_S],
-                    // A satellite at the border crosses with a probability of a half: less than half with the
-                    // probability of being brighter, although the window excludes it.
+                    // A satellite that just touches the field crosses with a probability of one half, so that the
+                    // probability of crossing and being brighter is below one half, although the window excludes it.
+                    // The middle between two windows is used.
                     Blocking::Avoided | Blocking::Limits => vec![0.5 * (last_s + next_s)],
                 })
                 .collect();
@@ -119,20 +120,20 @@ fn windows_end_at_the_minimum_altitude() {
     let request = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let eop = EopTable::embedded();
     let altitude_rad = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], sky.viewpoint(), &eop)[0];
-    // The limit is the altitude of the second target half way through the span, so the target rises or sets through it.
+    // The limit is the altitude of the second target in the middle of the time range, so that it rises or sets there.
     let limit_rad = altitude_rad(&exposure(seconds_after(dusk(), 0.5 * SPAN_S), 0.0, 1));
     let answer = windows(limit_rad, Blocking::Any, &request);
     let starts: Vec<f64> = answer[1].iter().map(ends_s).flat_map(|(first_s, last_s)| [first_s, last_s]).collect();
     assert!(!starts.is_empty());
     for start_s in &starts {
         let at_start_rad = altitude_rad(&exposure(seconds_after(dusk(), *start_s), EXPOSURE_S, 1));
-        // The tolerance is the rotation of the sky in a hundredth of a second.
+        // The tolerance is the rotation of the sky in 0.01 s.
         assert!(at_start_rad > limit_rad - 1e-6, "{start_s} s: {} below", limit_rad - at_start_rad);
     }
     let all = windows(0.0, Blocking::Any, &request);
     let length_s = |windows: &[ClearWindow]| windows.iter().map(ends_s).map(|(first, last)| last - first).sum::<f64>();
     assert!(length_s(&answer[1]) < 0.7 * length_s(&all[1]));
-    // Above the altitude of all targets there are no windows.
+    // With a limit above the altitude of all targets there are no windows.
     let none = windows(1.57, Blocking::Any, &request);
     assert!(none.iter().all(Vec::is_empty));
 }
@@ -146,7 +147,7 @@ fn windows_from_an_orbit_end_at_the_limb() {
     let field = Field::circle(0.5f64.to_radians()).expect("a field");
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
-    // The span is two thirds of an orbit: every target that the Earth ever covers rises or sets in it.
+    // The time range is two thirds of an orbit, in which every target that the Earth can block rises or sets.
     let target = WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, 1), band: None };
     let windows_with = |max_sun_altitude_rad| {
         let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad };
@@ -159,7 +160,7 @@ fn windows_from_an_orbit_end_at_the_limb() {
     assert!(!ends.is_empty() && ends.iter().any(|end| *end != first && *end != last), "{ends:?}");
     for window in &found.observable {
         assert!(lowest_rad(window.first) >= -1e-5 && lowest_rad(window.last) >= -1e-5, "{window:?}");
-        // One second later the Earth blocks the target.
+        // One second outside the window, the Earth blocks the target.
         for beyond in [seconds_after(window.first, -1.0), seconds_after(window.last, 1.0)] {
             assert!(beyond < first || beyond > last || lowest_rad(beyond) < 0.0, "{window:?}");
         }

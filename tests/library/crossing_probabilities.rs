@@ -1,4 +1,4 @@
-//! Probability that satellites cross an exposure, compared with random draws of the errors, for elements a day, three
+//! Probabilities that satellites cross an exposure, compared with random draws of the errors, for elements a day, three
 //! weeks and half a year old.
 
 use std::borrow::Borrow;
@@ -18,11 +18,11 @@ fn sky(elements: Vec<ElementSet>) -> Sky {
     Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice).with_drag(DragModel::Published)
 }
 
-/// Satellites of a shell as if their elements were published, `age_days` before the exposures.
+/// Returns satellites of a shell with elements that are `age_days` older than the exposures and treated as published.
 fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
     let epoch = at - age_days * Unit::Day;
     let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(epoch);
-    // The first 1584 element sets are the first shell, which is thinned out evenly.
+    // The first 1584 element sets are the first shell, of which every n-th satellite is used.
     elements.truncate(1584);
     let step = elements.len() / count;
     let mut elements: Vec<ElementSet> = elements.into_iter().step_by(step).collect();
@@ -33,13 +33,14 @@ fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
     elements
 }
 
-/// Returns a satellite displaced from its prediction by multiples of sigma: late, and with its orbit plane tilted in
-/// inclination and node.
+/// Returns a satellite displaced from its prediction by multiples of sigma: delayed, and with its orbital plane tilted
+/// in inclination and node.
 fn moved(set: &ElementSet, sigma: OrbitUncertainty, [late, inclination, node]: [f64; 3]) -> ElementSet {
     let mut set = set.clone();
-    // SGP4 depends on the time since epoch only, so a later epoch is a satellite later on the same path.
+    // SGP4 depends only on the time since epoch: with a later epoch the satellite is late on the same path.
     set.epoch = seconds_after(set.epoch, sigma.along_track_s * late);
-    // Off the plane by σ at every argument of latitude: r Δi and r sin i ΔΩ, each with σ.
+    // The offset from the plane has the sigma σ at every argument of latitude: r Δi and r sin i ΔΩ each have the sigma
+    // σ.
     let tilt_deg = (sigma.cross_track_km / 6928.0).to_degrees();
     set.inclination_deg += tilt_deg * inclination;
     set.right_ascension_of_node_deg =
@@ -56,7 +57,7 @@ fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<Elem
     elements.iter().map(of).collect()
 }
 
-/// Exposures of a twilight all over the sky.
+/// Returns exposures at twilight, distributed over the sky.
 fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
     (0..count)
         .map(|number| {
@@ -66,8 +67,8 @@ fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
                 id: number.to_string(),
                 start: seconds_after(start, 6.0 * number as f64),
                 duration_s: 30.0,
-                // Around the zenith of that hour: the site's latitude and its sidereal time (16 h at the start),
-                // roughly.
+                // Near the zenith: declination near the latitude of the site, right ascension near its sidereal time
+                // (16 h at the start).
                 pointing: Direction::from_lon_lat_rad(
                     (240.0 + 0.025 * number as f64 + zenith_deg * turn.cos() / 0.86).to_radians(),
                     (-30.0 + zenith_deg * turn.sin()).to_radians().clamp(-1.5, 1.5),
@@ -78,10 +79,11 @@ fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
         .collect()
 }
 
-/// Expected numbers of streaks and of streaked exposures, and expected streak length, against draws of all errors.
+/// Expected numbers of streaks and of streaked exposures, and expected streak length, compared with draws of all
+/// errors.
 ///
 /// Tolerance: three sigma of the draws, and 4 % for the approximations: planes do not turn during the delay, the site
-/// does not move within a piece of the exposure, and one cross-track error stands for two directions.
+/// is fixed within a piece of the exposure, and one cross-track error represents two directions.
 #[test]
 fn verif_probabilities_against_draws_of_the_errors() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
@@ -97,8 +99,8 @@ fn verif_probabilities_against_draws_of_the_errors() {
     }
 }
 
-/// The same a week after the elements, for satellites that hold their orbits, whose delays have a distribution with
-/// wings. Delays of satellites that manoeuvred (3 %) are drawn, but not searched. Tolerance as above.
+/// Same as above a week after the elements, for satellites that hold their orbits; the distribution of their delays has
+/// wings. Delays of satellites that manoeuvred (3 %) are drawn, but outside the range searched.
 #[test]
 fn verif_probabilities_of_station_keeping_satellites() {
     const AGE_DAYS: f64 = 7.0;
@@ -129,12 +131,12 @@ fn verif_probabilities_of_station_keeping_satellites() {
     compare("station keeping, 7 d", &exposures, &field, sums(&found), skies.iter());
 }
 
-/// Half a year after the elements only delays of up to 300 s are searched: the expected number is the drawn number
-/// times the fraction of such delays, and is marked as a lower limit.
+/// Half a year after the elements, only delays up to 300 s are searched: the expected number is that of the draws times
+/// the fraction of such delays, and it is marked as a lower limit.
 #[test]
 fn verif_probabilities_of_old_elements_are_lower_limits() {
     const AGE_DAYS: f64 = 180.0;
-    /// Tolerance of the ratio: delays of whole revolutions bring some satellites back into the field.
+    /// Tolerance of the ratio: some satellites that are delayed by whole revolutions also cross the field.
     const SHARE: std::ops::Range<f64> = 0.7..1.3;
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
@@ -160,7 +162,7 @@ fn verif_probabilities_of_old_elements_are_lower_limits() {
     assert!(SHARE.contains(&(expected / (share * mean))), "{expected:.3} expected, {mean:.3} drawn, {share:.3}");
 }
 
-/// Sums of expected streaks, streaked exposures and degrees of streak.
+/// Returns the sums of expected streaks, streaked exposures and streak length in degrees.
 fn sums(found: &[Vec<CrossingProbability>]) -> [f64; 3] {
     let sum = |of: &dyn Fn(&CrossingProbability) -> f64| found.iter().flatten().map(of).sum::<f64>();
     let none = |all: &Vec<CrossingProbability>| all.iter().map(|one| 1.0 - one.probability).product::<f64>();
@@ -171,7 +173,7 @@ fn sums(found: &[Vec<CrossingProbability>]) -> [f64; 3] {
     ]
 }
 
-/// Compares expected streaks, streaked exposures and degrees of streak with the means of the draws.
+/// Compares expected streaks, streaked exposures and streak lengths with the means of the draws.
 fn compare(
     name: &str,
     exposures: &[Exposure],
@@ -199,9 +201,9 @@ fn compare(
     }
 }
 
-/// Exposures of one field from the same start, with elements a month old: the expected numbers of each exposure against
-/// draws. The site moves by 120 km in the shortest exposure, past orbit planes with errors of 4 km. The tolerance, as
-/// above, applies to each exposure.
+/// Exposures of one field from the same start, with elements a month old: the expected numbers of each exposure
+/// compared with draws. In the shortest exposure the site moves by 120 km relative to orbital planes with errors of 4
+/// km. The tolerance is as above for each exposure.
 #[test]
 fn verif_long_exposures_against_draws_of_the_errors() {
     const AGE_DAYS: f64 = 30.0;
@@ -228,8 +230,8 @@ fn verif_long_exposures_against_draws_of_the_errors() {
     }
 }
 
-/// Copies of a satellite with all errors, and their probabilities: delays in equal steps, and shifts in inclination and
-/// node by the Gauss-Hermite rule of three points for a unit normal distribution, 0 and ±√3.
+/// Returns copies of a satellite with all errors, and their probabilities: delays in equal steps, and tilts in
+/// inclination and node by the three-point Gauss-Hermite rule for a standard normal distribution, 0 and ±√3.
 fn with_all_errors(set: &ElementSet, sigma: OrbitUncertainty) -> (Vec<ElementSet>, Vec<f64>) {
     const DELAYS: usize = 200;
     const REACH_SIGMAS: f64 = 4.0;
@@ -247,12 +249,12 @@ fn with_all_errors(set: &ElementSet, sigma: OrbitUncertainty) -> (Vec<ElementSet
     (copies, weights)
 }
 
-/// Probability and streak length of single satellites in exposures of minutes against the sum over all their errors.
-/// The site moves across each orbit plane in two minutes, so after a delay of minutes it is at another position.
+/// Probability and streak length of single satellites in exposures of minutes, compared with the sum over all their
+/// errors. The site crosses an orbital plane in two minutes, so that its position differs after a delay of minutes.
 #[test]
 fn verif_single_satellites_against_the_sum_over_their_errors() {
     const AGE_DAYS: f64 = 20.0;
-    /// Relative tolerance: pieces of 10 s are coarse for passes that take about 120 s to cross the field.
+    /// Relative tolerance: pieces of 10 s are coarse for passes that cross the field in about 120 s.
     const TOLERANCE: f64 = 0.05;
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
@@ -296,15 +298,16 @@ fn verif_single_satellites_against_the_sum_over_their_errors() {
     assert!(checked >= 5, "only {checked}");
 }
 
-/// Probability of a listed pass against the sum over all errors of its satellite, with elements 1, 7 and 20 days old:
-/// each delay and each shift across the track gives another satellite, which crosses the field or does not.
+/// Probability of a listed pass compared with the sum over all errors of its satellite, with elements 1, 7 and 20 days
+/// old. Each delay and cross-track error gives another satellite, which crosses the field or does not.
 #[test]
 fn verif_listed_passes_against_the_sum_over_their_errors() {
-    /// Largest relative difference of the sum over the few passes of an age, in which the differences partly cancel.
+    /// Largest relative difference of the sum over the passes of one age, in which differences partly cancel.
     const OF_THE_SUM: f64 = 0.03;
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
-    // Largest difference of one probability. At 1 and 7 days the exposure is not cut into pieces, and only the sums over
-    // the errors differ. In the pieces of 10 s at 20 days, chords change their length while the site moves (0.06).
+    // Largest difference of one probability. At 1 and 7 days the exposure is not divided, and only the sums over the
+    // errors differ. At 20 days it is divided into pieces of 10 s, and chords change their length while the site moves
+    // (0.06).
     for (age_days, tolerance) in [(1.0, 0.01), (7.0, 0.01), (20.0, 0.08)] {
         let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
         let mut exposures = exposures(start, 360, &mut Random(20_261_123));
@@ -339,14 +342,15 @@ fn verif_listed_passes_against_the_sum_over_their_errors() {
     }
 }
 
-/// A longer exposure never has fewer expected satellites, and one more second changes their number little: a month
-/// after the elements of satellites on station, and 150 days after those of satellites that manoeuvre.
+/// In a longer exposure the expected number of satellites is not smaller, and one more second changes it little: a
+/// month after the elements for satellites on station, and 150 days after them for satellites that manoeuvre.
 #[test]
 fn verif_longer_exposures_have_no_less() {
-    /// Allowed decrease as a fraction of the expected number: the last piece of an exposure is divided differently in a
-    /// longer one.
+    /// Allowed decrease as a fraction of the expected number; the last piece of a longer exposure is divided
+    /// differently.
     const OF_ALL: f64 = 0.01;
-    /// Allowed increase in one second, as a fraction of the expected number: few planes pass, each in about a minute.
+    /// Allowed increase in one second, as a fraction of the expected number: few planes are crossed, each in about a
+    /// minute.
     const OF_A_SECOND: f64 = 0.03;
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
@@ -392,18 +396,18 @@ fn verif_longer_exposures_have_no_less() {
     }
 }
 
-/// Relative tolerance: a pass takes the range, and with it the angle of the cross-track error, in the middle of its
-/// chord; a probability takes it at the closest approach.
+/// Relative tolerance: for a pass, the range and the angle of the cross-track error are those at the middle of the
+/// chord; for a probability, those at the closest approach.
 const SAME: f64 = 1e-3;
 
-/// Every crossing that passes list is among the satellites of the probabilities, with the same probability, also where
-/// it enters or leaves the Earth's shadow.
+/// Every listed crossing is among the satellites of `crossing_probabilities`, with the same probability, also where it
+/// enters or leaves the Earth's shadow.
 #[test]
 fn verif_probabilities_hold_every_crossing() {
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
     for (age_days, at_least) in [(0.0, 12), (3.0, 12)] {
         let mut draws = Random(7);
-        // Later in the evening: half of the satellites cross the edge of the shadow.
+        // Later in the evening, when half of the satellites cross the edge of the shadow.
         let exposures = exposures(Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 15, 0), 1500, &mut draws);
         let sky = sky(published(age_days, exposures[750].start, 1584));
         let passes = sky.field_passes(&exposures, &field, &PassOptions::default()).expect("passes").by_exposure;
@@ -421,7 +425,7 @@ fn verif_probabilities_hold_every_crossing() {
     }
 }
 
-/// Passes computed without brightness are the same, including near misses, but have neither magnitude nor peak.
+/// Passes computed without light equal the others, including near misses, but have neither magnitude nor peak.
 #[test]
 fn verif_passes_without_light_are_the_same_but_for_it() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);

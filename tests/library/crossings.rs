@@ -1,5 +1,5 @@
-//! Crossings: compared with an independent brute force (python-sgp4, ERFA), and the candidate search compared with our
-//! own.
+//! Crossings compared with an independent brute-force computation (python-sgp4, ERFA), and the candidate search
+//! compared with a computation without it.
 
 use crate::common::agreement::Agreement;
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::{DragModel, LeftOut};
 use streakcast::passes::{Exposure, Field, ModelChoice, Pass, PassOptions, Sky};
 
-/// Cerro Pachón as in the golden data.
+/// Returns the position of Cerro Pachón used in the golden data.
 fn cerro_pachon() -> Observer {
     Observer::new(Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site"))
 }
@@ -64,9 +64,9 @@ fn golden() -> Vec<Golden> {
     all
 }
 
-/// Tolerance of entry and exit of fast satellites, seconds: golden times are root-found to 1e-6 s with the same model.
+/// Tolerance of entry and exit of fast satellites, seconds. Golden times are found to 1e-6 s with the same orbit model.
 const TIME_TOLERANCE_S: f64 = 2e-3;
-/// Tolerance of every border, degrees: 0.2 arcsec. Slow satellites cross in seconds what others cross in milliseconds.
+/// Tolerance of the field border, degrees: 0.2 arcsec. Slow satellites take seconds for this angle.
 const ANGLE_TOLERANCE_DEG: f64 = 0.2 / 3600.0;
 
 #[test]
@@ -74,7 +74,7 @@ fn valid_crossings_against_python_sgp4_and_erfa() {
     let Some(data) = crate::common::data_dir() else { return };
     let catalogue = Satellites::read(&[data.join("tle/active/active_2026-04-25.txt")], &ReadOptions::default())
         .expect("the catalogue reads");
-    // The golden crossings are those of SGP4 with the published drag.
+    // The golden crossings were computed with SGP4 and the published drag.
     let sky = sky(catalogue.element_sets).with_drag(DragModel::Published);
     let golden = golden();
     let exposures: Vec<Exposure> = golden.iter().map(|golden| golden.exposure.clone()).collect();
@@ -120,7 +120,7 @@ fn valid_crossings_against_python_sgp4_and_erfa() {
     assert_eq!(compared, 129);
 }
 
-/// Orbits that constellations do not have: eccentric, resonant, equatorial, retrograde, with strong drag, old.
+/// Returns orbits that constellations do not have: eccentric, resonant, equatorial, retrograde, with strong drag, old.
 fn odd_orbits(epoch: Epoch) -> Vec<ElementSet> {
     let mut sets = Vec::new();
     for (mean_motion_rev_day, eccentricity) in [
@@ -165,8 +165,7 @@ fn odd_orbits(epoch: Epoch) -> Vec<ElementSet> {
     sets
 }
 
-/// Middle of the requested times, and a sky: the real catalogue if available, otherwise shells; always with unusual
-/// orbits.
+/// Middle of the requested times, and a sky of unusual orbits and the real catalogue, or of shells if it is missing.
 static SKY: LazyLock<(Epoch, Sky)> = LazyLock::new(|| {
     let epoch = utc("2026-04-26T04:00:00");
     let mut sets = odd_orbits(epoch);
@@ -184,7 +183,7 @@ static SKY: LazyLock<(Epoch, Sky)> = LazyLock::new(|| {
     (epoch, sky(sets))
 });
 
-/// One random request.
+/// Random request.
 #[derive(Clone, Debug)]
 struct Request {
     days_later: f64,
@@ -228,20 +227,21 @@ fn field_of(request: &Request) -> Field {
     .expect("a field")
 }
 
-/// Tolerance of a root, seconds: both methods find the same roots on arcs with different nodes. A difference of 4 mm of
-/// orbit is 1 µs, and a hundred times as much if a track meets a border at half a degree.
+/// Tolerance of entry and exit times, seconds: both methods find the same roots on arcs with different nodes. A
+/// difference of 4 mm in the orbit is 1 µs, and a hundred times as much if the track meets the border at an angle of
+/// half a degree.
 const SAME_ROOT_S: f64 = 2e-4;
-/// The same in exposures longer than a minute, in which the Earth's velocity is also evaluated at different times: 3
-/// mas after a quarter of an hour, which is more along a border met at a grazing angle.
+/// Tolerance in exposures longer than a minute, where the Earth's velocity is evaluated at different times: 3 mas after
+/// a quarter of an hour, which is a longer time for tracks at a small angle to the border.
 const SAME_ROOT_OF_LONG_EXPOSURES_S: f64 = 5e-3;
-/// Tolerance for the same crossing on an arc that is interpolated over the relevant time only, seconds: millimetres of
-/// position, which take longer where a border is met at a grazing angle.
+/// Tolerance for a crossing on an arc that is interpolated only over the relevant time, seconds: millimetres of
+/// position, which is a longer time for tracks at a small angle to the border.
 const SAME_ROOT_OF_SHORT_ARCS_S: f64 = 1e-5;
-/// Tolerance of a border, arcsec: a geostationary satellite moves by 15 mas in a millisecond.
+/// Tolerance of the field border, arcsec: a geostationary satellite moves by 15 mas in a millisecond.
 const SAME_BORDER_ARCSEC: f64 = 0.01;
 
-/// Computes the same request with and without the candidate search; returns the number of tested (field, satellite)
-/// pairs.
+/// Computes the same request with and without the candidate search. Returns the number of compared pairs of a field and
+/// a satellite.
 fn same_result(request: &Request, min_probability: Option<f64>) -> Result<usize, TestCaseError> {
     let (epoch, sky) = &*SKY;
     let start = *epoch + request.days_later * Unit::Day;
@@ -263,7 +263,7 @@ fn same_result(request: &Request, min_probability: Option<f64>) -> Result<usize,
     let options = PassOptions { include_dark: true, min_probability, ..PassOptions::default() };
     let culled = sky.field_passes(&exposures, &field, &options).expect("an answer");
     let brute = sky.field_passes_by_brute_force(&exposures, &field, &options).expect("an answer");
-    // Only satellites that are in the shadow throughout are skipped before SGP4.
+    // Without dark passes, only satellites that are in the shadow throughout are skipped before SGP4.
     let lit = PassOptions { include_dark: false, ..options };
     let lit = sky.field_passes(&exposures, &field, &lit).expect("an answer");
     let of_all: Vec<&Pass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
@@ -271,8 +271,8 @@ fn same_result(request: &Request, min_probability: Option<f64>) -> Result<usize,
     let (culled, brute) = (by_id(&culled.by_exposure[0]), by_id(&brute[0]));
     for (one, other, what) in [(&culled, &brute, "added"), (&brute, &culled, "lost")] {
         for (id, pass) in one {
-            // A near miss just above the minimum probability may fall just below it, because the tails beyond the
-            // search reach differ.
+            // A near miss just above the smallest probability may be just below it in the other result, because
+            // different tails of the distribution are searched.
             if pass.is_crossing() || pass.probability > 1.5 * min_probability.unwrap_or(0.0) {
                 prop_assert!(other.contains_key(id), "{what}: {pass:?}");
             }
@@ -318,8 +318,8 @@ fn compare_search_with_brute_force(
     assert!(pairs >= at_least, "only {pairs} pairs were decided");
 }
 
-/// The candidate search agrees with the full computation for 200,000 pairs of a field and a satellite with the real
-/// catalogue, or 170,000 without.
+/// The candidate search agrees with the full computation for 200,000 pairs of a field and a satellite of the real
+/// catalogue, or for 170,000 pairs without it.
 #[test]
 fn verif_the_candidate_search_loses_and_adds_nothing() {
     compare_search_with_brute_force(12, 1, 300.0, None, 100_000);
@@ -330,7 +330,7 @@ fn verif_near_misses_survive_the_candidate_search() {
     compare_search_with_brute_force(2, 2, 60.0, Some(0.02), 8_000);
 }
 
-/// In a field half below the horizon every crossing begins and ends above the ground, some of them at the horizon.
+/// In a field half below the horizon, every crossing begins and ends above the ground, some of them at the horizon.
 #[test]
 fn verif_no_crossing_is_below_the_horizon() {
     let (epoch, sky) = &*SKY;
@@ -355,14 +355,14 @@ fn verif_no_crossing_is_below_the_horizon() {
         .filter_map(|point| point.altitude_rad)
         .collect();
     assert!(ends.len() > 100, "{}", ends.len());
-    // 2 degrees below the horizon: refraction and the dip of the horizon on a mountain.
+    // 2 degrees below the horizon allow for refraction and for the dip of the horizon on a mountain.
     let ground_rad = -0.035;
     assert!(ends.iter().all(|altitude_rad| *altitude_rad > ground_rad - 1e-6), "{ends:?}");
     assert!(ends.iter().filter(|altitude_rad| **altitude_rad < ground_rad + 1e-6).count() > 10);
 }
 
-/// Cached windows do not change results: 48 exposures over four days, all at once, and backwards one by one among
-/// requests for near misses, which cache other windows.
+/// Cached windows do not change results: 48 exposures over four days in one request, and one by one in reverse order
+/// between requests with near misses, which cache other windows.
 #[test]
 fn verif_earlier_requests_change_nothing() {
     let (epoch, sky) = &*SKY;
@@ -396,8 +396,8 @@ fn verif_earlier_requests_change_nothing() {
     }
 }
 
-/// A long exposure is searched in groups of slices: two hours and a half give the crossings of 150 exposures of a
-/// minute, across several cached windows. Crossings computed without light equal those of the lit passes.
+/// A long exposure is searched in slices: two and a half hours give the crossings of 150 exposures of a minute, across
+/// several cached windows. Crossings computed without light equal those of the lit passes.
 #[test]
 fn verif_a_long_exposure_equals_its_minutes() {
     const MINUTES: u32 = 150;
@@ -445,14 +445,14 @@ fn verif_a_long_exposure_equals_its_minutes() {
                 }
             }
         }
-        // A graze shorter than the tolerance may be found by only one of the two methods.
+        // A track that touches the field for less than the tolerance may be found by only one of the methods.
         let same_s = SAME_ROOT_OF_LONG_EXPOSURES_S;
         for chords in long.values_mut().chain(short.values_mut()) {
             chords.retain(|(enter_s, exit_s)| exit_s - enter_s > 20.0 * same_s);
         }
         long.retain(|_, chords| !chords.is_empty());
         short.retain(|_, chords| !chords.is_empty());
-        // An orbit for which SGP4 fails on the way is reported for minutes, and not for hours.
+        // An orbit for which SGP4 fails during the exposure is reported with minutes, not with hours.
         for left_out in &answer.left_out {
             short.remove(&left_out.norad_id);
         }
@@ -463,7 +463,7 @@ fn verif_a_long_exposure_equals_its_minutes() {
             assert_eq!(chords.len(), short[id].len(), "{id}: {chords:?} {:?}", short[id]);
             for (one, other) in chords.iter().zip(&short[id]) {
                 let apart_s = (one.0 - other.0).abs().max((one.1 - other.1).abs());
-                // Slow and grazing satellites meet a border at a small angle.
+                // Slow satellites, and tracks along the border, meet the border at a small angle.
                 assert!(apart_s < same_s.max(2e-3 * (one.1 - one.0)), "{id}: {one:?} {other:?}");
                 compared += 1;
             }
@@ -482,7 +482,7 @@ fn verif_a_long_exposure_equals_its_minutes() {
                 assert!(apart_s < SAME_ROOT_OF_SHORT_ARCS_S, "{size_deg} deg: {one:?} {other:?}");
             }
         }
-        // SGP4 fails at the evaluated times, which differ.
+        // SGP4 fails at the evaluated times, which differ between the methods.
         let ids = |left_out: &[LeftOut]| left_out.iter().map(|one| one.norad_id).collect::<Vec<_>>();
         assert_eq!(ids(&alone.left_out), ids(&lit.left_out));
     }

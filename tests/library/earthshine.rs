@@ -1,4 +1,4 @@
-//! Earthshine: the product rule compared with finer rules, HEALPix, and closed forms.
+//! Earthshine: the quadrature compared with finer ones, with HEALPix, and with closed forms.
 
 use crate::common::agreement::Agreement;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -11,9 +11,9 @@ use streakcast::photometry::brdf::{Brdf, Incidence, Lambert, Phong};
 use streakcast::photometry::earthshine::{EARTH_ALBEDO, LitEarth, PanelEarthshine};
 use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, PhotometryOptions};
 
-/// Specified accuracy of the production rule on a chassis lit only by the Earth, mag.
+/// Specified accuracy of the quadrature for a chassis lit only by the Earth, mag.
 const EARTHSHINE_MAG: f64 = 1e-3;
-/// Returns an exponent for which the rule has at least 2.5 times the nodes in each direction.
+/// Returns an exponent for which the quadrature has at least 2.5 times the nodes in each direction.
 fn finer(exponent: f64) -> f64 {
     if exponent > 60.0 { 1000.0 } else { 400.0 }
 }
@@ -22,19 +22,19 @@ fn down() -> Vector3<f64> {
     -Vector3::z()
 }
 
-/// Unit vector at an angle from the nadir and a longitude from that of the Sun, degrees.
+/// Returns the unit vector at an angle from the nadir and a longitude from that of the Sun, degrees.
 fn below(nadir_deg: f64, longitude_deg: f64) -> Vector3<f64> {
     let (sin, cos) = nadir_deg.to_radians().sin_cos();
     let (sin_lon, cos_lon) = longitude_deg.to_radians().sin_cos();
     Vector3::new(sin * cos_lon, sin * sin_lon, -cos)
 }
 
-/// Light on the chassis; none if no visible ground is lit.
+/// Returns the light on the chassis; zero if no visible ground is lit.
 fn shine(sun_rad: f64, height_km: f64, to_observer: &Vector3<f64>, exponent: f64) -> PanelEarthshine {
     LitEarth::new(sun_rad, height_km).map(|earth| earth.shine(&down(), to_observer, exponent)).unwrap_or_default()
 }
 
-/// The same, computed source by source.
+/// Returns the same light as a sum over sources.
 fn shine_of(sources: &[(Vector3<f64>, f64)], to_observer: &Vector3<f64>, exponent: f64) -> PanelEarthshine {
     let mirror = Vector3::new(-to_observer.x, -to_observer.y, to_observer.z);
     let mut sum = PanelEarthshine::default();
@@ -46,9 +46,9 @@ fn shine_of(sources: &[(Vector3<f64>, f64)], to_observer: &Vector3<f64>, exponen
     sum
 }
 
-/// The Earth in equal-area pixels, as in the paper: directions and irradiances of all lit and visible pixels. Pixels
-/// are flat and evaluated at their centres (so one cut by the terminator or the limb counts completely or not at all);
-/// the pole of the grid is at the nadir.
+/// Returns directions and irradiances of the lit and visible equal-area pixels of the Earth, as in the paper. Pixels
+/// are flat and evaluated at their centres, so that one at the terminator or the limb counts completely or not at all.
+/// The pole of the pixel grid is at the nadir.
 fn healpix_earth(sun_rad: f64, height_km: f64, nside: u32) -> Vec<(Vector3<f64>, f64)> {
     let radius_km = EARTH_EQUATORIAL_RADIUS_KM;
     let satellite_km = Vector3::new(0.0, 0.0, radius_km + height_km);
@@ -57,7 +57,7 @@ fn healpix_earth(sun_rad: f64, height_km: f64, nside: u32) -> Vec<(Vector3<f64>,
     let limb_rad = FRAC_PI_2 - dip_deg(height_km).to_radians();
     (0..cell_count(nside))
         .map_while(|cell| ring_centre_rad(nside, cell))
-        // Rings run from the pole downwards.
+        // Rings are ordered from the pole downwards.
         .take_while(|&(_, latitude)| latitude > limb_rad)
         .filter_map(|(longitude, latitude)| {
             let (up, along) = latitude.sin_cos();
@@ -86,7 +86,7 @@ fn dip_deg(height_km: f64) -> f64 {
     (EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + height_km)).acos().to_degrees()
 }
 
-/// Sun latitudes from almost the last light to a fully lit cap, degrees.
+/// Returns latitudes of the Sun from almost no lit ground to completely lit visible ground, degrees.
 fn suns(height_km: f64) -> Vec<f64> {
     let dip = dip_deg(height_km);
     let mut suns = vec![-0.97 * dip, -0.8 * dip, 0.95 * dip, 60.0];
@@ -110,7 +110,7 @@ fn verif_rule_against_a_far_finer_one() {
                     let exact = shine_of(&fine, &to_observer, exponent);
                     let apart = magnitudes_apart(chassis(&ours, exponent), chassis(&exact, exponent));
                     worst = worst.max(apart);
-                    // For a Lambertian part only the error is far smaller.
+                    // For the Lambertian part alone, the error is far smaller.
                     assert!((ours.irradiance / exact.irradiance - 1.0).abs() < 1e-4);
                 }
             }
@@ -122,7 +122,7 @@ fn verif_rule_against_a_far_finer_one() {
     }
 }
 
-/// Prints the table of convergence in the docs of the module.
+/// Prints the table of convergence in the documentation of the module.
 #[test]
 fn valid_rule_against_healpix() {
     let (exponent, height_km) = (22.0, 550.0);
@@ -147,7 +147,7 @@ fn valid_rule_against_healpix() {
     for (i, error) in errors.iter().enumerate() {
         println!("nside {:3}, {:6} cells: diffuse {:.1e}, total {:.1e} mag", 32 << i, cells[i], error[0], error[1]);
     }
-    // Pixels cut by terminator and limb count completely or not at all, which leaves this error at nside 512.
+    // Pixels at the terminator and the limb count completely or not at all, which causes this error at nside 512.
     assert!(errors[4][0] < 5e-4, "{errors:?}");
     Agreement::new("Earthshine of a chassis", "the Earth in cells of nside 512", EARTHSHINE_MAG, "mag")
         .see(errors[4][1]);
@@ -158,7 +158,7 @@ fn valid_rule_against_healpix() {
 fn verif_a_uniformly_lit_earth_gives_its_solid_angle() {
     for height_km in [200.0, 550.0, 2000.0, 35_786.0] {
         let ratio = EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + height_km);
-        // With the Sun in the zenith all visible ground is lit; divided by its cosine, the illumination is uniform.
+        // With the Sun in the zenith all visible ground is lit. Divided by the cosine, the illumination is uniform.
         let plate: f64 = LitEarth::new(FRAC_PI_2, height_km)
             .unwrap()
             .sources(60.0)
@@ -175,7 +175,8 @@ fn verif_a_uniformly_lit_earth_gives_its_solid_angle() {
 
 #[test]
 fn valid_diffuse_light_against_the_worked_ratios() {
-    // Relative tolerance of light relative to direct light on the chassis, at 550 km, computed on a mesh and rounded.
+    // Relative tolerance: the reference ratios of earthshine to direct light on the chassis at 550 km were computed on
+    // a mesh and rounded.
     const MESH_AND_ROUNDING: f64 = 0.03;
     for (sun_deg, expected) in [(-2.0_f64, 0.118), (-8.0, 0.0044), (-14.0, 2.8e-4), (-20.0, 3e-6)] {
         let sun = sun_deg.to_radians();
@@ -218,7 +219,7 @@ fn verif_panels_of_any_orientation_against_laws_source_by_source() {
         let by_diffuse = sum(&|incidence| diffuse.value_per_sr(incidence));
         let by_glossy = sum(&|incidence| glossy.value_per_sr(incidence));
         for (fast, plain) in [(fast.irradiance / PI, by_diffuse), (fast.lobe * 24.0 / (2.0 * PI), by_glossy)] {
-            // The series of the power law.
+            // Compared with the series of the power law.
             assert!((fast / plain - 1.0).abs() < 1e-9, "{fast} {plain}");
         }
     }
@@ -248,17 +249,17 @@ fn verif_the_switch() {
         assert!(terms.earth_diffuse_m2_sr > 0.0 && terms.earth_glossy_m2_sr > 0.0);
         assert_eq!(satellite.terms_with(&geometry, Earthshine::Off), satellite.terms(&geometry));
         assert_eq!(terms.sunlight_m2_sr(), satellite.terms(&geometry).b_total_m2_sr());
-        // Off: the plain formula.
+        // Without earthshine the magnitude is that of sunlight.
         let plain = -2.5 * (terms.sunlight_m2_sr() / 1e12).log10() - 26.76 + 5.0 * 0.9_f64.log10();
         let without = model.brightness(&geometry, 1.0, &off).unwrap().magnitude.0;
         assert!((without - plain).abs() < 1e-9);
-        // On: brighter by the fraction of the two terms.
+        // With earthshine it is brighter by the ratio of the two terms.
         let with = model.brightness(&geometry, 1.0, &on).unwrap().magnitude.0;
         let gain = 2.5 * (terms.b_total_m2_sr() / terms.sunlight_m2_sr()).log10();
         assert!((without - with - gain).abs() < 1e-9 && gain > 0.0);
         let standard = model.standard_magnitude_with(&geometry, Earthshine::Computed).unwrap();
         assert!((standard.at_range(900.0).0 - with).abs() < 1e-9);
-        // In the penumbra the Sun is dimmed and the Earth is not.
+        // In the penumbra, sunlight is dimmed and earthshine is not.
         let dimmed = model.brightness(&geometry, 0.25, &on).unwrap().magnitude.0;
         let expected =
             -2.5 * ((0.25 * terms.sunlight_m2_sr() + terms.earthshine_m2_sr()) / terms.b_total_m2_sr()).log10();
@@ -266,8 +267,8 @@ fn verif_the_switch() {
     }
 }
 
-/// The paper's chassis as a list of panels receives the same earthshine as the two-panel form, and an array with that
-/// option adds more.
+/// The chassis of the paper as a list of panels receives the same earthshine as in the two-panel form; with earthshine
+/// on the array too, there is more light.
 #[test]
 fn verif_panels_receive_earthshine_if_enabled() {
     let two = ModelLibrary::embedded().get("starlink-v1.5").unwrap();
@@ -298,7 +299,7 @@ fn verif_panels_receive_earthshine_if_enabled() {
         let magnitude =
             |model: &BrightnessModel| model.standard_magnitude_with(&geometry, Earthshine::Computed).unwrap().0;
         let (closed, panels, wide) = (magnitude(&two), magnitude(&model(false)), magnitude(&model(true)));
-        // Two samplings of the same Earth, each with an error of 4e-4 mag of a chassis with no other light.
+        // Two quadratures of the same Earth, each with an error of 4e-4 mag for a chassis without other light.
         assert!((closed - panels).abs() < 1e-3, "{closed} {panels} at {sun_deg}");
         assert!(wide <= panels);
         more += usize::from(wide < panels - 1e-3);

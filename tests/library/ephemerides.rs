@@ -1,5 +1,5 @@
-//! Ephemerides of operators: formats, frames and interpolation against a numerical integration and a real file, their use
-//! in the search against brute force, and invalid files.
+//! Operator ephemerides: formats, frames and interpolation compared with a numerical integration and a real file; their
+//! use in the search compared with brute force; errors for invalid files.
 
 use std::fmt::Write;
 use std::path::PathBuf;
@@ -30,7 +30,7 @@ fn utc(text: &str) -> Epoch {
     text.parse::<Epoch>().expect("a time").to_time_scale(TimeScale::UTC)
 }
 
-/// The propagator of the first element set with its ephemeris.
+/// Returns the propagator of the first element set with its ephemeris.
 fn propagator(elements: &[ElementSet], ephemerides: &[Arc<Ephemeris>]) -> Propagator {
     let index = SatelliteIndex::new(elements, DragModel::Published).with_ephemerides(
         elements,
@@ -49,10 +49,10 @@ fn position(propagator: &Propagator, epoch: Epoch) -> Position<Gcrs> {
     propagator.state(epoch, &orientation.teme_to_gcrs).expect("a state").position
 }
 
-/// States have 1 mm or better, precession and nutation are interpolated to 10⁻⁹ rad: 7 mm.
+/// States have 1 mm or better; precession and nutation are interpolated to 10⁻⁹ rad, which is 7 mm.
 const CELESTIAL_TOLERANCE_KM: f64 = 2e-5;
-/// The embedded table of the Earth's orientation has UT1 to 0.01 ms and the pole to 0.1 mas; astropy adds the offsets of
-/// the celestial pole, 0.2 mas.
+/// The bundled table of Earth orientation has UT1 to 0.01 ms and the pole to 0.1 mas; astropy also applies the offsets
+/// of the celestial pole, 0.2 mas.
 const EARTH_FIXED_TOLERANCE_KM: f64 = 2e-4;
 
 #[test]
@@ -88,7 +88,7 @@ fn valid_ephemerides_against_numerical_integration() {
                 let speed_km_s =
                     propagator.state(epoch, &orientation.teme_to_gcrs).expect("a state").velocity.norm_km_s();
                 let sigma_km = propagator.stated_uncertainty(epoch).expect("stated").along_track_s * speed_km_s;
-                // 10 m for the interpolation are added.
+                // 10 m for the interpolation are added in quadrature.
                 assert!((sigma_km - row[4].hypot(0.01)).abs() < 1e-6, "{} s: {sigma_km} km", row[0]);
             }
         }
@@ -104,7 +104,7 @@ fn covariances_in_the_axes_of_the_states_are_rotated() {
         let ephemerides = read("a.oem", text).expect("readable").ephemerides;
         propagator(&elements, &ephemerides).stated_uncertainty(at).expect("stated")
     };
-    // One covariance at the first state, on the x axis and moving towards +y and +z: x is radial.
+    // One covariance at the first state, which is on the x axis and moves towards +y and +z: x is radial.
     let rows = "4 \n0 9 \n0 0 9 \n0 0 0 1 \n0 0 0 0 1 \n0 0 0 0 0 1";
     let begin = text.find("COVARIANCE_START").expect("covariances");
     let epoch = "EPOCH = 2024-08-14T00:00:37.000";
@@ -117,15 +117,15 @@ fn covariances_in_the_axes_of_the_states_are_rotated() {
     // The first axis of TNW is along the velocity.
     let sigma = sigmas(&with("COV_REF_FRAME = TNW\n"));
     assert!((sigma.along_track_s * 7.585 - 2.0).abs() < 5e-3, "{sigma:?}");
-    // Without a covariance: the errors of an element set with its epoch at the first state.
+    // Without a covariance, the errors are those of an element set with its epoch at the first state.
     let sigma = sigmas(&text[..begin]);
     let expected = unstated(&elements[0], 1350.0 / 3600.0);
     let differences = [sigma.along_track_s - expected.along_track_s, sigma.cross_track_km - expected.cross_track_km];
     assert!(differences.iter().all(|one| one.abs() < 1e-9), "{sigma:?} {expected:?}");
 }
 
-/// A covariance with all terms, given along radius, track and normal, and rotated to the frame of the states by hand:
-/// C = A Cᵣₜₙ Aᵀ with the unit vectors in the columns of A.
+/// Covariance with all terms, given in radial, along-track and normal axes, and rotated to the frame of the states
+/// here: C = A Cᵣₜₙ Aᵀ with the unit vectors in the columns of A.
 #[test]
 fn verif_rotated_covariances_against_those_along_the_track() {
     let text = std::fs::read_to_string(file("invented.oem")).expect("a sample");
@@ -173,13 +173,14 @@ fn verif_rotated_covariances_against_those_along_the_track() {
     let speed_km_s = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     for (axes, terms) in [("COV_REF_FRAME = RTN\n", given), ("", rotated), ("COV_REF_FRAME = GCRF\n", rotated)] {
         let sigma = sigma(axes, terms);
-        // 10 m for the interpolation are added.
+        // 10 m for the interpolation are added in quadrature.
         assert!((sigma.along_track_s * speed_km_s - 5.0_f64.hypot(0.01)).abs() < 1e-4, "{axes}: {sigma:?}");
         assert!((sigma.cross_track_km - 2.0_f64.hypot(0.01)).abs() < 1e-4, "{axes}: {sigma:?}");
     }
 }
 
-/// Errors after the last covariance are at least those without any; at it, they are the stated ones.
+/// After the last covariance, errors are at least those without a covariance; at the covariance, they are the stated
+/// ones.
 #[test]
 fn errors_beyond_the_last_covariance_are_at_least_those_without_any() {
     let text = std::fs::read_to_string(file("invented.oem")).expect("a sample");
@@ -204,11 +205,11 @@ fn errors_beyond_the_last_covariance_are_at_least_those_without_any() {
     }
 }
 
-/// Twenty metres where steps are unequal, as documented.
+/// Tolerance for unequal steps, as documented, km.
 const UNEVEN_TOLERANCE_KM: f64 = 0.02;
 
-/// States of SGP4 at unequal steps, rounded to a metre, with velocities that are wrong: they are not used. Polynomials
-/// through the eight neighbours are off by up to 137 km.
+/// States of SGP4 at unequal steps, rounded to a metre, with wrong velocities, which must not be used. Polynomials
+/// through the eight neighbours would have errors of up to 137 km.
 #[test]
 fn verif_unequal_steps_against_sgp4() {
     let start = utc("2026-04-26T00:00:00 UTC");
@@ -236,7 +237,7 @@ fn verif_unequal_steps_against_sgp4() {
         for time_s in &times_s {
             let epoch = start + *time_s * Unit::Second;
             let (position, velocity) = sgp4.teme_state_at_minutes(sgp4.minutes_since_epoch(epoch)).expect("in orbit");
-            // Rounded to a metre, which polynomials through states that are close together amplify.
+            // Polynomials through states that are close together amplify the rounding.
             let position = position.map(|one| (1e3 * one).round() / 1e3);
             write_state(&mut text, epoch, &position, &velocity.map(|one| 1e-3 * one));
         }
@@ -255,12 +256,12 @@ fn verif_unequal_steps_against_sgp4() {
             });
             covered_s += if is_covered { step[1] - step[0] } else { 0.0 };
         }
-        // The ends of the file may be gaps.
+        // There may be gaps at the ends of the file.
         assert!(covered_s > 0.9 * all_s, "{name}: {covered_s} s of {all_s} s are covered");
     }
 }
 
-/// A step of a whole revolution is a gap: the positions at its ends hardly differ.
+/// A step of a whole revolution is a gap, although the positions at its ends are nearly equal.
 #[test]
 fn a_gap_of_a_revolution_is_not_interpolated() {
     let start = utc("2026-04-26T00:00:00 UTC");
@@ -285,7 +286,7 @@ fn a_gap_of_a_revolution_is_not_interpolated() {
     assert!(!is_used(59.0 + 0.5 * revolution_min) && !is_used(55.0) && !is_used(62.0 + revolution_min));
 }
 
-/// Ephemerides of one satellite are used by the time of their creation, in whichever order the files are given.
+/// Of several ephemerides of a satellite, that with the latest creation time is used, in any order of the files.
 #[test]
 fn the_last_created_ephemeris_is_used_whatever_the_order_of_the_files() {
     let oem = std::fs::read_to_string(file("invented.oem")).expect("a sample");
@@ -293,7 +294,7 @@ fn the_last_created_ephemeris_is_used_whatever_the_order_of_the_files() {
     let of = |name: &str, created: &str| read(name, &without(created)).expect("readable").ephemerides.remove(0);
     let old = of("old.oem", "CREATION_DATE = 2024-08-13T21:00:00");
     let new = of("new.oem", "CREATION_DATE = 2024-08-13T22:00:00");
-    // Without a time of creation, the first state counts: midnight.
+    // Without a creation time, the first state (midnight) is compared.
     let latest = of("latest.oem", "COMMENT none");
     let elements = sample_elements();
     let used = |ephemerides: &[Arc<Ephemeris>]| propagator(&elements, ephemerides).position_source().to_string();
@@ -312,10 +313,10 @@ fn read(name: &str, text: &str) -> Result<Satellites, String> {
     Satellites::from_bytes(name, text.as_bytes(), &ReadOptions::default()).map_err(|error| error.to_string())
 }
 
-/// Ten metres between states of 60 s, as required; the states left are 120 s apart.
+/// Tolerance of interpolation as required for states 60 s apart, km. The states that are kept are 120 s apart.
 const LEFT_OUT_TOLERANCE_KM: f64 = 0.01;
-/// Element sets of the day, along the track and out of the plane: a kilometre at epoch and its growth over half a day. A
-/// wrong frame is off by tens of kilometres.
+/// Tolerances for element sets of the same day, along the track and out of the plane, km: a kilometre at epoch and its
+/// growth over half a day. A wrong frame would cause tens of kilometres.
 const ELEMENTS_OF_THE_DAY_TOLERANCE_KM: f64 = 4.0;
 const PLANE_OF_THE_DAY_TOLERANCE_KM: f64 = 1.0;
 
@@ -327,7 +328,7 @@ fn valid_interpolation_against_the_states_of_a_starlink() {
     let full = Satellites::read(&[folder.join(name)], &ReadOptions::default()).expect("readable");
     let states = &full.ephemerides[0].states;
     assert_eq!((states.len(), full.ephemerides[0].covariances.len()), (4321, 4321));
-    // Every second state, written as an OEM.
+    // Every second state is written to an OEM.
     let mut text = oem_header("48430", "EME2000");
     for state in states.iter().step_by(2) {
         write_state(&mut text, state.epoch, &state.position_km, &state.velocity_km_s);
@@ -366,8 +367,8 @@ fn valid_interpolation_against_the_states_of_a_starlink() {
     }
 }
 
-/// Element sets 6.6 days old: with the published drag 14 s late, by the comparison in the literature of this project
-/// 1.8 s without drag; with the lag of the mean motion it is less than that.
+/// Element sets 6.6 days old: with the published drag they are 14 s late, without drag about 1.8 s (as in the
+/// literature), and less with the lag of the mean motion.
 #[test]
 fn valid_lateness_of_old_elements_against_a_starlink_ephemeris() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -408,7 +409,7 @@ fn oem_header(object: &str, frame: &str) -> String {
     )
 }
 
-/// One-sigma errors without a covariance, at a time after the first state.
+/// Returns the errors (one sigma) without a covariance, at a time after the first state.
 fn unstated(set: &ElementSet, hours: f64) -> OrbitUncertainty {
     uncertainty(OrbitClass::of(set, DragModel::Published), hours / 24.0)
 }
@@ -424,7 +425,7 @@ fn write_state(text: &mut String, epoch: Epoch, position_km: &[f64; 3], velocity
     .expect("text");
 }
 
-/// Ephemeris of an element set by SGP4, in steps of two minutes.
+/// Returns an ephemeris computed by SGP4 from an element set, in steps of two minutes.
 fn sgp4_ephemeris(set: &ElementSet, from: Epoch, hours: u32) -> Arc<Ephemeris> {
     let propagator = Propagator::new(set).expect("elements");
     let mut text = oem_header(&set.norad_id.to_string(), "TEME");
@@ -437,12 +438,13 @@ fn sgp4_ephemeris(set: &ElementSet, from: Epoch, hours: u32) -> Arc<Ephemeris> {
     read("test.oem", &text).expect("readable").ephemerides.remove(0)
 }
 
-/// Millimetres of interpolation, and arcs with other nodes: 4 mm of orbit, a hundred times as much at grazed borders.
+/// Tolerance of times, seconds: interpolation and arcs with other nodes differ by 4 mm, which may be a hundred times as
+/// much along the track where it meets the border at a small angle.
 const SAME_TIME_S: f64 = 2e-3;
 
-/// Satellites with wrong element sets and right ephemerides cross as with right element sets where the ephemerides
-/// cover the exposure, and as with the wrong ones elsewhere; the search finds what brute force finds in all windows:
-/// before, partly, and completely covered.
+/// Satellites with wrong element sets and correct ephemerides cross as with correct element sets where the ephemerides
+/// cover the exposure, and as with the wrong ones elsewhere. The search finds the same as brute force in windows that
+/// are not covered, partly covered, and completely covered.
 #[test]
 fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
     let start = utc("2026-04-26T00:00:00 UTC");
@@ -451,12 +453,12 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
         .element_sets(start)
         .into_iter()
         .step_by(20)
-        // The errors of synthetic satellites do not grow.
+        // The errors of simulated satellites do not grow, so that they are marked as published.
         .map(|set| ElementSet { origin: Origin::Published, ..set })
         .collect();
     let wrong: Vec<ElementSet> =
         right.iter().map(|set| ElementSet { mean_anomaly_deg: set.mean_anomaly_deg - 3.0, ..set.clone() }).collect();
-    // Covered from 3 h to 33 h.
+    // The ephemerides cover 3 h to 33 h.
     let ephemerides: Vec<_> = right.iter().map(|set| sgp4_ephemeris(set, start + 3.0 * Unit::Hour, 30)).collect();
     let observer = Observer::new(Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site"));
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
@@ -480,7 +482,7 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
             pointing: here.horizon.inverse() * direction,
             rotation_rad: 0.0,
         };
-        // The margin of ephemerides at their ends is six minutes.
+        // Ephemerides are not used in the last six minutes.
         let end_h = hours + exposure.duration_s / 3600.0;
         let is_covered = hours > 3.1 && end_h < 32.9;
         let exposures = [exposure];
@@ -494,7 +496,7 @@ fn verif_crossings_of_ephemerides_against_right_elements_and_brute_force() {
         for pass in found.iter().filter(|pass| pass.lit && pass.mid.altitude_rad.is_some_and(|altitude| altitude > 0.3))
         {
             assert!(odds.iter().any(|one| one.element_index == pass.element_index), "{}: {pass:?}", exposures[0].id);
-            // An ephemeris without a covariance: the errors of an element set with its epoch at the first state.
+            // An ephemeris without a covariance has the errors of an element set with its epoch at the first state.
             let age_h = if is_covered { hours - 3.0 } else { hours };
             let expected_s = unstated(&mixed.elements()[pass.element_index], age_h).along_track_s;
             assert!((pass.along_track_sigma_s - expected_s).abs() < 2e-2 * expected_s, "{expected_s} s: {pass:?}");
@@ -534,7 +536,7 @@ fn gaps_are_not_interpolated() {
         read("gap.oem", &text).expect("readable").ephemerides
     };
     let sets = [set.clone()];
-    // A twentieth of a revolution is 4.8 minutes: a step of four is interpolated, one of six is a gap.
+    // A twentieth of a revolution is 4.8 minutes: a step of four minutes is interpolated, one of six minutes is a gap.
     let (short, long) = (text(40..41), text(40..42));
     let at = |minutes: f64| [start + minutes * Unit::Minute; 2];
     for (ephemerides, is_used) in [(&short, true), (&long, false)] {
@@ -662,7 +664,7 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
             Ok(_) => assert_eq!(expected, "", "{name} is accepted"),
         }
     }
-    // A file in metres.
+    // Positions in metres.
     let metres = oem.replace(" 6928.000000000 ", " 6928000.000000000 ");
     let message = read("m.oem", &metres).expect_err("metres");
     assert!(
@@ -671,7 +673,7 @@ fn invalid_ephemerides_are_rejected_with_file_line_and_value() {
     );
 }
 
-/// COV_REF_FRAME applies to its own matrix; without it the axes are those of the states.
+/// COV_REF_FRAME applies only to its own matrix; without it, the axes are those of the states.
 #[test]
 fn axes_of_covariances_are_not_inherited() {
     let oem = std::fs::read_to_string(file("invented.oem")).expect("a sample");
@@ -685,7 +687,7 @@ fn axes_of_covariances_are_not_inherited() {
     assert_eq!(axes(&text), [CovarianceAxes::Radial, CovarianceAxes::States]);
     let text = oem.replacen("COV_REF_FRAME = RTN\n", "", 1);
     assert_eq!(axes(&text), [CovarianceAxes::States, CovarianceAxes::Radial]);
-    // In a second segment too.
+    // Also in a second segment.
     let start = oem.find("META_START").expect("metadata");
     let text = format!("{oem}{}", oem[start..].replace("COV_REF_FRAME = RTN\n", ""));
     let both = read("a.oem", &text).expect("readable").ephemerides;
@@ -693,7 +695,7 @@ fn axes_of_covariances_are_not_inherited() {
     assert!(both[1].covariances.iter().all(|one| one.axes == CovarianceAxes::States));
 }
 
-/// Without a stated end, a file that ends inside a line may be truncated: the rest of its last number is still a number.
+/// If no end is stated, a file that ends within a line may be truncated: the rest of a number may be a valid number.
 #[test]
 fn files_cut_inside_a_line_are_rejected() {
     let oem = std::fs::read_to_string(file("invented.oem")).expect("a sample");
@@ -714,7 +716,7 @@ fn files_cut_inside_a_line_are_rejected() {
         )
     );
     assert!(cut(0).starts_with(&line) && cut(30).starts_with(&line), "{}", cut(30));
-    // With a stated end, a line cut before it is detected too, and the last line needs no line end.
+    // With a stated end, truncation before it is detected too, and the last line needs no line break.
     let stated = &oem[..oem.find("COVARIANCE_START").expect("covariances")];
     assert!(read("a.oem", stated.trim_end()).is_ok());
     let (before, _) = stated.trim_end().rsplit_once('\n').expect("lines");
@@ -730,7 +732,7 @@ fn files_cut_inside_a_line_are_rejected() {
     assert!(message.contains(":368: end of the file is inside a line"), "{message}");
 }
 
-/// An NDM with element sets and an ephemeris, entities in names, and elements in another order.
+/// NDM with element sets and an ephemeris, entities in names, and elements in another order.
 #[test]
 fn messages_of_both_kinds_in_one_document_are_read() {
     let oem = std::fs::read_to_string(file("invented_itrf.xml")).expect("a sample");
@@ -753,7 +755,7 @@ fn messages_of_both_kinds_in_one_document_are_read() {
         "<TIME_SYSTEM>UTC</TIME_SYSTEM>",
         "<TIME_SYSTEM>UTC</TIME_SYSTEM><OBJECT_NAME>A &amp; B &#60;<![CDATA[C>]]></OBJECT_NAME>",
     );
-    // The time of each state after its position.
+    // The time of each state is moved after its position.
     let text: String = text
         .lines()
         .map(|line| {

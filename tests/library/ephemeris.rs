@@ -1,5 +1,5 @@
-//! Ephemerides compared with Skyfield, and with the passes and snapshots of the same sky. `horizons.rs` compares them
-//! with JPL Horizons.
+//! Ephemerides compared with Skyfield, and with passes and snapshots of the same sky. The tests of `horizons.rs`
+//! compare them with JPL Horizons.
 
 use std::collections::BTreeSet;
 
@@ -15,17 +15,18 @@ use streakcast::photometry::PhotometryOptions;
 
 use crate::common::agreement::Agreement;
 
-/// Both programs use SGP4 of the same elements, IAU 2000A/2006 and the same UT1 and pole. SGP4's times are rounded to
-/// 1e-8 days in neither, so what remains is the interpolation of arcs and of the Earth's orientation: millimetres.
+/// Tolerance of directions. Both programs use SGP4 with the same elements, IAU 2000A/2006 and the same UT1 and pole,
+/// and neither rounds the times; the remaining difference is the interpolation of arcs and of the Earth's orientation.
 const DIRECTION_ARCSEC: f64 = 0.01;
-/// 0.01" in altitude and azimuth, and the horizon's own rotation.
+/// Tolerance of altitude and azimuth: 0.01", and the rotation of the horizon.
 const HORIZON_ARCSEC: f64 = 0.02;
 const RANGE_KM: f64 = 1e-4;
-/// Differences over 0.4 s in the golden file: (ω h)²/6 of a rate, 4e-6 at 1 deg/s.
+/// Relative tolerance of rates, which are differences over 0.4 s in the golden file: (ω h)²/6 is 4e-6 at 1 deg/s.
 const RATE_RELATIVE: f64 = 1e-5;
-/// SGP4's velocities differ from the derivative of its positions by J₂ e v; Skyfield uses them.
+/// Tolerance of range rates: Skyfield uses SGP4's velocities, which differ from the derivative of its positions by J₂ e
+/// v.
 const RANGE_RATE_KM_S: f64 = 2e-4;
-/// The Sun at reception against DE421: the aberration of 20", which neither includes, and 1e-5 au.
+/// Tolerance of the Sun at reception compared with DE421: aberration of 20", which neither includes, and 1e-5 au.
 const SUN_DEG: f64 = 0.006;
 
 fn columns(line: &str) -> Vec<f64> {
@@ -75,7 +76,7 @@ fn valid_ephemeris_against_skyfield() {
         horizon.see(ours.separation_rad(&lon_lat(row[7], row[6])).to_degrees() * 3600.0);
         range.see((seen.range_km - row[8]).abs());
         let rates = [point.ra_cos_dec_rate_rad_s.to_degrees() - row[4], point.dec_rate_rad_s.to_degrees() - row[5]];
-        // The golden file has nine decimals.
+        // Values of the golden file have nine decimals.
         rate.see((rates[0].hypot(rates[1]) - 1e-9).max(0.0) / row[4].hypot(row[5]));
         range_rate.see((point.range_rate_km_s - row[9]).abs());
         sun.see((seen.geometry.phase_angle_rad().to_degrees() - row[10]).abs());
@@ -89,7 +90,7 @@ fn oneweb() -> (Sky, Epoch) {
     (config.prepare(start, start).expect("a sky").sky, start)
 }
 
-/// The points are those of the snapshots above the site, and their rates the differences of later and earlier places.
+/// Points equal those of the snapshots above the site; rates equal differences of positions before and after.
 #[test]
 fn verif_places_are_those_of_snapshots_and_rates_their_differences() {
     let (sky, start) = oneweb();
@@ -108,7 +109,7 @@ fn verif_places_are_those_of_snapshots_and_rates_their_differences() {
         let [now, before, after] = points else { panic!("three times") };
         assert_eq!((now.element_index, now.time_index, after.time_index), (track.element_index, 0, 2));
         let snapshot = &track.snapshots[0];
-        // Arcs with other nodes: millimetres at 1200 km.
+        // Arcs with other nodes differ by millimetres at a range of 1200 km.
         assert!(now.point.direction.separation_rad(&snapshot.point.direction) < 1e-8);
         assert!((now.point.range_km - snapshot.point.range_km).abs() < 1e-5);
         assert_eq!(now.point.illumination.name(), snapshot.point.illumination.name());
@@ -124,14 +125,14 @@ fn verif_places_are_those_of_snapshots_and_rates_their_differences() {
         let moved = |ours: f64, change: f64| (ours - change / (2.0 * step_s)).abs();
         let altitude = |point: &EphemerisPoint| point.point.altitude_rad.expect("a site");
         let azimuth = |point: &EphemerisPoint| point.point.azimuth_rad.expect("a site");
-        // The third derivative over half a second, 1e-7 rad/s at most.
+        // The third derivative changes the rate by at most 1e-7 rad/s over half a second.
         assert!(moved(now.altitude_rate_rad_s.expect("a site"), altitude(after) - altitude(before)) < 1e-6);
         let half_turn = std::f64::consts::PI;
         let turned = (azimuth(after) - azimuth(before) + half_turn).rem_euclid(2.0 * half_turn) - half_turn;
         let ours = now.azimuth_cos_altitude_rate_rad_s.expect("a site");
         assert!(moved(ours, turned * altitude(now).cos()) < 2e-5, "{ours} {turned}");
         assert!(moved(now.range_rate_km_s, after.point.range_km - before.point.range_km) < 1e-4);
-        // The angles of the triangle Sun, observer, satellite; that at the Sun is below 0.001 degrees.
+        // Angles of the triangle Sun, observer, satellite; the angle at the Sun is below 0.001 degrees.
         let sum_rad = now.elongation_rad + now.point.geometry.phase_angle_rad();
         assert!((sum_rad - std::f64::consts::PI).abs() < 2e-4, "{sum_rad}");
         assert!(now.uncertainty.along_track_s > 0.0 && now.cross_track_sigma_rad() > 0.0);

@@ -1,4 +1,4 @@
-//! Forecasts compared with tables of Heavens-Above and STK, and with Skyfield on a real catalogue.
+//! Forecasts compared with tables of Heavens-Above and STK, and with Skyfield for a real catalogue.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,24 +12,24 @@ use streakcast::orbit::DragModel;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
-/// Tolerances for Heavens-Above, which prints seconds and whole degrees.
+/// Tolerances for Heavens-Above, whose tables have whole seconds and degrees.
 const HEAVENS_ABOVE_S: f64 = 3.0;
 const HEAVENS_ABOVE_DEG: f64 = 0.6;
 const HEAVENS_ABOVE_ROUNDING_S: f64 = 0.75;
-/// Tolerance of azimuths: half of 22.5° (Heavens-Above prints one of sixteen compass points), plus a degree for
-/// rounding.
+/// Tolerance of azimuths, degrees: half of 22.5° (Heavens-Above gives one of sixteen compass points), plus one degree
+/// for rounding.
 const COMPASS_DEG: f64 = 12.25;
 
-/// Required agreement with STK; `passes_reference.rs` tests a tenth of it.
+/// Required agreement with STK; `passes_reference.rs` tests it to a tenth of this.
 const STK_S: f64 = 1.0;
 const STK_DEG: f64 = 0.05;
 
-/// Tolerances for Skyfield: it interpolates UT1 (a few centimetres); the rest is the bisection of both (at most 2 ms).
+/// Tolerances for Skyfield, which interpolates UT1 (a few centimetres); both programs find times by bisection (2 ms).
 const SKYFIELD_S: f64 = 0.01;
-/// Tolerance of culminations, where the altitude is flat, especially for slow satellites.
+/// Tolerance of culminations, seconds: the altitude changes slowly there, especially for slow satellites.
 const SKYFIELD_TOP_S: f64 = 0.05;
 const SKYFIELD_DEG: f64 = 0.001;
-/// Tolerance of the edge of the penumbra, found with 720 rays to the Sun's limb (differences are at most 4 ms).
+/// Tolerance of the edge of the penumbra, found with 720 rays to the limb of the Sun; differences are at most 4 ms.
 const SKYFIELD_SHADOW_S: f64 = 0.02;
 
 fn elements(path: &Path, id: u32) -> ElementSet {
@@ -84,7 +84,7 @@ fn valid_forecast_against_heavens_above() {
         for (cell, point) in [(10, &visible.begin), (13, &visible.highest), (16, &visible.end)] {
             let off_s = seconds_between(at(cell), point.epoch);
             assert!(off_s.abs() < HEAVENS_ABOVE_S, "{line}: column {cell} is {off_s} s off");
-            // Times are printed to a second, in which the station climbs by 1.2 deg near the zenith.
+            // Times have whole seconds; near the zenith the altitude of the station changes by 1.2 deg in a second.
             let theirs_deg = cells[cell + 1].parse::<f64>().expect("degrees");
             let within = pass
                 .samples
@@ -110,7 +110,7 @@ fn valid_forecast_against_heavens_above() {
     }
     println!("{compared} passes, {} of ours: {worst_s:.2} s, {worst_deg:.2} deg at most", seen.len());
     assert_eq!(compared, 15);
-    // Heavens-Above lists the visible passes of the evening; additional passes of ours must be outside of its list.
+    // Every visible pass found here satisfies the criteria of Heavens-Above.
     for (pass, visible) in seen {
         let row = PassRow { pass, elements: &sky.elements()[0], limit_mag: None };
         assert!(degrees(visible.highest.altitude_rad) >= 9.99 && row.ends_by().is_some(), "{:?}", visible.begin.epoch);

@@ -1,4 +1,4 @@
-//! Frames, observers, Sun and horizon compared with astropy (ERFA), Skyfield, Vallado's example and JPL Horizons.
+//! Frames, observers, Sun and horizon compared with astropy (ERFA), Skyfield, an example of Vallado, and JPL Horizons.
 
 use crate::common::agreement::Agreement;
 use std::collections::HashMap;
@@ -21,15 +21,15 @@ const ARCSEC_RAD: f64 = PI / 648_000.0;
 const SAME_THEORY_KM: f64 = 1e-8;
 const SAME_THEORY_RAD: f64 = 1e-12;
 const SAME_THEORY_KM_S: f64 = 1e-12;
-/// Tolerances of Sun and Earth: astropy evaluates epv00 at TDB, we at TT: 1.7 ms of 30 km/s and of 6 mm/s².
+/// Tolerances of Sun and Earth: astropy evaluates epv00 at TDB, this library at TT. 1.7 ms of 30 km/s and of 6 mm/s².
 const SUN_TDB_KM: f64 = 0.055;
 const EARTH_VELOCITY_TDB_KM_S: f64 = 1.5e-8;
-/// Tolerance of Skyfield's precession, nutation and sidereal time: the theories differ by 0.1 mas.
+/// Tolerance of precession, nutation and sidereal time of Skyfield, whose theories differ by 0.1 mas.
 const SKYFIELD_ANGLE_RAD: f64 = 1e-4 * ARCSEC_RAD;
 /// Tolerance of sites: Skyfield interpolates delta T daily and adds leap seconds afterwards, 0.1 ms of rotation.
 const SKYFIELD_SITE_KM: f64 = 5e-5;
 const SKYFIELD_HORIZON_RAD: f64 = 7.3e-5 * 1e-4;
-/// Tolerances of epv00 against JPL's ephemeris: SOFA documents 11.2 km and 5 mm/s at most, 1900 to 2100.
+/// Tolerances of epv00 compared with JPL's ephemeris: SOFA documents at most 11.2 km and 5 mm/s for 1900 to 2100.
 const DE421_SUN_KM: f64 = 11.2;
 const DE421_EARTH_VELOCITY_KM_S: f64 = 5e-6;
 
@@ -110,7 +110,7 @@ fn valid_observers_and_sun_against_astropy() {
     }
 }
 
-/// Tolerance of apparent positions: the Sun deflects the light of stars 30 degrees and more away by up to 0.015".
+/// Tolerance of apparent positions: the Sun deflects the light of stars at 30 degrees or more by up to 0.015".
 const DEFLECTION_RAD: f64 = 0.016 * ARCSEC_RAD;
 
 #[test]
@@ -156,7 +156,7 @@ fn observer(row: &Row) -> Observer {
     Observer::new(site.expect("a site"))
 }
 
-/// Tolerances of the embedded table: rows every three days, documented to differ by at most 0.5 ms (0.2 m).
+/// Tolerances of the bundled table: it has a row every three days and documented differences of at most 0.5 ms (0.2 m).
 const EMBEDDED_UT1_S: f64 = 0.5e-3;
 const EMBEDDED_SITE_KM: f64 = 0.25e-3;
 
@@ -174,7 +174,7 @@ fn valid_embedded_table_against_astropy_and_interpolation() {
         let observer = observer(&row);
         let exact = observer.position(&Orientation::at(row.epoch, &eop));
         place.see((exact.vector() - row.vector("site_", "km")).norm());
-        // A night that began 9.3 hours before.
+        // Table of a night that began 9.3 hours before.
         let start = seconds_after(row.epoch, -33_480.0);
         let end = seconds_after(start, 50_000.0);
         let sampled = observer.position(&OrientationTable::new(start, end, &eop).at_s(33_480.0));
@@ -193,7 +193,7 @@ fn valid_finals2000a_against_astropy() {
     assert_eq!(table.last().map(mjd_utc), Some(61_707.0));
     println!("{}", table.describe());
     let rows = golden_rows();
-    // astropy prefers the final values of Bulletin B if available; Bulletin A differs from them by its errors.
+    // astropy uses the final values of Bulletin B where available; those of Bulletin A differ by their errors.
     let mut ut1 = Agreement::new("UT1 - UTC of finals2000A", "astropy 8.0.2", 1e-4, "s");
     let mut pole = Agreement::new("Pole of finals2000A", "astropy 8.0.2", 5e-4, "arcsec");
     for row in &rows {
@@ -202,7 +202,7 @@ fn valid_finals2000a_against_astropy() {
         pole.see((ours.xp_rad - row.parameters.xp_rad).abs() / ARCSEC_RAD);
         pole.see((ours.yp_rad - row.parameters.yp_rad).abs() / ARCSEC_RAD);
     }
-    // The embedded table on every day it covers.
+    // Every day of the bundled table.
     let embedded = EopTable::embedded();
     let mut daily =
         Agreement::new("Built-in UT1 - UTC, every day from 2000 on", "IERS finals2000A", EMBEDDED_UT1_S, "s");
@@ -220,7 +220,7 @@ fn valid_finals2000a_against_astropy() {
     }
 }
 
-/// Tolerance of Vallado's example: printed to 10⁻⁸ km per component, at a time known to 10⁻¹⁰ days (4·10⁻⁸ km).
+/// Tolerance of Vallado's example, whose components are printed to 10⁻⁸ km for a time with 10⁻¹⁰ days (4·10⁻⁸ km).
 const VALLADO_KM: f64 = 1e-7;
 
 #[test]
@@ -233,8 +233,8 @@ fn valid_teme_to_itrf_against_vallado() {
         line.split(',').skip(1).map(|field| field.parse().expect("a number")).collect()
     };
     let (teme, itrf) = (numbers("TEME"), numbers("ITRF"));
-    // 07:51:28.386009 UTC minus 0.439961 s. The example has UT1 as one f64, the Julian date 2453101.8274067831, to 40
-    // µs (3 cm of rotation).
+    // 07:51:28.386009 UTC minus 0.439961 s. The example gives UT1 as a Julian date in one f64, 2453101.8274067831,
+    // which has a resolution of 40 µs (3 cm of rotation).
     let seconds_ut1 = (2_453_101.827_406_783 - 2_453_101.5) * DAY_S;
     let midnight: Epoch = "2004-04-06T00:00:00 UTC".parse().expect("an epoch");
     let epoch = seconds_after(midnight, seconds_ut1 + 0.439_961);
@@ -251,7 +251,7 @@ fn valid_teme_to_itrf_against_vallado() {
 }
 
 /// Tolerances for Horizons, which uses another SGP4 and rounds the epoch of its element set to 10⁻⁸ days (1 ms, 8 m
-/// along the track); Skyfield's test of these rows allows 2 m.
+/// along the track). The test of these rows in Skyfield allows 2 m.
 const HORIZONS_ISS_KM: f64 = 2e-3;
 const HORIZONS_ISS_KM_S: f64 = 2e-6;
 

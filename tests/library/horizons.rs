@@ -1,4 +1,4 @@
-//! Astrometric directions, as in a calibrated image, compared with JPL Horizons' rows for Starlink element sets.
+//! Astrometric directions compared with tables of JPL Horizons for Starlink element sets.
 
 use crate::common::agreement::Agreement;
 use std::collections::HashMap;
@@ -17,17 +17,18 @@ use streakcast::passes::{ModelChoice, Sky};
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
 
-/// Median error allowed by the printed digits: right ascension 0.01 s (0.15"), declination 0.1"; 1 m across the line of
-/// sight is 0.35" at 600 km.
+/// Largest median error, from the printed digits: right ascension 0.01 s (0.15"), declination 0.1". An error of 1 m
+/// across the line of sight is 0.35" at 600 km.
 const MEDIAN_ARCSEC: f64 = 0.3;
 const WORST_ARCSEC: f64 = 1.0;
-/// Tolerance of ranges: printed to 10⁻¹⁴ au (1.5 m), and the site is known to a metre.
+/// Tolerance of ranges, which are printed to 10⁻¹⁴ au (1.5 m); the position of the site has an error of a metre.
 const RANGE_KM: f64 = 5e-3;
-/// Relative tolerance of rates: printed in "/h to seven digits; ours are differences over a second on a 10-minute arc.
+/// Relative tolerance of rates, printed in "/h with seven digits; those computed here are differences over a second on
+/// an arc of ten minutes.
 const RATE_RELATIVE: f64 = 2e-4;
 const RANGE_RATE_KM_S: f64 = 2e-4;
-/// Tolerance of azimuth and elevation: printed to 0.0001 degrees; the choice of the pole for the horizon has the same
-/// effect (0.47" = 0.00013 degrees in July 2021).
+/// Tolerance of azimuth and elevation, degrees: they are printed to 0.0001 degrees, and the choice of the pole for the
+/// horizon has a similar effect (0.47" = 0.00013 degrees in July 2021).
 const HORIZON_DEG: f64 = 3e-4;
 
 /// A row of the file `dat`:
@@ -42,7 +43,7 @@ struct Row {
     elevation_deg: f64,
     range_km: f64,
     range_rate_km_s: f64,
-    /// Azimuth times the cosine of the elevation, and elevation, arcseconds a minute.
+    /// Rate of azimuth times the cosine of the elevation, and rate of elevation, arcseconds a minute.
     horizon_rate_arcsec_min: [f64; 2],
     elongation_deg: f64,
     phase_angle_deg: f64,
@@ -56,7 +57,7 @@ fn read_row(line: &str) -> Option<Row> {
     let parts: Vec<&str> = date.split('-').collect();
     let month = month.iter().position(|known| *known == parts[1])? + 1;
     let epoch = format!("{}-{month:02}-{}T{clock} UTC", parts[0], parts[2]).parse().ok()?;
-    // Flags for Sun and Moon are between time and position, if any.
+    // Flags for Sun and Moon may be between time and position.
     let words: Vec<&str> = words.skip_while(|word| word.parse::<f64>().is_err()).collect();
     let number = |index: usize| words.get(index).and_then(|word| word.parse::<f64>().ok());
     let right_ascension_deg = parse_right_ascension_deg(&words[0..3].join(":")).ok()?;
@@ -88,7 +89,8 @@ struct Setting {
 struct Sight {
     direction: Direction<Gcrs>,
     geometric: Position<Gcrs>,
-    /// From the observer at reception to the satellite at emission, in barycentric coordinates: Horizons' delta.
+    /// Distance from the observer at reception to the satellite at emission, in barycentric coordinates: delta in
+    /// Horizons.
     light_path_km: f64,
     earth_velocity: Velocity<Gcrs>,
     observer: ObserverState,
@@ -100,7 +102,7 @@ fn setting(site: Site, eop: &EopTable) -> Option<Setting> {
     let catalogue = Satellites::read(&[folder.join("starlink.15JUL2021")], &ReadOptions::default()).expect("elements");
     let elements: HashMap<String, ElementSet> =
         catalogue.element_sets.into_iter().map(|set| (set.name.to_string(), set)).collect();
-    // A few rows are of OneWeb, with no elements in the file.
+    // The elements of a few rows, of OneWeb, are missing in the file.
     let rows = text.lines().filter(|line| !line.trim().is_empty()).map(|line| read_row(line).expect(line));
     let rows: Vec<Row> = rows.filter(|row| elements.contains_key(&row.name)).collect();
     assert!(rows.len() >= 400, "{}", rows.len());
@@ -124,7 +126,7 @@ impl Setting {
         Sight { direction: aspect.direction, geometric: aspect.geometric, light_path_km, earth_velocity, observer }
     }
 
-    /// Returns median and largest separation from the rows, arcseconds.
+    /// Returns the median and the largest separation from the rows, arcseconds.
     fn separations_arcsec(&self, direction: impl Fn(&Sight) -> Direction<Gcrs>) -> (f64, f64) {
         summary(
             self.rows
@@ -134,14 +136,14 @@ impl Setting {
     }
 }
 
-/// Returns median and largest value.
+/// Returns the median and the largest value.
 fn summary(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     (values[values.len() / 2], values[values.len() - 1])
 }
 
-/// The bundled position of MPC 658, and full Earth orientation.
+/// Returns the bundled site of MPC 658 with complete Earth orientation.
 fn full_setting() -> Option<Setting> {
     setting(Site::from_mpc("658").expect("the Dominion Astrophysical Observatory"), &EopTable::embedded())
 }
@@ -156,15 +158,15 @@ fn valid_directions_against_horizons() {
         directions.see(setting.seen(&row.name, row.epoch).direction.separation_rad(&row.direction) / ARCSEC_RAD);
     }
     middle.see(setting.separations_arcsec(|sight| sight.direction).0);
-    // The light-time effect of the Earth's motion matters here: without it all directions are 20" off.
+    // The light-time effect of the Earth's motion is significant: without it all directions differ by 20".
     let (plain, _) = setting.separations_arcsec(|sight| sight.geometric.direction().expect("not at the site"));
     assert!((15.0..30.0).contains(&plain), "{plain}");
 }
 
-/// Horizons applies polar motion. Its rows give the position 48.520031 N, 123.417137 W, 244.14 m with the pole at its
-/// origin, and 48.519974 N, 123.417006 W, 244.16 m with the pole of July 2021 (0.235", 0.403"), which has the longitude
-/// of the Minor Planet Center's list, 236.5830, to half a metre. A site determined without polar motion is displaced by
-/// the pole, here 11.6 m or 3.6".
+/// Horizons applies polar motion. Its rows give the position 48.520031 N, 123.417137 W, 244.14 m for the pole at its
+/// origin, and 48.519974 N, 123.417006 W, 244.16 m for the pole of July 2021 (0.235", 0.403"). The latter has the
+/// longitude in the list of the Minor Planet Center, 236.5830, to half a metre. A site that was determined without
+/// polar motion is displaced by the pole, here by 11.6 m or 3.6".
 #[test]
 fn valid_directions_without_polar_motion_from_the_displaced_site() {
     let site = Site::new_deg("658 displaced by the pole", 48.520_031, -123.417_137, 244.14).expect("a site");
@@ -203,8 +205,8 @@ fn valid_ranges_and_rates_against_horizons() {
     Agreement::new("Range rates, the worst", "JPL Horizons", RANGE_RATE_KM_S, "km/s").see(range_rates.1);
 }
 
-/// Horizons' azimuth and elevation are apparent, without refraction: the astrometric direction with the aberration due
-/// to the orbital motion and the rotation of the Earth.
+/// Azimuth and elevation of Horizons are apparent, without refraction: the astrometric direction with the aberration by
+/// the orbital motion and the rotation of the Earth.
 #[test]
 fn valid_apparent_horizon_against_horizons() {
     let Some(setting) = full_setting() else { return };
@@ -217,7 +219,7 @@ fn valid_apparent_horizon_against_horizons() {
     }));
     println!("apparent azimuth and elevation: median {median:.1e} deg, worst {worst:.1e} deg");
     assert!(worst <= HORIZON_DEG, "{worst}");
-    // The geometric values, which this library prints, differ by the satellite's motion during the light time.
+    // The geometric values of this library differ by the motion of the satellite during the light time.
     let (_, worst) = summary(setting.rows.iter().map(|row| {
         let sight = setting.seen(&row.name, row.epoch);
         let (altitude, azimuth) = sight.observer.altitude_azimuth_rad(&sight.geometric).expect("not at the site");
@@ -229,14 +231,15 @@ fn valid_apparent_horizon_against_horizons() {
     assert!(worst < 0.002, "{worst}");
 }
 
-/// Horizons' range and range rate are those of the light path, to the satellite at emission and from the barycentric
-/// position of the site at reception: up to (8 + 30) km/s of 4 ms farther or nearer than the distance at reception.
+/// Range and range rate of Horizons are those of the light path, from the barycentric position of the site at reception
+/// to the satellite at emission: they differ from those at reception by up to (8 + 30) km/s times 4 ms.
 const LIGHT_PATH_KM: f64 = 0.2;
-/// The same in the rate: 0.2 km, turning at up to 0.02 rad/s.
+/// Tolerance of the range rate: 0.2 km, rotating at up to 0.02 rad/s.
 const LIGHT_PATH_RATE_KM_S: f64 = 4e-3;
-/// Rates of azimuth and elevation are apparent in Horizons: 20" of aberration turn with the sky and the satellite.
+/// Relative tolerance of the rates of azimuth and elevation, which are apparent in Horizons: aberration of 20" changes
+/// with the direction.
 const HORIZON_RATE_RELATIVE: f64 = 5e-4;
-/// Aberration of 20" at the satellite or observer, and rounding to 0.0001 degrees.
+/// Tolerance of angles to the Sun: aberration of 20" at satellite or observer, and rounding to 0.0001 degrees.
 const SUN_ANGLE_DEG: f64 = 0.012;
 
 #[test]
@@ -263,7 +266,7 @@ fn valid_ephemeris_against_horizons() {
         let per_hour = 3600.0 / ARCSEC_RAD;
         let [ra, dec] = row.rate_arcsec_h;
         let ours = place.ra_cos_dec_rate_rad_s.hypot(place.dec_rate_rad_s) * per_hour;
-        // Both components are of date in Horizons: precession turns them by degrees near the pole.
+        // Both components are of date in Horizons; near the pole, precession rotates them by degrees.
         rate.see((ours / ra.hypot(dec) - 1.0).abs());
         let theirs = Direction::<Gcrs>::from_lon_lat_rad(row.azimuth_deg.to_radians(), row.elevation_deg.to_radians());
         let (altitude, azimuth) = (place.point.altitude_rad.expect("a site"), place.point.azimuth_rad.expect("a site"));

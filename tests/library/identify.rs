@@ -1,4 +1,4 @@
-//! Identification of streaks: of real telescopes with known satellites, and of predicted passes.
+//! Identification of streaks: streaks observed by telescopes with known satellites, and predicted passes.
 
 use std::path::Path;
 
@@ -33,9 +33,9 @@ fn name_of(sky: &Sky, found: &Identified, rank: usize) -> String {
     found.candidates.get(rank).map_or("none".into(), |one| sky.elements()[one.element_index].name.to_string())
 }
 
-/// The frames of Boley et al. (2021): box N belongs to the satellite in row N (from 0) of their target list `plan.ran`,
-/// the same names in the same order as in their table of photometry. Row N has the time at which the satellite passes
-/// the centre of the frame, in the middle of 30 s.
+/// Frames of Boley et al. (2021). Box N belongs to the satellite in row N (from 0) of their target list `plan.ran`;
+/// their table of photometry has the same names in the same order. Row N gives the time at which the satellite passes
+/// the centre of the frame, in the middle of the exposure of 30 s.
 #[test]
 fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -69,7 +69,7 @@ fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
         let found = identify(&sky, &streak);
         let first = &found.candidates[0];
         assert_eq!(name_of(&sky, &found, 0), name, "{file}");
-        // The second candidate is improbable; the offsets are typical of elements half a day old.
+        // The second candidate is improbable, and the offsets are typical of elements half a day old.
         assert!(first.probability > 0.99, "{file}: {}", first.probability);
         assert!(first.chi_square < 12.0 && first.along_track_s.value.abs() < 1.0, "{file}: {first:?}");
         assert!(first.angle_rad.value.to_degrees().abs() < 0.6, "{file}: {}", first.angle_rad.value.to_degrees());
@@ -77,8 +77,8 @@ fn valid_the_regions_of_plaskett_are_of_the_target_satellites() {
     assert_eq!((frames.len(), numbers.len()), (13, 11));
 }
 
-/// Starlink-1102 in exposure 941420 of the Dark Energy Camera (see streak_real.rs), with elements 11.5 and 9.5 days
-/// old, the latter within a manoeuvre.
+/// Starlink-1102 in exposure 941420 of the Dark Energy Camera (see streak_real.rs), with elements 11.5 days old, and
+/// 9.5 days old during a manoeuvre.
 #[cfg(all(feature = "fits", unix))]
 #[test]
 fn valid_starlink_1102_is_identified_in_decam() {
@@ -90,7 +90,7 @@ fn valid_starlink_1102_is_identified_in_decam() {
     let ends =
         [PixelPosition { x: 0.0, y: 67.5 }, PixelPosition { x: 70.0, y: -3.0 }].map(|end| wcs.to_sky(end).unwrap());
     let start: Epoch = "2020-03-06T00:04:15.410235 UTC".parse().unwrap();
-    // Half a pixel of 0.26" at each end.
+    // The error of each end is half a pixel of 0.26".
     let streak = MeasuredStreak::from_ends(ends, (start, 120.0), Timing::Within, arcsec(0.13), 0.5).unwrap();
     for file in ["supgp/starlink_supgp_2020-02-23.tle", "supgp/starlink_supgp_2020-02-25.tle"] {
         let sky = sky(&[&data.join("tle").join(file)], "W84", start);
@@ -100,7 +100,7 @@ fn valid_starlink_1102_is_identified_in_decam() {
     }
 }
 
-/// Streaks made from predicted tracks, in every form of a streak: their own satellite is ranked first.
+/// Streaks made from predicted tracks, specified in all ways: the satellite of the track is the first candidate.
 #[test]
 fn verif_passes_identify_themselves() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -110,7 +110,7 @@ fn verif_passes_identify_themselves() {
     let mut random = crate::common::random::Random(7);
     let mut crossings = 0;
     while crossings < 60 {
-        // From dusk to dawn over Rubin Observatory, above 20°.
+        // From dusk to dawn over Rubin Observatory, at altitudes above 20°.
         let exposure = Exposure {
             id: String::new(),
             start: seconds_after(night, random.between(-0.5, 10.5) * 3600.0),
@@ -127,8 +127,8 @@ fn verif_passes_identify_themselves() {
         for pass in &passes.by_exposure[0] {
             let [enter, mid, exit] = [&pass.enter, &pass.mid, &pass.exit];
             let length_rad = enter.direction.separation_rad(&exit.direction);
-            // Excluded: a short line at a corner; the geostationary ring, which moves as one; objects that stay
-            // together (docked, or a pair).
+            // Excluded are short lines at a corner, the geostationary ring, whose satellites move together, and objects
+            // that stay together (docked or in a pair).
             if length_rad < 0.1_f64.to_radians() || mid.range_km > 5_000.0 || has_companion(&sky, pass.element_index) {
                 continue;
             }
@@ -157,14 +157,13 @@ fn verif_passes_identify_themselves() {
                 let first = &found.candidates[0];
                 assert_eq!(first.norad_id, pass.norad_id, "form {form}: {pass:?} {first:?}");
                 if form != 3 {
-                    // At the predicted position; the time within the exposure is free except for the length of the
+                    // At the predicted position. The time within the exposure is free except for the length of the
                     // streak.
                     let beside_arcsec = first.cross_track_rad.value.to_degrees() * 3600.0;
                     assert!(beside_arcsec.abs() < 30.0, "form {form}: {beside_arcsec} arcsec of {pass:?}");
                 }
                 if form == 0 {
-                    // Both ends and times are those of the prediction; the correction for uneven rates has errors of
-                    // hundredths of a second.
+                    // Ends and times are the predicted ones. The correction for non-uniform rates has errors of 0.01 s.
                     assert!(first.along_track_s.value.abs() < 0.05, "{first:?}");
                     assert!(first.chi_square < 1e-3, "{first:?}");
                 }
@@ -174,7 +173,7 @@ fn verif_passes_identify_themselves() {
     }
 }
 
-/// Returns true if another object is on the same orbit, within ten seconds.
+/// Returns true if another object follows the same orbit within ten seconds.
 fn has_companion(sky: &Sky, element_index: usize) -> bool {
     let own = &sky.elements()[element_index];
     let turn = |degrees: f64| (degrees + 180.0).rem_euclid(360.0) - 180.0;
@@ -190,8 +189,7 @@ fn has_companion(sky: &Sky, element_index: usize) -> bool {
     })
 }
 
-/// The fast search `near` misses no candidate that `compare` would accept: compared with a search over every delay of
-/// every satellite.
+/// The fast search finds all candidates that `compare` accepts, as shown by a search over all delays of all satellites.
 #[test]
 fn verif_a_late_satellite_is_found_at_its_position() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -215,18 +213,18 @@ fn verif_a_late_satellite_is_found_at_its_position() {
             continue;
         }
         let ends: [Direction<Gcrs>; 2] = [track.direction(0.0).0, track.direction(20.0).0];
-        // Outside low orbits 20 s of motion may be too short for a line.
+        // Above low orbits, the motion in 20 s may be too short for a line.
         if ends[0].separation_rad(&ends[1]) < arcsec(60.0) {
             continue;
         }
-        // The clock error may be as large as the delay; otherwise recent elements exclude it.
+        // The clock error is as large as the delay; otherwise the delay would be incompatible with recent elements.
         let streak = MeasuredStreak::from_ends(ends, (night, 20.0), Timing::FirstToSecond, arcsec(2.0), 20.0).unwrap();
         let options = IdentifyOptions { include_dark: true, ..IdentifyOptions::default() };
         let found = identify_streak(&sky, &streak, &options).unwrap();
         let own = found.candidates.iter().find(|one| one.element_index == element_index);
         let set = &sky.elements()[element_index];
         let own = own.unwrap_or_else(|| panic!("{} e {} late {late_s} s", set.name, set.eccentricity));
-        // The delay is recovered to the accuracy of the correction for uneven rates (sigma is 0.14 s at best).
+        // The delay is recovered to the accuracy of the correction for non-uniform rates (sigma is at least 0.14 s).
         assert!((own.along_track_s.value - late_s).abs() < 0.05, "{}: {own:?} {late_s}", set.name);
         assert!(own.cross_track_rad.value.abs() < arcsec(1.0), "{}: {own:?}", set.name);
         tried += 1;

@@ -25,9 +25,9 @@ fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<VisiblePass> {
     sky.visible_passes(&request, &|_| true).expect("an answer").passes
 }
 
-/// The same satellites with elements of the same epoch marked as three months older: SGP4 gives other positions, but
-/// only the sigmas are compared. Recent elements leave the model's sigma unchanged; old ones increase it, to at most 3
-/// mag.
+/// The same satellites with element sets of the same epoch that are treated as three months older. SGP4 gives other
+/// positions, but only sigmas are compared. Recent elements do not change the sigma of the model; old ones increase it
+/// to at most 3 mag.
 #[test]
 fn verif_old_elements_widen_the_sigma_of_a_magnitude() {
     let start = Epoch::from_gregorian_utc(2026, 4, 25, 23, 30, 0, 0);
@@ -38,7 +38,7 @@ fn verif_old_elements_widen_the_sigma_of_a_magnitude() {
             .element_sets(start - age_days * Unit::Day)
             .into_iter()
             .step_by(9)
-            // Synthetic elements have no error.
+            // Simulated satellites have no position errors, so that they are marked as published.
             .map(|elements| ElementSet { origin: Origin::Published, ..elements })
             .collect();
         let sigmas: Vec<f64> = passes(elements, start)
@@ -49,7 +49,7 @@ fn verif_old_elements_widen_the_sigma_of_a_magnitude() {
         let mean = sigmas.iter().sum::<f64>() / sigmas.len() as f64;
         let least = sigmas.iter().copied().fold(f64::INFINITY, f64::min);
         let greatest = sigmas.iter().copied().fold(0.0, f64::max);
-        // 0.359 mag: the sigma of V1.5's default model, formerly 0.417 of two panels.
+        // 0.359 mag is the sigma of the default model of V1.5.
         assert!(least >= 0.359 && greatest < 3.3, "{least} {greatest}");
         own.push(mean);
     }

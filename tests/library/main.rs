@@ -1,4 +1,4 @@
-//! Element sets, orbits, geometry, brightness, crossings, verdicts, forecasts, maps and charts.
+//! Tests of element sets, orbits, geometry, brightness, crossings, verdicts, forecasts, maps and plots.
 
 #[path = "../common/mod.rs"]
 mod common;

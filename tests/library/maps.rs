@@ -1,4 +1,4 @@
-//! Magnitude maps: compared with an independent computation, and with the statements of Lu (2024), section 5.
+//! Magnitude maps compared with an independent computation, and with statements of Lu (2024), section 5.
 
 use crate::common::agreement::Agreement;
 use crate::common::maps::{options, v15};
@@ -6,13 +6,13 @@ use streakcast::geometry::Site;
 use streakcast::maps::{BodyView, Earth, Grid, SkyView};
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelLibrary, PhotometryOptions};
 
-/// Tolerance of ranges: the rounding of a quadratic's roots; one km would be 10⁻³ mag.
+/// Tolerance of ranges, km: rounding of the roots of a quadratic. An error of one km would be 10⁻³ mag.
 const RANGE_KM: f64 = 1e-6;
 
-/// Tolerance of magnitudes: the paper's arccos formulas lose half the digits near the nadir.
+/// Tolerance of magnitudes: the arccos formulas of the paper lose half of the digits near the nadir.
 const MAGNITUDE: f64 = 1e-6;
 
-/// Tolerance of lit fractions from 4000 rays to the Sun's disk.
+/// Tolerance of lit fractions, which are computed from 4000 rays to the disk of the Sun.
 const LIT_FRACTION: f64 = 0.005;
 
 #[test]
@@ -41,7 +41,7 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
         let lit = point.lit_fraction;
         shadows.see(lit - n(9));
         match (point.magnitude, cells[10]) {
-            // In the penumbra the magnitude is as accurate as the lit fraction.
+            // In the penumbra, the magnitude is limited by the accuracy of the lit fraction.
             (Some(ours), Some(golden)) if lit == 1.0 => {
                 light.see(ours.0 - golden);
                 magnitudes += 1;
@@ -59,11 +59,11 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
     assert!(magnitudes > 150 && dark > 100, "{magnitudes} {dark}");
 }
 
-/// Values computed by rows and by single directions agree: in sunlight only (columns) and with earthshine, on a sphere
-/// and an ellipsoid, with and without extinction.
+/// Values computed by rows and by single directions agree, in sunlight only and with earthshine, for a sphere and an
+/// ellipsoid, with and without extinction.
 #[test]
 fn verif_cells_steps_and_single_directions_agree() {
-    // Tolerance: columns compute each azimuth from the previous one, and the angles by other formulas.
+    // Tolerance: rows compute each azimuth from the previous one, and angles with other formulas.
     const MAGNITUDE: f64 = 1e-9;
     const RANGE_KM: f64 = 1e-9;
     let model = v15();
@@ -96,13 +96,13 @@ fn verif_cells_steps_and_single_directions_agree() {
     }
 }
 
-/// Magnitudes of maps, which are computed by a shortcut, equal single predictions for models of every kind.
+/// Magnitudes of maps equal those of single predictions, for models of every kind.
 #[test]
 fn verif_maps_agree_with_single_predictions() {
     use streakcast::constants::AU_KM;
     use streakcast::frames::{Direction, Gcrs, Horizontal, Position};
     use streakcast::geometry::{ViewingGeometry, illumination};
-    /// Tolerance of lit fractions: the satellite positions of the map and of this test differ by some nanometres.
+    /// Tolerance of lit fractions: the positions of the satellites differ by some nanometres.
     const LIT_FRACTION: f64 = 1e-9;
     let library = ModelLibrary::embedded();
     let site = Site::from_mpc("X05").unwrap();
@@ -130,9 +130,9 @@ fn verif_maps_agree_with_single_predictions() {
             assert!((point.lit_fraction - fraction).abs() < LIT_FRACTION, "{name}: {point:?} {fraction}");
             let long = model.brightness(&geometry, fraction, &options);
             match (point.magnitude, long) {
-                // Two panels along their own plane amplify the rounding of a cosine: 20 mag and fainter.
+                // In the plane of a panel, rounding of a cosine is amplified for magnitudes of 20 and fainter.
                 (Some(short), Some(long)) if long.magnitude.0 < 20.0 => {
-                    // In the penumbra the difference of the fractions contributes d(2.5 log f) = 1.0857 df / f.
+                    // In the penumbra, the difference of the fractions f adds d(2.5 log f) = 1.0857 df / f.
                     let tolerance = 1e-9 + if fraction < 1.0 { 1.1 * LIT_FRACTION / fraction } else { 0.0 };
                     assert!((short.0 - long.magnitude.0).abs() < tolerance, "{name}: {short} {}", long.magnitude);
                     lit += 1;
@@ -151,7 +151,7 @@ fn verif_maps_agree_with_single_predictions() {
     }
 }
 
-/// Earthshine on the chassis is largest with a high Sun, and zero if no visible ground is lit.
+/// Earthshine on the chassis is largest for a high Sun, and zero if no visible ground is lit.
 #[test]
 fn verif_earthshine_brightens_a_map() {
     let model = v15();
@@ -177,14 +177,14 @@ fn verif_straight_up_and_at_the_horizon() {
     // √(r² - R²)
     let horizon = (6928.137_f64.powi(2) - 6378.137_f64.powi(2)).sqrt();
     assert!((view.at(2.0, 0.0).range_km - horizon).abs() < 1e-9);
-    // From a mountain at a pole satellites at 550 km appear higher: the ellipsoid is 21.4 km below the sphere there.
+    // Seen from a mountain at a pole, satellites at 550 km are higher: the ellipsoid is 21.4 km below the sphere there.
     let pole = Earth::Ellipsoid(Site::new_deg("pole", 90.0, 0.0, 0.0).unwrap());
     let view = SkyView::new(&model, pole, 550.0, 0.0, -0.2, options()).unwrap();
     let up = view.at(0.0, std::f64::consts::FRAC_PI_2).range_km;
     assert!((up - (550.0 + 6_378.137 - 6_356.752_314_2)).abs() < 1e-6, "{up}");
 }
 
-/// Shortcuts far from the shadow's border agree with the full computation.
+/// Far from the edge of the shadow, the fast computation agrees with the full one.
 #[test]
 fn verif_the_shadow_shortcut_is_exact() {
     use streakcast::constants::AU_KM;
@@ -202,7 +202,7 @@ fn verif_the_shadow_shortcut_is_exact() {
                 .unwrap()
                 .with_shadow(shadow);
             for step in 0..=1800 {
-                // Along the meridian of the Sun, from the horizon below it through the zenith to the opposite one.
+                // Along the meridian of the Sun, from the horizon below it through the zenith to the opposite horizon.
                 let turn = f64::from(step) * 0.1_f64.to_radians();
                 let ours = view.at(0.0, turn).lit_fraction;
                 let radius_km = 6378.137 + height_km;
@@ -242,7 +242,7 @@ fn verif_body_maps_agree_with_single_directions() {
         for point in view.map(Grid::regular(5.0).unwrap()).points {
             let alone = view.at(point.observer_longitude_rad, point.observer_latitude_rad);
             match (point.standard_magnitude, alone) {
-                // Along a panel's own plane the result is determined by rounding.
+                // In the plane of a panel, the result is dominated by rounding.
                 (Some(row), Some(alone)) if alone.0 < 20.0 => {
                     assert!((row.0 - alone.0).abs() < MAGNITUDE, "{name}: {row:?} {alone:?}");
                     seen += 1;
@@ -267,7 +267,7 @@ fn verif_extinction_and_band_change_a_map_as_they_should() {
     let air = PhotometryOptions { extinction_mag_per_airmass: Some(0.2), ..options() };
     let dimmed = |altitude: f64| at(air, altitude).unwrap() - at(options(), altitude).unwrap();
     assert!((dimmed(90.0) - 0.2).abs() < 1e-4, "{}", dimmed(90.0));
-    // The airmass at 30° is two to within 0.005.
+    // The airmass at 30° differs from 2 by less than 0.005.
     assert!((dimmed(30.0) - 0.4).abs() < 2e-3, "{}", dimmed(30.0));
     let red = PhotometryOptions::in_band("R".parse().unwrap(), "Vega".parse().unwrap());
     assert!(at(red, 50.0).unwrap() < at(options(), 50.0).unwrap());
@@ -300,7 +300,7 @@ fn verif_invalid_requests() {
     assert!(BodyView::new(&model, -0.2, f64::INFINITY, options()).is_err());
 }
 
-/// A mean model receives no earthshine, and its map does not mention it.
+/// A mean model has no earthshine, and its map does not state it.
 #[test]
 fn verif_only_maps_of_panels_state_earthshine() {
     let library = ModelLibrary::embedded();

@@ -1,4 +1,4 @@
-//! Map files: HEALPix in FITS contains the table, and charts show the expected content.
+//! Map files: FITS files contain the values of the table in HEALPix cells, and pictures have the expected content.
 
 use crate::common::maps::{options, v15};
 #[cfg(all(feature = "fits", unix))]
@@ -15,7 +15,7 @@ fn verif_fits_contains_the_table() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("map.fits");
     std::fs::write(&path, map.to_fits(folder.path()).unwrap()).unwrap();
-    // The temporary folder is deleted.
+    // The temporary folder was deleted.
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     let mut file = FitsFile::open(&path).unwrap();
     let hdu = file.hdu(1).unwrap();
@@ -36,13 +36,13 @@ fn verif_fits_contains_the_table() {
     }
     let regular = view.map(Grid::regular(5.0).unwrap()).to_fits(folder.path()).unwrap_err().to_string();
     assert!(regular.contains("nside"), "{regular}");
-    // Brackets are part of a name.
+    // Brackets are part of the file name.
     let bracket = folder.path().join("a[b]");
     std::fs::create_dir(&bracket).unwrap();
     assert_eq!(map.to_fits(&bracket).unwrap(), std::fs::read(&path).unwrap());
 }
 
-/// Names in headers are transliterated to ASCII, and truncated text is marked.
+/// Names in headers are transliterated to ASCII; shortened text is marked.
 #[cfg(all(feature = "fits", unix))]
 #[test]
 fn verif_fits_headers_accept_names_of_any_language() {
@@ -69,7 +69,7 @@ mod pictures {
     use streakcast::photometry::{Earthshine, ModelLibrary, PhotometryOptions};
     use streakcast::plot::{Picture, PictureFormat, body_picture, paper_picture, sky_picture};
 
-    /// Width, height and pixels of a PNG.
+    /// Returns the pixels of a PNG.
     fn pixels(bytes: &[u8]) -> image::RgbImage {
         image::load_from_memory(bytes).unwrap().to_rgb8()
     }
@@ -82,7 +82,8 @@ mod pictures {
         let image = pixels(&picture.to_png().unwrap());
         let (width, height) = picture.size();
         assert_eq!((image.width() as usize, image.height() as usize), (width, height));
-        // The centre of the disc from the layout: a margin of 66 and a radius of 270 on each side, 78 above.
+        // The centre of the disk follows from the layout: a margin of 66 and a radius of 270 on each side, 78 at the
+        // top.
         let at = |azimuth: f64, altitude: f64| {
             let distance = 270.0 * (90.0 - altitude) / 90.0;
             let (sin, cos) = azimuth.to_radians().sin_cos();
@@ -96,21 +97,21 @@ mod pictures {
             assert!(apart <= 6, "{azimuth} {altitude}: {shown:?} for {expected:?}");
         }
         assert_eq!(at(180.0, 15.0), [150, 150, 150]);
-        // Texts: dark pixels in the line of the title and at the bar.
+        // Texts are dark pixels in the line of the title and at the colour bar.
         let dark = |left: u32, top: u32, right: u32, bottom: u32| {
             (left..right).flat_map(|x| (top..bottom).map(move |y| (x, y))).any(|(x, y)| image.get_pixel(x, y).0[0] < 90)
         };
         assert!(dark(100, 10, 700, 40) && dark(720, 200, 790, 700));
     }
 
-    /// Returns the texts of a chart, joined.
+    /// Returns all texts of a picture, joined.
     fn words(picture: &Picture) -> String {
         let text = String::from_utf8(picture.to_bytes(PictureFormat::Svg).unwrap()).unwrap();
         let lines = text.split('<').filter_map(|tag| Some(tag.split_once('>')?.1.trim()));
         lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
     }
 
-    /// Unusual options of atmosphere and light are written below the map, default ones are not.
+    /// Unusual options of atmosphere and light are written below the map; default options are not.
     #[test]
     fn verif_a_chart_lists_unusual_options() {
         let model = v15();
@@ -129,7 +130,7 @@ mod pictures {
         assert!(body.contains(notes[1]) && !body.contains(notes[0]));
     }
 
-    /// Magnitudes that extinction makes faint near the horizon do not determine the colour scale.
+    /// Magnitudes that are faint near the horizon because of extinction do not determine the colour scale.
     #[test]
     fn verif_extinction_does_not_change_the_colour_scale() {
         let model = ModelLibrary::embedded().get("oneweb").unwrap();
@@ -142,19 +143,19 @@ mod pictures {
         let at_10_deg = air.at(0.0, 10_f64.to_radians()).magnitude.unwrap().0;
         assert!(scale.greatest >= at_10_deg - 0.1 && scale.greatest < at_10_deg + 1.0, "{scale:?} {at_10_deg}");
         assert!(scale.has_higher && !scale.has_lower, "{scale:?}");
-        // Without extinction the whole sky counts: the range of the mean is given by the distances only.
+        // Without extinction, the whole sky is included: the range of a mean model is determined by the distances.
         let horizon = clear.at(0.0, 0.0).magnitude.unwrap().0;
         assert!(sky_picture(&clear).scales()[0].greatest >= horizon - 0.1);
-        // The whole sky is lit and visible, up to the edge.
+        // The whole sky is lit and visible.
         let text = words(&sky_picture(&air));
         assert!(text.contains("≥ ") && !text.contains("not lit"));
         let image = pixels(&sky_picture(&air).to_png().unwrap());
-        // Centre and radius of the disc as above; the line of the edge is 1.6 wide.
+        // Centre and radius of the disk are as above; the line of the edge is 1.6 wide.
         let shown = image.get_pixel(336 - 267, 414).0;
         assert_eq!(shown, scale.colour(30.0), "{shown:?}");
     }
 
-    /// Magnitudes at 1000 km are compared with those of an observer straight below.
+    /// Magnitudes at 1000 km are compared with those for an observer directly below.
     #[test]
     fn verif_the_line_of_a_body_map_is_the_limit_at_its_height() {
         let model = v15();
@@ -179,7 +180,7 @@ mod pictures {
         {
             assert!(text.contains(part), "{part}");
         }
-        // Well-formed: an XML reader reaches its end.
+        // The SVG is well-formed: an XML reader reaches its end.
         let mut reader = quick_xml::Reader::from_str(&text);
         let mut elements = 0;
         loop {

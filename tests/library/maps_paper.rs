@@ -1,4 +1,4 @@
-//! Statements of Lu (2024), section 5, about maps, compared with our model of Starlink V1.5.
+//! Statements of Lu (2024), section 5, on maps, compared with the bundled model of Starlink V1.5.
 
 use crate::common::maps::{options, v15};
 use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, FigurePanel, Grid, PAPER_FIGURES, SkyMap, SkyView};
@@ -9,7 +9,8 @@ fn sky(model: &BrightnessModel, height_km: f64, sun_altitude_deg: f64) -> SkyMap
     view.map(Grid::regular(DEFAULT_STEP_DEG).unwrap())
 }
 
-/// Median of the magnitudes of a body map where `holds` (longitude and latitude in degrees).
+/// Returns the median magnitude of a body map over the directions for which `holds` (longitude and latitude in
+/// degrees).
 fn median(model: &BrightnessModel, sun_latitude_deg: f64, holds: impl Fn(f64, f64) -> bool) -> f64 {
     let view = BodyView::new(model, sun_latitude_deg.to_radians(), 550.0, options()).unwrap();
     let map = view.map(Grid::regular(DEFAULT_STEP_DEG).unwrap());
@@ -24,15 +25,15 @@ fn median(model: &BrightnessModel, sun_latitude_deg: f64, holds: impl Fn(f64, f6
     all[all.len() / 2]
 }
 
-/// Angle in degrees from the specular direction of the chassis: longitude 180°, latitude that of the Sun.
+/// Returns the angle from the specular direction of the chassis, degrees: longitude 180°, latitude that of the Sun.
 fn from_mirror(longitude_deg: f64, latitude_deg: f64, sun_latitude_deg: f64) -> f64 {
     let (sin, cos) = latitude_deg.to_radians().sin_cos();
     let (sin_sun, cos_sun) = sun_latitude_deg.to_radians().sin_cos();
     (sin * sin_sun - cos * cos_sun * longitude_deg.to_radians().cos()).clamp(-1.0, 1.0).acos().to_degrees()
 }
 
-/// Section 5.1: "the directions around the solar azimuth very bright", the anti-solar ones "darker in comparison, and
-/// only relatively brighter around the specular beam of the chassis".
+/// Section 5.1: "the directions around the solar azimuth very bright", and the anti-solar ones "darker in comparison,
+/// and only relatively brighter around the specular beam of the chassis".
 #[test]
 fn verif_figure_6_is_bright_towards_the_sun_and_dark_away_from_it() {
     let model = v15();
@@ -45,7 +46,7 @@ fn verif_figure_6_is_bright_towards_the_sun_and_dark_away_from_it() {
             opposite(longitude, latitude) && from_mirror(longitude, latitude, sun) > 40.0
         });
         let (bright, dark) = (median(&model, sun, towards), median(&model, sun, opposite));
-        // The sides differ by 1.1 to 1.5 mag, and the spot is brighter by 1.4 to 2.2 mag.
+        // The two sides differ by 1.1 to 1.5 mag; the specular beam is brighter by 1.4 to 2.2 mag.
         assert!(bright < dark - 0.5, "Sun at {sun}: {bright} towards, {dark} opposite");
         assert!(spot < beside - 0.5, "Sun at {sun}: {spot} in the spot, {beside} next to it");
         spots.push(spot);
@@ -54,8 +55,8 @@ fn verif_figure_6_is_bright_towards_the_sun_and_dark_away_from_it() {
     assert!(spots.windows(2).all(|pair| pair[1] < pair[0]), "{spots:?}");
 }
 
-/// Section 5.1 continues "... and that of the sail is the opposite". Here the sail is seen from the ground straight in
-/// front of it.
+/// Section 5.1 continues "... and that of the sail is the opposite". Here the sail is observed from the ground directly
+/// in front of it.
 #[test]
 fn verif_the_sail_fades_as_the_sun_sinks() {
     let model = v15();
@@ -74,8 +75,8 @@ fn verif_the_sail_fades_as_the_sun_sinks() {
     assert!(sail(-8.0) > sail(-14.0) && sail(-14.0) > sail(-20.0));
 }
 
-/// Section 5.2: "During twilight, satellites in the anti-solar direction are significantly brighter", and below the Sun
-/// the sky becomes brighter from twilight to night.
+/// Section 5.2: "During twilight, satellites in the anti-solar direction are significantly brighter". At the azimuth of
+/// the Sun, satellites become brighter from twilight to night.
 #[test]
 fn verif_figure_7_twilight_is_bright_opposite_to_the_sun() {
     let model = v15();
@@ -100,10 +101,10 @@ fn verif_figure_7_twilight_is_bright_opposite_to_the_sun() {
 
 /// Captions of figures 7 to 9: 5 to 9 mag at 550 km, 4 to 8 at 340 km, 6 to 10 at 1200 km.
 ///
-/// The captions give the ends of colour bars, and the paper's coefficients are not printed. The test requires that 85 %
-/// of the lit sky (as solid angle) more than 20° above the horizon are within them, panel by panel; measured: 0.86 to
-/// 1.00. Over the whole sky the central 90 % of all three panels are 4.9 to 9.2, 3.9 to 8.6 and 6.6 to 9.9 mag: the
-/// faint end, near the horizon, exceeds the captions by up to 0.6 mag, about the rms of the model.
+/// The captions give the ends of colour bars, and the coefficients of the paper are not printed. The test requires, for
+/// each panel, that 85 % of the lit sky (by solid angle) more than 20° above the horizon are within them; the measured
+/// fractions are 0.86 to 1.00. Over the whole sky, the central 90 % of all three panels are 4.9 to 9.2, 3.9 to 8.6 and
+/// 6.6 to 9.9 mag: near the horizon they are fainter than the captions by up to 0.6 mag, about the RMS of the model.
 #[test]
 fn verif_magnitudes_of_figures_7_to_9_are_those_of_the_captions() {
     let model = v15();
@@ -138,18 +139,18 @@ fn verif_magnitudes_of_figures_7_to_9_are_those_of_the_captions() {
         };
         assert!(at(0.05) > brightest - 0.2, "figure {}: {}", figure.number, at(0.05));
         assert!(at(0.95) < faintest + 0.8, "figure {}: {}", figure.number, at(0.95));
-        // The magnitudes are not concentrated at one end.
+        // The magnitudes are not all near one end of the range.
         assert!(at(0.95) - at(0.05) > 2.0, "figure {}", figure.number);
         figures += 1;
     }
     assert_eq!(figures, 3);
 }
 
-/// Lowest altitude of the Sun at which any satellite at this altitude is lit, degrees.
+/// Returns the lowest altitude of the Sun at which a satellite at this altitude is lit, degrees.
 fn last_lit_deg(model: &BrightnessModel, height_km: f64, altitude_deg: f64) -> f64 {
     let lit = |sun_deg: f64| {
         let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_deg.to_radians(), options()).unwrap();
-        // Satellites towards the Sun are lit longest.
+        // Satellites in the direction of the Sun are lit longest.
         view.at(0.0, altitude_deg.to_radians()).lit_fraction > 0.0
     };
     let (mut above, mut below) = (0.0, -89.0);
@@ -161,22 +162,22 @@ fn last_lit_deg(model: &BrightnessModel, height_km: f64, altitude_deg: f64) -> f
     above
 }
 
-/// Captions of figures 7 to 9: visible until the Sun is at about -30, -21 and -40°, without an altitude. At 30° the
-/// geometry gives the sum of the satellite's zenith distance of the limb, acos(R/r), and the angle at the Earth's
-/// centre between it and the observer.
+/// Captions of figures 7 to 9: visible until the Sun is at about -30, -21 and -40°, without stating the altitude. For
+/// 30°, geometry gives the sum of acos(R/r), the dip of the limb seen from the satellite, and the angle between
+/// satellite and observer at the Earth's centre.
 #[test]
 fn verif_the_lowest_sun_of_the_captions() {
     let model = v15();
-    // Height, Sun in the paper, ours at 30°.
+    // Height, altitude of the Sun in the paper, altitude of the Sun computed for 30°.
     for (height_km, paper_deg, ours_deg) in [(550.0, -30.0, -30.4), (340.0, -21.0, -23.3), (1200.0, -40.0, -46.2)] {
         let last = last_lit_deg(&model, height_km, 30.0);
-        // acos(R/r) + 90° - 30° - asin(R cos 30° / r), plus the Sun's radius.
+        // acos(R/r) + 90° - 30° - asin(R cos 30° / r), plus the radius of the Sun.
         let ratio: f64 = 6378.137 / (6378.137 + height_km);
         let formula =
             -(ratio.acos().to_degrees() + 60.0 - (ratio * 30_f64.to_radians().cos()).asin().to_degrees() + 0.267);
         assert!((last - formula).abs() < 0.02, "{height_km} km: {last}, by the formula {formula}");
         assert!((last - ours_deg).abs() < 0.1, "{height_km} km: {last}");
-        // The paper's number is reached at an altitude between 20° and 60°.
+        // The altitude in the paper is that for a satellite between 20° and 60°.
         let (low, high) = (last_lit_deg(&model, height_km, 20.0), last_lit_deg(&model, height_km, 60.0));
         assert!(low < paper_deg && paper_deg < high, "{height_km} km: {low} to {high}");
     }

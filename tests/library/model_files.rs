@@ -1,11 +1,11 @@
-//! Bundled model files and their schema, and errors for invalid files.
+//! Bundled model files and their JSON Schema, and errors for invalid files.
 
 use serde_json::{Value, json};
 use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary, PhotometryError};
 
 const SCHEMA: &str = include_str!("../../src/photometry/models/model.schema.json");
 
-/// Checks a value against the keywords of JSON Schema used by our schema; other keywords are an error.
+/// Checks a value against the JSON Schema keywords that the schema uses; other keywords are an error.
 fn check(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), String> {
     let fail = |what: String| Err(format!("{path}: {what}"));
     for (keyword, rule) in schema.as_object().ok_or("a schema is an object")? {
@@ -133,7 +133,7 @@ fn verif_bundled_files_are_valid() {
         let model = BrightnessModel::from_json(text, file).unwrap_or_else(|error| panic!("{error}"));
         let content = model.file().unwrap();
         assert_eq!(format!("{}.json", content.name), *file, "a file is named after its model");
-        // The printed file reads back as the same model and is valid too.
+        // The printed file is valid and gives the same model.
         let printed = content.to_json();
         assert_eq!(&ModelFile::from_json(&printed, file).unwrap(), content);
         schema_check(&serde_json::from_str(&printed).unwrap()).unwrap();
@@ -153,11 +153,11 @@ fn verif_the_metadata_of_the_v15_model() {
     {
         assert_eq!(c[key].as_f64(), Some(expected), "{key}");
     }
-    // Held parameters have no error, the others do.
+    // Fixed parameters have no error; the others have one.
     for (index, is_held) in [true, false, false, false, false, true, false].into_iter().enumerate() {
         assert_eq!(value["covariance"][index][index].as_f64() == Some(0.0), is_held, "{index}");
     }
-    // Sigma contains 68.3 %; the RMS includes the wings.
+    // The sigma contains 68.3 %; the RMS includes the wings.
     assert_eq!([&value["rms_mag"], &value["sigma_mag"]].map(Value::as_f64), [Some(0.513), Some(0.417)]);
     assert_eq!(value["provenance"]["provisional"], json!(false));
 }
@@ -174,7 +174,7 @@ fn verif_names_that_catalogues_use_are_known() {
     assert_eq!(library.get("oneweb").unwrap().source().to_string(), "prior:oneweb");
 }
 
-/// The bundled BRDF file with one change.
+/// Returns a bundled file of kind brdf with one change.
 fn changed_file(change: impl Fn(&mut Value)) -> String {
     let mut value: Value = serde_json::from_str(shipped("starlink-v1.5.json")).unwrap();
     change(&mut value);
@@ -212,7 +212,7 @@ fn verif_invalid_files_give_one_clear_error() {
             assert!(error.contains(word), "{error:?} should contain {word:?}");
         }
     }
-    // NaN is not valid JSON; a number that is too large is an error too.
+    // NaN is not valid JSON. A number that is too large is also an error.
     for text in [
         "",
         "{",
@@ -257,7 +257,7 @@ fn verif_a_user_model_replaces_a_bundled_one() {
     assert_eq!(library, same, "a bad file changes nothing");
 }
 
-/// A satellite with two arrays and all kinds of laws, attitudes and spheres is valid for schema and reader.
+/// A satellite with two arrays and all kinds of laws, attitudes and spheres is valid for the schema and for the reader.
 #[test]
 fn verif_a_file_of_panels_meets_the_schema() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/two-arrays.json");

@@ -1,4 +1,5 @@
-//! Next clear starts are clear when computed again, also if only the total expected loss excludes an exposure.
+//! Next clear starts are clear if computed again, also if an exposure is avoided only because of the total expected
+//! loss.
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
@@ -11,7 +12,7 @@ use streakcast::schedule::{FlagRequest, Policy, ScheduledExposure, Verdict, Verd
 
 const LIMIT: f64 = 1e-5;
 
-/// The satellites of a shell with elements 90 days old: each may be minutes early or late.
+/// Returns the satellites of a shell with elements 90 days old: each may be early or late by minutes.
 fn old_elements(at: Epoch) -> Vec<ElementSet> {
     let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(at - 90.0 * Unit::Day);
     elements.truncate(1584);
@@ -57,7 +58,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
     let rows: Vec<ScheduledExposure> =
         (0..80).map(|number| row(number, seconds_after(start, 34.0 * number as f64))).collect();
     let flags = flags_of(&rows);
-    // Some exposures are avoided without a predicted crossing; their next clear start must not be their own start.
+    // Some exposures are avoided without a predicted crossing; their next clear start must be later than their start.
     let by_loss_alone = || flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid && flag.n_streaks == 0);
     assert!(by_loss_alone().count() > 4, "{} avoided by their loss alone", by_loss_alone().count());
     assert!(by_loss_alone().any(|flag| flag.delay_s.is_some()));
@@ -77,7 +78,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
         assert_eq!(flag.kind, VerdictKind::Clear, "{flag:?}");
     }
 
-    // Without waiting time no start is found, and no exposure is reported as clear.
+    // Without a delay there is no clear start, and no exposure is reported as clear.
     let hurried = Policy { max_delay_s: Some(0.0), ..policy.clone() };
     let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &FlagRequest { policy: &hurried, ..request });
     for flag in report.expect("flags").flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid) {

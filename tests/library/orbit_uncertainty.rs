@@ -1,9 +1,9 @@
-//! One sigma of an element set contains 68 % of the actual errors of element sets.
+//! One sigma of an element set contains 68 % of the measured errors of element sets.
 
 use streakcast::orbit::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
 
-/// Fraction of residuals within one sigma, and its tolerance for a class: half of the objects (those of the golden
-/// file) were not used by the fit, and classes mix quiet and active satellites.
+/// Expected fraction of residuals within one sigma, and its tolerance for a class: half of the objects (those of the
+/// golden file) were not used in the fit, and classes contain quiet and active satellites.
 const SHARE: f64 = 0.6827;
 const SHARE_TOLERANCE: f64 = 0.10;
 
@@ -64,8 +64,8 @@ const KINDS: [OrbitKind; 6] = [
     OrbitKind::Eccentric,
 ];
 
-/// The test uses residuals for which the floor (the error at epoch, hidden because successive element sets share it) is
-/// less than half of sigma.
+/// Only residuals are used for which the floor is less than half of sigma. The floor is the error at epoch, which is
+/// not visible because successive element sets share observations.
 #[test]
 fn valid_one_sigma_along_the_track_contains_68_percent_of_held_out_residuals() {
     let residuals = residuals();

@@ -1,4 +1,4 @@
-//! Satellites above a site at given times, Sun and pointing over it, and the outlines of a field.
+//! Satellites above a site at given times, altitudes of Sun and pointing, and outlines of a field.
 
 use std::collections::BTreeSet;
 
@@ -26,7 +26,7 @@ fn options(min_altitude_rad: f64, include_dark: bool) -> SnapshotOptions {
 #[test]
 fn verif_satellites_that_are_up_have_risen_and_not_set() {
     let (sky, at, lowest_rad) = (sky(), dusk(), 10f64.to_radians());
-    // Satellites at 1200 km stay above the horizon for some twenty minutes.
+    // Satellites at 1200 km stay above the horizon for about twenty minutes.
     let request = VisibleRequest {
         start: seconds_after(at, -2400.0),
         end: seconds_after(at, 2400.0),
@@ -49,7 +49,7 @@ fn verif_satellites_that_are_up_have_risen_and_not_set() {
     assert!(up.len() > 50 && left_out.is_empty(), "{} up", up.len());
     let altitude_rad = |one: &SatelliteTrack| one.snapshots[0].point.altitude_rad.unwrap();
     assert!(found.iter().all(|one| one.snapshots.len() == 1 && altitude_rad(one) >= lowest_rad));
-    // Without satellites in the shadow, those with any sunlight remain.
+    // Without satellites in the shadow, those with any sunlight are kept.
     let (lit, _) = sky.snapshots(at, &[0.0], &options(lowest_rad, false)).unwrap();
     let expected = found.iter().filter(|one| one.snapshots[0].is_lit()).count();
     assert_eq!(lit.len(), expected);
@@ -72,7 +72,8 @@ fn verif_whole_tracks_contain_all_times_of_the_same_satellites() {
         for one in &part.snapshots {
             let other = &whole.snapshots[one.time_index];
             assert_eq!((other.time_index, other.point.epoch), (one.time_index, one.point.epoch));
-            // Interpolated orbits have errors of millimetres, the site's rotation of a millimetre over ten minutes.
+            // Interpolated orbits have errors of millimetres, and the rotation of the site one millimetre in ten
+            // minutes.
             let apart_rad = one.point.direction.separation_rad(&other.point.direction);
             assert!(apart_rad < 1e-7, "{apart_rad}");
             let sigmas = [one, other].map(|one| one.point.brightness.as_ref().map(|light| light.sigma_mag));
@@ -96,7 +97,7 @@ fn the_same_satellites_from_elsewhere() {
 
 #[test]
 fn verif_sun_and_pointing_share_one_frame() {
-    /// Tolerance: the Sun's parallax (8.8 arcsec), with a margin for light time, which directions do not include.
+    /// Tolerance: parallax of the Sun (8.8 arcsec) and a margin for light time, which directions do not include.
     const TOLERANCE_RAD: f64 = 1e-4;
     let sky = sky();
     let hours: Vec<Epoch> = (0..24).map(|hour| seconds_after(dusk(), 3600.0 * f64::from(hour))).collect();
@@ -138,13 +139,13 @@ fn verif_outlines_run_between_inside_and_outside() {
     }
 }
 
-/// Satellites at two heights, some of them in the shadow.
+/// Returns satellites at two heights, some of them in the shadow.
 fn mixed_sky() -> Sky {
     let config = Config::from_toml("shells = ['oneweb', 'starlink-gen1']\nsite = 'rubin'\n", "t.toml").unwrap();
     config.prepare(dusk(), dusk()).unwrap().sky
 }
 
-/// Every satellite by SGP4 without the search: those above the altitude, and lit if dark ones are omitted.
+/// Returns all satellites above the altitude, computed by SGP4 without a search; only lit ones unless `include_dark`.
 fn reference(sky: &Sky, at: Epoch, min_altitude_rad: f64, include_dark: bool) -> Vec<(usize, f64, f64)> {
     let orientation = sky.orientation_over(at, at).at_s(0.0);
     let here = sky.viewpoint().site().unwrap().state(&orientation);
@@ -159,7 +160,7 @@ fn reference(sky: &Sky, at: Epoch, min_altitude_rad: f64, include_dark: bool) ->
     sky.elements().iter().enumerate().filter_map(one).collect()
 }
 
-/// Snapshots contain exactly the satellites that SGP4 places above the altitude at each time.
+/// Snapshots contain exactly the satellites that are above the altitude by SGP4 at each time.
 #[test]
 fn verif_snapshots_against_sgp4_of_every_satellite() {
     /// Tolerance of interpolated orbits: millimetres at 500 km.
@@ -216,7 +217,7 @@ fn tracks_move_as_fast_as_their_points() {
         let direction = |index: usize| track.snapshots[index].point.direction;
         let moved_rad = direction(0).separation_rad(&direction(2));
         let rate_rad_s = track.middle().unwrap().angular_rate_rad_s;
-        // The curvature of a track over a second is at most some hundredths of its length.
+        // The curvature of a track in a second is at most some hundredths of its length.
         assert!((moved_rad / rate_rad_s - 1.0).abs() < 1e-3, "{moved_rad} {rate_rad_s}");
         assert!(track.snapshots.iter().all(|one| one.point.brightness.is_none()));
     }

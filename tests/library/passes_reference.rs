@@ -1,4 +1,4 @@
-//! Passes above the horizon and shadow entries, compared with STK and Heavens-Above.
+//! Passes above the horizon and shadow entries compared with STK and Heavens-Above.
 
 use crate::common::agreement::Agreement;
 use std::path::Path;
@@ -11,17 +11,18 @@ use streakcast::orbit::Propagator;
 use streakcast::passes::{ModelChoice, Sky, VisiblePass, VisibleRequest};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 
-/// Tolerance for STK, which prints 1 ms and has its own UT1; a few ms of UT1 are 1 ms of the satellite's motion.
+/// Tolerance for STK, seconds. It prints milliseconds and uses its own UT1; a difference of a few milliseconds in UT1
+/// changes the times by about 1 ms.
 const STK_S: f64 = 0.1;
 const STK_ALTITUDE_DEG: f64 = 0.006;
 
-/// Tolerance of rise and set: Heavens-Above prints seconds and whole degrees.
+/// Tolerance of rise and set, seconds: Heavens-Above gives whole seconds and degrees.
 const HEAVENS_ABOVE_BORDER_S: f64 = 2.0;
-/// Tolerance of culminations, where the altitude is flat, less so near the zenith.
+/// Tolerance of culminations, seconds: the altitude changes slowly there, less so near the zenith.
 const HEAVENS_ABOVE_TOP_S: f64 = 3.0;
 const HEAVENS_ABOVE_ALTITUDE_DEG: f64 = 0.6;
-/// The shadow entry of Heavens-Above is our first dimming (half of the disk is hidden 4.4 s later, all of it 8.7 s
-/// later). The tolerance is for rounding and a different model.
+/// The shadow entry of Heavens-Above is the first dimming computed here (half of the disk of the Sun is hidden 4.4 s
+/// later, all of it 8.7 s later). The tolerance is for rounding and another shadow model.
 const HEAVENS_ABOVE_SHADOW_S: f64 = 1.0;
 
 fn elements(path: &Path, id: u32) -> ElementSet {
@@ -55,7 +56,7 @@ fn passes(elements: ElementSet, site: Site, start: Epoch, days: f64, min_altitud
     found.passes
 }
 
-/// Text like `2014/10/23 01:27:33.224`.
+/// Parses a time such as `2014/10/23 01:27:33.224`.
 fn moment(date: &str, clock: &str) -> Epoch {
     format!("{}T{clock} UTC", date.replace('/', "-")).parse().expect("an epoch")
 }
@@ -84,7 +85,7 @@ fn valid_passes_against_stk() {
         compared += 1;
     }
     assert_eq!(compared, 10);
-    // STK lists every pass above the horizon between its first and its last.
+    // STK lists all passes above the horizon in its time range.
     assert_eq!(ours.len(), compared, "{:?}", ours.iter().map(|pass| pass.culmination.epoch).collect::<Vec<_>>());
 }
 
@@ -130,13 +131,13 @@ fn valid_passes_and_shadow_against_heavens_above() {
             pass.culmination.altitude_rad.expect("an altitude").to_degrees(),
         );
         let ends_in_shadow = degrees(17) > 10.0;
-        // If the shadow precedes culmination, it is their highest point.
+        // If the satellite enters the shadow before culmination, Heavens-Above gives the entry as highest point.
         if at(13) < at(16) {
             summit.see(top_s);
             height.see(top_deg - degrees(14));
         }
         assert!(ends_in_shadow, "{line}");
-        // Hundredths of a second, starting a minute before their time.
+        // In steps of 0.01 s, starting a minute before the time of Heavens-Above.
         let before = seconds_after(at(16), -60.0);
         assert_eq!(lit(before), Illumination::Sunlit, "{line}");
         let step = (0..12_000).find(|step| lit(seconds_after(before, f64::from(*step) * 0.01)) != Illumination::Sunlit);

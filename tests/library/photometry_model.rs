@@ -1,4 +1,4 @@
-//! The five-term model and its blocking, compared with numpy, polygons, the paper's closed form and single rays.
+//! The two-panel model and its blocking compared with numpy, polygons, the closed form of the paper, and single rays.
 
 use crate::common::agreement::Agreement;
 use std::f64::consts::{FRAC_PI_2, PI};
@@ -12,12 +12,12 @@ use streakcast::photometry::{
     PhotometryOptions, SatelliteModel, SatelliteShape, StandardMagnitude,
 };
 
-/// Tolerance of magnitudes near 7: two double-precision chains of some hundred operations, one through GEOS.
+/// Tolerance of magnitudes near 7: two double-precision computations of some hundred operations, one with GEOS.
 const GOLDEN_MAG: f64 = 1e-9;
-/// The same tolerance for fractions of the sail.
+/// Tolerance of blocked fractions of the sail.
 const GOLDEN_SHARE: f64 = 1e-10;
 
-/// Reproducible uniform numbers in [0, 1) (splitmix64).
+/// Reproducible random numbers, uniform in [0, 1) (splitmix64).
 struct Uniform(u64);
 
 impl Uniform {
@@ -71,13 +71,13 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
         ];
         for (i, value) in ours.into_iter().enumerate() {
             let golden = n(17 + i);
-            // If almost all of the sail is hidden the rest is a small difference: hence the absolute tolerance, and the
-            // relative one for powers of up to 200.
+            // If almost all of the sail is blocked, the rest is a small difference, hence the absolute tolerance. The
+            // relative one is for powers of up to 200.
             assert!((value - golden).abs() < 1e-9 + 1e-10 * golden, "row {rows}, term {i}: {value} {golden}");
         }
         let magnitude = StandardMagnitude::from_reflection(terms.b_total_m2_sr(), -26.76);
         match (magnitude, v[22]) {
-            // Below 1e-6 m²/sr (18 mag, irrelevant) rounding of a cosine near 0 affects the magnitude.
+            // Below 1e-6 m²/sr (18 mag, not relevant), rounding of a cosine near 0 affects the magnitude.
             (Some(ours), Some(golden)) if golden < 18.0 => light.see(ours.0 - golden),
             (ours, golden) => assert!(ours.is_none_or(|m| m.0 > 17.9) && golden.is_none_or(|m| m > 17.9)),
         }
@@ -87,7 +87,7 @@ fn valid_terms_and_blocking_against_numpy_and_polygon_unions() {
     assert!(rows == 600 && blocked_rows > 150);
 }
 
-/// Returns true if a ray from a point of the sail in a direction hits the chassis, by vector algebra without
+/// Returns true if a ray from a point of the sail in a direction hits the chassis; computed with vectors, without
 /// projection.
 fn stopped(point: &Vector3<f64>, direction: &Vector3<f64>, base_length: f64, base_width: f64) -> bool {
     if direction.z == 0.0 {
@@ -114,7 +114,8 @@ fn valid_blocking_against_rays_cast_one_by_one() {
     let mut sum_of_squares = 0.0;
     let mut counted = 0;
     for i in 0..geometries {
-        // Half with the paper's sizes in the range of on-station satellites, half with random values.
+        // Half of the cases have the sizes of the paper and the geometry of on-station satellites; the others are
+        // random.
         let usual = i % 2 == 0;
         let [sail_length, sail_width, base_length, base_width] =
             if usual { [8.1, 2.8, 1.3, 2.8] } else { [0; 4].map(|_| uniform.between(0.5, 12.0)) };
@@ -124,7 +125,7 @@ fn valid_blocking_against_rays_cast_one_by_one() {
         let to_observer = unit(uniform.between(-3.1, 3.1), latitude);
         let blocking = chassis_and_sail([sail_length, sail_width, base_length, base_width], offset);
         let exact = blocking.blocked(&to_sun, &to_observer);
-        // From behind, light from the front is undefined; the model's front terms are 0 there.
+        // From behind the sail, blocking in front of it is undefined; the front terms of the model are 0.
         let (mut lost, mut shaded) = (0u32, 0u32);
         for _ in 0..rays {
             let (u, v) = (uniform.between(-0.5, 0.5) * sail_width, uniform.next() * sail_length);
@@ -144,7 +145,7 @@ fn valid_blocking_against_rays_cast_one_by_one() {
             }
         }
     }
-    // The scatter is that of counting: χ² per degree of freedom of several hundred.
+    // The differences are those expected from counting: χ² per degree of freedom over several hundred cases.
     let chi2 = sum_of_squares / f64::from(counted);
     println!("{counted} comparisons, chi2 per comparison {chi2:.3}");
     assert!(counted > 400 && (0.8..1.2).contains(&chi2), "{counted} {chi2}");
@@ -152,8 +153,8 @@ fn valid_blocking_against_rays_cast_one_by_one() {
 
 #[test]
 fn verif_blocking_equals_the_papers_closed_form_where_that_holds() {
-    // POA 0, equal widths, Sun and observer below the chassis and in front of the sail, the projected corner on the
-    // sail: eqs. 15-18 with sin² δ_obs in eq. 17, and the areas of rectangle and parallelogram derived by hand.
+    // Panel offset 0, equal widths, Sun and observer below the chassis and in front of the sail, the projected corner
+    // on the sail: eqs. 15 to 18 with sin² δ_obs in eq. 17, and areas of rectangle and parallelogram derived here.
     let (l_sail, w, l_base) = (8.1, 2.8, 1.3);
     let blocking = chassis_and_sail([l_sail, w, l_base, w], 0.0);
     let mut uniform = Uniform(11);
@@ -164,7 +165,7 @@ fn verif_blocking_equals_the_papers_closed_form_where_that_holds() {
         let x_p = l_base * l * d.cos() * a.sin();
         let y_p = l_base * ((1.0 - l * d.cos() * a.cos()).powi(2) + l * l * d.sin().powi(2)).sqrt();
         let h_s = l_base * -ds.sin() / ds.cos();
-        // The corner must be on the sail, and higher than the shadow.
+        // The corner must be on the sail, and above the shadow.
         if x_p.abs() > w || y_p > l_sail || y_p < h_s {
             continue;
         }
@@ -187,8 +188,8 @@ fn verif_outlines_have_the_subtracted_areas() {
         let offset = uniform.between(-0.9, 0.9);
         let blocking = chassis_and_sail(sizes, offset);
         let to_observer = unit(uniform.between(-3.1, 3.1), uniform.between(-1.57, 0.5));
-        // The Sun above the chassis casts no shadow on the sail: only the part hidden by the chassis is lost, a
-        // parallelogram at the hinge (Lu 2024, eqs. 16 to 18), clipped to the sail.
+        // If the Sun is above the chassis, there is no shadow on the sail. Only the part hidden by the chassis is
+        // blocked: a parallelogram at the hinge (Lu 2024, eqs. 16 to 18), clipped to the sail.
         let lost = blocking.blocked(&unit(0.0, 0.3), &to_observer);
         let (below, facing) = (-to_observer.z, offset.cos() * to_observer.x + offset.sin() * to_observer.z);
         let hidden = below > 0.0 && facing > 0.0;
@@ -243,32 +244,32 @@ fn verif_effects_of_options_and_shadow_on_a_magnitude() {
     let model = library.get("starlink-v1.5").unwrap();
     let mut geometry = ViewingGeometry::from_angles(-0.25, 0.5, -0.9, 700.0, 550.0).unwrap();
     geometry.sun_distance_au = 1.0167;
-    // Sunlight only: earthshine is not dimmed to a tenth with the Sun.
+    // Without earthshine, which is not dimmed with the sunlight.
     let default = PhotometryOptions { earthshine: Earthshine::Off, ..PhotometryOptions::default() };
     let plain = model.brightness(&geometry, 1.0, &default).unwrap();
     assert_eq!(plain.source.to_string(), "brdf:starlink-v1.5");
     assert!(plain.in_fitted_range && !plain.grey_reflectance);
-    // The file's sigma, and the contribution of the coefficients' errors.
+    // Sigma of the file, and the contribution of the errors of the coefficients.
     assert!((0.417..0.45).contains(&plain.sigma_mag), "{}", plain.sigma_mag);
     assert!((plain.magnitude.0 - model.standard_magnitude(&geometry).unwrap().at_range(700.0).0).abs() < 1e-12);
     let with = |options: PhotometryOptions, lit: f64| model.brightness(&geometry, lit, &options);
     let change = |options: PhotometryOptions, lit: f64| with(options, lit).unwrap().magnitude.0 - plain.magnitude.0;
-    // A tenth of the Sun's disk is 2.5 mag fainter; without sunlight there is no magnitude.
+    // With a tenth of the Sun's disk it is 2.5 mag fainter; without sunlight there is no magnitude.
     assert!((change(default, 0.1) - 2.5).abs() < 1e-12);
     assert_eq!(with(default, 0.0), None);
     assert_eq!(with(default, f64::NAN), None);
-    // The Sun at aphelion: 5 log10 1.0167 = 0.036 mag.
+    // At aphelion the distance of the Sun changes the magnitude by 5 log10 1.0167 = 0.036 mag.
     let sun = change(PhotometryOptions { sun_distance: true, ..default }, 1.0);
     assert!((sun - 0.035_97).abs() < 1e-5, "{sun}");
-    // Extinction: k X at the altitude implied by the angles.
+    // Extinction is k X at the altitude that follows from the angles.
     let altitude = geometry.geocentric_altitude_rad().unwrap();
     let air = change(PhotometryOptions { extinction_mag_per_airmass: Some(0.12), ..default }, 1.0);
     assert!((air - 0.12 / altitude.sin()).abs() < 0.01, "{air}");
-    // r in AB by the Sun's colour: -26.93 + 26.76 mag, and a larger sigma.
+    // r (AB) differs by the colour of the Sun, -26.93 + 26.76 mag, and has a larger sigma.
     let red = with(PhotometryOptions { band: Band::LsstR, system: MagSystem::Ab, ..default }, 1.0).unwrap();
     assert!((red.magnitude.0 - plain.magnitude.0 + 0.17).abs() < 1e-12 && red.grey_reflectance);
     assert!(red.sigma_mag > plain.sigma_mag);
-    // V in AB is the same band: no colour is assumed.
+    // V in AB is the same band, so that no colour is assumed.
     let ab = with(PhotometryOptions { system: MagSystem::Ab, ..default }, 1.0).unwrap();
     assert!((ab.magnitude.0 - plain.magnitude.0 + 0.01).abs() < 1e-12 && !ab.grey_reflectance);
 }
@@ -290,15 +291,15 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
     let inside = at("starlink-v1.5", -14.0, 30.0, -50.0).unwrap();
     let outside = at("starlink-v1.5", -60.0, 30.0, -50.0).unwrap();
     assert!(inside.in_fitted_range && !outside.in_fitted_range && outside.sigma_mag > inside.sigma_mag);
-    // Sun above, observer above and behind: no visible panel is lit.
+    // Sun above, observer above and behind: no lit panel is visible.
     assert_eq!(at("starlink-v1.5", 120.0 - 90.0, 60.0, 90.0), None);
-    // Phase 4 degrees: the phase function is clamped and has a large sigma.
+    // At a phase angle of 4 degrees the phase function is clamped and has a large sigma.
     let clamped = at("v2mini", -30.0, 4.0, -30.0).unwrap();
     assert!(!clamped.in_fitted_range && clamped.sigma_mag > at("v2mini", -14.0, 90.0, -50.0).unwrap().sigma_mag);
     assert_eq!(clamped.source.to_string(), "phase:v2mini");
     // A prior does not depend on the direction.
     assert_eq!(at("unknown", -14.0, 90.0, -50.0), at("unknown", -60.0, 9.0, -10.0));
-    // A sphere by its standard magnitude: at phase 90 degrees that number.
+    // Magnitude of a sphere at a phase angle of 90 degrees: its standard magnitude.
     let sphere = BrightnessModel::from_standard_magnitude(StandardMagnitude(5.5));
     let geometry = ViewingGeometry::from_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2, 1000.0, 1000.0).unwrap();
     let brightness = sphere.brightness(&geometry, 1.0, &options).unwrap();
@@ -306,7 +307,7 @@ fn verif_the_fitted_range_is_flagged_and_no_light_gives_none() {
     assert_eq!(brightness.source.to_string(), "stdmag");
 }
 
-/// Columns computed with the widest vectors agree with single directions to 1e-9 mag, for all attitudes.
+/// Columns computed with the widest vector instructions agree with single directions to 1e-9 mag, for all attitudes.
 #[test]
 fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
     let mut uniform = Uniform(21);
@@ -321,7 +322,7 @@ fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
             shape.sail_length_m = length(&mut uniform);
             shape.sail_width_m = length(&mut uniform);
             shape.base_length_m = length(&mut uniform);
-            // Every other pair has panels of equal width, as in the paper.
+            // In every second pair, the panels have equal width, as in the paper.
             shape.base_width_m = if number % 2 == 0 { shape.sail_width_m } else { length(&mut uniform) };
             shape.panel_offset_deg = if number % 3 == 0 { 0.0 } else { uniform.between(-40.0, 40.0) };
             let c = file.coefficients.as_mut().unwrap();
@@ -331,7 +332,7 @@ fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
             (c.n_sail, c.n_base) = (uniform.between(0.0, 60.0), uniform.between(0.0, 400.0));
         }
         let model = BrightnessModel::from_file(file, "own").unwrap();
-        // Not a multiple of any vector width, and directions at the limits of the formulas.
+        // The length is not a multiple of any vector width, and directions at the limits of the formulas are included.
         let mut columns = [
             vec![0.0, -0.3, -0.3, -FRAC_PI_2, -0.3],
             vec![0.0, 0.0, PI, 1.0, FRAC_PI_2],
@@ -353,7 +354,7 @@ fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
             let to_sun = Direction::<Body>::from_lon_lat_rad(0.0, columns[0][row]);
             let to_observer = Direction::<Body>::from_lon_lat_rad(columns[1][row], columns[2][row]);
             let terms = model.satellite().unwrap().terms_of_directions(to_sun.vector(), to_observer.vector());
-            // Light so faint (30 mag) that its existence depends on rounding.
+            // Light so faint (30 mag) that rounding determines whether it is zero.
             if terms.b_total_m2_sr() < 1e-14 {
                 assert!(magnitude.is_nan() || magnitude > 35.0, "{magnitude} of {terms:?}");
                 continue;
@@ -361,7 +362,7 @@ fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
             let geometry =
                 ViewingGeometry::from_angles(columns[0][row], columns[1][row], columns[2][row], 1000.0, 550.0).unwrap();
             let expected = model.standard_magnitude(&geometry).unwrap().0;
-            // The visible part of an almost hidden sail has the rounding error of its whole area.
+            // For an almost hidden sail, the visible part has the rounding error of the whole area.
             let allowed = 1e-9 + 1e-13 / terms.b_total_m2_sr();
             assert!((magnitude - expected).abs() < allowed, "{number} {row}: {magnitude} {expected} {terms:?}");
             compared += 1;

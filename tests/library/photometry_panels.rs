@@ -1,4 +1,5 @@
-//! Satellites of panels: the closed form of chassis and sail, single rays, covariance, and invalid files.
+//! Satellites made of panels compared with the closed form of chassis and sail and with single rays; covariance; errors
+//! for invalid files.
 
 use crate::common::agreement::Agreement;
 use std::f64::consts::PI;
@@ -14,7 +15,7 @@ use streakcast::photometry::{
     BrightnessModel, Coefficients, Earthshine, PhotometryOptions, SatelliteModel, SatelliteShape,
 };
 
-/// A model file of kind `panels` with this content.
+/// Returns a model file of kind `panels` with this content.
 fn file(panels: Value, covariance: Value) -> String {
     json!({
         "schema": 1, "name": "own", "title": "Own", "kind": "panels", "band": "V", "mag_system": "Vega", "size_m": 4.0,
@@ -25,7 +26,7 @@ fn file(panels: Value, covariance: Value) -> String {
     .to_string()
 }
 
-/// The paper's satellite as a list of panels.
+/// Returns the satellite of the paper as a list of panels.
 fn chassis_and_sail(shape: &SatelliteShape) -> Value {
     let half = |width: f64| json!([-0.5 * width, 0.5 * width]);
     json!({
@@ -51,15 +52,15 @@ fn coefficients() -> Coefficients {
     Coefficients { c1: 0.1, c2: 0.03, c3: 0.005, c4: 0.2, c5: 0.08, n_sail: 5.0, n_base: 22.0 }
 }
 
-/// Sun anywhere in the half plane, observer anywhere.
+/// Returns a direction of the Sun in the half plane of azimuth 0, and any direction of the observer.
 fn directions(random: &mut Random) -> (Vector3<f64>, Vector3<f64>) {
     let sun: f64 = random.between(-1.5, 1.5);
     (Vector3::new(sun.cos(), 0.0, sun.sin()), random.direction())
 }
 
-/// For any position of Sun and observer and any offset, the light of each term and the blocked fraction of a list of
-/// panels agree with the closed form to 1e-9. With the Sun or the observer above the chassis plane the list of panels
-/// is more accurate (the sail's back is not hidden, and the chassis is dark).
+/// For any directions of Sun and observer and any panel offset, the light of each term and the blocked fraction of a
+/// list of panels agree with the closed form to 1e-9. If the Sun or the observer is above the plane of the chassis, the
+/// list of panels is more accurate (the back of the sail is not hidden, and the chassis is dark).
 #[test]
 fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
     let mut random = Random(3);
@@ -99,7 +100,7 @@ fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
     assert!(compared > 4000, "{compared} geometries were partly blocked");
 }
 
-/// Returns true if a ray from a point of one rectangle in a direction hits another.
+/// Returns true if a ray from a point of a rectangle in a direction hits another rectangle.
 fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle) -> bool {
     let along = other.axes.normal.dot(direction);
     let t = other.axes.normal.dot(&(other.anchor_m - from)) / along;
@@ -112,7 +113,7 @@ fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle)
 }
 
 /// Random satellites of four panels at random angles, all in front of the first: the exact fraction compared with a
-/// grid of 100 x 100 rays to Sun and observer. A grid of N x N has an error of the border's length in cells: 0.02 for
+/// grid of 100 x 100 rays to Sun and observer. The error of such a grid is the length of the borders in cells: 0.02 for
 /// six borders.
 #[test]
 fn valid_obstruction_of_random_panels_against_rays_cast_one_by_one() {
@@ -189,7 +190,7 @@ fn verif_gradient_of_the_two_panels_against_differences() {
     }
 }
 
-/// The same covariance gives the same sigma through derivatives and through changed parameters.
+/// For the same covariance, derivatives and changed parameters give the same sigma.
 #[test]
 fn verif_covariance_widens_the_sigma() {
     let shape = json!({"sail_length_m": 8.1, "sail_width_m": 2.8, "base_length_m": 1.3, "base_width_m": 2.8, "panel_offset_deg": 0.0});
@@ -295,7 +296,7 @@ fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
             &["reflected fraction", "sail"],
         ),
         (
-            // Directly transmitted light counts too.
+            // Directly transmitted light is included.
             &|s| {
                 s["conserves_energy"] = json!(true);
                 s["panels"][0]["through"][0] = json!({"law": "straight", "weight": 0.95, "exponent": 30});
@@ -309,7 +310,7 @@ fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
         assert!(words.iter().all(|word| error.contains(word)), "{error} lacks one of {words:?}");
         assert!(error.starts_with("model file own.json"), "{error}");
     }
-    // Reflectance of one face may be given where it is valid.
+    // The reflectance of one face may be given if the law is valid for one face.
     let mut held = good.clone();
     held["conserves_energy"] = json!(true);
     assert!(BrightnessModel::from_json(&file(held, Value::Null), "own").is_ok());
@@ -317,7 +318,7 @@ fn verif_invalid_panels_are_rejected_with_key_and_allowed_values() {
     assert!(short.contains("7 x 7"), "{short}");
 }
 
-/// The paper's satellite gives the same light if geometry without coefficients and laws without geometry are combined.
+/// Geometry without coefficients and laws without geometry together give the light of the paper's satellite.
 #[test]
 fn verif_lit_faces_and_laws_add_up_to_the_whole() {
     let shape = SatelliteShape {
@@ -338,7 +339,7 @@ fn verif_lit_faces_and_laws_add_up_to_the_whole() {
         let (to_sun, to_observer) = directions(&mut random);
         let lit = start.lit_faces(&to_sun, &to_observer);
         assert_eq!(lit, moved.lit_faces(&to_sun, &to_observer));
-        // Geometry of one satellite with the laws of the other.
+        // Geometry of one satellite with the laws of the other satellite.
         let sum: f64 = lit
             .iter()
             .flat_map(|lit| {
@@ -377,7 +378,7 @@ fn verif_ranges_and_proportions_of_parameters() {
         }]
     }))
     .unwrap();
-    // A parameter used as both weight and exponent has the range allowed for both, and light is not proportional to it.
+    // A parameter used as weight and as exponent has the range common to both; light is then not proportional to it.
     let expected = [
         ([0.5, 1.0], false),
         ([0.0, 1.0], true),
@@ -401,7 +402,7 @@ fn verif_ranges_and_proportions_of_parameters() {
 /// Rough mirrors agree with those rendered by Mitsuba.
 #[test]
 fn valid_facets_against_mitsuba() {
-    /// Relative tolerance: two masking factors, each from a rational fit with an error of 0.35 %.
+    /// Relative tolerance: two masking factors, each a rational fit with an error of 0.35 %.
     const MASKING_FIT: f64 = 0.0071;
     let unit = |zenith_deg: f64, azimuth_deg: f64| {
         let (zenith, azimuth) = (zenith_deg.to_radians(), azimuth_deg.to_radians());
@@ -421,8 +422,8 @@ fn valid_facets_against_mitsuba() {
     assert!(compared > 250, "{compared}");
 }
 
-/// The Earth is sampled finely enough for the lobes of facets and retroreflection: the rule for the law's exponent is
-/// compared with one of several times the nodes in either direction.
+/// The quadrature over the Earth is fine enough for the lobes of facets and retroreflection: the nodes for the exponent
+/// of the law are compared with several times as many nodes in each direction.
 #[test]
 fn verif_earthshine_by_new_lobes() {
     let laws = [
@@ -432,7 +433,7 @@ fn verif_earthshine_by_new_lobes() {
         Law::Retro(Retro { weight: 1.0, exponent: 3.0 }),
         Law::Retro(Retro { weight: 1.0, exponent: 80.0 }),
     ];
-    /// Exponent for which the rule has at least 2.5 times the nodes that the laws require.
+    /// Exponent for which the quadrature has at least 2.5 times the nodes that the laws require.
     const FINE_EXPONENT: f64 = 1000.0;
     let normal = -Vector3::z();
     let mut worst = [0.0_f64; 2];
@@ -452,9 +453,11 @@ fn verif_earthshine_by_new_lobes() {
                         };
                         sources.iter().map(of_source).sum()
                     };
-                    // Relative to the maximum light of the same panel: lobes that miss the lit ground are dark.
+                    // Relative to the maximum light of the same panel, because lobes that do not reach lit ground are
+                    // dark.
                     let off = (light(&coarse) - light(&fine)).abs() / light(&fine).max(0.01);
-                    // The first lobe is narrower than the rule allows for, and narrowest for grazing views.
+                    // The lobe of the first panel is narrower than the quadrature allows for, especially for grazing
+                    // views.
                     let slant = usize::from(nadir_deg > 60.0 && place == 0);
                     worst[slant] = worst[slant].max(off);
                 }
@@ -464,8 +467,8 @@ fn verif_earthshine_by_new_lobes() {
     assert!(worst[0] < 2e-3 && worst[1] < 0.05, "{worst:?}");
 }
 
-/// Spheres in addition to panels: their light is added independently and can be separated again; the file survives a
-/// round trip.
+/// Spheres in addition to panels: their light is added and can be separated again. Writing and reading the file gives
+/// the same model.
 #[test]
 fn verif_spheres_add_to_the_panels() {
     let shape = SatelliteShape {

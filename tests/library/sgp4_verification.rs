@@ -1,10 +1,10 @@
-//! Vallado's verification set: every state printed by the reference code, and every failure.
+//! Verification set of Vallado: all states printed by the reference code, and all failures.
 
 use crate::common::agreement::Agreement;
 use streakcast::elements::{ElementSet, ReadOptions, Satellites};
 use streakcast::orbit::{OrbitError, Propagator};
 
-/// Tolerances: the reference prints 10 µm and 1 µm/s; rounding grows over months of deep-space resonance.
+/// Tolerances: the reference prints 10 µm and 1 µm/s; rounding errors grow over months in deep-space resonance.
 const POSITION_KM: f64 = 3e-7;
 const VELOCITY_KM_S: f64 = 2e-9;
 
@@ -18,7 +18,7 @@ struct Case {
     states: Vec<Printed>,
 }
 
-/// A state of the AFSPC mode; without position and velocity where it fails.
+/// State of the AFSPC mode; position and velocity are missing where it fails.
 struct AfspcState {
     id: u32,
     minutes: f64,
@@ -41,7 +41,7 @@ fn cases() -> Option<Vec<Case>> {
         }
     }
 
-    // Start, stop and step in minutes follow the 69 columns of the second line.
+    // The second line is followed, after column 69, by start, stop and step in minutes.
     let lines: Vec<&str> = elements.lines().filter(|line| line.starts_with(['1', '2'])).collect();
     assert_eq!(lines.len(), 2 * printed.len());
     let cases = lines.chunks(2).zip(printed).map(|(pair, states)| {
@@ -56,7 +56,7 @@ fn cases() -> Option<Vec<Case>> {
     Some(cases.collect())
 }
 
-/// The same cases as printed by the AFSPC mode of the reference code (tcppver.out is its "improved" mode).
+/// Returns the states printed by the reference code in AFSPC mode (tcppver.out is of the "improved" mode).
 fn afspc_states() -> Option<Vec<AfspcState>> {
     let path = crate::common::data_dir()?.join("reference").join("sgp4_vallado").join("sgp4rs_test_cases.toml");
     let table: toml::Table = std::fs::read_to_string(path).expect("the cases").parse().expect("TOML");
@@ -81,8 +81,8 @@ fn distance(a: &[f64; 3], b: &[f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// The only orbit of the set for which the two modes of the reference code differ, and the time from which they do,
-/// minutes: its node passes a branch at 420 minutes.
+/// Only orbit of the set for which the two modes of the reference code differ, and the time of the first difference,
+/// minutes: its node crosses a branch of the angle at 420 minutes.
 const TWO_MODES: (u32, f64) = (23599, 410.0);
 const TWO_MODES_KM: f64 = 1.0;
 
@@ -95,7 +95,7 @@ fn valid_all_states_against_vallado() {
     let mut speed = Agreement::new("SGP4, velocities", "Vallado's verification set", VELOCITY_KM_S, "km/s");
     for case in &cases {
         let id = case.elements.norad_id.0;
-        // The one state of 33334 is left over from 33333 in the reference program: SGP4 fails there.
+        // In the output of the reference program, the state of 33334 is that of 33333; SGP4 fails for 33334.
         if id == 33334 {
             continue;
         }
@@ -122,7 +122,7 @@ fn valid_all_states_against_the_afspc_mode() {
     let (Some(cases), Some(expected)) = (cases(), afspc_states()) else { return };
     let (mut states, mut failures, mut branch) = (0, 0, 0);
     for AfspcState { id, minutes, state } in &expected {
-        // 20413 is contained twice, with the same elements.
+        // Object 20413 occurs twice, with the same elements.
         let case = cases.iter().find(|case| case.elements.norad_id.0 == *id).unwrap_or_else(|| panic!("no case {id}"));
         let ours = Propagator::new(&case.elements).and_then(|propagator| propagator.teme_state_at_minutes(*minutes));
         match (state, ours) {
@@ -143,8 +143,8 @@ fn valid_all_states_against_the_afspc_mode() {
 #[test]
 fn valid_failures_against_vallado() {
     let Some(cases) = cases() else { return };
-    // Cases that the reference code ends early, with its error code: 1 and 3 eccentricities, 4 semi-latus rectum, 6
-    // decayed.
+    // Cases that the reference code ends early, with its error code: 1 and 3 for the eccentricity, 4 for the semi-latus
+    // rectum, 6 for a decayed orbit.
     let expected = [
         (22312, 494.2, 1),
         (28350, 1560.0, 1),
@@ -159,7 +159,7 @@ fn valid_failures_against_vallado() {
         let id = case.elements.norad_id.0;
         let last = case.states.last().expect("a state").0;
         let next = if id == 33334 { 0.0 } else { last + case.step_min };
-        // The reference ends with a state at the stop time, so a shorter last step is no failure.
+        // The reference ends with a state at the stop time, so that a shorter last step is not a failure.
         if next > case.stop_min + 1e-6 {
             continue;
         }

@@ -1,4 +1,4 @@
-//! Times of shadow entry and exit, compared with Skyfield's Sun and a cone, and with rays against the ellipsoid.
+//! Times of shadow entry and exit compared with a cone, and with rays past the ellipsoid, for the Sun of Skyfield.
 
 use crate::common::agreement::Agreement;
 use std::collections::BTreeSet;
@@ -9,12 +9,12 @@ use streakcast::frames::{EopTable, Gcrs, OrientationTable, Position, seconds_aft
 use streakcast::geometry::{Illumination, SunTable, illumination};
 use streakcast::orbit::Propagator;
 
-/// Tolerance of times: the positions of Sun and Earth differ (epv00 and DE421: 11 km), times are bisected to 0.1 ms,
-/// and high orbits that graze the shadow are the worst case.
+/// Tolerance of times, seconds: the positions of Sun and Earth differ (epv00 and DE421, 11 km), times are bisected to
+/// 0.1 ms, and high orbits along the edge of the shadow have the largest differences.
 const MOMENT_S: f64 = 0.02;
 
-/// Angle between the edges of the Sun and of a spherical Earth, by the closed form of the golden cone, from our
-/// positions of satellite and Sun.
+/// Returns the angles between the edge of a spherical Earth and the near and far edge of the Sun, radians, negative in
+/// the penumbra and umbra. The formula is that of the golden cone; the positions are those of this library.
 fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
     let to_sun = *sun - *satellite;
     let (r, d) = (satellite.norm_km(), to_sun.norm_km());

@@ -1,4 +1,4 @@
-//! Synthetic constellations: labels, numbers, altitude, and identical satellites at every epoch.
+//! Simulated constellations: marks, numbers, altitude, and the same satellites at every epoch.
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, FIRST_SYNTHETIC_ID, NoradId, Origin};
@@ -29,9 +29,9 @@ fn verif_shells_are_labelled_and_numbered() {
 
 #[test]
 fn verif_shells_have_their_altitude_and_the_same_satellites_at_every_epoch() {
-    /// Tolerance of the mean radius: the closed form omits J₂² terms below 10 m; sampling in 200 steps adds little.
+    /// Tolerance of the mean radius: the closed form omits J₂² terms below 10 m, and 200 samples are averaged.
     const MEAN_RADIUS_TOLERANCE_KM: f64 = 0.02;
-    /// Tolerance after thirty days of secular rates; SGP4 itself contributes a kilometre.
+    /// Tolerance after thirty days of secular rates; SGP4 itself causes a kilometre.
     const SAME_SATELLITE_TOLERANCE_KM: f64 = 1.0;
     let epoch = Epoch::from_gregorian_utc_at_midnight(2026, 3, 20);
     for constellation in Constellation::embedded() {

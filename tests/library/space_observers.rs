@@ -1,4 +1,4 @@
-//! Telescopes in orbit: directions compared with Skyfield, the candidate search compared with every pair, blocking by
+//! Telescopes in orbit: directions compared with Skyfield, candidate search compared with all pairs, and blocking by
 //! the Earth.
 
 use crate::common::agreement::Agreement;
@@ -30,8 +30,8 @@ fn sky(elements: Vec<ElementSet>, observer: &ElementSet) -> Sky {
     Sky::with_models(elements, observer, EopTable::embedded(), &choice)
 }
 
-/// Tolerance of directions: Skyfield has its own UT1, of which only a rotation of TEME by 10⁻⁴ s remains, and Sun and
-/// Earth from DE421 (0.01"); SGP4 is the same.
+/// Tolerance of directions, arcsec. Skyfield uses its own UT1, which only rotates TEME by 10⁻⁴ s, and Sun and Earth
+/// from DE421 (0.01"); SGP4 is the same.
 const DIRECTION_ARCSEC: f64 = 0.02;
 
 #[test]
@@ -60,7 +60,7 @@ fn valid_directions_from_orbit_against_skyfield() {
         let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
         directions.see(arcsec(seen.direction.separation_rad(&theirs)));
         ranges.see(seen.range_km - range_km);
-        // The effect is really tested: geometric directions are up to 25" off in both.
+        // The effect is large enough: geometric directions differ by up to 25" in both programs.
         let plain = seen.geometric.direction().expect("apart").separation_rad(&theirs);
         assert!((arcsec(plain) - off_arcsec).abs() < DIRECTION_ARCSEC, "{line}: {}", arcsec(plain));
         rows += 1;
@@ -88,7 +88,7 @@ fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f
     }
 }
 
-/// Returns orbits close to and far from those of the observers: the same shells, above, below, eccentric,
+/// Returns orbits near and far from those of the observers: in the same shells, above, below, eccentric,
 /// geosynchronous.
 fn swarm(random: &mut Random, count: usize) -> Vec<ElementSet> {
     (0..count)
@@ -105,13 +105,13 @@ fn swarm(random: &mut Random, count: usize) -> Vec<ElementSet> {
         .collect()
 }
 
-/// Largest relative speed of two objects bound to the Earth, km/s.
+/// Largest relative speed of two objects in bound orbits, km/s.
 const FASTEST_KM_S: f64 = 22.0;
-/// Satellites inside a field for less than this time may be missed, seconds.
+/// Satellites that are inside a field for less than this time may be omitted, seconds.
 const FINEST_S: f64 = 5e-4;
 
-/// Returns true if one pair is ever inside the field, without candidate search, arcs or roots: steps over the time in
-/// which the field can be reached.
+/// Returns true if a satellite is inside the field at any time. It is computed in time steps, which depend on how soon
+/// the field can be reached, without candidate search, arcs or root finding.
 fn is_inside(
     observer: &Propagator,
     satellite: &Propagator,
@@ -139,14 +139,14 @@ fn is_inside(
         if angle_rad <= radius_rad {
             return EarthLimb::default().clearance_km(&here.position, &there.position) > 0.0;
         }
-        // Squared distance from the cone's edge.
+        // Squared distance from the edge of the cone.
         let gap_km = seen.range_km * (angle_rad - radius_rad).min(1.5).sin();
         time_s += (gap_km / FASTEST_KM_S).max(FINEST_S);
     }
     false
 }
 
-/// In 120 exposures of 1,000 satellites no crossing is missed and none is false.
+/// In 120 exposures of 1,000 satellites, all crossings are found, and none is false.
 #[test]
 fn verif_no_crossing_is_lost_from_orbit() {
     let mut random = Random(7);
@@ -157,7 +157,7 @@ fn verif_no_crossing_is_lost_from_orbit() {
     let satellites = swarm(&mut random, 1000);
     let propagators: Vec<Propagator> = satellites.iter().map(|set| Propagator::new(set).expect("an orbit")).collect();
     let (mut pairs, mut crossings, mut near) = (0, 0, 0);
-    // Low circular, sun-synchronous height, transfer orbit, geosynchronous.
+    // Low circular orbit, sun-synchronous height, transfer orbit, geosynchronous orbit.
     for (revolutions_day, eccentricity) in [(15.3, 0.0002), (14.2, 0.001), (2.3, 0.72), (1.0027, 0.0003)] {
         let own = synthetic(600_000_000, &mut random, revolutions_day, eccentricity);
         let observer = Propagator::new(&own).expect("an orbit");
@@ -184,7 +184,7 @@ fn verif_no_crossing_is_lost_from_orbit() {
                 let is_reported = found.contains(&element_index);
                 assert!(!inside || is_reported, "{revolutions_day} {exposure:?}: {element_index} was lost");
                 if is_reported && !inside {
-                    // It may have been inside for less than a step, or behind the Earth at entry.
+                    // The satellite may be inside for less than a step, or behind the Earth at entry.
                     let pass = passes.by_exposure[0].iter().find(|pass| pass.element_index == element_index);
                     let pass = pass.expect("a reported pass");
                     let stay_s: f64 = pass.chords.iter().map(|chord| chord.exit_s - chord.enter_s).sum();
@@ -195,7 +195,7 @@ fn verif_no_crossing_is_lost_from_orbit() {
                 pairs += 1;
                 crossings += usize::from(inside);
             }
-            // Every reported crossing is clear of the Earth and has no horizon.
+            // Every reported crossing is above the Earth's limb, and has no altitude above a horizon.
             for pass in &passes.by_exposure[0] {
                 assert!(pass.mid.altitude_rad.is_none() && pass.mid.azimuth_rad.is_none());
                 assert!(pass.mid.range_km > 0.0 && pass.angular_rate_rad_s.is_finite());
@@ -211,7 +211,7 @@ fn verif_no_crossing_is_lost_from_orbit() {
 fn verif_close_encounters_are_found_and_the_observer_is_excluded() {
     let mut random = Random(3);
     let own = synthetic(600_000_000, &mut random, 15.3, 0.0002);
-    // The same orbit in the opposite direction: it approaches at 15 km/s and passes within kilometres.
+    // The same orbit in the opposite direction: the satellite approaches at 15 km/s and passes at a few kilometres.
     let mut other = own.clone();
     other.norad_id = NoradId(600_000_001);
     other.inclination_deg = 180.0 - own.inclination_deg + 0.1;
@@ -235,7 +235,7 @@ fn verif_close_encounters_are_found_and_the_observer_is_excluded() {
     let nearest = nearest_of(nearest_of(0.0, 1.0, 7000) - 1.0, 1e-3, 2000);
     let miss_km = apart(nearest).norm_km();
     assert!((0.5..60.0).contains(&miss_km), "{miss_km}");
-    // A field in the direction of closest approach, exposed for two minutes around it.
+    // Field in the direction at closest approach, exposed for two minutes around it.
     let pointing = apart(nearest).direction().expect("apart");
     let exposure = Exposure {
         id: "1".into(),
@@ -252,7 +252,7 @@ fn verif_close_encounters_are_found_and_the_observer_is_excluded() {
         others => panic!("{others:?}"),
     };
     assert_eq!(pass.norad_id, NoradId(600_000_001));
-    // 15 km/s at its distance.
+    // 15 km/s at this range.
     let rate = pass.angular_rate_rad_s * pass.mid.range_km;
     println!("passes at {miss_km:.1} km, {:.1} deg/s", pass.angular_rate_rad_s.to_degrees());
     assert!(pass.is_crossing() && (10.0..16.0).contains(&rate), "{rate}");
@@ -277,14 +277,14 @@ fn the_earth_blocks_and_requests_with_a_horizon_are_rejected() {
         let options = PassOptions { include_dark: true, ..PassOptions::default() };
         sky.field_passes(&[exposure], &field, &options).expect("an answer").by_exposure.swap_remove(0)
     };
-    // Downwards only satellites between the telescope and the ground are visible, upwards all up to the geosynchronous
-    // ring.
+    // Downwards, only satellites between the telescope and the ground are visible; upwards, all up to geosynchronous
+    // orbits.
     let below = seen(down);
     assert!(!below.is_empty() && below.iter().all(|pass| pass.mid.range_km < 4800.0), "{}", below.len());
     assert!(seen(up).iter().any(|pass| pass.mid.range_km > 20_000.0));
     let refused = sky.snapshots(start, &[0.0], &SnapshotOptions::all_above(0.0));
     assert!(matches!(refused, Err(SkyError::NoHorizon { .. })));
-    // A decayed observer is an error, not an empty sky.
+    // A decayed telescope is an error, and not an empty sky.
     let mut fallen = own.clone();
     fallen.mean_motion_rev_day = 16.6;
     fallen.bstar_per_earth_radius = 0.1;

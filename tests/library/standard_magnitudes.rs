@@ -1,4 +1,4 @@
-//! Magnitudes of objects of known standard magnitude compared with Heavens-Above, and the built-in bright objects.
+//! Magnitudes from standard magnitudes compared with Heavens-Above, and built-in bright objects.
 
 use hifitime::{Epoch, Unit};
 use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
@@ -11,7 +11,8 @@ use streakcast::photometry::{
     BrightObjects, DiffuseSphere, MagnitudeSource, StandardMagnitude, StandardMagnitudes, StandardObject,
 };
 
-/// Rounding of Heavens-Above's magnitudes and times, mag; a pass by the zenith brightens by 0.03 mag in a second.
+/// Tolerance for the rounding of magnitudes and times by Heavens-Above, mag. Near the zenith, a pass brightens by 0.03
+/// mag in a second.
 const PRINTED_MAG: f64 = 0.1;
 
 fn elements(data: &std::path::Path, id: u32) -> ElementSet {
@@ -26,7 +27,7 @@ fn sky(set: ElementSet, site: Site) -> Sky {
     Sky::with_models(vec![set], Observer::new(site), eop, &ModelChoice::default()).with_drag(DragModel::Published)
 }
 
-/// Rows of one pass: clock, distance, km, magnitude.
+/// Returns the rows of one pass: time, range (km), magnitude.
 fn events(text: &str, date: &str) -> Vec<(String, f64, f64)> {
     let pass = text.split("Date:").find(|pass| pass.trim_start().starts_with(date)).unwrap();
     let row = |line: &str| {
@@ -37,8 +38,8 @@ fn events(text: &str, date: &str) -> Vec<(String, f64, f64)> {
     pass.lines().filter_map(row).collect()
 }
 
-/// HST over San Antonio and Envisat over Cape Town, with the places and intrinsic magnitudes of the tests of passpredict
-/// (MIT), from which the rows come.
+/// HST over San Antonio and Envisat over Cape Town, with the sites and intrinsic magnitudes of the tests of passpredict
+/// (MIT licence), which contain the rows.
 #[test]
 fn valid_phase_rule_of_standard_magnitudes_against_heavens_above() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -55,11 +56,11 @@ fn valid_phase_rule_of_standard_magnitudes_against_heavens_above() {
             let local: Epoch = format!("{day}T{clock} UTC").parse().unwrap();
             let (points, _) = sky.ephemeris(&[0], &[local - offset_h * Unit::Hour], None).unwrap();
             let point = &points[0].point;
-            // Printed to a kilometre and a second.
+            // The rows have whole kilometres and seconds.
             assert!((point.range_km - distance_km).abs() < 8.0, "{clock}: {} {distance_km}", point.range_km);
             let phase_rad = point.geometry.phase_angle_rad();
             let half_lit = object.half_lit;
-            // Illuminated fraction of a sphere, as in QuickSat: (1 + cos φ)/2.
+            // Illuminated fraction of a sphere as in QuickSat: (1 + cos φ)/2.
             let fraction = half_lit.0 - 2.5 * (1.0 + phase_rad.cos()).log10();
             let rules = [
                 StandardObject { half_lit }.standard_magnitude(phase_rad).unwrap().0,
@@ -82,7 +83,7 @@ fn valid_phase_rule_of_standard_magnitudes_against_heavens_above() {
     assert!(worst(0) < PRINTED_MAG && worst(1) > 10.0 * PRINTED_MAG && worst(2) > 20.0 * PRINTED_MAG);
 }
 
-/// The brightest moments of 15 passes of the ISS with its built-in magnitude.
+/// Brightest times of 15 passes of the ISS with its built-in magnitude.
 #[test]
 fn valid_iss_without_a_file_against_heavens_above() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -112,7 +113,7 @@ fn valid_iss_without_a_file_against_heavens_above() {
     assert_eq!(compared, 15);
 }
 
-/// Class means are those of the listed magnitudes.
+/// Magnitudes of classes are the means of the listed magnitudes.
 #[test]
 fn valid_class_means_of_rocket_bodies() {
     let Some(data) = crate::common::data_dir() else { return };
@@ -149,7 +150,7 @@ fn verif_built_in_objects_have_their_models() {
     assert_eq!(source(19_120, "SL-16 R/B"), "prior:sl-16-rocket-body");
     assert_eq!(source(19_120, "CZ-99 R/B"), "prior:rocket-body");
     assert_eq!(source(12, "VANGUARD 2"), "prior");
-    // A table of the user comes first.
+    // A table of the user takes precedence.
     let table = StandardMagnitudes::from_qs_mag("25544   98 67A    ISS            -2.0              348\n").unwrap();
     let own = ModelChoice::default().with_standard_magnitudes(table).model_of(&named(25_544, "ISS"));
     let geometry = ViewingGeometry::from_angles(0.0, 0.0, -std::f64::consts::FRAC_PI_2, 1000.0, 420.0).unwrap();

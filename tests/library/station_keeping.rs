@@ -1,9 +1,9 @@
-//! Satellites that hold their orbits: lateness and crossings with elements 1 to 14 days old, against later elements of
-//! the same satellites.
+//! Satellites that hold their orbits: along-track errors and crossings with elements 1 to 14 days old, compared with
+//! later elements of the same satellites.
 //!
-//! The Starlink catalogue of every day of June 2026. The calibration used even catalogue numbers and elements of 2, 9,
-//! 16 and 23 June; these tests use odd numbers and other days. The widening of the core sigmas was chosen on those days
-//! too.
+//! The data are the Starlink catalogues of every day of June 2026. The calibration used even catalogue numbers and
+//! elements of 2, 9, 16 and 23 June; these tests use odd numbers and other days. The widening of the core sigmas was
+//! chosen on these days too.
 
 use std::collections::BTreeMap;
 
@@ -17,7 +17,7 @@ use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 
 use crate::common::random::Random;
 
-/// Element sets of a day of June 2026 with odd catalogue numbers, by number; `None` without the data folder.
+/// Returns element sets of a day of June 2026 with odd catalogue numbers, by number; `None` without the data folder.
 fn day(day: u32) -> Option<BTreeMap<NoradId, ElementSet>> {
     let file = crate::common::data_dir()?.join(format!("tle/daily_2026-06/starlink_2026-06-{day:02}.tle.gz"));
     let satellites = Satellites::from_files([file]).expect("a file of element sets");
@@ -25,7 +25,7 @@ fn day(day: u32) -> Option<BTreeMap<NoradId, ElementSet>> {
     Some(odd.map(|set| (set.norad_id, set)).collect())
 }
 
-/// Time by which a prediction is ahead of the satellite at the epoch of a later element set, seconds.
+/// Returns the time by which a prediction is ahead of the satellite at the epoch of a later element set, seconds.
 fn lateness_s(old: &ElementSet, later: &ElementSet, drag: DragModel) -> Option<f64> {
     let orientation = Orientation::at(later.epoch, &EopTable::embedded());
     let predicted = Propagator::with_drag(old, drag).ok()?.state(later.epoch, &orientation.teme_to_gcrs).ok()?;
@@ -53,8 +53,8 @@ struct Cell {
     inside: usize,
 }
 
-/// 68 % of the delays are within these limits, seconds, and one sigma contains 63 to 73 % (with three sigma of the
-/// sample's scatter).
+/// 68 % of the delays are within these limits, seconds, and one sigma contains 63 to 73 %, with a tolerance of three
+/// sigma of the sampling error.
 #[test]
 fn valid_lateness_of_station_keeping_satellites() {
     if crate::common::data_dir().is_none() {
@@ -91,7 +91,7 @@ fn valid_lateness_of_station_keeping_satellites() {
             }
         }
     }
-    // Half widths of 68 %, seconds, at 1, 3, 7, 14 days.
+    // Half widths that contain 68 %, seconds, at 1, 3, 7 and 14 days.
     let limits_s = [
         ("V1.5", [1.0, 2.0, 3.5, 9.5]),
         ("VisorSat, V2 Mini", [1.2, 2.5, 5.0, 11.0]),
@@ -108,7 +108,8 @@ fn valid_lateness_of_station_keeping_satellites() {
             println!("{name}, {age} d: {count} pairs, published {published_s:.2} s, {ours_s:.2} s, inside {inside:.3}");
             assert!(ours_s <= limit_s, "{name}, {age} d: {ours_s:.2} s, allowed {limit_s}");
             assert!(ours_s <= 1.05 * published_s, "{name}, {age} d: {ours_s:.2} s, published {published_s:.2} s");
-            // Binomial scatter, satellites of one launch moving alike: three times that of independent ones.
+            // Binomial sampling error. Satellites of one launch move alike, so that it is three times that of
+            // independent ones.
             let scatter = 3.0 * (0.6827_f64 * 0.3173 / count).sqrt();
             assert!((inside - 0.68).abs() <= 0.05 + scatter, "{name}, {age} d: one sigma holds {inside:.3}");
         }
@@ -120,13 +121,13 @@ fn sky(elements: Vec<ElementSet>) -> Sky {
     Sky::with_models(elements, observer, EopTable::embedded(), &ModelChoice::default())
 }
 
-/// Random fields over the site in the night that ends on a day of June 2026.
+/// Returns random fields over the site in the night that ends on a day of June 2026.
 fn exposures(night: u32, count: usize, draws: &mut Random) -> Vec<Exposure> {
     let dusk = Epoch::from_gregorian_utc(2026, 6, night as u8 - 1, 23, 0, 0, 0);
     (0..count)
         .map(|number| {
             let hours = 10.5 * draws.uniform();
-            // Local sidereal time at X05: 12.1 h at 23 h UTC on 19 June, 0.0657 h later each day.
+            // Local sidereal time at X05: 12.1 h at 23 h UTC on 19 June, and 0.0657 h more each day.
             let sidereal_h = 12.1 + 0.0657 * (f64::from(night) - 20.0) + 1.0027 * hours;
             let distance_deg = 60.0 * draws.uniform().sqrt();
             let turn = std::f64::consts::TAU * draws.uniform();
@@ -146,7 +147,7 @@ fn exposures(night: u32, count: usize, draws: &mut Random) -> Vec<Exposure> {
 
 const AGES_DAYS: [u32; 4] = [1, 3, 7, 14];
 
-/// Sums over the passes with a stated probability in one tenth.
+/// Sums over passes whose stated probability is in one tenth.
 #[derive(Copy, Clone, Default)]
 struct Tenth {
     passes: f64,
@@ -155,24 +156,24 @@ struct Tenth {
 }
 
 impl Tenth {
-    /// Means of the stated probability and of the crossings by elements of the night.
+    /// Returns the mean stated probability, and the fraction that crossed according to elements of the night.
     fn stated_and_observed(&self) -> (f64, f64) {
         (self.stated / self.passes, self.crossed / self.passes)
     }
 
-    /// Binomial scatter of the observed share, one sigma.
+    /// Returns the binomial error of the observed fraction, one sigma.
     fn scatter(&self) -> f64 {
         let (stated, _) = self.stated_and_observed();
         (stated * (1.0 - stated) / self.passes).sqrt().max(0.5 / self.passes)
     }
 }
 
-/// Adds the crossings of random fields of a night to the tenths of each age.
+/// Adds the passes of random fields of a night to the tenths, for each age.
 fn add_reliability(night: u32, count: usize, draws: &mut Random, tenths: &mut [[Tenth; 10]; 4]) {
     let exposures = exposures(night, count, draws);
     let field = Field::circle_deg(3.5).expect("a field");
     let middle = Epoch::from_gregorian_utc(2026, 6, night as u8, 4, 0, 0, 0);
-    // The element set nearest in time, of two days.
+    // Of two days, the element set nearest in time.
     let mut truth = day(night).expect("data");
     for (norad_id, set) in day(night + 1).expect("data") {
         let nearer =
@@ -207,9 +208,10 @@ fn add_reliability(night: u32, count: usize, draws: &mut Random, tenths: &mut [[
     }
 }
 
-/// Stated probabilities of crossings, in tenths, against the share of them that crossed by elements of the night.
+/// Stated probabilities of crossings, in tenths, compared with the fraction that crossed according to elements of the
+/// night.
 ///
-/// Tolerance: 5 %, and three sigma of the sample.
+/// Tolerance: 5 %, and three sigma of the sampling error.
 #[test]
 fn valid_reliability_of_crossing_probabilities() {
     if crate::common::data_dir().is_none() {
@@ -222,7 +224,7 @@ fn valid_reliability_of_crossing_probabilities() {
         for (number, tenth) in tenths.iter().enumerate().filter(|(_, tenth)| tenth.passes > 0.0) {
             let (stated, observed) = tenth.stated_and_observed();
             println!("{age} d, tenth {number}: {} passes, stated {stated:.3}, observed {observed:.3}", tenth.passes);
-            // Where little is stated, a share of it.
+            // If the stated probability is small, half of it.
             let allowed = f64::min(0.05, 0.5 * stated);
             assert!(
                 (stated - observed).abs() <= allowed + 3.0 * tenth.scatter(),
@@ -232,7 +234,7 @@ fn valid_reliability_of_crossing_probabilities() {
     }
 }
 
-/// The table docs/tables/reliability.md, of six nights: the lines that begin with `|`.
+/// Prints the table docs/tables/reliability.md for six nights: the lines that begin with `|`.
 ///
 /// `cargo test --release --test library reliability_of_many -- --ignored --nocapture | grep '^|' > docs/tables/reliability.md`
 #[test]
@@ -242,7 +244,7 @@ fn reliability_of_many_fields() {
         return;
     }
     let mut all = <[[Tenth; 10]; 4]>::default();
-    // No element set of these nights and ages is of a day of the calibration (2, 9, 16, 23 June).
+    // The element sets of these nights and ages are not of a day of the calibration (2, 9, 16, 23 June).
     for night in [18, 20, 22, 25, 27, 29] {
         add_reliability(night, FIELDS_A_NIGHT, &mut Random(u64::from(night)), &mut all);
     }
@@ -265,5 +267,5 @@ fn reliability_of_many_fields() {
     }
 }
 
-/// Fields of one night in [`reliability_of_many_fields`].
+/// Number of fields of one night in [`reliability_of_many_fields`].
 const FIELDS_A_NIGHT: usize = 100_000;

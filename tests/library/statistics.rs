@@ -1,5 +1,5 @@
 //! Statistics of a site: expected trails compared with computed crossings, counts compared with the density of shells,
-//! and the verbs that print these.
+//! and the verbs that print them.
 
 use std::f64::consts::TAU;
 
@@ -14,11 +14,10 @@ use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::night_of;
 
-/// Relative tolerance: three sigmas of counting some 800 trails, and 5 % for pointings at the border of the sampled
-/// sky.
+/// Relative tolerance: three sigma of counting about 800 trails, and 5 % for pointings near the lowest altitude.
 const TRAILS: f64 = 0.16;
-/// Relative tolerance: the formula is a mean over time for a spherical Earth; 144 times include some 3,000 satellites
-/// above 30°.
+/// Relative tolerance: the formula is a mean over time for a spherical Earth. The counts at 144 times include about
+/// 3,000 satellites above 30°.
 const DENSITY: f64 = 0.05;
 
 fn sky(constellation: &Constellation, site: Site, epoch: Epoch) -> Sky {
@@ -41,7 +40,7 @@ fn request(site: &Site, date: &str) -> StatisticsRequest {
     }
 }
 
-/// The expectation of Bassa et al. agrees with crossings of fields at random pointings above 30°.
+/// The expectation of Bassa et al. agrees with crossings of fields with random pointings above 30°.
 #[test]
 fn verif_expected_trails_agree_with_crossings() {
     let site = Site::from_mpc("X05").unwrap();
@@ -49,7 +48,7 @@ fn verif_expected_trails_agree_with_crossings() {
     let sky = sky(&Constellation::by_name("starlink-gen1").unwrap(), site, request.start);
     let (counts, missed, left_out) = sky_counts(&sky, &request).unwrap();
     assert!(missed.is_empty() && left_out.is_empty());
-    // Evening and morning, two altitudes of the Sun, two minimum altitudes.
+    // Evening and morning, two altitudes of the Sun, two lowest altitudes.
     assert_eq!(counts.len(), 8);
     let count = counts.iter().find(|count| count.evening && count.min_altitude_rad > 0.5).unwrap();
     assert!(count.lit > 8.0 && count.lit <= count.above, "{count:?}");
@@ -91,7 +90,7 @@ fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
             counts.iter().find(|other| other.epoch == count.epoch && other.min_altitude_rad > count.min_altitude_rad);
         assert!(higher.is_none_or(|higher| higher.lit <= count.lit && higher.above < count.above));
     }
-    // On a winter night most satellites at 550 km are in the shadow when the Sun is at -24°.
+    // On a winter night with the Sun at -24°, most satellites at 550 km are in the shadow.
     let lit = |sun_deg: f64| -> f64 {
         counts
             .iter()
@@ -141,7 +140,7 @@ mod verbs {
         ];
         let answer = json(&[STATISTICS, more]);
         let rows = answer["statistics"].as_array().unwrap();
-        // At 60° south the Sun of December does not cross -12°, and no summer Sun there crosses -30°.
+        // At 60° south, the Sun stays above -12° in December, and above -30° throughout summer.
         assert!(rows.len() > 16 && rows.len() < 32, "{}", rows.len());
         let row = |latitude: f64, month: &str, sun: f64| {
             rows.iter().find(|row| {
@@ -192,8 +191,8 @@ mod verbs {
         assert_eq!(rows.len(), 6);
         for row in rows {
             println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
-            // A year compared with thirteen nights in its October: docs/explanation/counts.md. The same nights agree
-            // within 20 % with the paper's visits.
+            // A year is compared with thirteen nights in its October (docs/explanation/counts.md). For the same nights,
+            // the difference from the visits of the paper is below 20 %.
             let is_year = row["quantity"].as_str().unwrap().contains("of a year");
             let allowed = if is_year { 25.0 } else { 20.0 };
             assert!(row["difference_percent"].as_f64().unwrap().abs() < allowed, "{row}");
@@ -201,7 +200,7 @@ mod verbs {
         }
     }
 
-    /// Another schedule gives a result with a note that it differs.
+    /// The result for another schedule states that the schedule differs.
     #[test]
     fn a_schedule_of_other_nights_gives_a_note() {
         let folder = tempfile::tempdir().unwrap();

@@ -1,9 +1,9 @@
-"""Crossings of fields by brute force: golden data for the crossing search.
+"""Computes crossings of fields by brute force: golden data for the crossing search.
 
-Every object of `tle/active/active_2026-04-25.txt` is propagated through every exposure in steps of 1 s; objects that
-could have entered the field between two steps (they move at most 6 km in half a step) are followed in steps of
-0.05 s, the smallest separation refined by golden section, entry and exit root-found to 1e-6 s on SGP4 itself.
-No index, no orbit planes, no interpolation.
+Every object of `tle/active/active_2026-04-25.txt` is propagated through every exposure in steps of 1 s. For objects
+that may have entered the field between two steps (they move by at most 6 km in half a step), steps of 0.05 s follow,
+the smallest separation is refined by golden section, and entry and exit are found to 1e-6 s with SGP4. No index,
+orbital planes or interpolation are used.
 
     STREAKCAST_DATA=... python tests/reference/brute_force_crossings.py tests/data/crossings_golden.csv
 """
@@ -26,12 +26,12 @@ from sky_frames import (
 CATALOGUE = DATA / "tle/active/active_2026-04-25.txt"
 DIAMETER_DEG = 3.5
 RADIUS = np.radians(DIAMETER_DEG / 2)
-# Largest speed of bound objects (11.2 km/s) relative to a site that rotates with 0.41 km/s.
+# Largest speed of objects in bound orbits (11.2 km/s) relative to a site that rotates at 0.41 km/s.
 FASTEST_KM_S = 12.0
 
 
 def read_catalogue(path):
-    """Reads satellites for SGP4 in AFSPC mode with WGS72, as in the crate. Returns satellites and their ids."""
+    """Reads satellites for SGP4 in AFSPC mode with WGS72, as in streakcast. Returns satellites and their ids."""
     lines = [line.rstrip() for line in path.read_text().splitlines()]
     satellites, ids = [], []
     for first, second in zip(lines, lines[1:]):
@@ -44,7 +44,7 @@ def read_catalogue(path):
             WGS72, "a", improved.satnum, epoch, improved.bstar, improved.ndot, improved.nddot,
             improved.ecco, improved.argpo, improved.inclo, improved.mo, improved.no_kozai, improved.nodeo,
         )  # fmt: skip
-        # sgp4init takes one number for the epoch; the digits of the file are kept here.
+        # sgp4init takes a single number for the epoch; all digits of the file are restored here.
         satellite.jdsatepoch, satellite.jdsatepochF = improved.jdsatepoch, improved.jdsatepochF
         satellites.append(satellite)
         ids.append(improved.satnum)
@@ -52,7 +52,7 @@ def read_catalogue(path):
 
 
 def plan(frames, satellites):
-    """Returns exposures (id, start, duration_s, ra_deg, dec_deg), start to the millisecond and angles to 1e-6 deg."""
+    """Returns exposures (id, start, duration_s, ra_deg, dec_deg), start to 1 ms and angles to 1e-6 deg."""
     random = np.random.default_rng(20260425)
     rows = []
 
@@ -75,25 +75,25 @@ def plan(frames, satellites):
 
     for _ in range(20):  # uniform over the sky above 30 deg
         horizontal("random", random_time(), 30.0, np.degrees(np.arcsin(random.uniform(0.5, 1.0))), random.uniform(0, 360))
-    for _ in range(8):  # low: far satellites, slow and many
+    for _ in range(8):  # low altitudes: satellites are far, slow and many
         horizontal("low", random_time(), 30.0, 20.0, random.uniform(0, 360))
-    for dec in (-89.9, -89.2, -88.3, -90.0):  # the pole inside the field, on it, and at its edge
+    for dec in (-89.9, -89.2, -88.3, -90.0):  # the pole inside the field, on its edge and near it
         add("pole", random_time(), 60.0, random.uniform(0, 360), dec)
     for ra, dec in ((0.0, -30.0), (359.3, -45.0), (0.9, -28.0), (359.999999, -50.0), (0.4, -65.0), (358.9, -72.0), (0.0, -75.0)):
         add("wrap", f"2026-04-26T10:{random.integers(0, 59):02d}:{random.integers(0, 59):02d}.000Z", 240.0, ra, dec)
-    # The geostationary belt: hour angle 0, and declination with the parallax of latitude -30 deg (about +5 deg).
+    # Geostationary belt: hour angle 0, declination with the parallax at latitude -30 deg (about +5 deg).
     for azimuth, altitude in ((0.0, 55.0), (330.0, 50.3), (25.0, 51.9)):
         horizontal("belt", random_time(), 300.0, altitude, azimuth)
     horizontal("zenith", random_time(), 30.0, 89.9, 10.0)
     horizontal("zenith", random_time(), 120.0, 88.5, 190.0)
-    for _ in range(4):  # minutes, in the direction of most satellites
+    for _ in range(4):  # exposures of minutes, in the direction of most satellites
         horizontal("long", random_time(), 300.0, random.uniform(30, 60), random.uniform(100, 260))
     for _ in range(3):
         horizontal("short", random_time(), 1.0, 25.0, random.uniform(130, 230))
-    for altitude in (12.0, 8.0):  # the horizon's edge
+    for altitude in (12.0, 8.0):  # fields at the horizon
         horizontal("edge", random_time(), 30.0, altitude, random.uniform(130, 230))
 
-    # Aimed at one satellite each, to include rare kinds of orbits and grazing tracks.
+    # Pointings at one satellite each, to include rare kinds of orbits and tracks along the edge of the field.
     age = lambda s: utc_to_jd("2026-04-26T04:00:00Z")[0] - s.jdsatepoch - s.jdsatepochF
     leo = lambda s: s.no_kozai > 2 * np.pi / 105 and s.ecco < 0.01
     kinds = {
@@ -132,7 +132,7 @@ def plan(frames, satellites):
 
 
 class Exposure:
-    """One exposure with its frames; computes separations from the field centre."""
+    """One exposure with its frames. Computes separations from the field centre."""
 
     def __init__(self, frames, start, duration, ra_deg, dec_deg):
         self.frames, self.duration = frames, duration
@@ -140,7 +140,7 @@ class Exposure:
         self.centre = radec_to_vector(ra_deg, dec_deg)
 
     def directions(self, satellites, seconds):
-        """ICRS astrometric vectors (n_satellite, n_time, 3) km; NaN where SGP4 fails."""
+        """Returns ICRS astrometric vectors (n_satellite, n_time, 3), km; NaN where SGP4 fails."""
         fraction = self.fraction + seconds / DAY_S
         teme_to_gcrs, itrs_to_gcrs, earth = self.frames.at(self.jd, fraction)
         site, _ = self.frames.site(itrs_to_gcrs)
@@ -155,7 +155,7 @@ class Exposure:
         return separation(unit(vector[0]), self.centre)
 
     def candidates(self, satellites, step_s=1.0, chunk=61):
-        """Satellites that may have been in the field: limited by their speed only, without an orbit model."""
+        """Returns the satellites that may be in the field at any time, by their speed alone."""
         n = max(int(np.ceil(self.duration / step_s)), 1) + 1
         grid = np.linspace(0.0, self.duration, n)
         half_step = self.duration / (n - 1) / 2
@@ -170,7 +170,7 @@ class Exposure:
         return np.flatnonzero(keep | failed), int(failed.sum())
 
     def chords(self, satellite):
-        """Intervals inside the field, [(enter_s, exit_s)], and the smallest separation (rad)."""
+        """Returns the intervals inside the field, [(enter_s, exit_s)], and the smallest separation, radians."""
         n = max(int(np.ceil(self.duration / 0.05)), 1) + 1
         grid = np.linspace(0.0, self.duration, n)
         angle = self.separation(satellite, grid)
@@ -244,8 +244,7 @@ def main():
         print(f"{name:12s} {start} {duration:5.0f} s  {len(candidates):4d} followed, {here:3d} cross, {failed} fail in SGP4", file=sys.stderr)
     grazes.sort()
     print("closest to the edge:", [(f"{np.degrees(g) * 3600:.1f} arcsec", n, int(i)) for g, n, i in grazes[:5]], file=sys.stderr)
-    # Four objects are contained twice in the file; the choice of record is up to the catalogue, so they are excluded
-    # here.
+    # Four objects are contained twice in the file and are excluded, because either record may be used by a catalogue.
     twice = {str(i) for i in ids if np.count_nonzero(ids == i) > 1}
     if any(line.split(",")[5] in twice for line in lines):
         sys.exit(f"one of {sorted(twice)}, which the catalogue holds twice, crosses: choose another seed")

@@ -1,19 +1,20 @@
-"""Errors of element sets as a function of age: coefficients of src/orbit/uncertainty.rs and their held-out check.
+"""Fits the errors of element sets as a function of age: coefficients of src/orbit/uncertainty.rs, and a check of them.
 
 An element set is propagated by SGP4 to the epoch of another one of the same object and compared with it: time
-difference along the track (s), and distance across it, out of the orbital plane and in radius (km). Objects with an
-even catalogue number are fitted, odd ones are held out. "68 %" is the 68.27 % quantile of the absolute residual, the
-appropriate one-sigma half width also for heavy tails; 1.4826 MAD is printed for comparison.
+difference along the track (s), and distance across it, normal to the orbital plane and in radius (km). Objects with an
+even catalogue number are fitted; those with an odd number are used for the check. "68 %" is the 68.27 % quantile of the
+absolute residual, which is an appropriate one-sigma half width also for long tails; 1.4826 MAD is printed for
+comparison.
 
     along² = floor² + (k1 age)² + (k2 age²)² + (c drag age²)² + (f drag^q age^p)²    s
     cross² = floor² + (kx age^px)² + (cx shift age)²                                 km
 
-with the age in days, drag = |ndot/2| P in s/day², shift = 4/3 a |ndot/2| / n in km/day; along is capped at 0.3413 P (all
-positions along the orbit equally likely), cross at 1,000 km.
+with the age in days, drag = |ndot/2| P in s/day², shift = 4/3 a |ndot/2| / n in km/day. Along is at most 0.3413 P (all
+positions along the orbit equally probable), cross at most 1,000 km.
 
     STREAKCAST_DATA=... python tests/reference/calibrate_orbit_uncertainty.py tests/data/orbit_residuals.csv
 
-Needs numpy, scipy, sgp4. Takes about five minutes.
+Requires numpy, scipy and sgp4. Takes about five minutes.
 """
 
 import argparse
@@ -50,9 +51,9 @@ SOURCES = {
 AGES_DAY = (0.3, 0.5, 0.75, 1, 1.5, 2, 3, 4, 5, 7, 10, 14, 20, 30, 45, 60, 90, 120, 180, 250, 365)
 CAP_OF_PERIOD = 0.3413
 CROSS_CAP_KM = 1000.0
-# About 1 km along the track at epoch: not visible in differences of sets that share observations. Across: streaks of
-# known satellites differ from their element sets by 50 arcsec in the median on the Plaskett frames
-# (photometry/boley2021_plaskett), which corresponds to a sigma of 74 arcsec, 0.3 km at 800 km.
+# About 1 km along the track at epoch: it is not visible in differences of sets that share observations. Across the
+# track: streaks of known satellites differ from their element sets by 50 arcsec in the median on frames of the Plaskett
+# telescope (photometry/boley2021_plaskett), which corresponds to a sigma of 74 arcsec, 0.3 km at 800 km.
 ALONG_FLOOR_KM, CROSS_FLOOR_KM = 1.0, 0.3
 KINDS = ("OnStation", "Manoeuvring", "LowEarth", "MediumEarth", "Geosynchronous", "Eccentric")
 CONSTELLATIONS = ("STARLINK", "ONEWEB", "KUIPER", "QIANFAN", "HULIANWANG")
@@ -68,7 +69,7 @@ MANOEUVRING_REV_DAY2 = 3e-4
 
 
 class Elements:
-    """One element set with the quantities that define the classes."""
+    """One element set, with the quantities from which its class is determined."""
 
     def __init__(self, name, satellite):
         self.name, self.satellite, self.norad = name.upper(), satellite, satellite.satnum
@@ -129,7 +130,7 @@ def read(path):
 
 
 def compare(old, true):
-    """Error of `old` at the epoch of `true`: seconds along the track, km out of plane and in radius; None if decayed."""
+    """Returns the error of `old` at the epoch of `true`: s along the track, km out of plane and in radius, or None."""
     error, predicted, _ = old.sgp4(true.jdsatepoch, true.jdsatepochF)
     if error:
         return None
@@ -203,24 +204,24 @@ def cross_sigma(c, k, power, drag=0.0):
 
 
 def cells(c, deep):
-    """Unsaturated residuals in cells of age (six per decade) and, near the Earth, of drag (half decades)."""
+    """Returns groups of unsaturated residuals by age (six per decade) and, near the Earth, by drag (half decades)."""
     age = np.round(np.log10(np.abs(c["age"])) * 6)
     drag = np.zeros_like(age) if deep else np.clip(np.round(np.log10(np.abs(c["half_ndot"]) + 1e-12) * 2), -14, -4)
     _, index = np.unique(age * 1000 + drag, return_inverse=True)
     groups = [g for g in (np.flatnonzero(index == i) for i in range(index.max() + 1)) if len(g) >= 12]
-    # If the position along the orbit is unconstrained, the cell has no information on growth (nor across the track).
+    # If any position along the orbit is possible, the cell contains no information on growth (nor across the track).
     lost = lambda g: not deep and np.quantile(np.abs(c["along"][g]), 0.6827) > 0.3 * np.median(c["period_s"][g])
     return [g for g in groups if not lost(g)]
 
 
-# Bounds of the search for coefficients and exponents.
+# Bounds of the fitted coefficients and exponents.
 LEAST, MOST = 1e-4, 1e3
 EXPONENTS = (0.3, 2.5)
 
 
 def fit(c, sigma, value, starts, exponents, groups):
-    """Fits coefficients so that the 68 % quantile of |residual| / sigma is 1 in every cell (logarithmically)."""
-    # Cells with an age of days have a larger weight than those with months, as in typical use.
+    """Fits coefficients so that the 68 % quantile of |residual| / sigma is 1 in every cell (in logarithms)."""
+    # Cells with an age of days have a larger weight than cells with months, as in typical use.
     weight = np.array([np.sqrt(min(len(g), 400)) * (1.0 if np.median(np.abs(c["age"][g])) < 30 else 0.5) for g in groups])
     bounds = np.log([EXPONENTS if i in exponents else (LEAST, MOST) for i in range(len(starts[0]))])
 
@@ -236,7 +237,7 @@ def fit(c, sigma, value, starts, exponents, groups):
 
 
 def both_axes(c):
-    """Returns every residual twice, once for each axis across the track: one sigma for both."""
+    """Returns every residual twice, for each of the two axes across the track, which have the same sigma."""
     twice = {name: np.concatenate([values, values]) for name, values in c.items()}
     return twice, np.concatenate([c["plane"], c["radius"]])
 
@@ -264,7 +265,7 @@ def table(title, c, parameters_along, parameters_cross):
 
 
 def on_station_truth():
-    """Rule for on-station satellites: |da/dt| < 100 m/day over three sets (a - R_E > 530 km no longer applies)."""
+    """Tests the rule for on-station satellites: |da/dt| < 100 m/day over three sets, without the height limit."""
     objects = collections.defaultdict(list)
     for elements in read(SOURCES["72 Starlink, daily, 2026"][0]):
         objects[elements.norad].append(elements)
@@ -297,15 +298,15 @@ def main():
     lines = []
     for kind in KINDS:
         mine = [r for r in rows if r.kind == kind and abs(r.age) < 400]
-        # Sentinel-6A and the geostationary history are the only ones of their classes: part of each is fitted, part
-        # held out.
+        # Sentinel-6A and the geostationary history are the only objects of their classes: one part of each is fitted,
+        # the other is used for the check.
         even = [r for i, r in enumerate(mine) if (r.norad % 2 == 0 if r.norad not in (46984, 50001) else i // 40 % 2 == 0)]
         held = [r for i, r in enumerate(mine) if (r.norad % 2 == 1 if r.norad not in (46984, 50001) else i // 40 % 2 == 1)]
         forward = columns([r for r in even if r.age > 0])
         deep = kind in ("MediumEarth", "Geosynchronous", "Eccentric")
-        if deep:  # their published ndot is caused by the Sun and the Moon
+        if deep:  # their published ndot is caused by Sun and Moon
             starts, exponents = [(1.0, 0.1), (0.1, 0.01)], ()
-        elif kind == "LowEarth":  # a fraction of the drag is wrong: p = 2, q = 1; too few objects for more parameters
+        elif kind == "LowEarth":  # an error of the drag: p = 2, q = 1; too few objects for more parameters
             starts, exponents = [(0.02, 0.002, 0.3), (0.1, 0.01, 0.3)], ()
         else:
             starts, exponents = [(0.4, 0.02, 1.5, 2.0, 1.2, 0.4), (0.4, 0.02, 0.5, 2.0, 1.7, 0.7), (0.4, 0.1, 1.0, 1.5, 2.2, 0.6)], (4, 5)

@@ -1,20 +1,22 @@
-"""Station-keeping Starlinks: the lags and lateness distributions of src/orbit/station_keeping.rs, and what is left on held-out objects and dates.
+"""Fits lags and error distributions of Starlink satellites that hold their orbits (src/orbit/station_keeping.rs).
 
-An element set is propagated to the epoch of an element set of the same satellite some days later; its lateness is the time along the track
-by which the prediction lags behind (positive: the satellite is late, the prediction ahead). "published" uses the element set as it is, "ours"
-B* = 0 and the mean motion n - 2 tau (ndot/2). Calibrated on even catalogue numbers and elements of 2, 9, 16, 23 June 2026; reported on odd
-numbers and elements of 5, 12, 19, 26 June.
+An element set is propagated to the epoch of a later element set of the same satellite. Its lateness is the time along
+the track by which the satellite is behind the prediction (negative: ahead of it). "published" uses the element set as
+it is, "ours" B* = 0 and the mean motion n - 2 tau (ndot/2). The fit uses even catalogue numbers and elements of 2, 9,
+16 and 23 June 2026; the errors in the report are those of odd numbers and elements of 5, 12, 19 and 26 June.
 
 The lateness of a class at age t (days) is a mixture of three Gaussians about 0:
 
     (1 - m) [0.7 N(s) + 0.3 N(r s)] + m N(s_m)      s = sqrt(s_0^2 + (k t)^2 + (c D t)^2),  m = m0 + m1 t,  s_m = v t <= 0.3413 P
 
-with D = |ndot/2| P in s/day^2: s and r are the core, m is the share of satellites that manoeuvred. The shape (r, m0, m1, v) has the greatest
-likelihood; the scale (s_0, k, c) brings the share within one sigma, the half width of 68.27 %, to 68.27 % at each age and drag.
+with D = |ndot/2| P in s/day^2. s and r describe the core; m is the fraction of satellites that manoeuvred. The shape
+(r, m0, m1, v) has the maximum likelihood. The scale (s_0, k, c) is such that one sigma, the half width that contains
+68.27 % of the distribution, contains 68.27 % of the data at each age and drag.
 
     STREAKCAST_DATA=... python tests/reference/calibrate_station_keeping.py docs/tables/lateness.md
 
-Lateness, out of plane and radius are those of calibrate_orbit_uncertainty.compare. Needs numpy, scipy, sgp4. Takes about ten minutes.
+Lateness and distances out of plane and in radius are computed by calibrate_orbit_uncertainty.compare. Requires numpy,
+scipy and sgp4. Takes about ten minutes.
 """
 
 import argparse
@@ -39,9 +41,10 @@ CLASSES = ("Starlink15", "Starlink", "StarlinkStrongDrag", "DirectToCell")
 EARTH_RADIUS_KM, MU_KM3_S2 = 6378.135, 398600.8
 LABELS = {"Starlink15": "V1.5", "Starlink": "VisorSat, V2 Mini", "StarlinkStrongDrag": "V2 Mini, strong drag", "DirectToCell": "Direct-to-Cell"}
 CORE_WEIGHT = 0.7
-# Twice the lag in days, rounded, between the value with the least half width and the one with the median at 0 (both are printed).
+# Twice the lag, days, rounded: between the value with the smallest half width and that with the median 0 (both are
+# printed).
 LAG2_DAY = {"Starlink15": 0.75, "Starlink": 0.75, "StarlinkStrongDrag": 0.45, "DirectToCell": 0.33}
-# Factor by which core sigmas are widened: the held-out dates scatter more than the fitted ones.
+# Factor by which core sigmas are widened, because the dates of the check have a larger scatter than the fitted ones.
 WIDENING = {"Starlink15": 1.06, "Starlink": 1.1, "StarlinkStrongDrag": 1.25, "DirectToCell": 0.98}
 CAP_OF_PERIOD = 0.3413
 
@@ -55,7 +58,7 @@ def launches():
 
 
 def read(day):
-    """Element sets of a day: catalogue number -> (name, line 1, line 2)."""
+    """Returns the element sets of a day: catalogue number -> (name, line 1, line 2)."""
     path = DATA / f"tle/daily_2026-06/starlink_2026-06-{day:02d}.tle.gz"
     lines = gzip.open(path, "rt").read().splitlines()
     triples = zip(lines[0::3], lines[1::3], lines[2::3])
@@ -82,7 +85,7 @@ def class_of(generation, half_ndot, height_km):
 
 
 def without_drag(s, lag2_day):
-    """The same elements with B* = 0 and n - 2 tau (ndot/2)."""
+    """Returns the same elements with B* = 0 and the mean motion n - 2 tau (ndot/2)."""
     half_ndot = s.ndot / (2 * np.pi) * 1440**2
     n = s.no_kozai - half_ndot * lag2_day * 2 * np.pi / 1440
     other = Satrec()
@@ -124,7 +127,7 @@ def q(x, share=0.6827):
 
 
 def best_lags2(c):
-        """Returns the lags with the least 68 % half widths of all ages (summed logarithms), and those with median 0."""
+    """Returns the lags with the smallest 68 % half widths of all ages (sum of logarithms), and those with median 0."""
     groups = [g for g in (np.flatnonzero(c["nominal"] == age) for age in AGES_DAY) if len(g) > 60]
     rate = c["drag"] * c["age"]
     lags = np.arange(0.0, 1.5, 0.01)
@@ -134,7 +137,7 @@ def best_lags2(c):
 
 
 def mixture(c, shape, core):
-    """Weights and sigmas of the three components for every row."""
+    """Returns the weights and sigmas of the three components for every row."""
     ratio, m0, m1, speed = shape
     m = np.minimum(m0 + m1 * c["age"], 0.5)
     wide = np.minimum(speed * c["age"], CAP_OF_PERIOD * c["period"])
@@ -147,7 +150,7 @@ def core_of(c, scale):
 
 
 def cells(c):
-    """Rows of one nominal age and one third of the drag."""
+    """Returns the rows of each nominal age and third of the drag."""
     thirds = np.digitize(np.abs(c["drag"]), np.quantile(np.abs(c["drag"]), (1 / 3, 2 / 3)))
     groups = [np.flatnonzero((c["nominal"] == age) & (thirds == third)) for age in AGES_DAY for third in range(3)]
     return [g for g in groups if len(g) > 60]
@@ -155,7 +158,7 @@ def cells(c):
 
 def fit(c, y):
     groups = cells(c)
-    # 1. The shape, with the core of every cell free: 40 % of the delays are within half of the cell's inner sigma.
+    # 1. Shape, with a free core in every cell: 40 % of the delays are within half of the inner sigma of a cell.
     inner, weight = np.ones(len(y)), np.zeros(len(y))
     for g in groups:
         inner[g] = q(y[g], 0.4) / 0.62
@@ -169,7 +172,7 @@ def fit(c, y):
     options = {"maxiter": 4000, "maxfev": 4000, "xatol": 1e-3, "fatol": 1e-5}
     shape = np.exp(minimize(unlikely, np.log([3.5, 0.01, 0.003, 100.0, 1.0]), method="Nelder-Mead", options=options).x)[:4]
 
-    # 2. The scale.
+    # 2. Scale.
     def misfit(logs):
         sigma = half_width(mixture(c, shape, core_of(c, np.exp(logs))))
         return sum(np.sqrt(len(g)) * np.log(q(y[g] / sigma[g])) ** 2 for g in groups) + np.sum(np.maximum(np.abs(logs) - 7, 0) ** 2)
@@ -183,7 +186,7 @@ def inside(parts, half_s):
 
 
 def half_width(parts):
-    """68.27 % half width of each row's mixture."""
+    """Returns the half width that contains 68.27 % of the mixture of each row."""
     low, high = np.zeros_like(parts[0][1]), 3 * parts[2][1] + 1
     for _ in range(24):
         middle = 0.5 * (low + high)
@@ -192,7 +195,7 @@ def half_width(parts):
 
 
 def cross_growth(c):
-    """k t^p km for both axes across the track, beside 0.3 km at epoch."""
+    """Fits k t^p, km, for both axes across the track, in addition to 0.3 km at epoch."""
     value = np.concatenate([c["plane"], c["radius"]])
     t = np.tile(c["age"], 2)
     nominal = np.tile(c["nominal"], 2)

@@ -2,7 +2,8 @@
 
     python check_annotated_schedules.py ../data/schedules FOLDER
 
-FOLDER has the annotated files under the same names, and their .streaks files. Run manually; requires astropy 8 and pyarrow.
+FOLDER contains the annotated files with the same names, and their .streaks files. Run manually; requires astropy 8 and
+pyarrow.
 """
 import json
 import sys

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Compares copies of real frames with their originals by astropy: unchanged content and valid checksums.
+"""Compares copies of real frames with their originals with astropy: unchanged content and valid checksums.
 
     STREAKCAST_DATA=... STREAKCAST_KEEP=FOLDER cargo test --test images frame_copies
     python tests/reference/check_frame_copies.py DATA_FOLDER FOLDER
 
-The test writes each copy under its original's name with one image changed and one line of HISTORY added, one image and
-one table appended; this script reads both with astropy only.
+The test writes each copy with the name of its original. In the copy one image is changed, one line of HISTORY is added,
+and one image and one table are appended. This script reads both files with astropy only.
 """
 
 import pathlib
@@ -17,7 +17,7 @@ from astropy.io import fits
 
 warnings.simplefilter("ignore")
 data, folder = pathlib.Path(sys.argv[1]) / "frames", pathlib.Path(sys.argv[2])
-# Keywords that compression may change in the header of the table of tiles; EXTEND is T if there are extensions, and
+# Keywords in the header of the table of tiles that may change by compression. EXTEND is T if there are extensions;
 # astropy adds it if it is missing.
 packing = {"EXTEND", "PCOUNT", "TFORM1", "TFORM2", "TFORM3", "CHECKSUM", "DATASUM", "THEAP"}
 failures = 0

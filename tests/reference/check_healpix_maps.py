@@ -1,4 +1,4 @@
-"""Reads HEALPix maps with healpy and astropy, and compares them with the table of the same map.
+"""Reads HEALPix maps with healpy and astropy, and compares them with tables of the same maps.
 
     python3 -m venv venv && venv/bin/pip install numpy astropy healpy
     venv/bin/python tests/reference/check_healpix_maps.py target/release/streakcast

@@ -3,10 +3,10 @@
     tests/independent.sh, or
     venv/bin/python tests/reference/check_tdm.py target/debug/streakcast
 
-Every pass must be a segment with its satellite, time scale and angles; begin, highest point, end and peak magnitude
-must equal those of the table; right ascensions and declinations along the passes must agree with astropy's conversion
-of the table's azimuths and altitudes at the time of emission (these are geometric, those astrometric). Prints the
-largest differences, and fails if one exceeds its limit.
+Every pass must be a segment with its satellite, time scale and angles. Begin, highest point, end and peak magnitude
+must equal those of the table. Right ascensions and declinations along the passes must agree with azimuths and altitudes
+of the table, which astropy converts for the time of emission (the latter are geometric, the former astrometric). Prints
+the largest differences, and fails if one exceeds its limit.
 """
 
 import json

@@ -4,10 +4,10 @@
     python tests/reference/compare_check_pointings.py DE421.BSP
 
 The installed rubin_sim (GPL-3.0) is called; none of its code is included here. It takes `mjds` as UT1 (at most 0.9 s
-from UTC; 9 km along an orbit), draws the satellite as a polyline of positions 2 s apart on the tangent plane, clips it
-with a circle of 64 corners, and neglects light time: lengths may differ by 0.2 % (circle's corners and tangent plane)
-and by the effect of some 20 arcsec at the edge. Its shadow is a step function, so visits are in twilight, where every
-satellite above 30° of altitude is lit.
+from UTC, which is 9 km along an orbit), draws a satellite as a polyline of positions 2 s apart on the tangent plane,
+clips it with a circle of 64 corners, and neglects light time. Lengths may therefore differ by 0.2 % (corners and
+tangent plane), and by the effect of about 20 arcsec at the edge. Its shadow is a step function, so the visits are at
+twilight, when every satellite above 30° is lit.
 """
 
 import os
@@ -24,12 +24,12 @@ import streakcast
 
 VISITS = 200
 EVERY = 2
-#: Tolerances of lengths, relative and in degrees; shorter streaks (at the edge) may be found by only one of them.
+#: Tolerances of lengths, relative and in degrees. Shorter streaks (at the edge) may be found by only one program.
 SHARE, LENGTH_DEG, GRAZING_DEG = 0.005, 0.01, 0.3
 
 
 def visits(location):
-    """Visits on evenings after the elements' epoch, with the Sun 8° to 10° below the horizon, pointings above 35°."""
+    """Returns visits on evenings after the epoch, with the Sun at -8° to -10° and pointings above 35°."""
     generator = np.random.default_rng(4)
     starts, pointings = [], []
     while len(starts) < VISITS:
@@ -44,7 +44,7 @@ def visits(location):
 
 
 def within_a_turn(tle):
-    """Reduces mean anomalies above 360°, which our reader rejects, and adapts the checksum."""
+    """Reduces mean anomalies above 360°, which streakcast rejects, and corrects the checksum."""
     name, first, second = tle.split("\n")
     anomaly_deg = float(second[43:51]) % 360.0
     return "\n".join((name, first, f"{second[:43]}{anomaly_deg:8.4f}{second[51:]}"))

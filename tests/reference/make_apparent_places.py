@@ -1,4 +1,4 @@
-"""Apparent positions of date and ICRS positions for src/geometry/topocentric.rs: python make_apparent_places.py."""
+"""Prints apparent positions of date and ICRS positions for the tests of src/geometry/topocentric.rs."""
 import astropy.units as u
 import numpy as np
 from astropy.coordinates import TETE, SkyCoord

@@ -1,7 +1,7 @@
-"""Schedule for benchmarks: 1,000 exposures of 30 s every 34 s from 2026-04-25T23:40Z, Cerro Pachon.
+"""Writes a schedule for benchmarks: 1,000 exposures of 30 s every 34 s from 2026-04-25T23:40Z, Cerro Pachon.
 
-Pointings are uniform over the sky above 30 deg of altitude (at mid exposure), from a fixed seed. The schedule is not
-committed, because it is generated in a second.
+Pointings are uniform over the sky above an altitude of 30 deg (at mid exposure), from a fixed seed. The schedule is not
+part of the repository, because it is generated in a second.
 
     STREAKCAST_DATA=... python tests/reference/make_bench_exposures.py schedule.csv [--count 1000]
 """

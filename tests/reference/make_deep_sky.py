@@ -1,9 +1,9 @@
-"""Makes src/frames/deep_sky.csv: names and positions of the Messier and Caldwell objects.
+"""Writes src/frames/deep_sky.csv: names and positions of the Messier and Caldwell objects.
 
     python tests/reference/make_deep_sky.py Messier.csv Caldwell.csv > src/frames/deep_sky.csv
 
-Both files are in https://github.com/timmyd7777/SSCore, folder SSData/DeepSky ("free of charge for any purpose"); their
-positions are those of W. Steinicke's Revised NGC and IC.
+Both files are in https://github.com/timmyd7777/SSCore, folder SSData/DeepSky ("free of charge for any purpose"). Their
+positions are those of the Revised NGC and IC of W. Steinicke.
 """
 
 import csv
@@ -12,7 +12,7 @@ import sys
 
 
 def degrees(text):
-    """Degrees of a sexagesimal text: a sign, then three numbers."""
+    """Returns the degrees of a sexagesimal text: a sign, then three numbers."""
     sign = -1 if text.startswith("-") else 1
     first, minutes, seconds = (float(part) for part in text.lstrip("+-").split())
     return sign * (first + minutes / 60 + seconds / 3600)
@@ -22,7 +22,7 @@ print("# names parted by |;right ascension deg;declination deg (ICRS)")
 print("# Origin: W. Steinicke, Revised NGC and IC, through SSCore (T. DeBenedictis); made by tests/reference/make_deep_sky.py")
 for path in sys.argv[1:]:
     for row in csv.DictReader(open(path)):
-        # M, Caldwell, NGC and IC numbers; other catalogues are left out.
+        # M, Caldwell, NGC and IC numbers; other catalogues are omitted.
         names = [re.sub(r"^C (\d+)$", r"Caldwell \1", name.strip()) for name in row["IDs"].split(";")]
         names = [name for name in names if re.fullmatch(r"(M|NGC|IC|Caldwell) ?\d+", name)]
         names += [name.strip() for name in (row["Names"] or "").split(";") if name.strip()]

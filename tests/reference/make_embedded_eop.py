@@ -1,9 +1,9 @@
-"""Makes src/frames/data/earth_orientation.txt from a finals2000A.all file.
+"""Writes src/frames/data/earth_orientation.txt from a finals2000A.all file.
 
     python tests/reference/make_embedded_eop.py FINALS2000A.all src/frames/data/earth_orientation.txt
 
-One row every STEP days from 2000-01-01, UT1-TAI to 0.1 ms and polar motion to 0.1 mas; the last day of the predictions
-closes the table. Prints the largest difference between the daily file and straight lines through the rows.
+One row every STEP days from 2000-01-01, with UT1-TAI to 0.1 ms and polar motion to 0.1 mas. The last row is the last
+day of the predictions. Prints the largest difference between the daily file and linear interpolation of the rows.
 """
 
 import sys

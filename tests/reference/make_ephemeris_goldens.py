@@ -1,10 +1,11 @@
-"""Makes tests/data/ephemeris_golden.csv: astrometric places of real satellites from a site, by Skyfield.
+"""Writes tests/data/ephemeris_golden.csv: astrometric positions of real satellites from a site, by Skyfield.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_ephemeris_goldens.py tests/data/ephemeris_golden.csv
 
-Satellites of tle/active/active_2026-04-25.txt: low orbits of all inclinations, a navigation satellite, three geostationary ones. The site of
-make_forecast_goldens.py; UT1 and polar motion of the IERS (aux/finals2000A.all), for both programs.
+Satellites are from tle/active/active_2026-04-25.txt: low orbits of all inclinations, a navigation satellite, three
+geostationary ones. The site is that of make_forecast_goldens.py. Both programs use UT1 and polar motion of the IERS
+(aux/finals2000A.all).
 
 ra, dec         (Earth + site).observe(Earth + satellite): light time and the Earth's motion during it, ICRS
 rates           central differences of these over 0.4 s; the right ascension times the cosine of the declination

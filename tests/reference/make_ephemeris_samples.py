@@ -1,11 +1,11 @@
-"""Ephemerides of an invented satellite in three formats, with the true positions between their states.
+"""Writes ephemerides of an invented satellite in three formats, with exact positions between their states.
 
 Run from the root of the project:  python tests/reference/make_ephemeris_samples.py
 Requires astropy, numpy and scipy (requirements.txt). Writes tests/data/ephemerides.
 
-An orbit at 550 km is integrated numerically (DOP853, two bodies and J2) in GCRS. The states every minute are written in
-three frames and time systems; the golden positions are those of the integration at other times, so that reading, frames
-and interpolation are compared with a computation that has none of them in common.
+An orbit at 550 km is integrated numerically (DOP853, central force and J2) in GCRS. States every minute are written in
+three frames and time systems. The golden positions are those of the integration at other times, so that reading, frames
+and interpolation are tested with an independent computation.
 """
 
 import gzip
@@ -26,7 +26,7 @@ GM_KM3_S2, RADIUS_KM, J2 = 398600.4418, 6378.137, 1.08262668e-3
 
 
 def acceleration(_, state):
-    """Two bodies and J2, with the pole along the z axis of GCRS."""
+    """Returns the acceleration by the central force and J2, with the pole along the z axis of GCRS."""
     x, y, z = state[:3]
     r2 = x * x + y * y + z * z
     factor = 1.5 * J2 * (RADIUS_KM**2 / r2)
@@ -35,7 +35,7 @@ def acceleration(_, state):
 
 
 def covariance(time_s):
-    """Lower triangle of a covariance in UVW: radial 20 m, along 0.1 to 2 km, out of the plane 50 m, correlated."""
+    """Returns the lower triangle of a covariance in UVW: radial 20 m, along 0.1 to 2 km, normal 50 m, correlated."""
     sigma = np.array([0.02, 0.1 + 1.9 * time_s / 5400.0, 0.05, 1e-5, 2e-5, 1e-5])
     correlation = np.eye(6)
     correlation[0, 1] = correlation[1, 0] = -0.4
@@ -76,7 +76,7 @@ def main():
     name = "MEME_90001_INVENTED-1_2270000_Operational_1407628800_UNCLASSIFIED.txt.gz"
     (FOLDER / name).write_bytes(gzip.compress(text.encode(), mtime=0))
 
-    # OEM as KVN: GCRF, TAI, two covariances in the axes of the orbit.
+    # OEM as KVN: GCRF, TAI, two covariances in orbit axes.
     tai = epochs.tai
     meta = f"""CCSDS_OEM_VERS = 2.0
 COMMENT An invented satellite, by make_ephemeris_samples.py.
@@ -106,7 +106,7 @@ META_STOP
     body.append("COVARIANCE_STOP")
     (FOLDER / "invented.oem").write_text(meta + "\n" + "\n".join(body) + "\n")
 
-    # OEM as XML: Earth-fixed, UTC, no covariance; every second state, to check longer steps too.
+    # OEM as XML: Earth-fixed, UTC, no covariance. Only every second state is written, to test longer steps.
     gcrs = GCRS(
         CartesianRepresentation(*states[:, :3].T * u.km, differentials=CartesianDifferential(*states[:, 3:].T * u.km / u.s)),
         obstime=epochs,

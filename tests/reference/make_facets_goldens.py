@@ -1,11 +1,11 @@
-"""Golden reflectances of rough mirrors from Mitsuba 3, a renderer: writes tests/data/facets_golden.csv.
+"""Writes tests/data/facets_golden.csv: reflectances of rough mirrors rendered by Mitsuba 3.
 
     pip install mitsuba==3.9.1
     python tests/reference/make_facets_goldens.py > tests/data/facets_golden.csv
 
-Mitsuba's `roughconductor` of Beckmann's distribution with material `none` (all light is reflected); its alpha is
-sqrt(2) times the rms slope along one axis. Its masking uses Walter et al.'s rational fit (their eq. 27, error 0.35 %)
-instead of the error function.
+The mirrors are Mitsuba's `roughconductor` with Beckmann's distribution and the material `none` (all light is
+reflected). Its alpha is sqrt(2) times the rms slope along one axis. Its masking is Walter et al.'s rational fit (their
+eq. 27, error 0.35 %) and not the error function.
 """
 
 import datetime
@@ -36,7 +36,7 @@ def main():
                     si.wi = direction(zenith_in, 0.0)
                     value = bsdf.eval(mi.BSDFContext(), si, direction(zenith_out, azimuth))[0]
                     per_sr = float(value) / math.cos(math.radians(zenith_out))
-                    # The far wings are below single precision.
+                    # The far wings are below the resolution of single precision.
                     if per_sr > 1e-6:
                         print(f"{slope},{zenith_in},{zenith_out},{azimuth},{per_sr:.6e}")
 

@@ -1,12 +1,12 @@
-"""Noisy points of a known two-panel satellite, and results of SciPy and emcee for them.
+"""Writes noisy points of a known two-panel satellite, and results of SciPy and emcee for them.
 
     venv/bin/pip install numpy==2.4.3 scipy==1.17.1 emcee==3.1.6 astropy==7.2.0
     venv/bin/python tests/reference/make_fit_goldens.py tests/data/fit_golden.csv
 
-Writes 1,200 points and, in the lines before them, the lowest cost reached by SciPy from a grid of starts (squares and
-soft_l1) with its parameters, means and covariance of emcee's draws from the same likelihood, and its autocorrelation
-times of a chain from an integer recurrence. Takes some minutes. With `--points N FILE` it only writes N points, for
-benchmarks.
+Writes 1,200 points and, in the lines before them: the lowest cost reached by SciPy from a grid of starts (squares and
+soft_l1) with its parameters; means and covariance of emcee's draws from the same likelihood; and autocorrelation times
+that emcee computes for a chain from an integer recurrence. Takes some minutes. `--points N FILE` only writes N points,
+for benchmarks.
 """
 import datetime
 import json
@@ -24,14 +24,14 @@ LEAST, GREATEST = np.array([0] * 5 + [0.5, 0.5]), np.array([1] * 5 + [200.0, 200
 
 
 def points(n, rng):
-    """Directions as observed by a ground station, magnitudes with errors of 0.1 to 0.3 mag."""
+    """Returns directions as observed by a ground station, and magnitudes with errors of 0.1 to 0.3 mag."""
     ds, a = np.radians(rng.uniform(-22, -8, 3 * n)), rng.uniform(0, np.pi, 3 * n)
     do = np.radians(-rng.uniform(25, 85, 3 * n))
     g = basis(SHAPE, ds, a, do)
     lit = np.flatnonzero(sum(x for x in g[:3]) > 1e-3)[:n]
     sigma = rng.uniform(0.1, 0.3, n)
     m = magnitude(tuple(x[lit] for x in g), TRUTH) + sigma * rng.standard_normal(n)
-    # Rounded as in the file.
+    # Values are rounded as in the file.
     return [np.round(x, 7) for x in (np.degrees(ds[lit]), np.degrees(a[lit]), np.degrees(do[lit]), m, sigma)]
 
 
@@ -49,7 +49,7 @@ def write(path, p, head):
 
 
 def jacobian(g, p):
-    """Derivatives of magnitudes by the seven parameters."""
+    """Returns the derivatives of the magnitudes by the seven parameters."""
     c = columns(g, p[5], p[6])
     b = np.maximum(np.asarray(p[:5]) @ c, 1e-9)
     slope = lambda k, n, cosine: np.where(cosine > 0, p[k] * c[k] * (1 / (n + 2) + np.log(np.maximum(cosine, 1e-300))), 0)

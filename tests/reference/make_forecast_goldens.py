@@ -1,11 +1,11 @@
-"""Makes tests/data/forecast_golden.csv: passes and shadow edges of real satellites over one night, by Skyfield.
+"""Writes tests/data/forecast_golden.csv: passes and shadow edges of real satellites over one night, by Skyfield.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_forecast_goldens.py tests/data/forecast_golden.csv
 
-Satellites of tle/active/active_2026-04-25.txt: one of each cell of mean motion and inclination (make_shadow_goldens.py
-chooses) and every 300th of the others. Site: 30 deg 14 min 40.7 s south, 70 deg 44 min 57.9 s west, 2662.75 m; from
-2026-04-25T22:00:00 to 2026-04-26T11:00:00 UTC.
+Satellites are from tle/active/active_2026-04-25.txt: one for each cell of mean motion and inclination (selected by
+make_shadow_goldens.py) and every 300th of the others. The site is at 30 deg 14 min 40.7 s south, 70 deg 44 min 57.9 s
+west, 2662.75 m. The time range is 2026-04-25T22:00:00 to 2026-04-26T11:00:00 UTC.
 
 rise, set     Skyfield's find_events at 10 deg (geometric, no refraction), refined here to 1e-4 s by bisection of its
               altitude

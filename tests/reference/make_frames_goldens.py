@@ -1,4 +1,4 @@
-"""Makes tests/data/frames_golden.csv: frames, observers, Sun and horizon by astropy, ERFA and Skyfield.
+"""Writes tests/data/frames_golden.csv: frames, observers, Sun and horizon by astropy, ERFA and Skyfield.
 
     pip install astropy==8.0.2 pyerfa==2.0.1.5 skyfield==1.55
     python tests/reference/make_frames_goldens.py FINALS2000A.all DE421.bsp tests/data/frames_golden.csv
@@ -81,7 +81,7 @@ def main(finals, ephemeris, target):
         row |= dict(zip(["sun_x_km", "sun_y_km", "sun_z_km"], (sun - earth).xyz.to_value(u.km)))
         row |= dict(zip(["earth_vx_km_s", "earth_vy_km_s", "earth_vz_km_s"], earth_v.xyz.to_value(u.km / u.s)))
 
-        # Skyfield: its precession-nutation, its reader of the same file, the Sun of DE421.
+        # Skyfield: its precession and nutation, its reader of the same file, the Sun of DE421.
         when = ts.utc(t.datetime.year, t.datetime.month, t.datetime.day, t.datetime.hour, t.datetime.minute, t.datetime.second + t.datetime.microsecond * 1e-6)
         their_gcrs = SKYFIELD_TEME.rotation_at(when).T @ satellite
         row |= dict(zip(["skyfield_gcrs_x_km", "skyfield_gcrs_y_km", "skyfield_gcrs_z_km"], their_gcrs))

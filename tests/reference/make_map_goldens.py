@@ -1,8 +1,8 @@
-"""Golden data of the sky maps: intersection of lines of sight with the satellites' sphere, illumination and brightness.
+"""Writes golden data of sky maps: intersection of lines of sight with a sphere, illumination and brightness.
 
-Independent of the library: the site and its horizon come from astropy (ERFA), the intersection from numpy's roots of
-the quadratic, body angles by the arccos formulas of Lu (2024), eqs. 9-12, the lit fraction by casting 4000 rays to the
-Sun's disk past the sphere or ellipsoid, and the light by the numpy model of make_photometry_goldens.py.
+Independent of the library: site and horizon are computed by astropy (ERFA), intersections by numpy's roots of the
+quadratic, body angles by the arccos formulas of Lu (2024), eqs. 9-12, the lit fraction by 4000 rays to the disk of the
+Sun past the sphere or ellipsoid, and the light by the numpy model of make_photometry_goldens.py.
 
     python3 -m venv venv && venv/bin/pip install numpy shapely astropy
     venv/bin/python tests/reference/make_map_goldens.py > tests/data/map_goldens.csv
@@ -21,7 +21,7 @@ COEFFICIENTS = (0.05, 0.0279, 0.0053, 0.1097, 0.0844, 5.0, 22.0)
 
 
 def lit(satellite, sun, flattening):
-    """Fraction of sunlight that misses the Earth, by rays; limb darkening P5(mu) of Neckel (2005), 550 nm."""
+    """Returns the fraction of sunlight that passes the Earth, by rays; limb darkening P5(mu), Neckel (2005), 550 nm."""
     to = sun - satellite
     axis = to / np.linalg.norm(to)
     side = np.cross(axis, [0, 0, 1.0])
@@ -29,7 +29,7 @@ def lit(satellite, sun, flattening):
     up = np.cross(axis, side)
     n = 4000
     k = np.arange(n) + 0.5
-    r, t = SUN * np.sqrt(k / n), np.pi * (1 + 5**0.5) * k  # a sunflower: equal areas
+    r, t = SUN * np.sqrt(k / n), np.pi * (1 + 5**0.5) * k  # sunflower pattern: equal areas
     rays = to + np.outer(r * np.cos(t), side) + np.outer(r * np.sin(t), up)
     stretch = np.array([1, 1, 1 / (1 - flattening)])
     p, d = satellite * stretch, rays * stretch

@@ -1,7 +1,8 @@
-"""Golden data of the five-term model: numpy for the terms, exact polygon union (shapely, GEOS) for the blocking.
+"""Writes golden data of the two-panel model: terms by numpy, blocking by exact unions of polygons (shapely, GEOS).
 
-Independent of the library: the chassis' corners are projected along the light onto the plane of the sail (the library
-casts from the sail to the chassis), and the union is taken of polygons (the library integrates interval lengths).
+Independent of the library: the corners of the chassis are projected along the light onto the plane of the sail (the
+library projects from the sail to the chassis), and blocked areas are unions of polygons (the library integrates lengths
+of intervals).
 
     python3 -m venv venv && venv/bin/pip install numpy shapely
     venv/bin/python tests/reference/make_photometry_goldens.py > tests/data/photometry_goldens.csv
@@ -20,14 +21,14 @@ def unit(longitude, latitude):
 
 
 def stopped(direction, normal, up, l_base, w_base, sail):
-    """Polygon on the sail (u, v) from which rays towards `direction` hit the chassis."""
+    """Returns the polygon on the sail (u, v) from which rays towards `direction` hit the chassis."""
     facing = normal @ direction
     if direction[2] >= 0 or facing <= 0:
         return Polygon()
     corners = []
     for x, y in ((0, -w_base / 2), (0, w_base / 2), (l_base, w_base / 2), (l_base, -w_base / 2)):
         q = np.array([x, y, 0.0])
-        p = q - (normal @ q) / facing * direction  # onto the plane of the sail, away from the light
+        p = q - (normal @ q) / facing * direction  # projected onto the plane of the sail, away from the light
         corners.append((p[1], p @ up))
     return Polygon(corners).intersection(sail)
 
@@ -75,7 +76,8 @@ def main():
     paper = (8.1, 2.8, 1.3, 2.8)
     shipped = (0.0, 0.0279, 0.0053, 0.1097, 0.0844, 5.0, 22.0)
     for i in range(600):
-        # A third each: the bundled model in its range, the paper's shape at other offsets, any shape and direction.
+        # A third each: the bundled model in its range, the shape of the paper with other offsets, any shape and
+        # direction.
         if i < 200:
             shape, poa, c = paper, 0.0, shipped
         elif i < 400:
@@ -89,7 +91,7 @@ def main():
             ds, do = np.radians(rng.uniform(-25, 2)), np.radians(rng.uniform(-90, -20))
         else:
             ds, do = np.radians(rng.uniform(-80, 80)), np.arcsin(rng.uniform(-1, 1))
-        # Half of them in front of the sail, where most of it is hidden.
+        # Half of the observers are in front of the sail, where most of it is hidden.
         a = rng.uniform(0, 2 * np.pi) if i % 2 else rng.uniform(-1.5, 1.5) % (2 * np.pi)
         bf, bf_sun, terms, magnitude = model(shape, poa, c, ds, a, do)
         row = [*shape, poa, *c, ds, a, do, bf, bf_sun, *terms]

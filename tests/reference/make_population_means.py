@@ -1,7 +1,7 @@
-"""Means of bundled models over the population of `streakcast model check`.
+"""Writes mean magnitudes of bundled models over the population of `streakcast model check`.
 
-Another method than that of the program: satellites at uniform nodes and
-arguments of latitude on circular orbits, if they are above 30 deg and in full sunlight. Spherical Earth and shadow.
+The method differs from that of the program: satellites with uniform nodes and arguments of latitude on circular orbits
+are used if they are above 30 deg and in full sunlight. Earth and shadow are spherical.
 
     venv/bin/python tests/reference/make_population_means.py > tests/data/population_means.csv
 """
@@ -21,7 +21,7 @@ MOMENTS = 48
 
 
 def angles(height_km, inclination_deg):
-    """Sun's latitude, observer's longitude and latitude of all selected satellites, over all times."""
+    """Returns the Sun's latitude and the observer's longitude and latitude of all selected satellites, at all times."""
     r, i, site = EARTH_KM + height_km, np.radians(inclination_deg), np.radians(40)
     node, u = np.meshgrid(np.arange(1200) * 2 * np.pi / 1200, (np.arange(1201) + 0.5) * 2 * np.pi / 1201, indexing="ij")
     z = np.stack([np.cos(node) * np.cos(u) - np.sin(node) * np.sin(u) * np.cos(i),
@@ -36,7 +36,7 @@ def angles(height_km, inclination_deg):
     for k in range(MOMENTS):
         h = ends[0] + (ends[1] - ends[0]) * (k + 0.5) / MOMENTS
         sun = np.array([np.cos(h), -np.sin(h), 0])
-        # Full sunlight: the whole disk of the Sun is above the Earth's limb as seen from the satellite.
+        # Full sunlight: seen from the satellite, the whole disk of the Sun is above the limb of the Earth.
         s = sun[:, None] * AU_KM - r * z
         s /= np.linalg.norm(s, axis=0)
         to_sun_from_nadir = np.arccos(-(s * z).sum(0))

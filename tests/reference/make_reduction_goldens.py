@@ -1,10 +1,10 @@
-"""Golden numbers for the reduction of photometry: quartiles, kernel modes, and HEALPix cells of directions.
+"""Writes golden values of the reduction of photometry: quartiles, kernel modes, and HEALPix cells of directions.
 
     python tests/reference/make_reduction_goldens.py tests/data
 
-Quartiles by numpy, kernel modes by scipy.stats.gaussian_kde on a fine grid (with the same bandwidth, so that only the
-density is compared), half-sample modes by a direct implementation of the recursion of Bickel and Fruehwirth (2006),
-cells by healpy.
+Quartiles are computed by numpy, kernel modes by scipy.stats.gaussian_kde on a fine grid (with the same bandwidth, so
+that only the density is compared), half-sample modes by a direct implementation of the recursion of Bickel and
+Fruehwirth (2006), and cells by healpy.
 """
 
 import datetime
@@ -18,7 +18,7 @@ from scipy.stats import gaussian_kde
 
 
 def half_sample_mode(x):
-    """Recursive half-sample mode of a sorted sample."""
+    """Returns the half-sample mode of a sorted sample, by recursion."""
     n = len(x)
     if n == 1:
         return x[0]

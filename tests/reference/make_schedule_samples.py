@@ -1,11 +1,11 @@
-"""Schedules in the formats of common tools, for tests/cli/annotate_formats.rs.
+"""Writes schedules in the formats of common tools, for tests/cli/annotate_formats.rs.
 
     python make_schedule_samples.py ../data/schedules      (astropy 8, pyarrow)
 
-Columns, types and units follow the published schemas, the values are invented:
+Columns, types and units follow the published schemas; the values are invented:
 - ConsDB: lsst/sdm_schemas, cdb_lsstcam.yaml, table visit1 (obs_start_mjd: "MJD ... TAI").
 - ObsPlan: IVOA ObsLocTAP 1.0, section 3 (t_planning, t_exptime, s_ra, s_dec, s_fov, target_name, instrument_name), as
-  the IAU CPS reads the Rubin feed.
+  used by the IAU CPS to read the Rubin feed.
 """
 import json
 import sys

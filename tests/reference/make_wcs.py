@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Golden data of world coordinates: positions on the sky by astropy and wcslib.
+"""Writes golden data of world coordinates: positions on the sky by astropy and wcslib.
 
     python tests/reference/make_wcs.py DATA_FOLDER > tests/data/wcs_golden.csv
 
-DATA_FOLDER is the folder of real frames (STREAKCAST_DATA); the invented headers are in tests/data/wcs. If wcslib
-rejects a header that we read, the header is corrected here first (see `corrected`).
+DATA_FOLDER is the folder of real frames (STREAKCAST_DATA); invented headers are in tests/data/wcs. Headers that
+streakcast accepts and wcslib rejects are corrected first (see `corrected`).
 """
 
 import datetime
@@ -25,8 +25,9 @@ own = pathlib.Path(__file__).resolve().parent.parent / "data" / "wcs"
 
 
 def corrected(header):
-    """Returns a header that wcslib reads with the intended meaning."""
-    # Only these keywords: with those of the Digitized Sky Survey wcslib uses the plate solution instead of CTYPE.
+    """Returns a copy of the header that wcslib reads with the intended meaning."""
+    # Only these keywords are kept: with those of the Digitized Sky Survey, wcslib uses the plate solution instead of
+    # CTYPE.
     # Values are reformatted, because wcslib reads -1.5D-04 as -1.5.
     used_keywords = re.compile(r"(NAXIS\d?|CTYPE\d|CUNIT\d|CRVAL\d|CRPIX\d|CDELT\d|CROTA\d|CD\d_\d|PC\d_\d|PV\d_\d+|LONPOLE|LATPOLE|RADE.*|"
                         r"EQUINOX|[AB]P?_.*|WAT\d_\d+|IMAGE[WH])$")
@@ -35,12 +36,12 @@ def corrected(header):
         # 'degree' is not a unit of the FITS standard.
         if header.get(f"CUNIT{axis}", "").strip() == "degree":
             header[f"CUNIT{axis}"] = "deg"
-        # SIP coefficients apply without the suffix; wcslib requires the suffix.
+        # SIP coefficients are applied without the suffix; wcslib requires the suffix.
         ctype = header.get(f"CTYPE{axis}", "")
         if "A_ORDER" in header and ctype.endswith("TAN"):
             header[f"CTYPE{axis}"] = ctype + "-SIP"
-    # With declination first wcslib uses the wrong variables in the polynomials of TPV (declination then increases with
-    # right ascension): the same header with right ascension first.
+    # If declination is first, wcslib uses the wrong variables in the polynomials of TPV, so that declination increases
+    # with right ascension. The same header with right ascension first is used instead.
     if header.get("CTYPE1") == "DEC--TPV":
         def swapped(name):
             found = re.match(r"(CTYPE|CUNIT|CRVAL|CD|PV)([12])(_\d+)?$", name)

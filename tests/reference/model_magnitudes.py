@@ -1,14 +1,15 @@
-"""Magnitudes of bundled models in numpy, and residuals of public photometry.
+"""Computes magnitudes of bundled models in numpy, and residuals of public photometry.
 
-Geometry on a spherical Earth: Slingshot rows have Sun, satellite and azimuth; MMT-9 rows have time, distance and phase,
-from which the body-frame angles follow for a circular orbit of the shell's radius, up to the mirror image, which is
-equivalent for the models. Pomenis rows have time, height, altitude and azimuth; the ray to the Sun is tested against
-the ellipsoid. Only points with sunlight at least 100 km above the ground are used. Sunlight only, without earthshine.
+Geometry is on a spherical Earth. Slingshot rows have Sun, satellite and azimuth. MMT-9 rows have time, range and phase
+angle, from which the body-frame angles follow for a circular orbit at the height of the shell, except for a mirror
+image, which is equivalent for the models. Pomenis rows have time, height, altitude and azimuth; their rays to the Sun
+are tested with the ellipsoid. Only points whose sunlight passes at least 100 km above the ground are used, without
+earthshine.
 
     venv/bin/pip install numpy scipy astropy
     venv/bin/python tests/reference/model_magnitudes.py DATA_FOLDER
 
-Prints number, mean, RMS and core of the residuals of the bundled files, used by tests/fitting/model_validation.rs.
+Prints number, mean, RMS and core of the residuals of the bundled models, used by tests/fitting/model_validation.rs.
 """
 import csv
 import gzip
@@ -29,7 +30,7 @@ EARTH_KM = 6378.137
 
 
 def overlap(reach, flat, slope, height):
-    """Integral of clamp(reach - slope v, 0, flat) over 0..height."""
+    """Returns the integral of clamp(reach - slope v, 0, flat) over 0..height."""
     slope = np.maximum(slope, 1e-12)
     full = np.clip((reach - flat) / slope, 0, height)
     end = np.clip(reach / slope, full, height)
@@ -38,7 +39,7 @@ def overlap(reach, flat, slope, height):
 
 
 def basis(shape, ds, a, do):
-    """Geometry of the five terms: cosines times unblocked area, and cosines of the mirror angles."""
+    """Returns the geometry of the five terms: cosines times unblocked areas, and cosines of the mirror angles."""
     l_sail, w_sail, l_base, w_base = shape
     sun = np.stack([np.cos(ds), 0 * ds, np.sin(ds)])
     obs = np.stack([np.cos(do) * np.cos(a), np.cos(do) * np.sin(a), np.sin(do)])
@@ -78,7 +79,7 @@ def magnitude(g, p):
 
 
 def facets(weight, slope, cos_in, cos_out, dot):
-    """Rough mirror, sr^-1: Walter et al. (2007), eqs. 20 and 23 to 26, Beckmann, alpha = sqrt(2) slope."""
+    """Returns Beckmann's rough mirror, sr^-1: Walter et al. (2007), eqs. 20 and 23 to 26, alpha = sqrt(2) slope."""
     alpha = np.sqrt(2) * slope
     ci, co = np.clip(cos_in, 1e-9, 1), np.clip(cos_out, 1e-9, 1)
     tilt = np.arccos(np.clip((ci + co) / np.sqrt(2 + 2 * dot), -1, 1))
@@ -92,7 +93,7 @@ def facets(weight, slope, cos_in, cos_out, dot):
 
 
 def law(spec, number, cos_in, cos_out, mirror, dot):
-    """Reflectance of one law, sr^-1."""
+    """Returns the reflectance of one law, sr^-1."""
     of = lambda key: number(spec[key])
     lobe = lambda cosine: of("weight") * (of("exponent") + 2) / (2 * np.pi) * np.maximum(cosine, 0) ** of("exponent")
     return {
@@ -105,7 +106,7 @@ def law(spec, number, cos_in, cos_out, mirror, dot):
 
 
 def panels_light(spec, ds, a, do):
-    """Light, m^2 / sr, of a nadir face, an optional sail that turns with the Sun's azimuth, and spheres."""
+    """Returns the light, m^2 / sr, of a nadir face, an optional sail that follows the Sun's azimuth, and spheres."""
     values = {p["name"]: p["value"] for p in spec["parameters"]}
     number = lambda given: values[given] if isinstance(given, str) else given
     by = {p["name"]: p for p in spec["panels"]}
@@ -132,7 +133,7 @@ def panels_light(spec, ds, a, do):
 
 
 def bundled_magnitude(name, ds, a, do):
-    """Magnitude of a bundled model; NaN where no lit surface is visible."""
+    """Returns the magnitude of a bundled model; NaN where no lit surface is visible."""
     m = json.load(open(MODELS / f"{name}.json"))
     if "mean_mag" in m:
         return np.full_like(ds, m["mean_mag"])
@@ -150,12 +151,12 @@ def bundled_magnitude(name, ds, a, do):
 
 
 def sunlit(radius_km, ds):
-    """Whether the ray to the Sun (lowest point R cos d_sun) clears a spherical Earth."""
+    """Returns whether the ray to the Sun (lowest point R cos d_sun) passes at least 100 km above a spherical Earth."""
     return (ds >= 0) | (radius_km * np.cos(ds) - EARTH_KM >= 100)
 
 
 def between(s, o, z):
-    """Sun's latitude, observer's longitude from it and latitude, from unit vectors to Sun, observer and zenith."""
+    """Returns the Sun's latitude and the observer's longitude and latitude, from unit vectors to these and zenith."""
     ds, do = np.arcsin((s * z).sum(0)), np.arcsin((o * z).sum(0))
     return ds, np.arccos(np.clip(((s * o).sum(0) - np.sin(ds) * np.sin(do)) / np.cos(ds) / np.cos(do), -1, 1)), do
 
@@ -188,7 +189,7 @@ def pomenis(data):
     sight = np.outer(east, np.cos(alt) * np.sin(az)) + np.outer(north, np.cos(alt) * np.cos(az)) + np.outer(np.cross(east, north), np.sin(alt))
     rise, near = (site * sight).sum(0), np.linalg.norm(site)
     d = -rise + np.sqrt(rise**2 + (near + h) ** 2 - near**2)
-    # From the sphere to the ellipsoid, above which the recorded heights are.
+    # Heights are converted from the sphere to the ellipsoid, to which the recorded heights refer.
     height = lambda xyz: EarthLocation.from_geocentric(*xyz, unit=units.km).height.to_value("km")
     for _ in range(5):
         sat = site + d * sight
@@ -196,7 +197,7 @@ def pomenis(data):
     sat = site + d * sight
     s = get_sun(t).transform_to(ITRS(obstime=t)).cartesian.xyz.to_value("km") - sat
     s /= np.linalg.norm(s, axis=0)
-    # The lowest geodetic height of the ray, within 300 km of the point nearest to the Earth's centre.
+    # Lowest geodetic height of the ray, within 300 km of the point nearest to the Earth's centre.
     way = -(sat * s).sum(0) + np.linspace(-300, 300, 121)[:, None]
     ray = sat[:, None] + s[:, None] * way
     lowest = height(ray).min(0)
@@ -225,7 +226,7 @@ def mmt(data, file, radius_km):
 
 
 def residuals(name, m, ds, a, do):
-    """Residuals of measurements from a bundled model."""
+    """Returns measured minus computed magnitudes of a bundled model."""
     r = m - bundled_magnitude(name, ds, a, do)
     r = r[np.isfinite(r)]
     core = 1.4826 * np.median(np.abs(r - np.median(r)))

@@ -1,11 +1,11 @@
-"""Recovers streaks added by `streakcast inject` with independent detectors.
+"""Detects streaks added by `streakcast inject` with independent programs.
 
     tests/independent.sh, or
     venv/bin/python tests/reference/recover_streaks.py target/release/streakcast ../shared/data
 
-Position and angle: acstools' median Radon transform (findsat_mrt), without knowledge of the truth. Flux: NumPy's
-integral of the median cut across the streak, times its length. Width: a Moffat profile fitted by SciPy to the mean cut.
-Exit code 1 if a result exceeds the limits below.
+Position and angle are those of acstools' median Radon transform (findsat_mrt), which does not use the true values. The
+flux is NumPy's integral of the median cross-section, times the length. The width is that of a Moffat profile fitted by
+SciPy to the mean cross-section. The exit code is 1 if a difference exceeds the limits below.
 """
 import csv
 import pathlib
@@ -24,7 +24,7 @@ warnings.simplefilter("ignore")
 BINARY, DATA = sys.argv[1], pathlib.Path(sys.argv[2])
 FRAMES = DATA / "frames"
 # Limits: degrees between angles; pixels between lines; fractions of flux and width. The transform has steps of 0.5
-# degrees and one pixel; a degree moves the ends in the shortest frame by two pixels.
+# degrees and one pixel; 0.5 degrees move the ends in the shortest frame by one pixel.
 ANGLE_DEG, PLACE_PIX, FLUX_SHARE, WIDTH_SHARE = 1.0, 2.0, 0.05, 0.10
 CASES = [
     ("synthetic", ["--synthetic", "examples/synthetic.toml", "--exposure", "30s"], 5.5, ["--seeing", "1.5arcsec"], 0),
@@ -48,7 +48,7 @@ def found_by_transform(image):
                          save_catalog=False, save_diagnostic=False, check_persistence=False)
     finder.run_mrt()
     finder.find_mrt_sources()
-    # Its source filter fits widths, which fails for some frames; the strongest source is the streak.
+    # The source filter of findsat_mrt fits widths, which fails for some frames; the strongest source is the streak.
     sources = finder.source_list
     return np.array(sources[np.argmax(sources["max_value" if "max_value" in sources.colnames else "flux"])]["endpoints"], dtype=float)
 
@@ -89,7 +89,7 @@ for name, what, magnitude, more, hdu in CASES:
     guess = [profile.max() - profile.min(), 0.0, float(truth["width_pix"]), 3.0, profile.min()]
     (_, _, alpha, beta, sky), _ = curve_fit(moffat, offsets, profile, p0=guess, maxfev=20000)
     width = 2 * abs(alpha) * np.sqrt(2 ** (1 / beta) - 1) / float(truth["width_pix"])
-    # The median cut times the length, which is insensitive to stars on the streak.
+    # The median cross-section times the length is insensitive to stars on the streak.
     flux = np.trapezoid(profile - sky, offsets) * length / float(truth["counts"])
     good = abs(turned) < ANGLE_DEG and abs(beside) < PLACE_PIX and abs(flux - 1) < FLUX_SHARE and abs(width - 1) < WIDTH_SHARE
     failed += not good

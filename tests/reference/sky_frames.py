@@ -1,7 +1,7 @@
-"""Frames for the reference scripts: TEME, GCRS, the site, and directions as in a star-calibrated image.
+"""Frames for the reference scripts: TEME, GCRS, site, and directions as in a star-calibrated image.
 
-Independent of the crate: ERFA's c2t06a and gmst82, astropy's reader of finals2000A, the Earth's velocity from
-JPL DE421. Nothing is downloaded; the data folder is found through STREAKCAST_DATA.
+Independent of streakcast: c2t06a and gmst82 of ERFA, astropy's reader of finals2000A, and the Earth's velocity from JPL
+DE421. Nothing is downloaded; the data folder is STREAKCAST_DATA.
 """
 
 import os
@@ -34,7 +34,7 @@ def utc_to_jd(text):
 
 
 def jd_to_utc(jd, fraction):
-    """Returns the text of a Julian date, to the millisecond."""
+    """Returns a Julian date as text with milliseconds."""
     milliseconds = round(fraction * DAY_S * 1000)
     jd, milliseconds = jd + milliseconds // 86_400_000, milliseconds % 86_400_000
     year, month, day, _ = erfa.jd2cal(jd, 0.0)
@@ -55,7 +55,7 @@ class Frames:
         )
 
     def at(self, jd, fraction):
-        """Returns teme_to_gcrs, itrs_to_gcrs (n, 3, 3), Earth's velocity (n, 3) km/s for arrays of UTC dates."""
+        """Returns teme_to_gcrs and itrs_to_gcrs (n, 3, 3), and the Earth's velocity (n, 3) in km/s, for UTC dates."""
         fraction = np.atleast_1d(fraction)
         jd = np.broadcast_to(jd, fraction.shape)
         ut1_minus_utc = self.table.ut1_utc(jd, fraction).to_value("s")
@@ -70,7 +70,7 @@ class Frames:
         pef_to_itrs = erfa.pom00(xp, yp, 0.0)
         itrs_to_gcrs = np.swapaxes(gcrs_to_itrs, -1, -2)
         teme_to_gcrs = itrs_to_gcrs @ pef_to_itrs @ teme_to_pef
-        # TT instead of TDB: 2 ms of the Earth's 0.006 m/s² are negligible.
+        # TT is used instead of TDB: 2 ms at an acceleration of 0.006 m/s² are negligible.
         _, emb = self.kernel[0, 3].compute_and_differentiate(tt[0], tt[1])
         _, earth = self.kernel[3, 399].compute_and_differentiate(tt[0], tt[1])
         return teme_to_gcrs, itrs_to_gcrs, (emb + earth).T / DAY_S
@@ -81,7 +81,7 @@ class Frames:
 
 
 def astrometric(satellite_km, satellite_km_s, site_km, earth_km_s):
-    """ICRS astrometric topocentric vector, km: r = r_sat - r_site - (v_sat + v_Earth) tau, all GCRS at reception.
+    """Returns the ICRS astrometric vector, km: r = r_sat - r_site - (v_sat + v_Earth) tau, all GCRS at reception.
 
     The Earth's aberration of 20 arcsec is *subtracted*, as in a plate solution.
     """
@@ -95,7 +95,7 @@ def unit(vector):
 
 
 def separation(a, b):
-    """Angle between unit vectors, radians, accurate for small angles too."""
+    """Returns the angle between unit vectors, radians, accurate also for small angles."""
     return 2.0 * np.arcsin(np.minimum(np.linalg.norm(a - b, axis=-1) / 2.0, 1.0))
 
 

@@ -1,18 +1,19 @@
-"""Verdicts on a night of Rubin visits with older element sets, against those with the elements of the night: `docs/tables/verdicts.md`.
+"""Compares verdicts on Rubin visits with old and with current element sets: writes `docs/tables/verdicts.md`.
 
     STREAKCAST_DATA=... STREAKCAST_BIN=... python tests/reference/verdicts_by_age.py docs/tables/verdicts.md
 
-The visits are those of schedules/baseline_10klines_2.0.db: the first 13 nights of a simulated survey, October 2023, mostly of 30 s. A catalogue of
-every day exists for June 2026 only, so each night is moved to one of June 2026: a visit keeps its altitude and azimuth, and its time after
-sunset (before local midnight, 25 min earlier) or before sunrise (after midnight, 85 min later); its right ascension grows by the difference of
-the sidereal times. The elements of the night are, for each satellite, the set closest to the middle of the night among the files of that day
-and the next two, with the published drag for all rows of the table. Elements N days older are the file of N days before the night; its epochs
-are up to two days older than the file. Verdicts by `flag` with
-the field of 3.5 deg and a limit of V = 7 mag.
+The visits are those of the first 13 nights of schedules/baseline_10klines_2.0.db, a simulated survey in October 2023,
+most of them of 30 s. Daily catalogues exist only for June 2026, so each night is moved to one of June 2026. A visit
+keeps its altitude and azimuth, and its time after sunset (before local midnight, 25 min earlier) or before sunrise
+(after midnight, 85 min later); its right ascension increases by the difference of the sidereal times. The current
+elements of a satellite are the set closest to the middle of the night among the files of that day and the next two,
+with the published drag for all rows of the table. Elements N days older are those in the file of N days before the
+night; their epochs are up to two days older than the file. Verdicts are computed by `flag` with a field of 3.5 deg and
+a limit of V = 7 mag.
 
-"changed" counts visits with another verdict (clear, streaked, avoid); "expected" is the share that `flag` states from the elements of that age alone:
-the mean of p_crossing over clear visits and of 1 - p_crossing over all others (changes between clear and not clear, the column before it).
-Takes about two minutes.
+"changed" is the fraction of visits with another verdict (clear, streaked, avoid). "expected" is the fraction that
+`flag` computes only from the elements of that age: the mean of p_crossing over clear visits and of 1 - p_crossing over
+all others (changes between clear and not clear, the column before it). Takes about two minutes.
 """
 
 import argparse
@@ -28,10 +29,11 @@ DATA = Path(os.environ.get("STREAKCAST_DATA") or ROOT.parent / "shared/data")
 BINARY = os.environ.get("STREAKCAST_BIN") or ROOT / "target/release/streakcast"
 AGES_DAY = (1, 3, 7)
 MODELS = ("published", "station-keeping")
-# The nights of the survey follow one another from the night that ends on this day of June.
+# The nights of the survey are moved to successive nights, of which the first ends on this day of June.
 FIRST_NIGHT = 9
 MJD_2026_05_31 = 61191
-# Local midnight in days after 0 h UTC of the evening's date, and the shifts that bring Sun and visits together.
+# Local midnight in days after 0 h UTC of the date of the evening, and the time shifts of the two halves of the night,
+# min.
 MIDNIGHT, EVENING_MIN, MORNING_MIN = 1.197, -25, 85
 # Mean sidereal days in a day, IAU 2006 to first order.
 SIDEREAL_RATE = 1.00273781191135
@@ -42,7 +44,7 @@ def elements(day):
 
 
 def nights():
-    """Visits of the survey, by night."""
+    """Returns the visits of the survey, by night."""
     columns = "observationStartMJD, fieldRA, fieldDec, rotSkyPos, visitExposureTime"
     found = {}
     for visit in sqlite3.connect(DATA / "schedules/baseline_10klines_2.0.db").execute(f"SELECT {columns} FROM observations ORDER BY 1"):
@@ -52,7 +54,7 @@ def nights():
 
 
 def schedule(folder, evening, visits, night):
-    """The visits, moved to the night that ends on a day of June 2026, as a file."""
+    """Writes the visits, moved to the night that ends on a day of June 2026, to a file, and returns its path."""
     path = Path(folder) / f"{night}.csv"
     with path.open("w") as file:
         file.write("id,start_mjd_utc,ra_deg,dec_deg,rotation_deg,duration_s\n")

@@ -1,7 +1,7 @@
-// The page in a real browser: its numbers equal those of the command line, it calls only its server, and it works at
-// both widths.
-// `node browser.mjs URL STREAKCAST [FOLDER]`: writes screenshots to the folder, if one is given.
-// Every wait is for a condition; times are printed, and LIMIT_MS ends a wait that would last for ever.
+// Tests of the web page in a browser: its numbers equal those of the command line, it sends requests only to its
+// server, and it can be used at both widths.
+// `node browser.mjs URL STREAKCAST [FOLDER]` writes screenshots to the folder, if one is given.
+// All waits are for conditions, with the limit LIMIT_MS. Times are printed.
 
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";

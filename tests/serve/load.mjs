@@ -1,6 +1,6 @@
 // Constant load: `node load.mjs URL PID SECONDS [PER_SECOND]` sends requests at this rate over persistent connections.
-// Responses other than 200 and growing memory are errors. Requests to a busy server (503) are repeated: that depends on
-// the machine.
+// Other responses than 200 and growing memory are errors. Requests rejected by a busy server (503) are sent again,
+// because they depend on the machine.
 
 import { readFileSync } from "node:fs";
 import http from "node:http";
@@ -60,7 +60,7 @@ function send(number, began = performance.now()) {
 
 const until = (time) => new Promise((resolve) => setTimeout(resolve, Math.max(0, time - performance.now())));
 
-// One second fills the caches; growth is measured afterwards.
+// One second fills the caches; the growth of memory is measured afterwards.
 for (let number = 0; number < rate; number += 1) {
   send(number);
   if (number % 20 === 0) await until(0);

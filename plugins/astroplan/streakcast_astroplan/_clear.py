@@ -1,4 +1,4 @@
-"""Clear starts and lost pixels of exposures of one length, for many targets and starts.
+"""Clear starts and lost pixels of exposures with one duration, for many targets and starts.
 
 Times are UTC seconds since 1970.
 """
@@ -20,24 +20,24 @@ BoolArray = npt.NDArray[np.bool_]
 DAY_S = 86_400.0
 _UNIX_EPOCH_JD = 2_440_587.5
 _UNIX_EPOCH_MJD = 40_587.0
-#: Longest time span of one call of the model, seconds (the model accepts a day); a night has one selection of element
-#: sets.
+#: Longest time span of one call of the model, seconds. The model accepts a day, and uses one selection of element sets
+#: per night.
 CHUNK_S = 43_200.0
-#: Tolerance at the ends of windows, seconds: windows are rounded to milliseconds and end 1 to 2 ms before a satellite
-#: enters.
+#: Tolerance at the ends of windows, seconds. Windows are rounded to milliseconds and end 1 to 2 ms before a satellite
+#: enters the field.
 TICK_S = 2e-3
-#: Brightest limit accepted by a policy; no satellite exceeds it.
+#: Brightest magnitude limit accepted in a policy. No satellite exceeds it.
 BRIGHTEST_LIMIT_MAG = -30.0
 NO_TELESCOPE = "score 'pixels' requires the width of streaks, but the model has no telescope; specify StreakModel(telescope=...), or score 'clear'"
 
 
 def unix_s(times: Time) -> FloatArray:
-    """Converts times to UTC seconds since 1970, to a microsecond; leap seconds are not counted, as in Unix time.
+    """Converts times to UTC seconds since 1970, with a resolution of a microsecond. Leap seconds are not counted.
 
     Raises
     ------
     ValueError
-        A masked time.
+        A time is masked.
     """
     if np.any(times.mask):
         raise ValueError("a time is masked; allowed: unmasked times")
@@ -53,7 +53,7 @@ def times_of(unix: Any) -> Time:
 def icrs_deg(coordinates: SkyCoord) -> tuple[FloatArray, FloatArray]:
     """Returns right ascension and declination, ICRS, degrees, in the shape of the coordinates.
 
-    Distances are ignored, because the barycentric direction of a near body differs from that seen at the site.
+    Distances are ignored: the barycentric direction of a nearby body differs from its direction at the site.
     """
     frame = coordinates.frame
     if frame.name != "icrs":
@@ -66,22 +66,22 @@ def icrs_deg(coordinates: SkyCoord) -> tuple[FloatArray, FloatArray]:
 def clear_on_grid(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
 ) -> BoolArray:
-    """Returns True where exposures with these starts are clear: ``(n_targets, n_starts)``. False below the horizon.
+    """Returns an array ``(n_targets, n_starts)``: True where exposures are clear, False below the horizon.
 
     Calls the model once per target and night, independent of the number of starts.
 
     Parameters
     ----------
     model : StreakModel
-        The model.
+        Satellites, site, field of view and limits.
     ra_deg, dec_deg : array, ``(n_targets,)``
         ICRS, degrees.
     starts_s : array, ``(n_starts,)``
         Shutter openings, UTC seconds since 1970, ascending.
     length_s : float
-        Length of each exposure, seconds.
+        Duration of each exposure, seconds.
     blocking : {"any", "avoid"}
-        Which satellites count.
+        Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the policy.
     """
     clear = np.zeros((len(ra_deg), len(starts_s)), dtype=bool)
     for begin, end in _chunks(starts_s):
@@ -97,7 +97,7 @@ def clear_on_grid(
 def clear_one_by_one(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float, blocking: str
 ) -> BoolArray:
-    """Returns the same as `clear_on_grid` for single exposures of one length, with one target per start: ``(n,)``."""
+    """Same as `clear_on_grid` for single exposures of one duration, with one target per start; returns ``(n,)``."""
     clear = np.zeros(len(ra_deg), dtype=bool)
     clear[windows_of(model, ra_deg, dec_deg, starts_s, starts_s + length_s, length_s, blocking)[0]] = True
     return clear
@@ -106,15 +106,15 @@ def clear_one_by_one(
 def lost_on_grid(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float
 ) -> FloatArray:
-    """Fraction of the field's pixels lost to lit satellites, [0, 1]: ``(n_targets, n_starts)``; arguments as above.
+    """Returns the fraction of pixels lost to lit satellites, [0, 1]: ``(n_targets, n_starts)``; arguments as above.
 
-    If a crossing is only partly inside an exposure, that part of the streak counts; below the horizon all pixels are
-    lost.
+    If only a part of a crossing is inside an exposure, that part of the streak is counted. Below the horizon the
+    fraction is 1.
 
     Raises
     ------
     ValueError
-        If the model has no telescope, which defines the width of streaks.
+        If the model has no telescope, from which the width of streaks is computed.
     """
     lost = np.zeros((len(ra_deg), len(starts_s)))
     for begin, end in _chunks(starts_s):
@@ -129,7 +129,7 @@ def lost_on_grid(
         last = np.searchsorted(some, exit_s)
         for row in range(len(pixels)):
             starts = some[first[row] : last[row]]
-            # Part of the crossing while the shutter is open: (min(exit, s + D) - max(enter, s)) / (exit - enter)
+            # Part of the crossing within the exposure: (min(exit, s + D) - max(enter, s)) / (exit - enter)
             seen_s = np.minimum(exit_s[row], starts + length_s) - np.maximum(enter_s[row], starts)
             part = seen_s / max(exit_s[row] - enter_s[row], TICK_S)
             lost[passes["exposure_id"][row], begin + first[row] : begin + last[row]] += pixels[row] * np.clip(part, 0.0, 1.0)
@@ -137,7 +137,7 @@ def lost_on_grid(
 
 
 def _above_horizon(model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> BoolArray:
-    """Returns True where exposures stay above the horizon: clear starts of a model in which no satellite counts."""
+    """Returns True for exposures above the horizon: clear starts of a model in which no satellite blocks."""
     unlimited = model.with_options(fov="1arcsec", field=None, policy={"limit_mag": BRIGHTEST_LIMIT_MAG}, limit_mag=None)
     return clear_on_grid(unlimited, ra_deg, dec_deg, starts_s, length_s, "avoid")
 
@@ -159,7 +159,7 @@ def windows_of(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: Any, end_s: Any, length_s: float, blocking: str
 ) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
     """Returns targets, first and last clear starts, ``(n_windows,)`` each."""
-    # MJD has a precision of a microsecond: without the tolerance the last start could be after the end.
+    # MJD has a resolution of a microsecond: without the tolerance, the last start could be after the end.
     windows = model.clear_windows(
         (ra_deg, dec_deg), _mjd(start_s), _mjd(end_s + TICK_S), length_s, blocking=blocking, scale="utc", output="dict"
     )

@@ -11,22 +11,22 @@ from astropy import units as u
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Longest exposure accepted by a model, seconds.
+#: Longest exposure accepted by the model, seconds.
 LONGEST_S = 86_400.0
-#: Maximum number of exposures in one block; more indicate an error of units.
+#: Largest number of exposures in a block. Larger numbers are caused by wrong units.
 MOST_EXPOSURES = 100_000
-#: Tolerance for rounding errors in block lengths, seconds.
+#: Tolerance for rounding of block lengths, seconds.
 ROUNDING_S = 1e-3
 
 
 @dataclass(frozen=True)
 class Exposures:
-    """Exposures of a block: equal length, each followed by a readout.
+    """Exposures of a block. All have the same duration and are followed by a readout.
 
     Parameters
     ----------
     exposure_s : float or None
-        Length of one exposure, seconds; `None` if the block is one continuous exposure.
+        Duration of one exposure, seconds; `None` if the block is one continuous exposure.
     readout_s : float
         Time from the closing of the shutter to its next opening, seconds.
     n_exposures : int or None
@@ -55,7 +55,7 @@ class Exposures:
         return 0.0 if self.exposure_s is None else self.exposure_s + self.readout_s
 
     def in_block(self, block_s: float) -> tuple[FloatArray, float]:
-        """Returns shutter openings after the start of the block, ``(n_exposures,)``, and the exposure length; seconds."""
+        """Returns shutter openings after the start of the block, ``(n_exposures,)``, and the duration, in seconds."""
         if self.exposure_s is None:
             return np.zeros(1), block_s
         count = self.n_exposures
@@ -65,7 +65,7 @@ class Exposures:
         return np.arange(count, dtype=np.float64) * self.step_s, self.exposure_s
 
     def starts_in_cell(self, cell_s: float) -> tuple[FloatArray, float]:
-        """Returns shutter openings within a cell of time, ``(n,)``, and the exposure length; seconds."""
+        """Returns shutter openings within a time cell, ``(n,)``, and the duration, in seconds."""
         if self.exposure_s is None:
             return np.zeros(1), cell_s
         count = max(1, int(np.ceil((cell_s - ROUNDING_S) / self.step_s)))

@@ -1,4 +1,4 @@
-"""Interpretation of the times passed by a scheduler: blocks, cells or exposures."""
+"""Meaning of the times that a scheduler passes: blocks, cells or exposures."""
 
 from __future__ import annotations
 
@@ -10,24 +10,24 @@ from ._clear import FloatArray
 from ._exposures import Exposures
 
 MEANINGS = ("auto", "cell", "exposure", "block")
-#: Rounding tolerance of the middle time of SequentialScheduler, seconds.
+#: Tolerance for rounding of the middle time of SequentialScheduler, seconds.
 MIDDLE_TOLERANCE_S = 1e-3
-#: A step longer than this many median steps is a gap (for example a day between two nights), not a cell.
+#: A step longer than this many median steps is a gap (for example the day between two nights) and not a cell.
 GAP_STEPS = 2.0
 
 
 class Meaning(enum.Enum):
     """Meaning of one time passed by a scheduler."""
 
-    #: One of several times of one block; all of them have the same result.
+    #: One of several times of one block, which all have the same result.
     BLOCK = "block"
-    #: The interval up to the next time.
+    #: Interval up to the next time.
     CELL = "cell"
-    #: Start of an exposure on an ascending grid of times.
+    #: Start of an exposure, on an ascending grid of times.
     EXPOSURE = "exposure"
-    #: Start of an independent exposure.
+    #: Start of an exposure that is independent of the other times.
     ALONE = "alone"
-    #: A single time without a known exposure.
+    #: Single time without a known duration.
     INSTANT = "instant"
 
 
@@ -37,15 +37,15 @@ def meaning_of(starts_s: FloatArray, targets: tuple[int, ...], exposures: Exposu
     Parameters
     ----------
     starts_s : array
-        UTC seconds since 1970, in the shape of the scheduler's times.
+        UTC seconds since 1970, in the shape of the times passed by the scheduler.
     targets : tuple of int
         Shape of the targets.
     exposures : Exposures
-        The exposures, as far as known.
+        Exposures of a block, as far as known.
     each : {"auto", "cell", "exposure", "block"}
-        The setting of the user.
+        Setting of the user.
     """
-    # A grid has one axis of times; targets are on another axis.
+    # A grid has one axis of times, and targets are on the other axis.
     grid = starts_s.ndim == 1 and len(starts_s) >= 2 and (targets == () or targets[-1] == 1) and bool(np.all(np.diff(starts_s) > 0.0))
     if not grid:
         return Meaning.INSTANT if exposures.exposure_s is None else Meaning.ALONE
@@ -57,13 +57,13 @@ def meaning_of(starts_s: FloatArray, targets: tuple[int, ...], exposures: Exposu
 
 
 def _is_block(starts_s: FloatArray) -> bool:
-    """True for two times (start and end of a block) and for three evenly spaced ones (start, middle, end)."""
+    """Returns True for two times (start and end) or three evenly spaced times (start, middle, end) of a block."""
     steps_s = np.diff(starts_s)
     return len(steps_s) == 1 or (len(steps_s) == 2 and bool(abs(steps_s[1] - steps_s[0]) < MIDDLE_TOLERANCE_S))
 
 
 def cells_s(starts_s: FloatArray) -> FloatArray:
-    """Returns the lengths of the cells between ascending times, seconds; the last one is the median."""
+    """Returns the lengths of the cells between ascending times, seconds. The last one is their median."""
     steps_s = np.diff(starts_s)
     median_s = float(np.median(steps_s))
     return np.append(np.minimum(steps_s, GAP_STEPS * median_s), median_s)

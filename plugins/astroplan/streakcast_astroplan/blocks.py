@@ -1,4 +1,4 @@
-"""Rating of blocks of exposures, shared by all interfaces of this package and by the plugins for other schedulers."""
+"""Ratings of blocks of exposures, used by all interfaces of this package and by plugins for other schedulers."""
 
 from __future__ import annotations
 
@@ -16,23 +16,23 @@ SCORES = ("clear", "pixels")
 BLOCKING = ("any", "avoid")
 #: Longest accepted margin, seconds.
 LONGEST_MARGIN_S = 3600.0
-#: Tolerated excess of the exposures over the block, seconds: schedulers round to seconds.
+#: Tolerance for exposures that are longer than the block, seconds. Schedulers round to seconds.
 OVERLONG_TOLERANCE_S = 1.0
 
 
 @dataclass(frozen=True)
 class Rules:
-    """Requirements for exposures.
+    """Requirements for the exposures of a block.
 
     Parameters
     ----------
     exposures : Exposures
-        The exposures of a block.
+        Exposures of a block.
     score : {"clear", "pixels"}
-        Rating of an exposure: 1 if it is clear, otherwise 0; or the fraction of unaffected pixels. 0 below the horizon.
+        Rating of an exposure: 1 if it is clear and 0 otherwise, or the fraction of pixels that are not lost. 0 below
+        the horizon.
     blocking : {"any", "avoid"}
-        Satellites that make an exposure not clear: every lit one, or those that exceed a magnitude limit of the model's
-        policy.
+        Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy.
     margin_s : float
         Time that must be clear before the shutter opens and after it closes, seconds.
     """
@@ -49,12 +49,12 @@ class Rules:
             raise ValueError(f"margin is {self.margin_s} s; allowed: 0 to {LONGEST_MARGIN_S:.0f} s")
 
     def check(self, model: StreakModel) -> None:
-        """Checks at construction that the model has the required inputs.
+        """Checks that the model has the required inputs, so that errors occur at construction.
 
         Raises
         ------
         ValueError
-            If the model has no field of view, or lost pixels are requested without a telescope.
+            If the model has no field of view, or if the score is ``pixels`` and the model has no telescope.
         """
         if model.field_radius_deg is None:
             raise ValueError("the model has no field of view; specify StreakModel(fov=...) or telescope=...")
@@ -62,22 +62,22 @@ class Rules:
             require_telescope(model)
 
     def with_margins(self, starts_s: FloatArray, length_s: float) -> tuple[FloatArray, float]:
-        """Returns starts and length of exposures extended by the margins, seconds."""
+        """Returns starts and duration of exposures extended by the margins, seconds."""
         return starts_s - self.margin_s, length_s + 2.0 * self.margin_s
 
     def worth(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
-        """Returns the ratings of exposures of one length, [0, 1]: ``(n_targets, n_starts)``.
+        """Returns the ratings of exposures of one duration, [0, 1]: ``(n_targets, n_starts)``.
 
         Parameters
         ----------
         model : StreakModel
-            The model.
+            Satellites, site, field of view and limits.
         ra_deg, dec_deg : array, ``(n_targets,)``
             ICRS, degrees.
         starts_s : array, ``(n_starts,)``
             Shutter openings, UTC seconds since 1970, ascending.
         length_s : float
-            Length of the exposures, seconds.
+            Duration of the exposures, seconds.
         """
         early_s, long_s = self.with_margins(starts_s, length_s)
         if self.score == "clear":
@@ -85,7 +85,7 @@ class Rules:
         return 1.0 - lost_on_grid(model, ra_deg, dec_deg, early_s, long_s)
 
     def worth_of_each(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
-        """Returns the same as `worth` for single exposures, with one target per start: ``(n,)``."""
+        """Same as `worth` for single exposures, with one target per start; returns ``(n,)``."""
         early_s, long_s = self.with_margins(starts_s, length_s)
         if self.score == "clear":
             return clear_one_by_one(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
@@ -93,18 +93,18 @@ class Rules:
         return 1.0 - np.array([one[0, 0] for one in ones])
 
     def worth_of_block(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: float, block_s: float) -> FloatArray:
-        """Returns the mean rating of the exposures of a block, [0, 1]: ``(n_targets,)``. 1 only if all are clear."""
+        """Returns the mean rating of the exposures of a block, [0, 1]: ``(n_targets,)``; 1 only if all are clear."""
         offsets_s, length_s = self.exposures.in_block(block_s)
         return np.asarray(self.worth(model, ra_deg, dec_deg, start_s + offsets_s, length_s).mean(axis=1))
 
     def overlong_s(self, block_s: float) -> float:
-        """Returns the total length of the exposures if it exceeds the block, seconds; 0 if they fit."""
+        """Returns the total duration of the exposures, seconds, if it exceeds the block; 0 if they fit."""
         offsets_s, length_s = self.exposures.in_block(block_s)
         needed_s = float(offsets_s[-1]) + length_s
         return needed_s if needed_s > block_s + OVERLONG_TOLERANCE_S else 0.0
 
 
 def one_of(what: str, value: str, allowed: tuple[str, ...]) -> None:
-    """Raises an error if a value is not in the list of allowed ones."""
+    """Raises ValueError if a value is not one of the allowed values."""
     if value not in allowed:
         raise ValueError(f"{what} is {value!r}; allowed: {', '.join(allowed)}")

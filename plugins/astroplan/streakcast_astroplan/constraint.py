@@ -1,4 +1,4 @@
-"""`SatelliteStreakConstraint`: satellite-free exposures for astroplan's schedulers and tables."""
+"""`SatelliteStreakConstraint`: satellite-free exposures for the schedulers and tables of astroplan."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from .memory import ClearStarts
 
 FloatArray = npt.NDArray[np.float64]
 
-#: Number of cached results; tables evaluate the same times repeatedly.
+#: Number of cached results. Tables evaluate the same times repeatedly.
 CACHED_RESULTS = 8
 
 
@@ -43,40 +43,40 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
     Parameters
     ----------
     model : StreakModel or Hook
-        Satellites, site, field of view and limits. A `~streakcast.hosts.Hook` can be shared by several constraints.
+        Satellites, site, field of view and limits. A `~streakcast.hosts.Hook` may be used by several constraints.
     exposure : `~astropy.units.Quantity` or float, optional
-        Length of one exposure; seconds if it has no unit. Without it, cells and blocks are continuous exposures.
+        Duration of one exposure; seconds if it has no unit. Without it, cells and blocks are continuous exposures.
     readout : `~astropy.units.Quantity` or float
         Time from the closing of the shutter to its next opening.
     n_exposures : int, optional
         Number of exposures in a block; default: as many as fit.
     boolean_constraint : bool
-        True: whether all exposures are clear. False: a score, ``worst_score`` to 1.
+        True: the result is whether all exposures are clear. False: the result is a score from ``worst_score`` to 1.
     score : {"clear", "pixels"}, optional
         Meaning of the score: fraction of clear exposures (default), or fraction of unaffected pixels (the model needs a
         ``telescope``). Only with ``boolean_constraint=False``.
     blocking : {"any", "avoid"}
-        Every lit satellite counts, or only those that exceed a magnitude limit of the model's policy (``limit_mag``).
-        The score ``pixels`` includes all lit satellites.
+        Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy
+        (``limit_mag``). The score ``pixels`` includes all lit satellites.
     margin : `~astropy.units.Quantity` or float
-        Time that must be clear before the shutter opens and after it closes: astroplan moves blocks by up to a second
+        Time that must be clear before the shutter opens and after it closes. astroplan moves blocks by up to a second
         to close gaps.
     worst_score : float
-        Score of an exposure with rating 0, above 0, below 1. astroplan never schedules a block with a score of 0.
+        Score of an exposure with rating 0; above 0 and below 1. astroplan never schedules a block with a score of 0.
     each : {"auto", "cell", "exposure", "block"}
-        Meaning of a time, to override the table above: ``"exposure"`` for tables of single exposures on a coarse grid,
-        ``"cell"`` or ``"block"`` for custom schedulers.
+        Meaning of a time, instead of that in the table above: ``"exposure"`` for tables of single exposures on a coarse
+        grid, ``"cell"`` or ``"block"`` for custom schedulers.
 
     Raises
     ------
     ValueError
-        An invalid length, a model without a field of view, a score of pixels without a telescope.
+        A length is invalid, the model has no field of view, or the score is ``pixels`` and the model has no telescope.
 
     Notes
     -----
-    Later errors (deleted element files, a time that cannot be converted) are counted in ``constraint.hook.counts`` and
-    logged once (``streakcast.astroplan``); the target then counts as observable, so that the scheduler continues. A
-    target below the horizon is not observable.
+    Errors that occur later (deleted element files, a time that cannot be converted) are counted in
+    ``constraint.hook.counts`` and logged once (``streakcast.astroplan``). The target is then observable, so that the
+    scheduler continues. A target below the horizon is not observable.
 
     The score of a block is the product of the scores of its times in ``SequentialScheduler``, and their mean in
     ``PriorityScheduler``.
@@ -134,14 +134,14 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
 
     @classmethod
     def for_block(cls, model: Union[StreakModel, Hook], block: Any, **options: Any) -> "SatelliteStreakConstraint":
-        """Returns a constraint with the exposures of one block, for the block's ``constraints``.
+        """Returns a constraint with the exposures of one block, to be used in ``constraints`` of this block.
 
         Parameters
         ----------
         model : StreakModel or Hook
-            As above; blocks with the same `Hook` share its counters.
+            As above. Blocks with the same `Hook` have common counters.
         block : `~astroplan.ObservingBlock`
-            A block made by ``ObservingBlock.from_exposures``; any other block is one continuous exposure.
+            Block made by ``ObservingBlock.from_exposures``. Any other block is one continuous exposure.
         **options
             Other parameters of the class.
 
@@ -161,11 +161,11 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         Parameters
         ----------
         times : `~astropy.time.Time`
-            Any shape; for the grids of ``PriorityScheduler`` ``(n_times,)``.
+            Times in any shape; ``(n_times,)`` for the grids of ``PriorityScheduler``.
         observer : `~astroplan.Observer`
             Its location is compared with the model's site.
         targets : `~astropy.coordinates.SkyCoord`
-            Any frame and shape; for grids ``()`` or ``(n_targets, 1)``.
+            Positions in any frame and shape; ``()`` or ``(n_targets, 1)`` for grids.
 
         Returns
         -------
@@ -217,12 +217,12 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
             message = f"the block has {block_s:.0f} s, its exposures last {overlong_s:.0f} s; all of them are evaluated"
             self.hook.note("block", message, kind="block")
         if len(ra_deg) == 1:
-            # SequentialScheduler evaluates each target at every step of the night.
+            # SequentialScheduler evaluates every target at each step of the night.
             position = (float(ra_deg[0]), float(dec_deg[0]))
             share = np.array([self._clear_starts.worth_of_block(model, self.rules, *position, float(starts_s[0]), block_s)])
         else:
             share = self.rules.worth_of_block(model, ra_deg, dec_deg, float(starts_s[0]), block_s)
-        # SequentialScheduler multiplies over the times: (s^(1/n))^n = s
+        # SequentialScheduler multiplies the results of all times: (s^(1/n))^n = s
         per_time = share == 1.0 if self.boolean_constraint else self._scored(share) ** (1.0 / len(starts_s))
         return np.repeat(per_time[:, np.newaxis], len(starts_s), axis=1)
 
@@ -231,14 +231,14 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
     ) -> npt.NDArray[Any]:
         """Returns a result for each time of an ascending grid: ``(n_targets, n_times)``."""
         worth = np.empty((len(ra_deg), len(starts_s)))
-        # Rounded to milliseconds, because Julian dates make a regular grid irregular by microseconds.
+        # Rounded to milliseconds, because Julian dates change the steps of a regular grid by microseconds.
         lengths_s = np.round(cells_s(starts_s), 3)
         exposures, alone = self.rules.exposures, self.each == "exposure"
         for cell_s in np.unique(lengths_s):
             indices = np.flatnonzero(lengths_s == cell_s)
             cell_starts_s = starts_s[indices]
             if not self.boolean_constraint:
-                # Exposures that start within the cell, so that the mean over the cells of a block is the mean over its
+                # Exposures that start within the cell: the mean over the cells of a block is the mean over its
                 # exposures.
                 offsets_s, length_s = exposures.starts_in_cell(0.0 if alone else float(cell_s))
             else:

@@ -1,4 +1,4 @@
-"""Cache of clear windows for dispatch schedulers, which evaluate every task at every step."""
+"""Cache of clear windows for dispatch schedulers, which evaluate all tasks at every step."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ from streakcast import StreakModel
 from ._clear import TICK_S, FloatArray, windows_of
 from .blocks import Rules
 
-#: Time span of one cached search, seconds. A search over an hour serves twelve steps of five minutes, and takes as long
-#: as three searches for single steps.
+#: Time span of one cached computation, seconds. One hour contains twelve steps of five minutes, and takes as long as
+#: computations for three single steps.
 SPAN_S = 3600.0
-#: Number of cached spans, of at most one kilobyte each.
+#: Number of cached time spans. Each needs at most one kilobyte.
 CACHED_SPANS = 4096
 
 
 class ClearStarts:
-    """Ratings of blocks of single targets from cached windows. Thread-safe; a new model clears the cache."""
+    """Ratings of blocks of single targets, from cached windows. Thread-safe. A new model clears the cache."""
 
     def __init__(self) -> None:
         self._lock = Lock()
@@ -28,12 +28,12 @@ class ClearStarts:
         self._cache: OrderedDict[tuple[float, float, float, str, int], tuple[FloatArray, FloatArray]] = OrderedDict()
 
     def worth_of_block(self, model: StreakModel, rules: Rules, ra_deg: float, dec_deg: float, start_s: float, block_s: float) -> float:
-        """Returns the rating of one target's block, [0, 1], as `Rules.worth_of_block`.
+        """Returns the rating of a block of one target, [0, 1], as `Rules.worth_of_block`.
 
         Parameters
         ----------
         model : StreakModel
-            The model.
+            Satellites, site, field of view and limits.
         rules : Rules
             Requirements for exposures.
         ra_deg, dec_deg : float
@@ -51,7 +51,7 @@ class ClearStarts:
         spans = np.floor(starts_s / SPAN_S).astype(int)
         for span in range(spans[0], spans[-1] + 1):
             opens_s, closes_s = self._windows(model, (ra_deg, dec_deg, length_s, rules.blocking, span))
-            # The last window that opens before the start; the start is clear if it is before the end of that window.
+            # Last window that opens before a start: the start is clear if it is before the end of this window.
             index = np.searchsorted(opens_s - TICK_S, starts_s, side="right") - 1
             if len(opens_s):
                 clear |= (spans == span) & (index >= 0) & (starts_s <= closes_s[index] + TICK_S)

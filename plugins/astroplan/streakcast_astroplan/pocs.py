@@ -1,4 +1,4 @@
-"""Satellite streaks as a constraint for POCS (PANOPTES Observatory Control System), configured by its dotted name."""
+"""Satellite streaks as a constraint for POCS (PANOPTES Observatory Control System), configured by class name."""
 
 from __future__ import annotations
 
@@ -17,18 +17,19 @@ try:
 except ImportError:
 
     class BaseConstraint:  # type: ignore[no-redef]
-        """Replacement of the base class if POCS is not installed."""
+        """Used as base class if POCS is not installed."""
 
         def __init__(self, weight: float = 1.0, default_score: float = 0.0) -> None:
             self.name, self.weight, self._score = type(self).__name__, float(weight), default_score
 
 
-#: Maximum age of "now" when a field is scored, seconds: POCS reads the time once before it scores all fields.
+#: Largest age of the present time when a field is scored, seconds. POCS reads the time once, and then scores all
+#: fields.
 DECISION_S = 20.0
 
 
 class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
-    """Scores a field by the fraction of clear exposures in its next set.
+    """Constraint that scores a field by the fraction of clear exposures in its next set.
 
     In the configuration::
 
@@ -49,9 +50,9 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         Time from the closing of the shutter to its next opening, seconds; POCS does not include it.
     min_clear_share : float
         Fields with a smaller fraction of clear exposures are vetoed. The default 0 vetoes no field, because POCS stops
-        observing if every field is vetoed.
+        observing if all fields are vetoed.
     blocking : {"any", "avoid"}
-        Every lit satellite blocks, or only those brighter than the model's ``limit_mag``.
+        Satellites that block an exposure: all lit ones, or those that are brighter than the model's ``limit_mag``.
     **kwargs
         ``weight`` and other arguments of POCS constraints.
     """
@@ -73,7 +74,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         self._rules(1.0, 1).check(self.hook.model)
 
     def get_score(self, time: Time, observer: Any, observation: Any, **kwargs: Any) -> tuple[bool, float]:
-        """Returns the veto and the weighted score of the next set of exposures of a field.
+        """Returns veto and weighted score of the next set of exposures of a field.
 
         Parameters
         ----------
@@ -82,10 +83,10 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         observer : `~astroplan.Observer`
             Its location is compared with the model's site.
         observation : Observation
-            Its ``field.coord``, ``exptime`` and ``exp_set_size`` are used; for ``dark`` observations the shutter stays
+            ``field.coord``, ``exptime`` and ``exp_set_size`` are used. In ``dark`` observations the shutter stays
             closed.
         **kwargs
-            Other arguments of POCS, not used.
+            Other arguments of POCS, which are not used.
 
         Returns
         -------
@@ -116,6 +117,6 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
 
 
 def _time_to_compare(time: Time) -> Union[Time, None]:
-    """Returns the time for the comparison with the clock; `None` if it is the present time or slightly earlier."""
+    """Returns the time to compare with the clock; `None` if it is the present time or slightly earlier."""
     age_s = float((Time.now() - time).to_value(u.s))
     return None if 0.0 <= age_s < DECISION_S else time

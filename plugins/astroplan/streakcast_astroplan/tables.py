@@ -27,7 +27,7 @@ def clear_windows(
     min_altitude: Any = 0.0 * u.deg,
     blocking: str = "any",
 ) -> QTable:
-    """Returns the intervals in which an exposure of each target may start without being crossed.
+    """Returns the intervals in which an exposure of each target can start and no satellite crosses it.
 
     Parameters
     ----------
@@ -38,13 +38,13 @@ def clear_windows(
     time_range : pair of `~astropy.time.Time`
         Earliest shutter opening and latest shutter closing, at most one day apart.
     exposure : `~astropy.units.Quantity` or float
-        Length of the exposure; seconds if it has no unit.
+        Duration of the exposure; seconds if it has no unit.
     observer : `~astroplan.Observer`, optional
-        Its location is compared with the model's site; a distance above 1 km is logged.
+        Its location is compared with the model's site. A distance above 1 km is logged.
     min_altitude : `~astropy.units.Quantity` or float
-        Minimum altitude of the target while the shutter is open, degrees, without refraction.
+        Smallest altitude of the target while the shutter is open, degrees, without refraction.
     blocking : {"any", "avoid"}
-        Every lit satellite blocks, or only those that exceed a magnitude limit of the model's policy.
+        Satellites that block an exposure: all lit ones, or those that exceed a magnitude limit of the model's policy.
 
     Returns
     -------
@@ -87,7 +87,7 @@ def streak_table(
     blocks : `~astroplan.Schedule` or iterable of `~astroplan.ObservingBlock`
         The scheduled blocks; blocks without a start are omitted.
     exposure, readout, n_exposures
-        The exposures in a block, as for `SatelliteStreakConstraint`; blocks made by ``from_exposures`` use their own.
+        Exposures in a block, as for `SatelliteStreakConstraint`. Blocks made by ``from_exposures`` use their own.
         Without these arguments a block is one exposure.
     include_dark : bool
         Whether to include crossings entirely inside the Earth's shadow.

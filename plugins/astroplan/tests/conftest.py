@@ -1,4 +1,4 @@
-"""Shared fixtures: a synthetic constellation in a file, a site, 40 targets (no download)."""
+"""Shared fixtures: a simulated constellation in a file, a site, 40 targets (no download)."""
 
 import logging
 import warnings
@@ -17,17 +17,17 @@ from streakcast import StreakModel
 iers.conf.auto_download = False
 iers.conf.auto_max_age = None
 
-#: Evening twilight at Rubin Observatory: the Sun is 12 deg down.
+#: Evening twilight at Rubin Observatory, when the Sun is at -12 deg.
 START = Time("2026-04-25T22:50:00", scale="utc")
 LOCATION = EarthLocation.from_geodetic(lon=-70.7494, lat=-30.2444, height=2663.0)
-#: Height (km), inclination (deg), number of planes, satellites per plane; lower satellites enter the shadow earlier.
+#: Height (km), inclination (deg), number of planes, satellites per plane. Lower satellites enter the shadow earlier.
 SHELLS = [(550.0, 53.0, 36, 22), (1200.0, 87.9, 36, 40)]
 FOV_DEG = 8.0
 
 
 @pytest.fixture(scope="session")
 def elements(tmp_path_factory):
-    """An element file, and the same satellites for the brute-force computation."""
+    """Returns an element file, and the same satellites for the brute-force computation."""
     path = tmp_path_factory.mktemp("elements") / "walker.tle"
     return path, write_tle(path, walker(SHELLS, START))
 
@@ -39,7 +39,7 @@ def model(elements):
 
 @pytest.fixture(scope="session")
 def sky(elements):
-    """Independent brute-force computation."""
+    """Returns the independent brute-force computation."""
     return Sky(elements[1], LOCATION)
 
 
@@ -50,7 +50,7 @@ def observer():
 
 @pytest.fixture(scope="session")
 def targets():
-    """40 fields above the horizon in the evening."""
+    """Returns 40 fields above the horizon in the evening."""
     random = np.random.default_rng(20260425)
     positions = zip(random.uniform(100.0, 190.0, 40), random.uniform(-65.0, 0.0, 40))
     return [FixedTarget(SkyCoord(ra, dec, unit="deg"), name=f"field-{number:02d}") for number, (ra, dec) in enumerate(positions)]

@@ -18,8 +18,8 @@ from streakcast_astroplan.memory import ClearStarts
 
 RADIUS_DEG = FOV_DEG / 2
 STEP_S = 20.0
-#: Tolerated fraction of differences: the brute force ignores satellites within 0.02 deg of the edge (in the field for
-#: less than 1 s).
+#: Tolerated fraction of differences. The brute force ignores satellites within 0.02 deg of the edge, which are in the
+#: field for less than 1 s.
 GRAZING_FRACTION = 0.02
 
 
@@ -35,12 +35,12 @@ def few(targets):
 
 @pytest.fixture(scope="module")
 def contacts(sky, few):
-    """Brute-force time spans of satellites in each of the four fields in the hour from START."""
+    """Returns the time spans of satellites in each of four fields in the hour after START, by brute force."""
     return [sky.contacts(one.coord, START, 3700.0, RADIUS_DEG) for one in few]
 
 
 def is_clear(contacts, starts_s, length_s):
-    """Returns True where exposures with these starts (seconds after START) contain no contact; ``(n_targets, n_starts)``."""
+    """Returns True where exposures with starts in seconds after START contain no contact: ``(n_targets, n_starts)``."""
     return np.array([[not any(a <= start + length_s and b >= start for _, a, b in one) for start in starts_s] for one in contacts])
 
 
@@ -52,7 +52,7 @@ def test_valid_cells_and_exposures_are_intervals(model, contacts, observer, grid
     # Every contact of the brute force is found.
     assert not (found & ~truth).any()
     assert (found != truth).mean() < GRAZING_FRACTION
-    # A test of single times would miss most contacts.
+    # Evaluation at single times would miss most contacts.
     instants = is_clear(contacts, starts_s, 0.0)
     assert (~instants).sum() < 0.5 * (~truth[0]).sum()
     assert (~truth[0]).sum() >= 10
@@ -81,7 +81,7 @@ def test_valid_three_times_are_a_block_with_its_exposures(model, contacts, obser
             truth.append(bool(is_clear([target_contacts], 60.0 * (minute + np.arange(5)), exposure_s).all()))
     assert not any(ours and not theirs for ours, theirs in zip(results, truth))
     assert sum(ours != theirs for ours, theirs in zip(results, truth)) <= 2
-    # Satellites that pass during readout do not count.
+    # Satellites that cross only during a readout do not block.
     assert sum(continuous_results) < sum(results) < len(results)
 
 
@@ -107,15 +107,15 @@ def test_the_score_of_pixels_agrees_with_the_model(elements, observer, few):
     coordinates = SkyCoord([one.coord for one in few])[:, np.newaxis]
     lost = model.assess(coordinates, times, 60.0).lost_fraction
     assert scores.shape == (4, 60) and (lost > 0).sum() >= 20
-    # `assess` includes near misses weighted by their probability, which is small for recent element sets.
+    # `assess` includes near misses with their probability, which is small for recent element sets.
     assert np.median(np.abs(1 - scores - lost)[lost > 1e-6] / lost[lost > 1e-6]) < 0.05
     assert (scores[lost == 0] == 1.0).all()
 
 
 def test_below_the_horizon_all_pixels_are_lost(elements, observer):
-    """The score of pixels agrees with that of clear exposures below the horizon of the model."""
+    """The score of pixels and that of clear exposures agree on which targets are below the horizon."""
     model = StreakModel(site=LOCATION, elements=elements[0], telescope="rubin", fov=FOV_DEG * u.deg)
-    # Setting, always above the horizon, never above the horizon.
+    # Setting, always above, and never above the horizon.
     positions = SkyCoord([55.0, 150.0, 150.0], [0.0, -60.0, 75.0], unit="deg")[:, np.newaxis]
     times = START + np.arange(40) * 180 * u.s
     pixels, clear = (
@@ -182,7 +182,7 @@ def test_times_in_tai_are_not_read_as_utc(model, observer, few):
     mistaken = Time(times.tai.mjd, format="mjd", scale="utc")
     right, wrong = (constraint(observer, few, grid, grid_times_targets=True) for grid in (times, mistaken))
     assert (right == constraint(observer, few, times.tai, grid_times_targets=True)).all()
-    # With an error of 37 s most streaks are missed.
+    # With a time error of 37 s most streaks are missed.
     assert (~right & ~wrong).sum() < 0.3 * (~right).sum()
 
 

@@ -1,4 +1,4 @@
-"""Errors at night are counted, logged once, and never stop astroplan."""
+"""Errors during a night are counted and logged once, and never stop astroplan."""
 
 import os
 import time
@@ -21,7 +21,7 @@ TIMES = START + np.arange(120) * 20 * u.s
 
 @pytest.fixture
 def replaced(tmp_path):
-    """An element file, and a constraint that checks the file at each call."""
+    """Returns the path of an element file, and a constraint that checks the file at each call."""
     path = tmp_path / "gp.tle"
     write_tle(path, walker(SHELLS[:1], START))
     hook = Hook(StreakModel(site=LOCATION, elements=path, fov=FOV_DEG * u.deg), "astroplan", watch_s=1e-6)
@@ -33,7 +33,7 @@ def lines(log):
 
 
 def aged(path):
-    """Sets an old modification time, as of a completely written file."""
+    """Sets an old modification time, as for a file that was written completely."""
     os.utime(path, (time.time() - 60, time.time() - 60))
 
 
@@ -57,7 +57,7 @@ def test_partial_element_files_keep_the_old_satellites_and_complete_ones_are_rea
     for shift_s in (1e-3, 2e-3):
         assert (constraint(observer, targets, TIMES + shift_s * u.s, grid_times_targets=True) != before).mean() < 0.01
         constraint.hook.settle()
-    # A broken file is read again and logged once; another message is that the element sets are old at the present time.
+    # An invalid file is read again, and logged once. The other message states that the element sets are old now.
     assert constraint.hook.counts["kept_old"] >= 1 and len([one for one in lines(log) if "counted as 'kept_old'" in one.message]) == 1
     assert len(lines(log)) <= 2
     # The same satellites an hour later in their orbits.
@@ -104,7 +104,7 @@ def test_a_different_site_is_logged_once(model, targets, log):
 
 
 class WithoutSite:
-    """An observer with a site that raises an error."""
+    """Observer whose site raises an error."""
 
     @property
     def location(self):

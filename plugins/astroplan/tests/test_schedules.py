@@ -24,7 +24,7 @@ READOUT = 5 * u.s
 
 
 class Timed(SatelliteStreakConstraint):
-    """Measures its processor time, which does not depend on other programs."""
+    """Constraint that measures its processor time, which does not depend on other programs."""
 
     spent_s = 0.0
     calls = 0
@@ -40,7 +40,7 @@ class Timed(SatelliteStreakConstraint):
 
 def schedule_of(scheduler, observer, targets, constraint):
     blocks = [ObservingBlock(target, BLOCK, priority) for priority, target in enumerate(targets)]
-    # Typical constraints of an observer.
+    # Typical constraints of observers.
     constraints = [AltitudeConstraint(min=25 * u.deg), AtNightConstraint.twilight_nautical(), MoonSeparationConstraint(min=15 * u.deg)]
     if constraint is not None:
         constraints.append(constraint)
@@ -53,7 +53,7 @@ def schedule_of(scheduler, observer, targets, constraint):
 
 @pytest.fixture(scope="module", params=[PriorityScheduler, SequentialScheduler], ids=lambda one: one.__name__)
 def schedules(request, observer, targets, model):
-    """Schedules without and with the constraint, and the time spent."""
+    """Returns schedules without and with the constraint, and the time needed."""
     constraint = Timed(model, exposure=EXPOSURE, readout=READOUT)
     without, _ = schedule_of(request.param, observer, targets, None)
     with_it, total_s = schedule_of(request.param, observer, targets, constraint)
@@ -66,7 +66,7 @@ def schedules(request, observer, targets, model):
 
 
 def exposures_of(scheduler, block):
-    """Exposures of a block: with PriorityScheduler the whole block is clear, with SequentialScheduler each exposure."""
+    """Returns the exposures of a block: the whole block for PriorityScheduler, single ones for SequentialScheduler."""
     length_s = (block.end_time - block.start_time).to_value(u.s)
     if scheduler is PriorityScheduler:
         return [(block.start_time, length_s)]
@@ -87,7 +87,7 @@ def test_valid_no_block_of_a_constrained_schedule_has_a_streak_by_sgp4_and_astro
     scheduler, without, with_it, constraint = schedules
     assert len(streaked_targets(sky, scheduler, without)) >= 3
     assert streaked_targets(sky, scheduler, with_it) == []
-    # Blocks are delayed, not lost.
+    # Blocks are delayed, and not omitted.
     assert len(with_it.observing_blocks) >= 38
     assert constraint.hook.counts["asked"] == constraint.calls > 0
     assert constraint.hook.counts["failed"] == 0
@@ -97,7 +97,7 @@ def test_verif_the_streak_table_agrees(schedules, model, sky):
     scheduler, without, with_it, _ = schedules
     options = {} if scheduler is PriorityScheduler else {"exposure": EXPOSURE, "readout": READOUT}
     table = streak_table(model, without, **options)
-    # The brute force ignores satellites at the edge of the field.
+    # Satellites at the edge of the field are ignored by the brute force.
     assert set(streaked_targets(sky, scheduler, without)) <= set(table["target"])
     length = EXPOSURE if options else BLOCK
     whole = (table["mid_utc"] > table["exposure_start"]) & (table["mid_utc"] < table["exposure_start"] + length) & (table["lit_fraction"] == 1.0)

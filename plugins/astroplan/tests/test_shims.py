@@ -1,4 +1,4 @@
-"""Interfaces to POCS and M4OPT; tests with the real packages run only if they are installed."""
+"""Interfaces to POCS and M4OPT. Tests with these packages are skipped if they are not installed."""
 
 import warnings
 from types import SimpleNamespace
@@ -17,19 +17,19 @@ from streakcast_astroplan.pocs import SatelliteStreaks as ForPocs
 
 @pytest.fixture
 def field(targets):
-    """A POCS observation: ten exposures of half a minute."""
+    """Returns a POCS observation of ten exposures of 30 s."""
     return SimpleNamespace(field=targets[0], exptime=30 * u.s, exp_set_size=10, dark=False)
 
 
 @pytest.fixture
 def options(elements):
-    """Options as read by POCS from YAML."""
+    """Returns options as POCS reads them from YAML."""
     location = {"latitude_deg": LOCATION.lat.deg, "longitude_deg": LOCATION.lon.deg, "height_m": LOCATION.height.to_value("m")}
     return {"model": {"site": location, "elements": str(elements[0]), "fov": f"{FOV_DEG}deg"}, "readout": 5.0}
 
 
 def pocs(options, **more):
-    """Returns the constraint without POCS's logging and configuration server."""
+    """Returns the constraint without logging and configuration server of POCS."""
     return ForPocs(**options, **more)
 
 
@@ -40,7 +40,7 @@ def test_valid_a_pocs_score_is_the_fraction_of_clear_exposures(options, observer
     for minute in range(0, 54, 3):
         veto, score = constraint.get_score(START + minute * u.min, observer, field, moon=None)
         hit = sum(any(a <= start + 30 and b >= start for _, a, b in contacts) for start in 60.0 * minute + 35.0 * np.arange(10))
-        # The margin and satellites at the edge of the field may affect one more exposure.
+        # The margin, and satellites at the edge of the field, may affect one more exposure.
         assert not veto and 0.0 <= 2.0 * (10 - hit) / 10 - score <= 2.0 * 2 / 10 + 1e-9
         scores.append(score)
     assert min(scores) < max(scores) == 2.0
@@ -70,13 +70,13 @@ def test_pocs_continues_after_errors(options, observer, field, log):
         constraint.get_score(Time.now() - 10 * u.s, observer, field)
     counts = constraint.hook.counts
     assert counts["failed"] == 3 and counts["clock"] == 3
-    # A third message: the element sets are old at the present time.
+    # The third message states that the element sets are old now.
     messages = [one.message for one in log.records if one.name == "streakcast.pocs"]
     assert len(messages) == 3 and sum("counted as 'warned'" in one for one in messages) == 1
 
 
 class WithoutSite:
-    """An observer or a location that raises errors."""
+    """Observer or location that raises errors."""
 
     @property
     def location(self):
@@ -90,7 +90,7 @@ def test_unreadable_sites_and_clocks_do_not_stop_the_host(options, model, observ
     expected = constraint.get_score(START, observer, field)
     assert constraint.get_score(START, WithoutSite(), field) == expected
     assert constraint.hook.counts["site"] == 1 and constraint.hook.counts["failed"] == 0
-    # An invalid time: the score cannot be computed either.
+    # For an invalid time the score cannot be computed either.
     assert constraint.get_score("soon", observer, field) == (False, 1.0)
     assert constraint.hook.counts["clock"] == constraint.hook.counts["failed"] == 1
     for_m4opt = ForM4opt(model, 30 * u.s)

@@ -57,7 +57,7 @@ def test_the_streaks_of_blocks(model, targets):
         assert row["target"] == block.target.name
         assert abs((row["exposure_start"] - block.start_time).to_value("s") - 60 * row["exposure"]) < 1e-3
         assert row["enter_utc"] <= row["exposure_start"] + 50 * u.s and row["exit_utc"] >= row["exposure_start"]
-    # A block without exposure information is one exposure.
+    # A block without information on exposures is one exposure.
     single = streak_table(model, [_plain(block) for block in blocks[:5]])
     crossings, single_crossings = ({(int(row["block"]), int(row["norad_id"])) for row in one} for one in (table, single))
     assert crossings <= single_crossings and set(single["exposure"]) == {0}

@@ -1,4 +1,4 @@
-"""Shared code of constraint and merit: settings, one hook per model, computations outside of the event loop."""
+"""Common code of constraint and merit: settings, one hook per model, computations outside of the event loop."""
 
 from __future__ import annotations
 
@@ -26,23 +26,23 @@ if TYPE_CHECKING:
     from pyobs.robotic import Task
     from pyobs.robotic.scheduler import DataProvider
 
-#: Minimum interval between checks of the host's site and clock, seconds. A check takes as long as a computation.
+#: Shortest interval between checks of pyobs's site and clock, seconds. A check takes as long as a computation.
 CLOCK_CHECK_S = 10.0
-#: Rating if satellites cannot be computed.
+#: Rating if the crossings cannot be computed.
 CLEAR = 1.0
-#: Number of cached models; an observatory has one or two, plus those of edited configurations.
+#: Number of cached models. An observatory has one or two, and those of edited configurations.
 CACHED_HOSTS = 32
-#: Delay before an invalid model is tried again, seconds.
+#: Time before an invalid model is tried again, seconds.
 RETRY_S = 60.0
 
 
 class Host:
-    """A hook with its cache, and the checks of pyobs's site and clock.
+    """Hook with its cache, and checks of pyobs's site and clock.
 
     Parameters
     ----------
     hook : Hook
-        The model with its counters.
+        Model with its counters.
     """
 
     def __init__(self, hook: Hook) -> None:
@@ -52,7 +52,7 @@ class Host:
         self._next_check_s = 0.0
 
     def see(self, data: DataProvider) -> None:
-        """Checks the site and the present time of the host (pyobs plans ahead, so planned times are not checked)."""
+        """Checks site and present time of pyobs. Planned times, which are later, are not checked."""
 
         def location_if_changed() -> Any:
             observer = data.observer
@@ -66,39 +66,39 @@ class Host:
             self.hook.see_clock(Time.now)
 
 
-# Models and counters are shared by all constraints and merits with the same model. pyobs creates these with each list
-# of tasks, copies and compares them and sends them to other processes, so they contain only settings. The least
-# recently used model comes first.
+# Models and counters are common to all constraints and merits with the same model. pyobs creates constraints and merits
+# for each list of tasks, copies and compares them, and sends them to other processes; they therefore contain only
+# settings. The least recently used model is the first.
 _hosts: OrderedDict[str, Host] = OrderedDict()
 _hosts_lock = threading.Lock()
-# Invalid models, with the time (monotonic) of the next attempt.
+# Invalid models, with the (monotonic) time of the next attempt.
 _broken: dict[str, float] = {}
-# Waking a worker thread takes 0.1 ms; a computation for a night may take tens of milliseconds.
+# Starting a task in a worker thread takes 0.1 ms; a computation for a night may take tens of milliseconds.
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="streakcast")
 
 log = logging.getLogger("streakcast.pyobs")
 
 
 class Settings(BaseModel):
-    """Settings of `SatelliteConstraint` and `SatelliteMerit`, in YAML's units."""
+    """Settings of `SatelliteConstraint` and `SatelliteMerit`, in the units of the YAML file."""
 
-    #: Arguments of `~streakcast.StreakModel`: ``elements``, ``fov``, ``limit_mag``, ...; the default site is that of
+    #: Arguments of `~streakcast.StreakModel`: ``elements``, ``fov``, ``limit_mag``, ... The default site is that of
     #: pyobs's observer.
     model: dict[str, Any]
-    #: Length of one exposure, seconds; without it a task is one continuous exposure.
+    #: Duration of one exposure, seconds. Without it a task is one continuous exposure.
     exposure_s: Union[float, None] = Field(default=None, gt=0.0, le=86_400.0)
     #: Time from the closing of the shutter to its next opening, seconds.
     readout_s: float = Field(default=0.0, ge=0.0, le=86_400.0)
-    #: Number of exposures of a task; default: as many as fit into its duration.
+    #: Number of exposures of a task. Default: as many as fit into its duration.
     n_exposures: Union[int, None] = Field(default=None, ge=1, le=100_000)
-    #: Satellites that count: every lit one (``any``), or those that exceed a magnitude limit of the model (``avoid``).
+    #: Satellites that block an exposure: all lit ones (``any``), or those that exceed a magnitude limit (``avoid``).
     blocking: str = "any"
     #: Time that must be clear before the shutter opens and after it closes, seconds.
     margin_s: float = Field(default=1.0, ge=0.0, le=3600.0)
 
     @model_validator(mode="after")
     def _load_model(self, info: ValidationInfo) -> Self:
-        """Loads the model, so that invalid settings are reported when pyobs starts, not at night."""
+        """Loads the model, so that invalid settings are reported when pyobs starts and not during the night."""
         site_keys = ("site", "mpc", "lat", "observer_elements", "observer_norad", "config")
         observer = (info.context or {}).get("observer")
         if observer is not None and not any(key in self.model for key in site_keys):
@@ -114,11 +114,11 @@ class Settings(BaseModel):
         return self
 
     def rules(self) -> Rules:
-        """Returns the requirements for exposures."""
+        """Returns the requirements for the exposures of a task."""
         return Rules(Exposures(self.exposure_s, self.readout_s, self.n_exposures), blocking=self.blocking, margin_s=self.margin_s)
 
     def hook(self) -> Hook:
-        """Returns the model with its counters, shared by all settings of the same model."""
+        """Returns the hook with the model and its counters, which is common to all settings with the same model."""
         return self._host().hook
 
     def _host(self) -> Host:
@@ -134,7 +134,7 @@ class Settings(BaseModel):
         return host
 
     def host_or_none(self) -> Union[Host, None]:
-        """Returns the host; `None` if the model is invalid, for example in a process without its files."""
+        """Returns the host; `None` if the model is invalid, for example in a process that cannot read its files."""
         key = json.dumps(self.model, sort_keys=True, default=str)
         if monotonic() < _broken.get(key, 0.0):
             return None
@@ -151,7 +151,7 @@ class Settings(BaseModel):
         return host
 
     async def share_of_task(self, time: Time, task: Task, data: DataProvider) -> float:
-        """Returns the rating of a task, [0, 1]; 1 if satellites cannot be computed."""
+        """Returns the rating of a task, [0, 1]; 1 if the crossings cannot be computed."""
         host = self.host_or_none()
         if host is None:
             return CLEAR
@@ -200,5 +200,5 @@ class Settings(BaseModel):
 
 
 def _duration_s(task: Task, time: Time) -> float:
-    """Returns the duration of a task, seconds: the estimate of its script, otherwise its ``duration``."""
+    """Returns the duration of a task, seconds: the estimate of its script, or else its ``duration``."""
     return float(task.estimate_duration(time=time)) if task.script else float(task.duration)

@@ -1,4 +1,4 @@
-"""`SatelliteConstraint`: tasks start only if their exposures are clear."""
+"""`SatelliteConstraint`: tasks start only if their exposures are clear of satellites."""
 
 from __future__ import annotations
 
@@ -32,14 +32,14 @@ class SatelliteConstraint(Settings, Constraint):
           blocking: avoid
 
     A long task is nearly always crossed by a faint satellite: veto only bright ones (``blocking: avoid`` with
-    ``limit_mag``), or use `SatelliteMerit`. After an error at night the result is True; errors are counted and logged
-    once (``streakcast.pyobs``).
+    ``limit_mag``), or use `SatelliteMerit`. After an error during the night the result is True; errors are counted and
+    logged once (``streakcast.pyobs``).
     """
 
-    #: Relative cost; pyobs may evaluate cheap constraints first.
+    #: Relative cost. pyobs may evaluate constraints with lower cost first.
     cost: float = 50.0
     target_dependent: bool = True
-    #: Fraction of the exposures that must be clear.
+    #: Smallest fraction of exposures that must be clear.
     min_clear_share: float = Field(default=1.0, gt=0.0, le=1.0)
 
     async def __call__(self, time: Time, task: Task, data: DataProvider) -> bool:
@@ -50,14 +50,14 @@ class SatelliteConstraint(Settings, Constraint):
         time : Time
             Start of the task.
         task : Task
-            Its target and duration are used.
+            Target and duration of the task are used.
         data : DataProvider
-            Its observer's location is compared with the model's site.
+            Location of its observer is compared with the model's site.
 
         Returns
         -------
         bool
-            False also if the target is below the horizon.
+            False if too many exposures are not clear, or if the target is below the horizon.
         """
         return await self.share_of_task(time, task, data) >= self.min_clear_share
 
@@ -69,7 +69,7 @@ class SatelliteConstraint(Settings, Constraint):
         time : Time
             Start of the exposures.
         coords : SkyCoord, ``(n,)``
-            The positions. pyobs passes no duration here: without ``exposure_s`` only the margins are checked.
+            Positions. pyobs passes no duration here: without ``exposure_s`` only the margins are checked.
         data : DataProvider
             As above.
 
@@ -80,11 +80,11 @@ class SatelliteConstraint(Settings, Constraint):
         return np.asarray(await self.shares_of(time, coords, data) >= self.min_clear_share, dtype=np.bool_)
 
     def to_astroplan(self) -> astroplan.Constraint:
-        """Returns the constraint for pyobs's ``AstroplanScheduler``; with ``min_clear_share`` below 1 it is a score.
+        """Returns the constraint for pyobs's ``AstroplanScheduler``. With ``min_clear_share`` below 1 it is a score.
 
-        The scheduler calls this in pyobs's main process before each schedule, and evaluates the constraint in a
-        separate process. New element files are read here first (the event loop waits for them, at most 10 s); counts of
-        that process are added to ``hook().counts`` here.
+        The scheduler calls this in the main process of pyobs before each schedule, and evaluates the constraint in
+        another process. New element files are read here first (the event loop waits for at most 10 s), and counts of
+        the other process are added to ``hook().counts`` here.
         """
         host = self.host_or_none()
         if host is None:
@@ -103,7 +103,7 @@ class SatelliteConstraint(Settings, Constraint):
 
 
 class _AlwaysClear(astroplan.Constraint):  # type: ignore[misc]
-    """Constraint that is always fulfilled."""
+    """Constraint that is always satisfied."""
 
     def compute_constraint(self, times: Any, observer: Any, targets: Any) -> npt.NDArray[np.bool_]:
         return np.ones(np.broadcast_shapes(times.shape, () if targets is None else targets.shape), dtype=bool)

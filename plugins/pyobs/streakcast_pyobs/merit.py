@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class SatelliteMerit(Settings, Merit):
-    """Fraction of clear exposures of a task, or of its unaffected pixels: 0 to 1.
+    """Fraction of clear exposures of a task, or of pixels that are not lost: 0 to 1.
 
     In the merits of a task::
 
@@ -25,18 +25,18 @@ class SatelliteMerit(Settings, Merit):
           model: {elements: /var/elements/gp.csv, fov: 0.5deg}
           exposure_s: 60
 
-    pyobs multiplies merits. After an error at night the merit is 1; errors are counted and logged once
+    pyobs multiplies merits. After an error during the night the merit is 1; errors are counted and logged once
     (``streakcast.pyobs``).
     """
 
-    #: ``clear``: fraction of clear exposures; ``pixels``: fraction of unaffected pixels (the model needs a
-    #: ``telescope``).
+    #: ``clear``: fraction of clear exposures. ``pixels``: fraction of pixels that are not lost; the model needs a
+    #: ``telescope``.
     score: str = "clear"
-    #: Merit of a task without clear exposures; with 0 it would never be selected.
+    #: Merit of a task without clear exposures. With 0 it would never be selected.
     worst_merit: float = Field(default=0.01, ge=0.0, lt=1.0)
 
     def rules(self) -> Rules:
-        """Requirements for exposures."""
+        """Returns the requirements for the exposures of a task."""
         rules = super().rules()
         return Rules(rules.exposures, self.score, rules.blocking, rules.margin_s)
 
@@ -48,9 +48,9 @@ class SatelliteMerit(Settings, Merit):
         time : Time
             Start of the task.
         task : Task
-            Its target and duration are used.
+            Target and duration of the task are used.
         data : DataProvider
-            Its observer's location is compared with the model's site.
+            Location of its observer is compared with the model's site.
 
         Returns
         -------

@@ -1,4 +1,4 @@
-"""Shared fixtures: a synthetic constellation in a file, pyobs's observer, 20 tasks (no download)."""
+"""Shared fixtures: a simulated constellation in a file, an observer of pyobs, 20 tasks (no download)."""
 
 import logging
 from collections import OrderedDict
@@ -17,7 +17,7 @@ from brute_force import Sky, walker, write_tle
 iers.conf.auto_download = False
 iers.conf.auto_max_age = None
 
-#: Evening twilight at Rubin Observatory: the Sun is 12 deg down.
+#: Evening twilight at Rubin Observatory, when the Sun is at -12 deg.
 START = Time("2026-04-25T22:50:00", scale="utc")
 LOCATION = EarthLocation.from_geodetic(lon=-70.7494, lat=-30.2444, height=2663.0)
 SHELLS = [(550.0, 53.0, 36, 22), (1200.0, 87.9, 36, 40)]
@@ -27,20 +27,20 @@ TASK_S = 300.0
 
 @pytest.fixture(scope="session")
 def elements(tmp_path_factory):
-    """An element file, and the same satellites for the brute-force computation."""
+    """Returns an element file, and the same satellites for the brute-force computation."""
     path = tmp_path_factory.mktemp("elements") / "walker.tle"
     return path, write_tle(path, walker(SHELLS, START))
 
 
 @pytest.fixture(scope="session")
 def settings(elements):
-    """Settings of the model as in YAML."""
+    """Returns settings of the model as in YAML."""
     return {"elements": str(elements[0]), "fov": f"{FOV_DEG}deg"}
 
 
 @pytest.fixture(scope="session")
 def sky(elements):
-    """Independent brute-force computation."""
+    """Returns the independent brute-force computation."""
     return Sky(elements[1], LOCATION)
 
 
@@ -51,7 +51,7 @@ def observer():
 
 @pytest.fixture
 def tasks():
-    """20 tasks of five minutes, above the horizon in the evening."""
+    """Returns 20 tasks of five minutes, above the horizon in the evening."""
     random = np.random.default_rng(20260425)
     positions = zip(random.uniform(110.0, 180.0, 20), random.uniform(-60.0, -5.0, 20))
     return [
@@ -72,7 +72,7 @@ def tasks():
 
 @pytest.fixture
 def hours():
-    """Start and end of the scheduled two hours."""
+    """Returns start and end of the scheduled two hours."""
     return START, START + 2 * u.hour
 
 
@@ -84,7 +84,7 @@ def log(caplog):
 
 @pytest.fixture(autouse=True)
 def separate_counters(monkeypatch):
-    """Clears the hooks shared by all settings of a model, so that counts start at zero."""
+    """Clears the hooks that are common to all settings of a model, so that counts start at zero."""
     from streakcast_pyobs import _shared
 
     monkeypatch.setattr(_shared, "_hosts", OrderedDict())

@@ -1,4 +1,4 @@
-"""Errors at night are counted, logged once, and never stop pyobs; invalid settings are reported at construction."""
+"""Errors during a night are counted and logged once, and never stop pyobs; invalid settings fail at construction."""
 
 import asyncio
 import os
@@ -27,7 +27,7 @@ CENTRE = {"ra": 150.0, "dec": -30.0}
 
 
 def constraint_of(settings, **options):
-    """Creates a constraint as pyobs does, with the site of its observer."""
+    """Creates a constraint with the site of an observer, as pyobs does."""
     context = {"observer": Observer(location=LOCATION, name="test site")}
     return Constraint.model_validate({"class": "streakcast_pyobs.SatelliteConstraint", "model": settings, **options}, context=context)
 
@@ -117,7 +117,7 @@ def test_deleted_or_broken_element_files_keep_the_old_satellites(tmp_path, tasks
 
 
 def test_settings_in_a_process_without_files_count_as_clear(tmp_path, tasks, data, log, monkeypatch):
-    """Settings unpickled in a process without the element files are not validated and must not raise errors."""
+    """Settings unpickled in a process without the element files are not validated, and must not raise errors."""
     path = tmp_path / "gp.tle"
     write_tle(path, walker(SHELLS[:1], START))
     constraint = constraint_of({"elements": str(path), "fov": "6deg"}, exposure_s=30)
@@ -144,7 +144,7 @@ def test_unused_models_are_removed_from_the_cache(settings, monkeypatch):
     hook = first.hook()
     for degrees in (2, 3):
         constraint_of({**settings, "fov": f"{degrees}deg"})
-        # Used in between, so it stays in the cache.
+        # Used between the others, so that it stays in the cache.
         assert first.hook() is hook
     assert len(_shared._hosts) == 2
 
@@ -167,7 +167,7 @@ def test_an_unreadable_site_or_clock_does_not_stop_the_host(settings, tasks, obs
 
 
 class WithoutCoordinates(Target):
-    """A target without coordinates."""
+    """Target without coordinates."""
 
     def coordinates(self, time):
         raise RuntimeError("no ephemeris")

@@ -55,7 +55,7 @@ def run(scheduler, tasks, hours, beside=None):
 
 
 def streaked_targets(sky, observations):
-    """Observations with a streak in one of their exposures: five of 55 s, one per minute."""
+    """Returns the observations with a streak in one of their exposures: five of 55 s, one per minute."""
     return [
         one.task.name
         for one in observations
@@ -105,7 +105,7 @@ def test_valid_a_merit_prefers_clear_tasks(observer, tasks, hours, settings, sky
 
 
 def test_the_event_loop_does_not_stall(observer, tasks, hours, settings, monkeypatch):
-    """The event loop runs during each computation: the patched `ask` waits for that, and fails on the loop's thread."""
+    """The event loop runs during each computation: the patched `ask` waits for it, and fails in the loop's thread."""
     turns, is_running, original = [], threading.Event(), Hook.ask
 
     async def heartbeat():
@@ -128,7 +128,7 @@ def test_the_event_loop_does_not_stall(observer, tasks, hours, settings, monkeyp
         constraint = SatelliteConstraint.model_validate({"model": {**settings, "mpc": "X05"}, "exposure_s": 55})
         data = type("Data", (), {"observer": observer})()
         results = []
-        # A task as long as a night.
+        # Task as long as a night.
         tasks[0].duration = 40_000.0
         for _ in range(20):
             results.append(await constraint(hours[0], tasks[0], data))
@@ -153,7 +153,7 @@ def test_valid_the_astroplan_scheduler_of_pyobs_uses_the_constraint(observer, ta
     hits = [[one for one in some if sky.streaks(one.target.coord, one.start, TASK_S, FOV_DEG / 2)] for some in (without, with_it)]
     print(f"\nAstroplanScheduler: {len(hits[0])} of {len(without)} blocks have a streak without, {len(hits[1])} of {len(with_it)} with")
     assert len(hits[0]) >= 2 and hits[1] == [] and len(with_it) >= 3
-    # The scheduler ran in another process; its counts are collected here.
+    # The scheduler runs in another process, whose counts are collected here.
     counts = tasks[0].constraints[1].hook().counts
     assert counts["asked"] >= 8 and counts["failed"] == counts["site"] == 0
 
@@ -171,7 +171,7 @@ def test_the_next_process_reads_new_files_and_reports_problems(observer, tasks, 
     hook._state.watch_s, hook._state.next_check_s = 1e-9, 0.0
 
     def satellites_in_process():
-        """Number of satellites of the model in another process."""
+        """Returns the number of satellites of the model in another process."""
         results = multiprocessing.get_context("fork").Queue()
         remote = tasks[0].constraints[0].to_astroplan().hook
         process = multiprocessing.get_context("fork").Process(target=lambda: results.put(remote.model.satellites(START)))
@@ -184,7 +184,7 @@ def test_the_next_process_reads_new_files_and_reports_problems(observer, tasks, 
     write_tle(path, walker(SHELLS, START))
     os.utime(path, (old + 60.0, old + 60.0))
     assert satellites_in_process() == 36 * 22 + 36 * 40 and hook.counts["reloaded"] == 1
-    # The sites of scheduler and model differ, which is detected in the scheduler's process only.
+    # Sites of scheduler and model differ. Only the process of the scheduler can detect this.
     tasks[0].constraints[0].model["site"]["latitude_deg"] += 1.0
     run(scheduler, tasks[:1], (hours[0], hours[0] + 0.5 * u.hour))
     moved = tasks[0].constraints[0].hook()

@@ -1,4 +1,4 @@
-//! Conversion of the library's tables to columns for NumPy and astropy.
+//! Conversion of tables of the library to columns for NumPy and astropy.
 
 use hifitime::{Epoch, TimeScale};
 use numpy::{IntoPyArray, PyArray1};
@@ -84,7 +84,7 @@ fn column_of<'py, 'a>(
     Ok(result)
 }
 
-/// Two-part Julian dates (TAI), and nanoseconds of UTC since 1970.
+/// Two-part Julian dates (TAI), and nanoseconds since 1970 (UTC).
 type Times<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
 
 /// Converts times for astropy and NumPy; missing values become NaN and NaT.

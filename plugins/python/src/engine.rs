@@ -1,4 +1,4 @@
-//! Computation engine of a model: a sky cache with field of view, telescope, policy and photometry options.
+//! Computations of a model: sky cache with field of view, telescope, policy and photometry options.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,14 +24,14 @@ use crate::exposures::{Columns, rows, scale_name, start_of, within};
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
 
-/// A result and its warnings.
+/// Result with its warnings.
 type WithWarnings<T> = (T, Vec<String>);
 
 /// Sky cache with a field, a telescope, a policy and a band.
 #[pyclass(frozen, module = "streakcast._core")]
 pub struct Engine {
     sky_cache: Py<SkyCache>,
-    /// Field of view, or the error message of a missing field.
+    /// Field of view, or the error message if there is none.
     field: Result<Field, String>,
     telescope: Option<Telescope>,
     policy: Policy,
@@ -39,14 +39,14 @@ pub struct Engine {
     time_scale: Option<String>,
 }
 
-/// Conditions for clear windows: blocking satellites, altitude limits of pointing and Sun.
+/// Requirements for clear windows: blocking satellites, altitude limits of pointing and Sun.
 struct Limits {
     blocking: Blocking,
     min_altitude_rad: f64,
     max_sun_altitude_rad: Option<f64>,
 }
 
-/// Row indices of one night with the prepared sky.
+/// Indices of the rows of one night, with the prepared sky.
 struct Night {
     prepared: Arc<PreparedSky>,
     indices: Vec<usize>,
@@ -77,7 +77,7 @@ impl Engine {
         nights.into_values().map(night).collect()
     }
 
-    /// Computes verdicts night by night and returns them in the order of the rows.
+    /// Computes verdicts for each night, and returns them in the order of the rows.
     fn report(
         &self,
         rows: &[ScheduledExposure],
@@ -112,7 +112,7 @@ fn left_out(
 
 #[pymethods]
 impl Engine {
-    /// Creates an engine from a setup (JSON) and the sky cache of the same setup.
+    /// Creates an engine from a configuration document (JSON) and its sky cache.
     #[new]
     #[pyo3(signature = (sky_cache, setup, config=None))]
     fn new(py: Python<'_>, sky_cache: Py<SkyCache>, setup: &str, config: Option<&str>) -> PyResult<Self> {
@@ -120,7 +120,7 @@ impl Engine {
             let setup = setup_of(setup, config)?;
             let field = match setup.field_of_view() {
                 Ok(field) => Ok(field),
-                // Forecasts need no field; other methods report the missing field when they are called.
+                // Forecasts need no field; the other methods report the missing field when they are called.
                 Err(error @ ConfigError::Missing { .. }) => Err(failure::as_arguments(&error.to_string())),
                 Err(error) => return Err(failure::setup(error)),
             };
@@ -135,26 +135,26 @@ impl Engine {
         })
     }
 
-    /// Time scale of bare numbers; `None` if not set.
+    /// Returns the time scale of numbers given as times; `None` if there is none.
     #[getter]
     fn time_scale(&self) -> Option<&str> {
         self.time_scale.as_deref()
     }
 
-    /// Radius of the circle that holds the field, degrees; `None` without a field.
+    /// Returns the radius of a circle that contains the field, degrees; `None` without a field.
     #[getter]
     fn field_radius_deg(&self) -> Option<f64> {
         self.field.as_ref().ok().map(|field| field.bounding_radius_rad().to_degrees())
     }
 
-    /// Area of the field, square degrees; `None` without a field.
+    /// Returns the area of the field, square degrees; `None` without a field.
     #[getter]
     fn field_area_deg2(&self) -> Option<f64> {
         self.field.as_ref().ok().map(Field::area_deg2)
     }
 
-    /// Returns verdicts as plain arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`,
-    /// `brightest_mag`, `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`.
+    /// Returns verdicts as arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`, `brightest_mag`,
+    /// `lost_fraction`, `p_any`, `streak_length_deg`, `p_any_is_lower_limit`, `p_crossing`.
     #[pyo3(signature = (exposures, bands))]
     fn judge<'py>(
         &self,
@@ -180,7 +180,7 @@ impl Engine {
         Ok((result, warnings))
     }
 
-    /// Returns verdicts with reasons and the next clear start, as the columns of `streakcast flag`.
+    /// Returns verdicts with reasons and the next clear start, with the columns of `streakcast flag`.
     fn flags<'py>(
         &self,
         py: Python<'py>,
@@ -192,9 +192,9 @@ impl Engine {
         Ok((columns(py, &flag_table(&flags))?, warnings))
     }
 
-    /// Returns one row per crossing, as the columns of `streakcast passes`. `limits_mag` has one magnitude limit for each
-    /// exposure (NaN for none), for the column `p_brighter`; without it the limit of the policy applies, that for other
-    /// bands if it has limits by band.
+    /// Returns one row per crossing, with the columns of `streakcast passes`. `limits_mag` has one magnitude limit for
+    /// each exposure (NaN for none), used for the column `p_brighter`. Without it the limit of the policy is used; if
+    /// that has limits by band, the one for other bands.
     #[pyo3(signature = (exposures, include_dark, samples, limits_mag=None))]
     fn passes<'py>(
         &self,
@@ -261,7 +261,7 @@ impl Engine {
     }
 
     /// Returns the satellites above the site at times `seconds` after a start: one row per satellite and time, with the
-    /// probability to be brighter than each of `limits_mag`, `(n_rows, n_limits)`.
+    /// probability of being brighter than each value of `limits_mag`, `(n_rows, n_limits)`.
     #[pyo3(signature = (jd1, jd2, seconds, min_altitude_deg, include_dark, light, limits_mag=Vec::new()))]
     #[expect(clippy::too_many_arguments)]
     fn overhead<'py>(
@@ -280,7 +280,7 @@ impl Engine {
             within("limit_mag", index, *limit_mag, -30.0, 40.0, "mag")?;
         }
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
-        // Brightness is computed at the middle of each track only.
+        // Brightness is only computed at the middle of each track.
         let options = SnapshotOptions {
             min_altitude_rad: min_altitude_deg.to_radians(),
             include_dark,
@@ -419,8 +419,8 @@ impl Engine {
         Ok((table, warnings))
     }
 
-    /// Returns windows with the indices of their targets. The exposure of a row has the time span of its windows; rows
-    /// with the same time span are computed together.
+    /// Returns windows with the indices of their targets. Start and duration of each row are the time span of its
+    /// windows. Rows with the same time span are computed together.
     fn windows(
         &self,
         rows: Vec<ScheduledExposure>,
@@ -460,7 +460,7 @@ impl Engine {
     }
 }
 
-/// Column with the pixel loss of each streak.
+/// Column for the pixel loss of each streak.
 const LOST: Column = Column::real(
     "lost_pixel_fraction",
     "",
@@ -468,7 +468,7 @@ const LOST: Column = Column::real(
     "Fraction of the field's pixels lost to the nominal streak; missing without a telescope.",
 );
 
-/// Returns the index of a verdict in Python's `VERDICTS`.
+/// Returns the index of a verdict in `VERDICTS` of the Python package.
 fn code(verdict: VerdictKind) -> u8 {
     match verdict {
         VerdictKind::Clear => 0,

@@ -1,4 +1,4 @@
-//! Conversion of arrays to exposures. Errors name the argument, the index and the accepted range.
+//! Conversion of arrays to exposures. Errors contain the name of the argument, the index and the accepted range.
 
 use hifitime::{Duration, Epoch, TimeScale};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
@@ -12,7 +12,7 @@ use streakcast::output::format_utc;
 use streakcast::passes::Exposure;
 use streakcast::schedule::ScheduledExposure;
 
-/// Julian date of hifitime's zero, 1900-01-01T00:00:00 TAI.
+/// Julian date of hifitime's zero point, 1900-01-01T00:00:00 TAI.
 const ZERO_JD: f64 = 2_415_020.5;
 /// Nanoseconds in a day.
 const DAY_NS: f64 = 86_400e9;
@@ -24,7 +24,7 @@ pub type Column<'py> = PyReadonlyArray1<'py, f64>;
 /// Two-part Julian dates, TAI.
 pub type TwoParts<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
 
-/// Returns the epoch of a two-part Julian date, TAI, split at any point.
+/// Returns the epoch of a two-part Julian date, TAI. Any division into two parts is accepted.
 pub fn epoch_of(jd1: f64, jd2: f64) -> Epoch {
     let days = jd1 - ZERO_JD;
     let whole = days.floor();
@@ -83,14 +83,14 @@ pub struct Columns<'py> {
     jd1: Column<'py>,
     /// Shutter opening, TAI, second part.
     jd2: Column<'py>,
-    /// Length, seconds.
+    /// Duration, seconds.
     exposure_s: Column<'py>,
     /// Position angle of the field's y axis, degrees.
     rotation_deg: Column<'py>,
 }
 
 impl Columns<'_> {
-    /// Returns the exposures; their ids are their indices.
+    /// Returns the exposures. Their ids are their indices.
     pub fn to_exposures(&self) -> PyResult<Vec<Exposure>> {
         let columns = [&self.ra_deg, &self.dec_deg, &self.jd1, &self.jd2, &self.exposure_s, &self.rotation_deg];
         let [ra, dec, jd1, jd2, exposure, rotation] = columns.map(|column| column.as_array());
@@ -116,13 +116,13 @@ impl Columns<'_> {
 /// Returns the epoch of a two-part Julian date, TAI, within the supported years.
 pub fn start_of(index: usize, jd1: f64, jd2: f64) -> PyResult<Epoch> {
     let jd = jd1 + jd2;
-    // The range is checked first, because the count of nanoseconds would overflow for distant times.
+    // The range is checked first, because the number of nanoseconds would overflow for distant times.
     let epoch =
         (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
     epoch.ok_or_else(|| PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099")))
 }
 
-/// Returns a number if it is within its range, otherwise an error with name and index.
+/// Returns a number if it is in its range, otherwise an error with name and index.
 pub fn within(what: &str, index: usize, value: f64, least: f64, most: f64, unit: &str) -> PyResult<f64> {
     if (least..=most).contains(&value) {
         return Ok(value);
@@ -130,7 +130,7 @@ pub fn within(what: &str, index: usize, value: f64, least: f64, most: f64, unit:
     Err(PyValueError::new_err(format!("{what}[{index}] is {value} {unit}; allowed: {least} to {most} {unit}")))
 }
 
-/// Converts exposures to rows of a schedule; `bands` has one entry for all or one for each.
+/// Converts exposures to rows of a schedule. `bands` has one entry for all or one for each.
 pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<ScheduledExposure>> {
     if bands.len() > 1 && bands.len() != exposures.len() {
         let (given, required) = (bands.len(), exposures.len());

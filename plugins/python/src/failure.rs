@@ -8,17 +8,17 @@ use pyo3::prelude::*;
 pyo3::create_exception!(streakcast, StreakcastError, PyValueError, "Invalid request.");
 pyo3::create_exception!(streakcast, SetupError, StreakcastError, "Invalid arguments of a model.");
 
-/// Returns the exception of an invalid request.
+/// Returns the exception for an invalid request.
 pub fn request(error: impl std::fmt::Display) -> PyErr {
     StreakcastError::new_err(error.to_string())
 }
 
-/// Returns the exception of an invalid setup; flags of the command line in the message become names of arguments.
+/// Returns the exception for invalid arguments of a model. Flags of the command line in the message become arguments.
 pub fn setup(error: impl std::fmt::Display) -> PyErr {
     SetupError::new_err(as_arguments(&error.to_string()))
 }
 
-/// Replaces flags by names of arguments: `--observer-elements` by `observer_elements`.
+/// Replaces flags by argument names, for example `--observer-elements` by `observer_elements`.
 pub fn as_arguments(message: &str) -> String {
     let mut words = message.split("--");
     let mut converted = words.next().unwrap_or_default().to_owned();
@@ -30,7 +30,7 @@ pub fn as_arguments(message: &str) -> String {
     converted
 }
 
-/// Runs a function in the thread pool without the interpreter's lock; converts panics to exceptions.
+/// Runs a function in the thread pool without the interpreter lock. Panics are converted to exceptions.
 pub fn without_lock<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
     let pool = crate::pool::pool()?;
     let result = py.detach(|| catch_unwind(AssertUnwindSafe(|| pool.install(work))));

@@ -15,8 +15,8 @@ use crate::columns::columns;
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
 
-/// Adds streaks to the file of the request, or to an image. Returns `summary`, `truth`, `points`, `trails`, `bits`,
-/// `warnings`, and for an image `image` and `mask`. `output` is the file to write, or for an image a folder for
+/// Adds streaks to the file in the request, or to an image. Returns `summary`, `truth`, `points`, `trails`, `bits` and
+/// `warnings`, and for an image also `image` and `mask`. `output` is the output file, or for an image a folder for
 /// temporary files.
 #[pyfunction]
 #[expect(clippy::too_many_arguments)]
@@ -57,7 +57,7 @@ pub fn inject<'py>(
     Ok(result)
 }
 
-/// Converts an error of the library; setup errors become `SetupError`.
+/// Converts an error of the library. Errors in the configuration become `SetupError`.
 fn exception(error: ConfigError) -> PyErr {
     match error {
         error if !error.is_of_request() => failure::setup(error),

@@ -1,5 +1,4 @@
-//! Python bindings of streakcast: convert arrays to exposures, tables to columns and errors to exceptions; the library
-//! computes.
+//! Python bindings: arrays are converted to exposures, tables to columns, and errors to exceptions.
 
 use pyo3::prelude::*;
 
@@ -28,7 +27,7 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(exposures::times_from_mjd, module)?)?;
     module.add_function(wrap_pyfunction!(sky_cache::setup_files, module)?)?;
     module.add_function(wrap_pyfunction!(exposures::utc_text, module)?)?;
-    // Frames need CFITSIO, which does not build on Windows.
+    // Frames require CFITSIO, which cannot be built on Windows.
     #[cfg(unix)]
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
     module.add_function(wrap_pyfunction!(requests::forecast, module)?)?;

@@ -1,4 +1,4 @@
-//! Charts for notebooks and files, drawn from plain columns.
+//! Plots for notebooks and files, drawn from columns.
 
 use std::path::Path;
 
@@ -16,10 +16,10 @@ use streakcast::plot::{
 use crate::exposures::{Column, epoch_of};
 use crate::failure;
 
-/// Number of points of a circle's outline.
+/// Number of points of the outline of a circle.
 const CIRCLE_POINTS: usize = 180;
 
-/// Rendered chart.
+/// Rendered plot.
 #[pyclass(frozen)]
 pub struct Picture(streakcast::plot::Picture);
 
@@ -36,7 +36,7 @@ impl Picture {
         failure::without_lock(py, || self.0.to_svg().map_err(failure::request))
     }
 
-    /// Writes a file atomically; PNG or SVG by file name extension.
+    /// Writes a file atomically, as PNG or SVG by the file name extension.
     fn save(&self, py: Python<'_>, path: &str) -> PyResult<()> {
         let path = Path::new(path);
         let format = PictureFormat::of(path).map_err(|error| PyValueError::new_err(error.to_string()))?;
@@ -45,7 +45,7 @@ impl Picture {
             .map_err(|error| PyOSError::new_err(format!("cannot write {}: {error}", path.display())))
     }
 
-    /// Width and height in pixels.
+    /// Returns width and height in pixels.
     #[getter]
     fn size(&self) -> (usize, usize) {
         self.0.size()
@@ -58,13 +58,13 @@ pub fn utc_mjd<'py>(jd1: Column<'py>, jd2: Column<'py>) -> Vec<f64> {
     jd1.as_array().iter().zip(jd2.as_array()).map(|(one, two)| mjd_utc(epoch_of(*one, *two))).collect()
 }
 
-/// Labels and lines common to all charts.
+/// Labels and lines common to all plots.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Labels {
     title: String,
     limit_mag: Option<f64>,
-    /// Local clock of the upper axis: hours ahead of UTC, and its name.
+    /// Local time of the upper axis: hours ahead of UTC, and name.
     local: Option<(f64, String)>,
 }
 
@@ -74,7 +74,7 @@ impl Labels {
     }
 }
 
-/// Columns of a timeline.
+/// Columns of the plot of a night.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Night {
@@ -84,8 +84,8 @@ struct Night {
     brightest_mag: Vec<f64>,
 }
 
-/// Columns of a field chart: centre, diameter of a circular field, and streaks with name, track, entry and exit (MJD
-/// UTC), magnitude and sigma.
+/// Columns of the plot of a field: centre, diameter of a circular field, and streaks with name, track, entry and exit
+/// (MJD, UTC), magnitude and sigma.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct FieldOf {
@@ -147,7 +147,7 @@ struct Rates {
     subtitle: String,
 }
 
-/// Columns of trail counts against the Sun's altitude.
+/// Columns of numbers of trails by altitude of the Sun.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct Trails {
@@ -157,7 +157,7 @@ struct Trails {
     n_bright: Option<Vec<f64>>,
 }
 
-/// Draws a chart by name from labels and columns (dictionaries).
+/// Draws a plot by name from labels and columns (dictionaries).
 #[pyfunction]
 pub fn draw(chart: &str, labels: Labels, columns: Bound<'_, PyAny>) -> PyResult<Picture> {
     let (title, caption, limit_mag) = (labels.title.as_str(), "", labels.limit_mag);

@@ -1,5 +1,5 @@
-//! Thread pool of the process. A forked child has none of its parent's threads, so that the parent's pool would wait
-//! for ever; the child creates a new pool.
+//! Thread pool of the process. A forked child process has no threads of its parent, so that the pool of the parent
+//! would block forever. The child creates a new pool.
 
 use std::mem;
 use std::process;
@@ -9,7 +9,7 @@ use pyo3::PyResult;
 use pyo3::exceptions::PyRuntimeError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-/// Process id of the creator, and the pool.
+/// Process id of the process that created the pool, and the pool.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
 
 /// Returns the pool of this process: one thread per core, or RAYON_NUM_THREADS threads.
@@ -23,7 +23,7 @@ pub fn pool() -> PyResult<Arc<ThreadPool>> {
     }
     let pool = ThreadPoolBuilder::new().build().map_err(|error| PyRuntimeError::new_err(error.to_string()))?;
     let pool = Arc::new(pool);
-    // The parent's pool is never dropped, because that would wait for threads that do not exist in this process.
+    // The pool of the parent is not dropped: that would wait for threads that do not exist in this process.
     mem::forget(kept.replace((own, pool.clone())));
     Ok(pool)
 }

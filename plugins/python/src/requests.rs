@@ -1,5 +1,5 @@
-//! Forecasts of nights, ephemerides and identification of streaks: converts JSON documents to requests of the library,
-//! and results to tables.
+//! Forecasts of nights, ephemerides and identification of streaks: JSON documents are converted to requests of the
+//! library, and results to tables.
 
 use hifitime::Epoch;
 use pyo3::prelude::*;
@@ -17,7 +17,7 @@ use crate::columns::columns;
 use crate::failure;
 use crate::sky_cache::{SkyCache, setup_of};
 
-/// Column with the night of each pass.
+/// Column for the night of each pass.
 const NIGHT: Column =
     Column::new("night", Kind::Integer, "Row of the table of nights that the pass belongs to, from 0.");
 
@@ -52,7 +52,7 @@ pub fn forecast<'py>(
     Ok(result)
 }
 
-/// Concatenated tables of several nights.
+/// Tables of several nights, concatenated.
 struct Nights {
     passes: Table,
     nights: Table,
@@ -90,7 +90,7 @@ impl Nights {
     }
 }
 
-/// Returns the places of satellites at given times as columns, and warnings.
+/// Returns the positions of satellites at given times as columns, and warnings.
 #[pyfunction]
 #[pyo3(signature = (request, setup, config, sky_cache))]
 pub fn ephemeris<'py>(
@@ -116,7 +116,7 @@ pub fn ephemeris<'py>(
     Ok((columns(py, &table)?, warnings))
 }
 
-/// Returns the candidate satellites of a measured streak: `candidates` and `streak` as columns, `unknown_probability`,
+/// Returns the candidates for a measured streak: `candidates` and `streak` as columns, `unknown_probability`,
 /// `n_candidates` and `warnings`.
 #[pyfunction]
 #[pyo3(signature = (request, setup, config, sky_cache, include_dark, top))]
@@ -157,7 +157,7 @@ pub fn identify<'py>(
     Ok(result)
 }
 
-/// Converts an error of the library; uses the names of Python arguments.
+/// Converts an error of the library, with the names of Python arguments.
 fn exception(error: ConfigError) -> PyErr {
     match error {
         error if !error.is_of_request() => failure::setup(error),

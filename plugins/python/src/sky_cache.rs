@@ -1,4 +1,4 @@
-//! Cache of prepared skies: satellites are read once and prepared night by night.
+//! Cache of prepared skies: element sets are read once, and prepared for each night.
 
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -19,9 +19,9 @@ const CACHED_NIGHTS: usize = 3;
 #[pyclass(frozen, module = "streakcast._core", weakref)]
 pub struct SkyCache {
     inputs: LoadedInputs,
-    /// Fixed epoch for all calls, if given.
+    /// Fixed epoch for all calls; `None` if the epoch depends on the night.
     epoch: Option<Epoch>,
-    /// East longitude of the site, turns; 0 in orbit.
+    /// Longitude of the site, turns, east positive; 0 for a telescope in orbit.
     longitude_turns: f64,
     site: Option<(String, f64, f64, f64)>,
     cached: Mutex<Vec<(i64, Arc<PreparedSky>)>>,
@@ -35,14 +35,14 @@ impl SkyCache {
         self.prepared(moment).map_err(failure::setup)
     }
 
-    /// Returns the same sky as `of`, but an error of the library instead of a Python exception.
+    /// Same as `of`, with an error of the library instead of a Python exception.
     pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         let night = self.night_of(moment);
         if let Some(prepared) = self.find_cached(night) {
             return Ok(prepared);
         }
-        // Prepared without holding the lock: a waiting pool thread may start another request, which would wait for this
-        // lock.
+        // The lock is not held while a sky is prepared: a waiting pool thread may start another request, which would
+        // wait for the lock.
         let (first, last) = self.bounds(night);
         let prepared = self.prepare(first, last)?;
         let mut cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
@@ -60,7 +60,7 @@ impl SkyCache {
         cached.iter().find(|(other, _)| *other == night).map(|(_, prepared)| prepared.clone())
     }
 
-    /// Returns the sky for one time span, as prepared by the command line; with a fixed epoch, the sky of that epoch.
+    /// Returns the sky for a time span, prepared as on the command line; with a fixed epoch, the sky of that epoch.
     pub fn over(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         if self.epoch.is_some() { self.prepared(first) } else { self.prepare(first, last) }
     }
@@ -72,7 +72,7 @@ impl SkyCache {
         Ok(prepared)
     }
 
-    /// Returns the number of the night, from noon to noon by the site's mean Sun; always 0 with a fixed epoch.
+    /// Returns the number of the night, from noon to noon in mean solar time of the site; 0 with a fixed epoch.
     pub fn night_of(&self, moment: Epoch) -> i64 {
         if self.epoch.is_some() { 0 } else { (mjd_utc(moment) + self.longitude_turns - 0.5).floor() as i64 }
     }
@@ -91,7 +91,7 @@ impl SkyCache {
 
 #[pymethods]
 impl SkyCache {
-    /// Reads the files of a setup (JSON).
+    /// Reads the files of a configuration document (JSON).
     #[new]
     #[pyo3(signature = (setup, config=None, epoch=None))]
     fn new(py: Python<'_>, setup: &str, config: Option<&str>, epoch: Option<(f64, f64)>) -> PyResult<Self> {
@@ -99,7 +99,7 @@ impl SkyCache {
         failure::without_lock(py, || {
             let setup = setup_of(setup, config)?;
             let inputs = setup.load().map_err(failure::setup)?;
-            // A site can be checked now; the orbit of an observer may become invalid at a particular time.
+            // A site can be checked now. The orbit of a telescope may be invalid at certain times only.
             let orbit = setup.is_in_orbit();
             let site = if orbit { None } else { Some(setup.site().map_err(failure::setup)?) };
             Ok(Self {
@@ -115,7 +115,7 @@ impl SkyCache {
         })
     }
 
-    /// Name, latitude and longitude (degrees), height (metres); `None` for a telescope in orbit.
+    /// Returns name, latitude and longitude (degrees), height (metres); `None` for a telescope in orbit.
     #[getter]
     fn site(&self) -> Option<(String, f64, f64, f64)> {
         self.site.clone()
@@ -155,7 +155,7 @@ impl SkyCache {
     }
 }
 
-/// Returns all files named by a setup.
+/// Returns all files in a configuration document.
 #[pyfunction]
 #[pyo3(signature = (setup, config=None))]
 pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> {
@@ -164,11 +164,11 @@ pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> 
     Ok(files)
 }
 
-/// Reads a setup from JSON, with defaults from a configuration file if given.
+/// Parses a configuration document (JSON), with defaults from a configuration file if one is given.
 pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Config> {
     let given: Config = serde_json::from_str(json).map_err(|error| {
         let text = error.to_string();
-        // The position within generated JSON is of no use to the user.
+        // The position in the generated JSON text is omitted.
         let end = text.find(" at line ").unwrap_or(text.len());
         failure::SetupError::new_err(text[..end].to_owned())
     })?;

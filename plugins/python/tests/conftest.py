@@ -1,4 +1,4 @@
-"""Shared fixtures: a synthetic sky (no download), real data if available, the command line."""
+"""Shared fixtures: a simulated sky (no download), real data if available, the command line program."""
 
 import json
 import os
@@ -13,20 +13,20 @@ import pytest
 import streakcast
 
 ROOT = Path(__file__).resolve().parents[3]
-#: An evening with many crossings of Starlink's first shells over Rubin.
+#: Evening with many crossings of the first Starlink shells over Rubin Observatory.
 START = "2026-08-14T23:29:05Z"
 TARGET = (198.9, 7.7)
 
 
 @pytest.fixture(scope="session")
 def model():
-    """Synthetic Starlink gen1 shells at the date of the first example of the command line."""
+    """Returns a model of the simulated constellation Starlink gen1 at the date of the first command line example."""
     return streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", fov="3.5deg", limit_mag=7, epoch=START)
 
 
 @pytest.fixture(scope="session")
 def command_line():
-    """Function that runs the command line (the binary STREAKCAST_BIN, see plugins/test.sh) and parses its JSON."""
+    """Returns a function that runs the command line program (STREAKCAST_BIN) and parses its JSON."""
     binary = os.environ.get("STREAKCAST_BIN") or shutil.which("streakcast")
     if binary is None:
         pytest.fail("no command line to compare with: set STREAKCAST_BIN, or run plugins/test.sh")
@@ -42,7 +42,7 @@ def command_line():
 
 @pytest.fixture(scope="session")
 def data():
-    """Folder of real catalogues; tests that need it are skipped with a warning if it is missing."""
+    """Returns the folder of real data. Tests that need it are skipped with a warning if it is missing."""
     folder = Path(os.environ.get("STREAKCAST_DATA", ROOT.parent / "shared" / "data"))
     if not (folder / "INDEX.md").is_file():
         warnings.warn(f"*** SKIPPED tests on real data: no folder {folder}", stacklevel=1)

@@ -1,4 +1,4 @@
-"""Processor time of some nights of the baseline survey against several constellations, extrapolated to ten years.
+"""Measures the processor time of nights of a simulated survey for several constellations, scaled to ten years.
 
 Run manually; requires STREAKCAST_DATA.
 
@@ -14,7 +14,7 @@ from survey import baseline
 
 import streakcast
 
-#: Visits of ten years of the Legacy Survey of Space and Time: the baseline's 769 a night.
+#: Number of visits in ten years of the Legacy Survey of Space and Time: 769 a night in the simulated survey.
 TEN_YEARS = 3652.4 * 769
 
 

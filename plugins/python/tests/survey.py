@@ -1,15 +1,15 @@
-"""A year of visits, extended from thirteen nights of a simulated survey."""
+"""A year of visits, made from thirteen nights of a simulated survey."""
 
 import sqlite3
 
 import numpy as np
 
-#: Nightly advance of local sidereal time, degrees.
+#: Daily increase of local sidereal time, degrees.
 NIGHTLY_DEG = 360.0 / 365.2422
 
 
 def baseline(data):
-    """Reads the visits of `baseline_10klines_2.0.db`; start is MJD (UTC)."""
+    """Reads the visits of `baseline_10klines_2.0.db`. The start is an MJD (UTC)."""
     with sqlite3.connect(data / "schedules" / "baseline_10klines_2.0.db") as database:
         rows = database.execute(
             "SELECT observationStartMJD, fieldRA, fieldDec, visitExposureTime, rotSkyPos, filter FROM observations ORDER BY 1"
@@ -20,9 +20,9 @@ def baseline(data):
 
 
 def year(data, nights=365, seed=1):
-    """Repeats the nights for a year: fields keep their hour angles and are shifted by up to half a degree."""
+    """Repeats the nights for a year. Fields keep their hour angles, and are moved by up to half a degree."""
     source = baseline(data)
-    # Noon at Cerro Pachón: 16:43 UTC.
+    # Noon at Cerro Pachón is 16:43 UTC.
     night = np.floor(source["start"] - 0.697).astype(int)
     source_nights = np.unique(night)
     generator = np.random.default_rng(seed)

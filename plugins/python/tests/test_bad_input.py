@@ -1,4 +1,4 @@
-"""Errors name the argument, the index and the accepted values; no input causes a panic."""
+"""Errors contain the name of the argument, the index and the accepted values. No input causes a panic."""
 
 import gzip
 
@@ -107,7 +107,7 @@ def test_bad_setups(more, message):
     with pytest.raises(streakcast.SetupError, match=message) as caught:
         built = streakcast.StreakModel(**{**GOOD, **more})
         built.assess(TARGET, START, 30.0)
-    # Flags of the command line are converted to names of arguments.
+    # Flags of the command line are replaced by argument names.
     assert "--" not in str(caught.value)
 
 
@@ -189,7 +189,7 @@ def test_bad_windows(model):
         model.assess(TARGET, START, 30.0, band=["g", "r"])
     empty = model.clear_windows(SkyCoord([], [], unit="deg"), START, "2026-08-15T00:00:00Z", 30.0)
     assert len(empty.target) == 0
-    # An exposure longer than the time span has no window.
+    # There is no window for an exposure that is longer than the time span.
     assert len(model.clear_windows(TARGET, START, "2026-08-14T23:30:00Z", 300.0).target) == 0
 
 

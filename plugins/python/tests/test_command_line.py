@@ -1,4 +1,4 @@
-"""Comparison of results with the JSON output of the command line."""
+"""Results compared with the JSON output of the command line program."""
 
 import csv
 import math
@@ -11,12 +11,12 @@ from conftest import ROOT, START, TARGET
 import streakcast
 
 ARGUMENTS = ["--shells", "starlink-gen1", "--mpc", "X05", "--telescope", "rubin", "--fov", "3.5deg"]
-#: Columns compared as text; numbers of the command line are rounded to the decimals of their column.
+#: Columns that are compared as text. Numbers of the command line are rounded to the decimals of their column.
 TEXT_COLUMNS = {"name", "international_designator", "illumination", "band", "mag_system", "mag_source", "verdict"}
 
 
 def same(ours, theirs):
-    """Returns True if two values agree to half a unit of the last digit printed by the command line."""
+    """Returns True if two values agree to half of the last digit printed by the command line program."""
     if theirs is None:
         return ours is None or (isinstance(ours, float) and math.isnan(ours)) or ours is np.ma.masked
     if isinstance(theirs, Decimal):
@@ -98,7 +98,7 @@ def test_verif_maps(command_line):
     for row, expected in zip(ours, rows):
         for name, value in expected.items():
             assert same(row[name].value, value), name
-    # Single directions give the same values as the grid.
+    # Single directions give the values of the grid.
     magnitude = streakcast.standard_magnitudes("v2mini", -15, ours["observer_longitude_deg"], ours["observer_latitude_deg"])
     np.testing.assert_allclose(magnitude, ours["standard_magnitude"].value, atol=1e-9)
 
@@ -106,7 +106,7 @@ def test_verif_maps(command_line):
 def test_verif_real_catalogue(data, command_line):
     elements = data / "tle" / "active" / "active_2026-04-25.txt"
     arguments = ["--elements", str(elements), "--mpc", "X05", "--telescope", "rubin"]
-    # Half an hour after sunset, at altitude 20 deg in the west, with many Starlink crossings.
+    # Half an hour after sunset, at an altitude of 20 deg in the west, there are many Starlink crossings.
     start, ra, dec = "2026-04-25T23:10:00Z", 90.0, -20.0
     answer = command_line("passes", *arguments, "--start", start, "--exposure", "300s", "--ra", str(ra), f"--dec={dec}")
     model = streakcast.StreakModel(mpc="X05", elements=elements, telescope="rubin")

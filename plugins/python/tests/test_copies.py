@@ -1,4 +1,4 @@
-"""Pickles are small, copies share satellites, and changed files are detected."""
+"""Pickles are small, copies use the same satellites, and changed files are detected."""
 
 import copy
 import pickle
@@ -10,12 +10,12 @@ import pytest
 import streakcast
 from conftest import ROOT, START, TARGET
 
-#: Folder with an invented satellite; the crossings come from a synthetic shell.
+#: Folder with the element set of an invented satellite. The crossings are those of a simulated constellation.
 ELEMENTS = ROOT / "tests" / "data" / "elements"
 
 
 def element_file(folder):
-    """Copies an element file into a folder."""
+    """Copies an element file to a folder."""
     source = ELEMENTS / "sample.3le"
     target = folder / "elements.tle"
     shutil.copy(source, target)
@@ -32,13 +32,13 @@ def test_pickles_are_small_and_give_the_same_results(model):
     again = pickle.loads(data)
     assert again.assess(TARGET, START, 30.0) == model.assess(TARGET, START, 30.0)
     assert pickle.dumps(again) == data
-    # Calls do not enlarge the pickle.
+    # Calls of methods do not enlarge the pickle.
     model.passes(TARGET, START, 300.0)
     assert len(pickle.dumps(model)) == len(data)
 
 
 def test_deep_copies_share_the_satellites(model):
-    # Nested in other objects, as in the snapshot of a scheduler.
+    # Inside other objects, as in a snapshot of a scheduler.
     snapshot = {"queue": [model, model], "other": {"model": model}}
     copied = copy.deepcopy(snapshot)
     assert copied["queue"][0] is not model
@@ -70,7 +70,7 @@ def test_a_changed_file_is_an_error_after_unpickling(tmp_path):
         pickle.loads(data).assess(TARGET, START, 30.0)
     with pytest.warns(streakcast.StreakcastWarning, match="changed since"):
         pickle.loads(tolerant).assess(TARGET, START, 30.0)
-    # The existing model is unaffected and reports the changed file.
+    # The existing model is not affected, and reports the changed file.
     assert repr(made.assess(TARGET, START, 30.0)) == repr(expected)
     assert made.changed_files() == [str(path)]
     assert made.reloaded().changed_files() == []
@@ -92,7 +92,7 @@ def test_missing_and_broken_files_do_not_affect_a_loaded_model(tmp_path):
         except streakcast.SetupError as error:
             assert "elements.tle" in str(error)
         else:
-            # A third of the file may contain a complete record, which is a valid catalogue.
+            # A third of the file may contain a complete record, and is then a valid file.
             assert new.satellites(START) > 0
     path.write_text(whole)
     assert made.changed_files() == [] and made.reloaded()._open()[0] is made._open()[0]

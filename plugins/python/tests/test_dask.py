@@ -1,4 +1,4 @@
-"""A survey on a cluster gives the same results as on one machine, even if workers are killed."""
+"""Results of a survey on a cluster equal those on one machine, also if workers are killed."""
 
 import os
 import signal
@@ -20,10 +20,10 @@ NIGHTS, EACH = 24, 60
 
 @pytest.fixture(scope="module")
 def visits():
-    """A strip of visits after dusk at Cerro Pachon, once every 15 days of a year."""
+    """Returns visits after dusk at Cerro Pachon, in a strip of the sky, on every 15th day of a year."""
     generator = np.random.default_rng(20260814)
     night, number = np.divmod(np.arange(NIGHTS * EACH), EACH)
-    # 0.97 of a UTC day is 23:17 UTC; sidereal time advances by about one degree per day.
+    # The fraction 0.97 of a UTC day is 23:17 UTC. Sidereal time increases by about one degree per day.
     start = 61_240.97 + 15 * night + number * 34 / 86_400
     return {
         "ra_deg": (175.0 + 15 * night * 0.98565 + generator.uniform(0, 30, len(night))) % 360,
@@ -45,12 +45,12 @@ def same(result, expected):
     assert (result["visit"] == np.arange(len(expected.verdict))).all()
     assert (result["verdict"] == np.ravel(expected.verdict)).all()
     for name in ("n_streaks", "brightest_mag", "lost_fraction", "p_any", "streak_length_deg"):
-        # Identical to the last bit, because both compute whole nights.
+        # Results are bit-identical, because whole nights are computed in both cases.
         np.testing.assert_array_equal(result[name], getattr(expected, name), err_msg=name)
 
 
 def kill_a_worker(client, folder, after):
-    """Kills a worker as soon as some nights are done; returns an event that is set afterwards."""
+    """Kills a worker after some nights are complete. Returns an event that is set when this is done."""
     victim = next(iter(client.run(os.getpid).values()))
     killed = threading.Event()
 
@@ -79,7 +79,7 @@ def test_verif_a_killed_worker_does_not_change_the_results(visits, survey_model,
         same(streakcast.dask.read(files), expected)
         assert sorted(tmp_path.iterdir()) == sorted(files)
 
-        # A second run computes only missing and invalid files again.
+        # A second run computes only missing and invalid files.
         written = {path: path.stat().st_mtime_ns for path in files}
         files[3].unlink()
         files[5].write_bytes(b"half of a file")
@@ -94,7 +94,7 @@ def test_verif_a_killed_worker_does_not_change_the_results(visits, survey_model,
 
 def test_workers_read_elements_from_their_path(data, visits, tmp_path):
     few = {name: column[: 3 * EACH] for name, column in visits.items()}
-    # Shifts dates and right ascensions from summer to the week of the element sets.
+    # Dates and right ascensions are moved from summer to the week of the element sets.
     few["start"] = few["start"] - 85.0
     few["ra_deg"] = (few["ra_deg"] - 85.0 * 0.98565) % 360.0
     elements = data / "tle" / "active" / "active_2026-04-25.txt"

@@ -1,4 +1,4 @@
-"""Public functions document their arguments and return values; type annotations are shipped."""
+"""Public functions have documented arguments and results, and type annotations are part of the package."""
 
 import inspect
 import re

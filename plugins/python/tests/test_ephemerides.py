@@ -1,4 +1,4 @@
-"""Ephemerides of operators are read like element sets."""
+"""Operator ephemerides are read in the same way as element sets."""
 
 import pytest
 import streakcast

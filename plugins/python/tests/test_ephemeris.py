@@ -1,4 +1,4 @@
-"""Places of satellites: identical to those of the command line; errors for invalid arguments."""
+"""Positions of satellites are identical to those of the command line program; errors for invalid arguments."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ def test_verif_places_equal_the_command_line(model, command_line):
         for name, value in expected.items():
             assert_equal(row[name], value, name)
     assert ours["ra_deg"].unit == u.deg and ours["range_rate_km_s"].unit == u.km / u.s
-    # The shape of the times does not matter, and arrays need no astropy.
+    # The result does not depend on the shape of the times, and arrays do not require astropy.
     arrays = model.ephemeris(times.reshape(2, 2), name=NAMES, output="dict")
     assert np.array_equal(arrays["ra_deg"], ours["ra_deg"].value)
     assert arrays["along_track_sigma_s"].shape == (len(ours),)

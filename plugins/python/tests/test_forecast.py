@@ -1,4 +1,4 @@
-"""Passes of a night: identical to those of the command line; errors for invalid arguments."""
+"""Passes of a night are identical to those of the command line program; errors for invalid arguments."""
 
 import csv
 import datetime
@@ -28,7 +28,7 @@ def sky():
 
 
 def text_of(cell, decimals):
-    """Formats a number as the command line does, rounded to the decimals of its column."""
+    """Formats a number as the command line program does, with the decimals of its column."""
     return f"{float(getattr(cell, 'value', cell)):.{decimals}f}"
 
 
@@ -44,7 +44,7 @@ def is_nan(cell):
 
 
 def assert_equal(ours, theirs, name):
-    """Compares a cell with a value of the JSON output, to every printed digit."""
+    """Compares a cell with a value of the JSON output, to all printed digits."""
     if theirs is None:
         assert is_missing(ours), (name, ours)
     elif isinstance(theirs, Decimal):
@@ -58,7 +58,7 @@ def assert_equal(ours, theirs, name):
 
 
 def same_moment(ours, theirs):
-    """Returns True if times agree to half of the last printed digit, plus 1 ns for the conversion through two doubles."""
+    """Returns True if times agree to half of the last printed digit, plus 1 ns for the conversion by two doubles."""
     if isinstance(ours, str):
         return ours == theirs
     digits = len(theirs.split(".")[1]) - 1 if "." in theirs else 0
@@ -87,7 +87,7 @@ def test_verif_a_night_equals_the_command_line(sky, command_line):
     for name, value in answer["night"][0].items():
         assert_equal(ours.nights[0][name], value, name)
     assert answer["night"][0]["passes_too_faint"] > 0
-    # All options at once.
+    # All options together.
     answer = command_line(
         *arguments, "--sun-altitude-deg=-12", "--min-altitude", "20", "--min-culmination", "40", "--generation", "starlink-v1.5", "--include-dark"
     )
@@ -131,7 +131,7 @@ def test_verif_a_real_night_equals_the_command_line(data, tmp_path):
                 assert is_missing(row[name]), name
             else:
                 assert_equal(row[name], value if name.endswith("utc") else Decimal(value), name)
-    # The warnings (including that of the priors) are the same, with names of arguments instead of flags.
+    # The warnings are the same, with argument names instead of flags.
     mine = [str(one.message) for one in caught if issubclass(one.category, streakcast.StreakcastWarning)]
     (prior,) = [line for line in mine if "prior" in line]
     assert f"warning: {prior}".replace("qs_mag", "--qs-mag") in done.stderr.splitlines()
@@ -146,7 +146,7 @@ def test_several_nights_and_forms(sky):
     assert isinstance(nights.passes, QTable) and nights.passes["range_km"].unit == u.km
     plain = sky.forecast(NIGHT, norad=900000539, output="dict")
     assert plain.passes["peak_utc"].dtype == np.dtype("datetime64[ns]") and plain.passes["peak_magnitude"].dtype == float
-    # Without passes the table has columns but no rows, and the nights have a reason.
+    # Without passes the table has columns but no rows, and the table of nights contains a reason.
     none = sky.forecast(NIGHT, norad=900000539, max_mag=-8)
     assert len(none.passes) == 0 and "peak_magnitude" in none.passes.colnames
     assert "fainter than mag -8" in none.nights["why_empty"][0]

@@ -1,4 +1,4 @@
-"""A hook survives errors of files, clocks and calls; each kind of error is counted and logged once."""
+"""A hook returns a fallback after errors of files, clocks and calls. Each kind of error is counted and logged once."""
 
 import copy
 import datetime
@@ -38,7 +38,7 @@ def elements(count):
 
 
 def write(path, text):
-    """Writes a file with a modification time in the past, because recently modified files are not read yet."""
+    """Writes a file with a modification time in the past, because files that were just modified are not read."""
     path.write_text(text)
     modified = time.time() - 10.0 - write.calls
     write.calls += 1
@@ -163,7 +163,7 @@ def test_deep_copies_share_one_state(hook, path, caplog):
         assert one.ask(lambda model: model.assess(TARGET, START, -1.0), None) is None
     assert hook.counts["failed"] == 3
     assert len([record for record in caplog.records if record.levelno == logging.WARNING]) == 1
-    # A copy of a copy made after a file change reads the new file too.
+    # A copy of a copy that is made after a file change reads the new file.
     write(path, elements(30))
     late = copy.deepcopy(copies[1])
     count_and_settle(late)
@@ -177,7 +177,7 @@ def test_an_old_pickle_uses_the_present_files(hook, path):
 
 
 def replace_content(path, content):
-    """Deletes the file or replaces its content."""
+    """Deletes the file, or replaces its content."""
     if content is None:
         path.unlink()
     else:
@@ -193,7 +193,7 @@ def test_a_pickle_loaded_while_files_are_missing_reads_them_later(hook, path, co
     assert other.counts["asked"] == other.counts["failed"] == 2
     write(path, elements(25))
     assert count(other) == 25 and other.counts["failed"] == 2
-    # Changes are detected from then on.
+    # Changes are detected after that.
     other.settle()
     write(path, elements(30))
     count_and_settle(other)
@@ -212,7 +212,7 @@ def test_watch_must_be_positive(model):
 
 
 class Clock:
-    """Clock that is set by a test."""
+    """Clock that is set by the test."""
 
     def __init__(self):
         self.now = 1000.0
@@ -233,7 +233,7 @@ def fake_clock(monkeypatch):
 
 
 def test_a_failed_read_is_retried(path, fake_clock, monkeypatch):
-    """A file server fails temporarily while new element sets are read; the files do not change afterwards."""
+    """A file server fails for some time while new element sets are read. The files do not change later."""
     hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
     original = streakcast.StreakModel.reloaded
     tries = []
@@ -269,7 +269,7 @@ def test_broken_files_are_read_with_growing_delays(path, fake_clock, monkeypatch
     waits = [after - before for before, after in zip(tries, tries[1:])]
     assert waits[:4] == [60.0, 120.0, 240.0, 480.0] and max(waits) == 1800.0
     assert count(hook) == 20 and hook.counts["kept_old"] == len(tries)
-    # A new file is read at once.
+    # A new file is read immediately.
     monkeypatch.undo()
     write(path, elements(25))
     hook._state.next_check_s = 0.0
@@ -295,7 +295,7 @@ def test_an_unreadable_site_or_clock_is_counted(model, caplog):
 
 
 def old_model(path, day):
-    """Model with element sets of 2026-08-14, and a start 20 or more days later."""
+    """Returns a model with element sets of 2026-08-14, and a start at least 20 days later."""
     return streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), f"2026-09-{day:02d}T01:00:00Z"
 
 
@@ -308,14 +308,14 @@ def test_warnings_of_the_model_are_counted_and_logged_once(path, caplog):
             assert hook.ask(lambda model: model.assess(TARGET, start, 30.0).verdict, None) is not None
         assert hook.counts == {"asked": 3, "warned": 1}
     assert len([record for record in caplog.records if "14 days" in record.message]) == 1
-    # Without a hook they are issued as Python warnings.
+    # Without a hook they are Python warnings.
     model, start = old_model(path, 6)
     with pytest.warns(streakcast.StreakcastWarning, match="14 days"):
         model.assess(TARGET, start, 30.0)
 
 
 def test_other_warnings_are_not_affected(model):
-    """Python's filters issue them once per location, also during calls of the hook and in threads."""
+    """Python's filters issue other warnings once per location, also during calls of the hook and in threads."""
     hook = Hook(model, "test")
 
     def warn(_):
@@ -351,7 +351,7 @@ def test_another_process_is_counted_here(path, method, caplog):
     # Counts are added once, and the message is logged once.
     assert hook.counts == {"asked": 9, "failed": 6}
     assert len([one for one in caplog.records if "in another process" in one.message and "ZeroDivisionError" in one.message]) == 1
-    # A pickled hook keeps its own counts.
+    # A pickled hook has its own counts.
     alone = pickle.loads(pickle.dumps(hook.for_process()))
     assert count(alone) == 20 and hook.counts["asked"] == 9
 
@@ -386,7 +386,7 @@ def wait_and_run(hook, begin):
 
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 def test_a_process_that_still_runs_is_counted_here(hook, method):
-    """`Process` deletes its arguments when it starts, so this process holds no reference to the hook."""
+    """`Process` deletes its arguments when it starts, so that the hook is not referenced in this process."""
     context = multiprocessing.get_context(method)
     begin = context.Event()
     process = context.Process(target=wait_and_run, args=(hook.for_process(), begin))
@@ -407,7 +407,7 @@ def test_the_most_recently_active_hooks_are_still_read(hook, monkeypatch):
         mailbox.put("asked", number)
         assert hook.counts["asked"] == number
     assert len(hook._state.remote_hooks) == 4
-    # A hook that is still referenced here may be in a process, or about to be passed to one.
+    # A hook that is referenced here may be used by a process, or may be passed to one.
     count(held)
     assert hook.counts["asked"] == 11
     del held
@@ -428,7 +428,7 @@ def test_counts_of_another_process_can_be_copied(hook):
     copied = remote.counts.copy()
     copied["asked"] += 5
     assert type(copied) is Counter and copied == {"asked": 6}
-    # The copy is not connected to a mailbox.
+    # The copy is not connected to the mailbox.
     assert hook.counts == remote.counts == {"asked": 1}
 
 
@@ -443,7 +443,7 @@ def test_counts_added_with_update_are_collected(hook):
 
 @pytest.fixture
 def slow_read(monkeypatch):
-    """Event that reading of files waits for."""
+    """Returns an event for which reading of files waits."""
     monkeypatch.setattr(streakcast.hosts, "MAX_WAIT_S", 120.0)
     original, may_continue = streakcast.StreakModel.reloaded, threading.Event()
 
@@ -478,7 +478,7 @@ def count_in_process(hook, results):
 @pytest.mark.parametrize("method", ["fork", "spawn"])
 @pytest.mark.parametrize("failure", ["slow", "failed"])
 def test_a_process_started_with_old_files_reads_the_new_ones(hook, path, monkeypatch, method, failure):
-    """This process could not read the new files, or not in time."""
+    """The new files could not be read in this process, or not in time."""
     may_fail = threading.Event()
 
     def reloaded(model):
@@ -503,7 +503,7 @@ def test_a_process_started_with_old_files_reads_the_new_ones(hook, path, monkeyp
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_a_process_forked_during_a_read_can_read_files(hook, path, monkeypatch):
-    """The lock held by the reading thread has no owner in the child."""
+    """In the child process, the lock of the reading thread is never released."""
     monkeypatch.setattr(streakcast.hosts, "MAX_WAIT_S", 0.1)
     write(path, elements(25))
     context = multiprocessing.get_context("fork")

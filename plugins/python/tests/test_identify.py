@@ -1,4 +1,4 @@
-"""Identification of streaks: identical to the command line; real streaks of known satellites."""
+"""Identification of streaks: results equal those of the command line program; real streaks of known satellites."""
 
 import numpy as np
 import pytest
@@ -29,7 +29,7 @@ def assert_same(ours, answer):
                 assert_equal(row[name], value, name)
     options = answer["provenance"]["options"]
     assert ours.n_candidates == options["candidates"]
-    # The command line prints six decimals.
+    # The command line program prints six decimals.
     assert round(ours.unknown_probability, 6) == pytest.approx(float(options["unknown_probability"]), abs=1e-12)
 
 
@@ -154,6 +154,6 @@ def test_invalid_streaks_are_reported(sky, tmp_path):
 
 
 def test_no_candidates_is_a_valid_result(sky):
-    # Far south, where no satellite of inclination 53 degrees passes.
+    # Far in the south, where no satellite of inclination 53 degrees passes.
     found = sky.identify(((10.0, -86.5), (12.0, -86.6)), start=START, exposure=1.0)
     assert len(found.candidates) == found.n_candidates == 0 and found.unknown_probability == pytest.approx(1.0)

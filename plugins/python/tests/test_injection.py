@@ -1,4 +1,4 @@
-"""Injection into files and arrays: identical to the command line; errors for invalid arguments."""
+"""Injection into files and arrays: results equal those of the command line program; errors for invalid arguments."""
 
 import os
 import subprocess
@@ -17,7 +17,7 @@ from conftest import START, TARGET  # noqa: E402
 from test_threads import ENOUGH, steps_while  # noqa: E402
 
 SIZE = 600
-#: A frame 3.5° wide is crossed by satellites at that time.
+#: A frame with a width of 3.5° is crossed by satellites at this time.
 SCALE_DEG = 3.5 / SIZE
 
 
@@ -40,13 +40,13 @@ def pixels(dtype):
 
 @pytest.fixture(scope="module")
 def injector():
-    """Model with the options of the command line: V magnitudes, the seeing of a telescope, no field."""
+    """Returns a model with the options of the command line: V magnitudes, seeing of a telescope, no field."""
     return streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", epoch=START)
 
 
 @pytest.fixture(scope="module")
 def command(tmp_path_factory):
-    """Function that runs the command line on the same frame."""
+    """Returns a function that runs the command line program for the same frame."""
     folder = tmp_path_factory.mktemp("command")
 
     def run(frame, *arguments):
@@ -77,10 +77,10 @@ def test_verif_arrays_and_files_equal_the_command_line_to_the_last_bit(injector,
         assert len(done.truth) == len(theirs["STREAKS"].data) > 0
         assert len(done.points) == len(theirs["STREAK_POINTS"].data)
         np.testing.assert_array_equal(done.truth["norad_id"], theirs["STREAKS"].data["norad_id"])
-    # Single precision keeps seven digits of the added light.
+    # In single precision, the added light has seven digits.
     np.testing.assert_allclose(done.added, done.image.astype("f8") - frame, rtol=1e-6)
     assert (frame == pixels(dtype)).all(), "the array was changed"
-    # The mask omits wings below the noise of the frame.
+    # Pixels in the wings that are fainter than the noise of the frame are not in the mask.
     injected = ((done.mask >> done.mask_planes["INJECTED"]) & 1).astype(bool)
     assert done.added[injected].sum(dtype=float) > 0.8 * done.added.sum(dtype=float) > 1000
 
@@ -109,7 +109,7 @@ def test_a_wcs_and_arguments_instead_of_a_header(injector):
     expected = injector.inject(frame, header=header(), seeing="1arcmin", seed=3)
     arguments = dict(start=Time(START), exposure=30 * u.s, zero_point=25.0, gain=2.0, seeing="1arcmin", seed=3)
     done = injector.inject(frame, header=WCS(header()), **arguments)
-    # The WCS formats its numbers again: positions may differ in the last digit, fluxes by a few electrons of noise.
+    # The WCS formats its numbers again: positions may differ in the last digit, and fluxes by a few electrons of noise.
     assert len(done.truth) == len(expected.truth)
     assert abs(done.added.sum() / expected.added.sum() - 1) < 1e-3
     text = header().tostring(sep="\n")
@@ -118,8 +118,8 @@ def test_a_wcs_and_arguments_instead_of_a_header(injector):
 
 
 def test_the_flux_of_a_streak_matches_its_magnitude():
-    # A star of magnitude m gives 10^(-0.4 (m - ZP)) counts in the exposure, the streak the fraction of its time in the
-    # frame.
+    # A star of magnitude m gives 10^(-0.4 (m - ZP)) counts in the exposure. The streak has the fraction of its time in
+    # the frame.
     done = streakcast.inject(
         np.zeros((SIZE, SIZE)), header=header(), random_streaks=1, magnitude=5.0, streak_rate_deg_s=0.5,
         seeing="1arcmin", psf="gaussian", noise=False, seed=4, table="dict",
@@ -128,7 +128,7 @@ def test_the_flux_of_a_streak_matches_its_magnitude():
     inside_s = length_pix * SCALE_DEG / 0.5
     assert inside_s > 1.0
     expected = 10 ** (-0.4 * (5.0 - 25.0)) * inside_s / 30.0
-    # 1 %: varying scale of the tangent plane, and light of the ends outside the frame.
+    # 1 % for the variable scale of the tangent plane, and for light of the ends outside the frame.
     assert done.added.sum() == pytest.approx(expected, rel=0.01)
 
 

@@ -1,4 +1,4 @@
-"""The notebooks run completely, and their assertions hold."""
+"""All cells of the notebooks run, including their assertions."""
 
 import nbformat
 import pytest

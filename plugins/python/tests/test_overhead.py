@@ -1,4 +1,4 @@
-"""Satellites above a site: consistent with the crossings of a field at the same time."""
+"""Satellites above a site are consistent with the crossings of a field at the same time."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def test_satellites_in_a_field_are_those_that_cross_it(wide):
         assert np.allclose(seen_ra, np.asarray(crossed["mid_ra_deg"])[order], atol=1e-5)
         assert np.allclose(seen_dec, np.asarray(crossed["mid_dec_deg"])[order], atol=1e-5)
         compared += int(inside.sum())
-        # Columns per satellite are computed at the middle of its times.
+        # Columns of a satellite are computed for the middle of its times.
         for index, norad in enumerate(np.asarray(crossed["norad_id"])[order]):
             moments = up.moment[up.norad_id == norad]
             if moments[len(moments) // 2] == number:
@@ -56,7 +56,7 @@ def test_units_and_filters(wide):
     u = pytest.importorskip("astropy.units")
     same = wide.overhead(time.Time("2026-08-14T23:29:05", scale="utc"), 1.0 / 6.0 * u.min, min_altitude=0.5236 * u.rad)
     assert np.array_equal(plain.norad_id, same.norad_id)
-    # An hour and a half later some satellites are in the shadow.
+    # One and a half hours later, some satellites are in the shadow.
     lit, all_of_them = (wide.overhead("2026-08-15T01:00:00Z", 10.0, include_dark=dark) for dark in (False, True))
     assert set(lit.norad_id) < set(all_of_them.norad_id)
     unlit = wide.overhead(START, 10.0, min_altitude=30.0, light=False)

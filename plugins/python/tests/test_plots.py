@@ -1,4 +1,4 @@
-"""Charts of results: PNG and SVG, in notebooks and files."""
+"""Plots of results, as PNG and SVG, in notebooks and files."""
 
 import re
 
@@ -33,7 +33,7 @@ def test_a_field_shows_its_passes(model, output):
 def test_a_field_has_the_given_diameter(model):
     passes = model.passes(TARGET, START, 30.0, output="dict")
     none = {name: column[:0] for name, column in passes.items()}
-    # A chart is 10 % wider than the field: 33 arcmin to each side.
+    # A plot is 10 % wider than the field: 33 arcmin to each side.
     arcminutes, degrees = (rendered_svg(plots.field(none, TARGET, fov_deg=fov)) for fov in (1.0, 7.0))
     assert "offset to the east, ′" in arcminutes and "\n30\n" in arcminutes and "\n40\n" not in arcminutes
     assert "offset to the east, °" in degrees and "no streak crosses this field" in degrees
@@ -78,7 +78,7 @@ def test_a_forecast_over_the_sky_and_in_time(model, output):
     assert "A night" in svg and "from UTC" in svg and all(f"\n{side}\n" in svg for side in "NESW")
     assert "The 22 brightest" not in svg and len(passes["name"]) == 11
     one = passes[:1] if output == "qtable" else {name: cells[:1] for name, cells in passes.items()}
-    # A single pass is labelled with full minutes.
+    # A single pass is labelled in whole minutes.
     assert re.search(r"\n22:5\d\n", rendered_svg(plots.sky_chart(one))) and not re.search(r"\n22:5\d\n", svg)
     curve = rendered_svg(plots.light_curve(passes["samples"][0], title="A pass"))
     # A pass from rise to set has no field.
@@ -86,7 +86,7 @@ def test_a_forecast_over_the_sky_and_in_time(model, output):
     many = model.forecast("2026-08-14", max_mag=5, min_culmination=75, samples=3, output=output).passes
     assert f"The 22 brightest of {len(many['name'])} passes" in rendered_svg(plots.sky_chart(many))
     none = model.forecast("2026-08-14", max_mag=-8, samples=3, output=output).passes
-    # A night without passes gives an empty chart.
+    # A night without passes gives an empty plot.
     assert "no pass" in rendered_svg(plots.sky_chart(none))
     with pytest.raises(ValueError, match="samples=100"):
         plots.sky_chart(model.forecast("2026-08-14", max_mag=-8, output=output).passes)

@@ -1,8 +1,9 @@
-"""Python examples of the READMEs and of docs/: the code runs and prints what the page shows.
+"""Python examples in the READMEs and in docs/: the code runs, and its output is that shown on the page.
 
-Every block ```python of a page runs in the order of the page, with the names of the blocks before it, in a new folder that holds a copy of
-examples/. A block ```text directly after it is the expected output. HTML comments before the fence have the meaning of tests/docs.py:
-`<!-- data -->` needs the real data, found under data/, and `<!-- not run: REASON -->` is only compiled.
+Every block ```python of a page runs in the order of the page, with the variables of the blocks before it, in a new
+folder with a copy of examples/. A block ```text directly after it is the expected output. HTML comments before the
+fence have the meaning defined in tests/docs.py: `<!-- data -->` requires the real data, in the folder data/, and `<!--
+not run: REASON -->` is only compiled.
 """
 
 import contextlib

@@ -59,7 +59,7 @@ def test_astropy_site_and_field(model):
     )
     ours, theirs = built.assess(TARGET, START, 30.0), model.assess(TARGET, START, 30.0)
     assert ours.n_streaks == theirs.n_streaks
-    # The latitude keeps all digits through JSON.
+    # The latitude has all digits after the conversion to JSON and back.
     assert ours.streak_length_deg == pytest.approx(theirs.streak_length_deg, abs=1e-9)
 
 
@@ -88,7 +88,7 @@ def test_dictionaries_out_without_astropy(model):
 
 
 def test_missing_times_are_masked(model):
-    # Satellites already above the horizon at the start have no rise time.
+    # Satellites that are above the horizon at the start have no rise time.
     span = dict(start=START, end="2026-08-14T23:34:05Z", min_altitude=20 * u.deg)
     passes = model.forecast(**span, include_dark=True, samples=2).passes
     assert len(passes) > 10
@@ -107,7 +107,7 @@ def test_check_pointings_has_the_conventions_of_rubin_sim(model):
     passes = model.passes(TARGET, START, 30.0)
     assert n_streaks[0] == len(passes)
     assert lengths_deg[0] == pytest.approx(passes["streak_length_deg"].to_value("deg").sum())
-    # Declination 80 deg is below the horizon of Cerro Pachon.
+    # Declination 80 deg is never above the horizon of Cerro Pachon.
     assert n_streaks[1] == 0 and lengths_deg[1] == 0.0
 
 
@@ -132,7 +132,7 @@ def test_below_the_horizon_is_invalid(model):
 def test_altaz_targets(model):
     frame = AltAz(obstime=Time(START[:-1], scale="utc"), location=model.location)
     target = SkyCoord(alt=[30, 60] * u.deg, az=[280, 260] * u.deg, frame=frame)
-    # Within the field radius, plus the change of altitude in ten minutes (2.5 degrees).
+    # Within the radius of the field, plus the change of altitude in ten minutes (2.5 degrees).
     passes = model.passes(target, START, 600.0)
     for index, altitude_deg in enumerate([30.0, 60.0]):
         mine = passes[passes["exposure_id"] == index]

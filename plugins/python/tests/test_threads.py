@@ -1,4 +1,4 @@
-"""Long computations release the interpreter's lock."""
+"""Long computations release the interpreter lock."""
 
 import multiprocessing
 import subprocess
@@ -13,19 +13,19 @@ from conftest import START, TARGET
 from test_hosts import elements
 
 
-#: Number of steps of the other thread that proves that the lock was released.
+#: Number of steps of the other thread from which it follows that the lock was released.
 ENOUGH = 10
-#: Limit on the repetitions of `steps_while`, seconds.
+#: Time limit of the repetitions in `steps_while`, seconds.
 LIMIT_S = 120.0
 
 
 def steps_while(work):
-    """Counts steps of another thread while `work` is repeated.
+    """Counts the steps of another thread while `work` is repeated.
 
-    The work is repeated until there are enough steps, because on a loaded machine one call may end before the other
-    thread runs.
+    The work is repeated until there are enough steps: on a loaded machine, one call may end before the other thread
+    runs.
 
-    The other thread releases the lock at each step, this one only inside `work`.
+    The other thread releases the lock at each step; this thread releases it only inside `work`.
     """
     done = threading.Event()
     begun = threading.Event()
@@ -102,7 +102,7 @@ def test_a_forked_child_has_its_own_thread_pool(model):
     here, there = multiprocessing.Pipe()
     child = multiprocessing.get_context("fork").Process(target=_assess_in_child, args=(model, there), daemon=True)
     child.start()
-    # A child that uses its parent's pool would wait for ever.
+    # A child process that used the pool of its parent would be blocked forever.
     has_result = here.poll(300)
     child.terminate() if not has_result else child.join()
     assert has_result and here.recv() == expected
@@ -130,5 +130,5 @@ for first in range(2000):
 def test_threads_with_many_nights_do_not_deadlock(tmp_path):
     path = tmp_path / "elements.tle"
     path.write_text(elements(20))
-    # In a separate process: a deadlock would block all other tests.
+    # In a separate process, because a deadlock would block all other tests.
     subprocess.run([sys.executable, "-c", MANY_NIGHTS, str(path)], check=True, timeout=1800.0)

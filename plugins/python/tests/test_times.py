@@ -1,4 +1,4 @@
-"""Times of every type require a scale, and the scale affects the result."""
+"""Times of all types require a scale, and the scale affects the result."""
 
 import datetime
 
@@ -33,7 +33,7 @@ def test_one_time_in_every_form(model, start, scale):
     expected = model.assess(TARGET, START, 30.0)
     answer = model.assess(TARGET, start, 30.0, scale=scale)
     assert answer.n_streaks == expected.n_streaks > 0
-    # MJD as a double has a precision of a microsecond; TDB (2 ms from TT) is converted by astropy.
+    # MJD in a double has a resolution of a microsecond. TDB, which is within 2 ms of TT, is converted by astropy.
     assert answer.streak_length_deg == pytest.approx(expected.streak_length_deg, abs=1e-4)
 
 
@@ -67,7 +67,7 @@ def test_tai_read_as_utc_changes_the_result(model):
     utc = model.assess((ra, dec), starts, 30.0, scale="utc")
     tai = model.assess((ra, dec), starts, 30.0, scale="tai")
     assert utc.crosses.sum() > 3
-    # After 37 s hardly any satellite is still in the field.
+    # After 37 s almost no satellite is still in the field.
     assert (utc.streak_length_deg != tai.streak_length_deg)[utc.crosses | tai.crosses].all()
 
 
@@ -76,9 +76,9 @@ def test_the_scale_of_the_model(model):
     tai = model.with_options(mjd_scale="tai")
     assert tai.mjd_scale == "tai" and model.mjd_scale is None
     assert tai.assess(TARGET, mjd, 30.0).n_streaks == model.assess(TARGET, START, 30.0).n_streaks
-    # A string with a time zone keeps it.
+    # A string with a time zone uses it.
     assert tai.assess(TARGET, START, 30.0).n_streaks == model.assess(TARGET, START, 30.0).n_streaks
-    # The scale of a call takes precedence.
+    # The scale of a call overrides that of the model.
     ours, theirs = tai.assess(TARGET, mjd, 30.0, scale="utc"), model.assess(TARGET, mjd, 30.0, scale="utc")
     assert (ours.n_streaks, ours.p_any) == (theirs.n_streaks, theirs.p_any)
 

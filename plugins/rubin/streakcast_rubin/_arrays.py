@@ -1,4 +1,4 @@
-"""Types of NumPy arrays in annotations."""
+"""Types of NumPy arrays for annotations."""
 
 from __future__ import annotations
 

@@ -25,7 +25,7 @@ def at_least(name: str, value: float, least: float, most: float = math.inf) -> f
 
 
 def above(name: str, value: float, least: float, most: float) -> float:
-    """Like `at_least`, excluding the lower limit."""
+    """Same as `at_least`, without the lower limit itself."""
     at_least(name, value, least, most)
     if value == least:
         raise ValueError(f"{name} is {value!r}; allowed: a number above {least:g}, up to {most:g}")

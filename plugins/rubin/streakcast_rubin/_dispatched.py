@@ -1,8 +1,8 @@
-"""Dispatched and deferred visits, shared by all copies of a queue manager.
+"""Dispatched and deferred visits, common to all copies of a queue manager.
 
-`SummitWrapper` requests a visit from a copy, discards the copy, and continues with the next one. It marks visits as
-taken by their numbers, in ascending order. A deferred visit is dispatched after one with a higher number, so the next
-copy would see it as available and not as deferred. Therefore copies share this state.
+`SummitWrapper` requests a visit from a copy, discards the copy, and continues with the next copy. It marks visits as
+taken by their numbers, in ascending order. A deferred visit is dispatched after a visit with a higher number, so that
+for the next copy it would be available and not deferred. Copies therefore use the same state.
 """
 
 from __future__ import annotations
@@ -11,24 +11,24 @@ from typing import Any
 
 #: Time after which a dispatched visit that was not completed is available again, days.
 EXPIRY_DAY = 10.0 / 1440.0
-#: Time after which deferrals are no longer counted, days; queues are never that old.
+#: Time after which deferrals are no longer counted, days. Queues are never this old.
 DEFERRAL_EXPIRY_DAY = 0.25
-#: Number of entries above which expired ones are deleted. Queues are shorter than this.
+#: Number of entries above which expired ones are deleted. Queues are shorter.
 MAX_ENTRIES = 1000
 
-#: Number, field and band; numbers are not unique if two copies have filled their queues.
+#: Number, field and band of a visit. Numbers are not unique if two copies have filled their queues.
 Key = tuple[int, float, float, str]
 
 
 class Owner:
-    """Identity of the copy that dispatched a visit; a new object in every copy."""
+    """Identity of a copy that dispatches visits. Every copy has its own object."""
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Owner:
         return Owner()
 
 
 class DispatchedVisits:
-    """Visits in progress and numbers of deferrals; a deep copy returns the same object."""
+    """Visits in progress and numbers of deferrals. A deep copy returns the same object."""
 
     def __init__(self, deferred: dict[Key, tuple[int, float]] | None = None) -> None:
         self._in_progress: dict[Key, tuple[Owner, float]] = {}
@@ -58,12 +58,12 @@ class DispatchedVisits:
             self._deferred = {key: one for key, one in self._deferred.items() if abs(mjd - one[1]) < DEFERRAL_EXPIRY_DAY}
 
     def deferred(self, visit: Any, mjd: float) -> int:
-        """Returns the number of deferrals of a visit by all copies."""
+        """Returns the number of deferrals of a visit in all copies."""
         count, last = self._deferred.get(key_of(visit), (0, mjd))
         return count if abs(mjd - last) < DEFERRAL_EXPIRY_DAY else 0
 
     def clear_deferrals(self, visit: Any) -> None:
-        """Deletes the deferrals of a visit that was taken."""
+        """Deletes the deferrals of a visit that was dispatched."""
         self._deferred.pop(key_of(visit), None)
 
     def is_with_another(self, visit: Any, owner: Owner, mjd: float) -> bool:

@@ -1,4 +1,4 @@
-"""Base class of the two sky maps: options, hook, satellite tracks, and a map of zeros after an error."""
+"""Base class of the two sky maps: options, hook, satellite tracks, and a zero map after errors."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ CELLS = 12 * NSIDE * NSIDE
 
 
 class StreakMap(BaseBasisFunction):
-    """Basis function with a map of nside 32, RING, computed by `_map_of`.
+    """Basis function with a map of nside 32, RING, which `_map_of` computes.
 
-    Parameters have the same meaning as those of `StreakMaskBasisFunction`.
+    The parameters are those of `StreakMaskBasisFunction`.
     """
 
     def __init__(
@@ -50,15 +50,15 @@ class StreakMap(BaseBasisFunction):
 
     @property
     def counts(self) -> Counter[str]:
-        """Event counters."""
+        """Counts of events."""
         return self.hook.counts
 
     def __getstate__(self) -> dict[str, Any]:
-        # Tracks and the last map (98 kB) are not pickled; they are computed again on first use.
+        # Tracks and the last map (98 kB) are not pickled. They are computed again on first use.
         return {**self.__dict__, "_sky": None, "value": 0, "recalc": True}
 
     def _calc_value(self, conditions: Any, indx: Any = None, **_: Any) -> FloatArray:
-        """Returns the map at the time of the conditions; zeros after an error."""
+        """Returns the map at the time of the conditions, or zeros after an error."""
         self.value = self.hook.ask(lambda model: self._map_of(model, conditions), np.zeros(CELLS))
         self.mjd_last = conditions.mjd + 0
         self.recalc = False
@@ -75,6 +75,6 @@ class StreakMap(BaseBasisFunction):
         return self._sky
 
     def _band(self, conditions: Any) -> Union[str, None]:
-        """Returns the band whose limit applies."""
+        """Returns the band whose magnitude limit applies."""
         band: Union[str, None] = self.bandname if self.bandname is not None else conditions.current_band
         return band

@@ -1,4 +1,4 @@
-"""Position of the telescope and predicted shutter openings of the next visits."""
+"""Position of the telescope, and predicted shutter openings of the next visits."""
 
 from __future__ import annotations
 
@@ -11,39 +11,39 @@ from rubin_scheduler.scheduler.model_observatory import KinemModel
 from ._arrays import FloatArray
 
 DAY_S = 86_400.0
-#: Idle time after which the telescope is parked, days (rule of rubin_scheduler).
+#: Idle time after which the telescope is parked, days (as in rubin_scheduler).
 PARKED_AFTER_DAY = 10.0 / 1440.0
-#: Conditions older than the known time by more than this are stale, days.
+#: Conditions that are older than the known time by more than this are outdated, days.
 STALE_DAY = 1.0 / DAY_S
 
-#: Maximum age of a queue and thus of its conditions, days.
+#: Largest age of a queue and thus of its conditions, days.
 QUEUE_DAY = 0.25
-#: Tolerance for times earlier than the previous one, days: times are rounded.
+#: Tolerance for times that are earlier than the previous one, days, because times are rounded.
 TIME_TOLERANCE_DAY = 1.0 / DAY_S
 QUARTER_TURNS_RAD = (-np.pi / 2.0, np.pi / 2.0, np.pi)
 
 
 class Openings(NamedTuple):
-    """Predicted shutter openings and lengths of several visits."""
+    """Predicted shutter openings and durations of several visits."""
 
-    #: Opening, days (MJD in the scheduler's scale), ``(n,)``; NaN if the telescope cannot reach the visit.
+    #: Opening, days (MJD in the scale of the scheduler), ``(n,)``; NaN if the telescope cannot reach the visit.
     start_mjd: FloatArray
-    #: Slew time from the present position, seconds, ``(n,)``.
+    #: Slew time from the current position, seconds, ``(n,)``.
     slew_s: FloatArray
     #: Time from shutter opening to closing, including readouts between snaps, seconds, ``(n,)``.
     length_s: FloatArray
 
 
 class Mount:
-    """Tracks completed visits and computes slew times with the kinematic model of rubin_scheduler.
+    """Records completed visits, and computes slew times with the kinematic model of rubin_scheduler.
 
-    The conditions passed to a queue manager can be as old as its queue (``sim_runner`` updates them when the queue is
-    empty), so time and pointing are taken from the last visit if that is newer.
+    The conditions passed to a queue manager may be as old as its queue (``sim_runner`` updates them when the queue is
+    empty). Time and pointing are therefore those of the last visit if that is newer.
 
     Parameters
     ----------
     kinematics : KinemModel, optional
-        The kinematic model with the speeds of the real mount; default: that of rubin_scheduler.
+        Kinematic model with the speeds of the real mount; default: that of rubin_scheduler.
     """
 
     def __init__(self, kinematics: KinemModel | None = None) -> None:
@@ -53,20 +53,20 @@ class Mount:
         self.conditions_mjd = -np.inf
 
     def set_time(self, mjd: float) -> None:
-        """Sets the present time as given by the scheduler."""
+        """Sets the current time as given by the scheduler."""
         now = float(mjd)
         if now < self.host_mjd - TIME_TOLERANCE_DAY:
             self._reset_to(now)
         self.host_mjd = now
 
     def _reset_to(self, now: float) -> None:
-        """Discards later times and visits after the scheduler has restarted at an earlier time."""
+        """Discards later times and visits after a restart of the scheduler at an earlier time."""
         self.host_mjd = self.conditions_mjd = -np.inf
         if self.last is not None and float(self.last["free_mjd"]) > now + PARKED_AFTER_DAY:
             self.last = None
 
     def done(self, observation: Any) -> None:
-        """Records a complete visit (``SummitWrapper`` also reports requested visits, with length 0, as complete)."""
+        """Records a completed visit. ``SummitWrapper`` also reports requested visits, with duration 0, as completed."""
         one = np.ravel(observation)[0]
         start, length_s = float(one["mjd"]), float(one["visittime"])
         azimuth = float(one["cummTelAz"])
@@ -89,19 +89,18 @@ class Mount:
         }
 
     def now(self, conditions: Any) -> float:
-        """Returns the latest of: time of the conditions, time given by the scheduler, end of the last visit (MJD)."""
+        """Returns the latest of: time of the conditions, time of the scheduler, end of the last visit (MJD)."""
         now = float(np.max(conditions.mjd))
         if now < self.conditions_mjd - TIME_TOLERANCE_DAY:
             self._reset_to(now)
         self.conditions_mjd = now
         candidates = [self.host_mjd] if self.last is None else [self.host_mjd, float(self.last["free_mjd"])]
-        # Times further ahead than the maximum age of a queue belong to another night: the scheduler restarted at an
-        # earlier
-        # # time.
+        # Times that are later than the conditions by more than the age of a queue belong to another night, before a
+        # restart of the scheduler at an earlier time.
         return max([now, *(one for one in candidates if one - now < QUEUE_DAY)])
 
     def openings(self, conditions: Any, visits: Any) -> Openings:
-        """Returns the shutter openings of visits of one band if they were dispatched now."""
+        """Returns the shutter openings of visits in one band for the case that each is dispatched now."""
         now = self.now(conditions)
         self._place(conditions, now)
         slew_s = self._slew_times(now, visits)
@@ -139,21 +138,21 @@ class Mount:
         model.current_rot_sky_pos_rad = np.array([last["rotation"]])
         model.cumulative_azimuth_rad = float(last["azimuth"])
         self._load(str(last["band"]))
-        # The readout continues during the slew, which cannot be shorter.
+        # The readout continues during the slew; the next exposure cannot start before it ends.
         model.overhead = max(0.0, model.readtime - (now - float(last["free_mjd"])) * DAY_S)
 
     def _load(self, band: str) -> None:
-        """Sets the band of the kinematic model, which stores it in an array."""
+        """Sets the band of the kinematic model, which is stored in an array."""
         self.kinematics.current_band = np.array([band])
 
     def _slew_times(self, mjd: float, visits: Any) -> FloatArray:
         model = self.kinematics
         ra, dec = np.asarray(visits["RA"], dtype=float), np.asarray(visits["dec"], dtype=float)
         if not model.parked and str(visits["band"][0]) != str(model.current_band[0]):
-            # The rotator turns during the filter exchange.
+            # The rotator moves during the filter exchange.
             return np.asarray(model.slew_times(ra, dec, mjd, bandname=None) + model.band_changetime, dtype=float)
-        # Otherwise it turns during the slew. If an angle is out of range, rubin_scheduler uses the nearest quarter turn
-        # in range.
+        # Otherwise it moves during the slew. If an angle is out of range, rubin_scheduler uses the nearest quarter
+        # turn in range.
         rotation = np.asarray(visits["rotSkyPos"], dtype=float)
         slew_s = np.asarray(model.slew_times(ra, dec, mjd, rot_sky_pos=rotation, bandname=None), dtype=float)
         unreached = ~np.isfinite(slew_s)

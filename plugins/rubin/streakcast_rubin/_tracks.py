@@ -14,14 +14,14 @@ from streakcast import StreakModel
 from ._arrays import FloatArray, IntArray, SingleArray
 from ._verdicts import LEAST_PROBABILITY, weight_of_light
 
-#: Length of a time slot, seconds: about the time between visits.
+#: Length of a time slot, seconds, which is about the time between visits.
 SLOT_S = 40.0
 #: Interval between samples of a track, seconds; a satellite moves by one or two degrees in that time (see
 #: `Samples.rate_deg_s`).
 SAMPLE_S = 2.0
-#: Minimum altitude of satellites, degrees.
+#: Smallest altitude of satellites, degrees.
 LOWEST_DEG = 18.0
-#: Number of cached slots: ten minutes.
+#: Number of cached slots, for ten minutes.
 CACHED_SLOTS = 15
 Value = TypeVar("Value")
 
@@ -44,7 +44,7 @@ class Samples(NamedTuple):
 
 
 class SlotCache(Generic[Value]):
-    """Cache of values of the most recently used time slots, all computed from one source."""
+    """Cache of values for the most recently used time slots, all computed from one source."""
 
     def __init__(self, max_slots: int = CACHED_SLOTS) -> None:
         self._max_slots = max_slots
@@ -52,7 +52,7 @@ class SlotCache(Generic[Value]):
         self._slots: OrderedDict[int, Value] = OrderedDict()
 
     def get(self, source: Any, number: int) -> Union[Value, None]:
-        """Returns the value of a slot; another source clears the cache."""
+        """Returns the value of a slot; `None` if it is not cached. Another source clears the cache."""
         if source != self._source:
             self._source = source
             self._slots.clear()
@@ -69,18 +69,18 @@ class SlotCache(Generic[Value]):
 
 
 class Sky:
-    """Lit satellites of a model by time slots."""
+    """Lit satellites of a model, in time slots."""
 
     def __init__(self, model: StreakModel, scale: str, light: bool, limits_mag: tuple[float, ...] = ()) -> None:
         self.model = model
         self._scale = scale
         self._light = light
-        #: Limits of the columns of `Samples.p_brighter`.
+        #: Magnitude limits of the columns of `Samples.p_brighter`.
         self.limits_mag = limits_mag
         self._cache: SlotCache[Samples] = SlotCache()
 
     def over(self, start_mjd: float, end_mjd: float) -> list[tuple[int, Samples]]:
-        """Returns the slots that cover a time span, with their numbers; a slot starts ``number * SLOT_S`` after MJD 0."""
+        """Returns the slots of a time span, with their numbers. A slot starts ``number * SLOT_S`` after MJD 0."""
         found = []
         for number in range(int(start_mjd * 86_400.0 // SLOT_S), int(end_mjd * 86_400.0 // SLOT_S) + 1):
             samples = self._cache.get(self.model, number)
@@ -90,25 +90,25 @@ class Sky:
         return found
 
     def sample(self, start_mjd: float, length_s: float) -> Samples:
-        """Computes the satellites above the site for a time span."""
+        """Computes the satellites above the site in a time span."""
         steps = np.arange(0.0, length_s, SAMPLE_S)
         found = self.model.overhead(
             start_mjd, steps, min_altitude=LOWEST_DEG, light=self._light, limit_mag=self.limits_mag, scale=self._scale
         )
-        # Width 0 without a telescope.
+        # The width is 0 without a telescope.
         width = np.nan_to_num(found.lost_width_arcsec)
         return Samples(
             found.direction, steps[found.moment], found.angular_rate_deg_s, width, found.magnitude, found.p_brighter
         )
 
     def probability_brighter(self, limit_mag: float | None, samples: Samples) -> FloatArray:
-        """Returns the probability of each sample to be brighter than one of the limits; 1 without a limit."""
+        """Returns the probability of each sample of being brighter than a limit; 1 without a limit."""
         if limit_mag is None:
             return np.ones(samples.magnitude.size)
         return samples.p_brighter[:, self.limits_mag.index(limit_mag)]
 
     def probably_brighter(self, limit_mag: float | None, samples: Samples) -> Samples:
-        """Returns the samples that are brighter than a limit with a probability of at least 0.5; all without a limit."""
+        """Returns the samples with a probability of at least 0.5 of being brighter than a limit, if any."""
         keep = self.probability_brighter(limit_mag, samples) >= LEAST_PROBABILITY
         return Samples(*(column[keep] for column in samples))
 
@@ -125,7 +125,7 @@ def centres_of(nside: int) -> FloatArray:
 
 @lru_cache(maxsize=4)
 def sectors(nside: int) -> IntArray:
-    """Returns for each cell (RING) the index of its sector, one of 192 sectors of 15 degrees."""
+    """Returns for each cell (RING) the index of its sector, one of 192 sectors with sides of 15 degrees."""
     return np.asarray(hp.ring2nest(nside, np.arange(12 * nside * nside)) // (nside // 4) ** 2, dtype=np.int64)
 
 
@@ -133,18 +133,18 @@ def sectors(nside: int) -> IntArray:
 class Pointings:
     """Pointings of visits (fields of a survey in one night, or cells), with an index of those near each cell."""
 
-    #: Directions, ICRS, ``(n, 3)``; single precision has an error of some arcseconds.
+    #: Directions, ICRS, ``(n, 3)``. In single precision they have errors of some arcseconds.
     centres: SingleArray
-    #: For each cell (RING) the pointing of a visit to it.
+    #: For each cell (RING) the index of the pointing of a visit to it.
     of_cell: IntArray
     #: For each cell the pointings that a satellite in it may cross, padded with -1, ``(n_cells, m)``.
     near: IntArray
-    #: Radius around a pointing within which satellites count, degrees.
+    #: Radius around a pointing within which a satellite crosses, degrees.
     radius_deg: float
 
     @classmethod
     def of(cls, nside: int, centres: FloatArray, of_cell: IntArray, radius_deg: float, more_deg: float) -> Pointings:
-        """Creates the index; `more_deg` allows for the position of satellites in the cell and their motion."""
+        """Creates the index. `more_deg` allows for the position of satellites in a cell and for their motion."""
         lists = [hp.query_disc(nside, centre, np.radians(radius_deg + more_deg)) for centre in centres]
         cell, pointing = np.concatenate(lists), np.repeat(np.arange(len(lists)), [len(one) for one in lists])
         order = np.argsort(cell, kind="stable")
@@ -170,6 +170,6 @@ def fields_as_pointings(nside: int, ra_rad: bytes, dec_rad: bytes, of_cell: byte
 
 
 def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) -> FloatArray:
-    """Fraction of a field's pixels lost to a satellite: length x width / area, optionally weighted by brightness."""
+    """Returns the fraction of pixels lost to a satellite, length x width / area, optionally weighted by brightness."""
     lost = samples.rate_deg_s * seconds * samples.lost_width_arcsec / 3600.0 / area_deg2
     return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)

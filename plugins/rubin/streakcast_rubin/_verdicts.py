@@ -1,4 +1,4 @@
-"""Verdicts for visits of rubin_scheduler: conversion of radians and MJD to degrees and times with a scale."""
+"""Verdicts on visits of rubin_scheduler: radians and MJD are converted to degrees and times with a scale."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from ._mount import Openings
 
 #: Magnitude with weight 1; the weight increases by a factor of 2.5 per magnitude.
 REFERENCE_MAG = 7.0
-#: Limits of the weight: fainter satellites still make streaks, brighter ones cannot affect more than the frame.
+#: Range of the weight: fainter satellites still cause streaks, and brighter ones cannot affect more than the frame.
 LEAST_WEIGHT, MOST_WEIGHT = 1e-3, 1e3
-#: Minimum probability of a crossing brighter than a magnitude limit.
+#: Smallest probability of a crossing brighter than a magnitude limit for which a visit is blocked.
 LEAST_PROBABILITY = 0.5
 SCALES = ("utc", "tai", "tt")
 DAMAGES = ("pixels", "light")
@@ -36,18 +36,18 @@ class Rules(NamedTuple):
 
 
 class Verdicts(NamedTuple):
-    """Effect of satellites on visits."""
+    """Effects of satellites on visits."""
 
-    #: Whether a visit must not be taken now.
+    #: Whether a visit should not be dispatched now.
     blocked: BoolArray
-    #: Damage in the unit selected by `Rules.damage`.
+    #: Damage, in the unit of `Rules.damage`.
     damage: FloatArray
     n_streaks: IntArray
     brightest_mag: FloatArray
 
 
 def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
-    """Returns the scale of the scheduler's MJD, as given by the caller or the model; there is no default.
+    """Returns the scale of the scheduler's MJD, given by the caller or by the model. There is no default.
 
     Raises
     ------
@@ -66,7 +66,7 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
 
 
 def weight_of_light(brightest_mag: FloatArray) -> FloatArray:
-    """Weight of a satellite's brightness relative to 7 mag.
+    """Returns the weight of the brightness of a satellite relative to 7 mag.
 
     w = 10^(-0.4 (m - 7)), limited to [0.001, 1000]; 1 if the magnitude is unknown.
     """
@@ -75,7 +75,7 @@ def weight_of_light(brightest_mag: FloatArray) -> FloatArray:
 
 
 def see(hook: Hook, conditions: Any, scale: str) -> None:
-    """Compares site and clock of the scheduler with those of the model and this computer."""
+    """Compares site and clock of the scheduler with those of the model and of this computer."""
 
     def location() -> tuple[float, float, float]:
         site = conditions.site
@@ -86,7 +86,7 @@ def see(hook: Hook, conditions: Any, scale: str) -> None:
 
 
 def limit_of(limit_mag: Any, band: str | None) -> float | None:
-    """Returns the limit of a band; `None` if no limit is set for it, so that every lit satellite counts."""
+    """Returns the limit for a band; `None` if there is none, so that all lit satellites block."""
     limit = limit_mag.get(band, limit_mag.get("default")) if isinstance(limit_mag, dict) else limit_mag
     return None if limit is None else float(limit)
 
@@ -106,12 +106,12 @@ def pointings(visits: Visits) -> tuple[tuple[FloatArray, FloatArray], FloatArray
 
 
 def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) -> Verdicts:
-    """Computes the verdicts of all visits, from `jitter_s` before shutter opening until `jitter_s` after closing."""
+    """Computes the verdicts on all visits, from `jitter_s` before shutter opening until `jitter_s` after closing."""
     target, rotation, bands = pointings(visits)
     start = openings.start_mjd - rules.jitter_s / 86_400.0
     length_s = openings.length_s + 2.0 * rules.jitter_s
     if rules.blocking == "avoid" and rules.limit_mag is None:
-        # All limits of the policy, including those of loss and probability, which include near misses.
+        # All limits of the policy are applied, including those of loss and probability, which include near misses.
         assessment = model.assess(target, start, length_s, rotation=rotation, band=bands, scale=rules.scale)
         lost = np.where(np.isfinite(assessment.lost_fraction), assessment.lost_fraction, np.nan_to_num(assessment.streak_length_deg))
         blocked, n_streaks, brightest_mag = assessment.avoid, assessment.n_streaks, assessment.brightest_mag
@@ -124,14 +124,14 @@ def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) 
         magnitude = np.asarray(passes["magnitude_peak"], dtype=float)
         share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
         n_streaks = np.bincount(which, minlength=visits.size)
-        # Without a telescope the length of the streaks is used instead of the lost fraction.
+        # Without a telescope, the length of the streaks is used instead of the lost fraction.
         lost = np.bincount(which, weights=np.where(np.isfinite(share), share, length_deg), minlength=visits.size)
         brightest_mag = np.full(visits.size, np.inf)
         np.fmin.at(brightest_mag, which, magnitude)
         brightest_mag[np.isinf(brightest_mag)] = np.nan
         blocked = n_streaks > 0
         if rules.blocking == "avoid":
-            # Same rule as for the model's limits: a crossing brighter than the limit with a probability of at least 0.5.
+            # As for the limits of the model: a crossing is brighter than the limit with a probability of at least 0.5.
             p_brighter = np.asarray(passes["p_brighter"], dtype=float)
             bright = np.asarray(passes["probability"], dtype=float) * p_brighter >= LEAST_PROBABILITY
             blocked = np.bincount(which, weights=bright | np.isnan(limits[which]), minlength=visits.size) > 0

@@ -1,4 +1,4 @@
-"""Streaks in the visits of a survey: columns for arrays, tables for opsim databases."""
+"""Streaks in the visits of a survey: columns for arrays, and tables in opsim databases."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ TABLES = ("streak_flags", "streaks", "streak_provenance", "observations_streaks"
 
 
 def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, None] = None) -> dict[str, Any]:
-    """Returns the effect of satellites on each visit.
+    """Returns the effects of satellites on each visit.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
     model : StreakModel
         Site, satellites and field.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of ``mjd``. Must be given here or in the model.
+        Scale of ``mjd``. It must be given here or in the model.
 
     Returns
     -------
@@ -76,7 +76,7 @@ def annotate(
     mjd_scale: Union[str, None] = None,
     replace: bool = False,
 ) -> int:
-    """Copies an opsim database and adds tables of streaks; existing tables are not changed.
+    """Copies an opsim database, and adds tables of streaks. Existing tables are not changed.
 
     The copy has the tables ``streak_flags`` (one row per visit), ``streaks`` (one row per visit and satellite) and
     ``streak_provenance``, and the view ``observations_streaks``, which joins the first to the observations. It is
@@ -87,11 +87,11 @@ def annotate(
     opsim : path
         SQLite, with a table ``observations``.
     output : path
-        Path of the copy; must differ from `opsim`.
+        Path of the copy. It must differ from `opsim`.
     model : StreakModel
         Site, satellites and field.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of ``observationStartMJD`` (the simulator's is UTC). Must be given here or in the model.
+        Scale of ``observationStartMJD`` (UTC in simulations). It must be given here or in the model.
     replace : bool
         Whether to replace tables of an earlier annotation; otherwise they are an error.
 
@@ -103,7 +103,7 @@ def annotate(
     Raises
     ------
     ValueError
-        A missing file, table, column or scale, or existing tables.
+        A file, table, column or scale is missing, or the tables of an earlier annotation exist.
     """
     source, target = Path(opsim), Path(output)
     scale = scale_of(model, mjd_scale)
@@ -129,7 +129,7 @@ def annotate(
 
 
 def _new_file_beside(target: Path) -> Path:
-    """Creates an empty file with a unique name and default permissions (`tempfile` allows only the user)."""
+    """Creates an empty file with a unique name and default permissions (`tempfile` gives access only to the user)."""
     while True:
         part = target.parent / f".{target.name}.{secrets.token_hex(4)}.part"
         with contextlib.suppress(FileExistsError):
@@ -144,7 +144,7 @@ def _add_tables(base: sqlite3.Connection, source: Path, model: StreakModel, scal
             raise ValueError(f"{source} has a {kind} {name} already; specify replace=True to replace it")
         base.execute(f"DROP {kind} {name}")
     columns = [row[1] for row in base.execute("PRAGMA table_info(observations)")]
-    # Databases before version 4 of the scheduler have the column filter.
+    # Databases from before version 4 of the scheduler have the column filter.
     band = "band" if "band" in columns else "filter"
     required = ["observationId", "fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "rotSkyPos", band]
     missing = [name for name in required if name not in columns]

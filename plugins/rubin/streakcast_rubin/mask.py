@@ -1,4 +1,4 @@
-"""`StreakMaskBasisFunction`: NaN where a visit that starts now would be crossed, for greedy surveys."""
+"""`StreakMaskBasisFunction`: NaN where satellites cross a visit that starts now, for greedy surveys."""
 
 from __future__ import annotations
 
@@ -15,15 +15,16 @@ from ._maps import CELLS, NSIDE, StreakMap
 from ._verdicts import limit_of, see
 from ._tracks import SAMPLE_S, SLOT_S, Pointings, Samples, SlotCache, cells_as_pointings, fields_as_pointings, loss_of, sectors
 
-#: Half the side of a cell of nside 32, degrees.
+#: Half of the side of a cell of nside 32, degrees.
 HALF_CELL_DEG = 0.92
 #: Largest distance of a point in a cell from its centre, degrees.
 CELL_REACH_DEG = float(hp.max_pixrad(NSIDE, degrees=True))
-#: Motion of the fastest satellites (340 km, overhead) between two samples, degrees.
+#: Motion of the fastest satellites (at 340 km in the zenith) between two samples, degrees.
 FASTEST_STEP_DEG = 1.3 * SAMPLE_S
-#: Margin around the radius of fields, degrees: tracks have errors of some arcminutes.
+#: Margin added to the radius of fields, degrees. Tracks have errors of some arcminutes.
 FIELD_PAD_DEG = 0.1
-#: Ratio to the loss of the best tenth of a sector above which cells are masked, if the whole sector is crossed.
+#: If a whole sector is crossed, cells are masked whose loss exceeds that of the best tenth of the sector by this
+#: factor.
 MASK_RATIO = 2.0
 #: Number of samples in a slot.
 STEPS = int(SLOT_S / SAMPLE_S)
@@ -32,31 +33,32 @@ STEPS = int(SLOT_S / SAMPLE_S)
 class StreakMaskBasisFunction(StreakMap):
     """Sky mask, nside 32, RING: NaN where satellites would cross, 0 elsewhere. Weight 0.
 
-    The time window of each cell is that of a visit which starts now: slew (the map of the conditions), exposure, and
-    `jitter_s` on both sides. A cell is masked if a lit satellite comes closer to its centre than the field radius plus
-    half a cell; after `follow`, if a satellite crosses the field of the survey that belongs to the cell. If more than
-    `max_share` of the reachable cells would be masked, the cells with the least loss are left open: some in every
-    sector of the sky, and all that lose less than twice as much as the best tenth of their sector.
+    The time window of each cell is that of a visit which starts now: slew (map of the conditions), exposure, and
+    `jitter_s` on both sides. A cell is masked if the distance of a lit satellite from its centre is less than the field
+    radius plus half a cell or, after `follow`, if a satellite crosses the field of the survey to which the cell
+    belongs. If more than `max_share` of the reachable cells would be masked, the cells with the smallest loss are not
+    masked: some in every sector of the sky, and all whose loss is less than twice that of the best tenth of their
+    sector.
 
     Parameters
     ----------
     model : StreakModel
         Site, satellites and field, with a telescope.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of the scheduler's MJD. Must be given here or in the model.
+        Scale of the scheduler's MJD. It must be given here or in the model.
     limit_mag : float or dict, optional
-        Only satellites brighter than this with a probability of at least 0.5 are avoided, by band as
-        ``{"g": 7, "default": 6}``; without it, and in bands without a limit, all lit satellites.
+        Only satellites that are brighter with a probability of at least 0.5 are avoided; by band as ``{"g": 7,
+        "default": 6}``. Without it, and in bands without a limit, all lit satellites are avoided.
     damage : {"light", "pixels"}
-        Measure of the loss in a cell: lost pixels with or without weighting by each satellite's brightness.
+        Measure of the loss in a cell: lost pixels, weighted by the brightness of each satellite or not.
     exptime_s : float
-        Length of the visits, including shutter motion, seconds.
+        Duration of the visits, including shutter motion, seconds.
     jitter_s : float
         Tolerance of the predicted shutter opening, seconds.
     max_share : float
-        Maximum fraction of the reachable sky that is masked, (0, 1].
+        Largest fraction of the reachable sky that is masked, (0, 1].
     pad_deg : float
-        Margin added to the field radius around a cell's centre, degrees; not used after `follow`.
+        Margin added to the field radius around the centre of a cell, degrees; not used after `follow`.
     bandname : str, optional
         Band of the survey, for limits by band; default: the current band.
     watch_s : float
@@ -68,12 +70,12 @@ class StreakMaskBasisFunction(StreakMap):
     ----------
     counts : collections.Counter
         ``asked``, ``masked`` (cells), ``capped`` (maps), ``failed`` and the counters of `streakcast.hosts.Hook`. After
-        an error nothing is masked.
+        an error no cell is masked.
 
     Raises
     ------
     ValueError
-        A missing scale, a model without field or telescope, an option out of range.
+        The scale is missing, the model has no field or telescope, or an option is out of range.
     """
 
     def __init__(
@@ -101,29 +103,29 @@ class StreakMaskBasisFunction(StreakMap):
         self._cache: SlotCache[FloatArray] = SlotCache()
         self._survey: Any = None
         #: Night, fields of the survey, and field index of each cell, if the survey has not yet rotated its fields for
-        #: that night.
+        #: the night.
         self._rotated_fields: Union[tuple[int, Any, Any], None] = None
 
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_cache": SlotCache(), "_rotated_fields": None}
 
     def follow(self, survey: Any) -> None:
-        """Uses the fields of a survey, which are the actual pointings of visits, instead of the cells.
+        """Uses the fields of a survey, which are the pointings of its visits, instead of the cells.
 
         The centre of a field may be 2 deg from the chosen cell. With known fields no margin is needed: less sky is
-        masked, and open cells are clear. Surveys with the same fields, dithers and seed can share one mask, because
-        their fields agree in each night.
+        masked, and visits to cells that are not masked are clear. Surveys with the same fields, dithers and seed may
+        use one mask, because their fields are the same in each night.
 
         Parameters
         ----------
         survey : rubin_scheduler survey
-            A survey with `fields` and `hp2fields`, like `GreedySurvey`, that rotates its fields once per night or
+            Survey with `fields` and `hp2fields`, such as `GreedySurvey`, that rotates its fields once per night or
             never.
 
         Raises
         ------
         ValueError
-            A survey without such fields, or one that rotates them at each call, after it has evaluated the mask.
+            The survey has no such fields, or it rotates them at each call, after the mask was evaluated.
         """
         if getattr(survey, "fields", None) is None or np.shape(getattr(survey, "hp2fields", ())) != (CELLS,):
             raise ValueError(f"{type(survey).__name__} has no fields for the cells of nside {NSIDE}; allowed: a survey with fields and hp2fields")
@@ -132,12 +134,12 @@ class StreakMaskBasisFunction(StreakMap):
         self._survey, self._rotated_fields = survey, None
 
     def _fields(self, night: int) -> tuple[Any, Any]:
-        """Returns the survey's fields of a night, and the field index of each cell."""
+        """Returns the fields of the survey in a night, and the field index of each cell."""
         survey = self._survey
         if getattr(survey, "dither", None) != "night" or np.max(survey.night) == night:
             return survey.fields, survey.hp2fields
         if self._rotated_fields is None or self._rotated_fields[0] != night:
-            # The fields are rotated when the survey is first chosen in a night, after the mask was evaluated.
+            # The survey rotates its fields when it is first chosen in a night, which is after the mask was evaluated.
             tonight = copy.copy(survey)
             tonight.fields = survey.fields_init.copy()
             tonight._spin_fields(night)
@@ -146,11 +148,11 @@ class StreakMaskBasisFunction(StreakMap):
 
     def _pointings(self, night: int) -> Pointings:
         """Returns the pointings of visits to the cells in a night."""
-        # Largest distance of a satellite from the centre of its cell, plus half a step of its motion.
+        # Largest distance of a satellite from the centre of its cell, plus half of its motion in one step.
         more_deg = FASTEST_STEP_DEG / 2.0 + CELL_REACH_DEG
         if self._survey is None:
             return cells_as_pointings(NSIDE, self.radius_deg + self.pad_deg, more_deg)
-        # The content is the cache key, so that copies of a scheduler share the result.
+        # The arrays are part of the cache key, so that copies of a scheduler use the same result.
         fields, of_cells = self._fields(night)
         coordinates = (np.ascontiguousarray(fields[one], dtype=float).tobytes() for one in ("RA", "dec"))
         of_cell = np.ascontiguousarray(of_cells, dtype=np.int64).tobytes()
@@ -168,12 +170,12 @@ class StreakMaskBasisFunction(StreakMap):
         pointings = self._pointings(int(np.max(conditions.night)))
         of_cell, n, lost = pointings.of_cell[reached], len(pointings.centres), np.zeros(opens.size)
         sky, limit = self._sky_of(model), limit_of(self.limit_mag, self._band(conditions))
-        # Steps within the window plus half a step on both sides, to cover the track between samples.
+        # Steps within the window, and half a step on both sides to include the track between samples.
         now_s = now * 86_400.0
         first = np.ceil((now_s + opens) / SAMPLE_S - 0.5).astype(np.int64)
         end = np.maximum(np.floor((now_s + closes) / SAMPLE_S + 1.5).astype(np.int64), first)
         for number, samples in sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0):
-            # The losses per step are the same for every visit; only the window of steps differs.
+            # The losses per step are the same for all visits; only the steps of the window differ.
             cumulative = self._cache.get((sky, limit, pointings), number)
             if cumulative is None:
                 cumulative = self._cache.put(number, self._losses(sky.probably_brighter(limit, samples), pointings))
@@ -198,7 +200,7 @@ class StreakMaskBasisFunction(StreakMap):
         reach = np.sqrt(np.radians(pointings.radius_deg) ** 2 + np.radians(samples.rate_deg_s * SAMPLE_S / 2.0) ** 2)
         row, column = np.nonzero((cosine >= np.cos(np.minimum(reach, np.pi))[:, None]) & (nearby >= 0))
         lost = loss_of(samples, SAMPLE_S, self.area_deg2, self.damage == "light")
-        # Without a telescope every satellite has the same small loss.
+        # Without a telescope all satellites have the same small loss.
         lost = np.where(lost > 0.0, lost, 1e-12)
         cell = (np.rint(samples.second / SAMPLE_S).astype(np.int64)[row] + 1) * n + nearby[row, column]
         lost_at = np.bincount(cell, weights=lost[row], minlength=(STEPS + 1) * n)
@@ -209,18 +211,18 @@ class StreakMaskBasisFunction(StreakMap):
 
 
 def _cells_to_mask(loss: FloatArray, reached: BoolArray, max_share: float) -> BoolArray:
-    """Returns the crossed cells to mask, at most a fraction `max_share` of the reached cells.
+    """Returns which crossed cells are masked, at most a fraction `max_share` of the reached cells.
 
-    The open cells are those with the least loss in each sector, so that they are spread over the sky: the least loss of
-    the whole sky could be where a survey never points. Cells that lose less than `MASK_RATIO` times as much as the best
-    tenth of their sector stay open too, because a slew away from them gains little.
+    In each sector the cells with the smallest loss are not masked, so that these are spread over the sky: the smallest
+    loss of the whole sky may be where a survey never points. Cells whose loss is less than `MASK_RATIO` times that of
+    the best tenth of their sector are not masked either, because a slew to another cell would gain little.
     """
     cells = np.flatnonzero(reached)
     sector = sectors(NSIDE)[cells]
     order = np.lexsort((loss[cells], sector))
     cells, sector = cells[order], sector[order]
     _, first, of_sector, size = np.unique(sector, return_index=True, return_inverse=True, return_counts=True)
-    # Fraction of the sector with a smaller loss than the cell.
+    # Fraction of the sector whose loss is smaller than that of the cell.
     share = (np.arange(cells.size) - first[of_sector] + 0.5) / size[of_sector]
     best_tenth = loss[cells][first + size // 10]
     is_bad = loss[cells] > MASK_RATIO * best_tenth[of_sector]

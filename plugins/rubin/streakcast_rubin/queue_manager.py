@@ -26,37 +26,37 @@ log = logging.getLogger("streakcast.rubin")
 class StreakQueueManager(BaseQueueManager):
     """Queue manager that dispatches visits which no satellite crosses.
 
-    For each requested visit it takes the first `look_ahead` valid visits of the queue, computes their shutter openings
+    For each requested visit it computes, for the first `look_ahead` valid visits of the queue, the shutter openings
     (slew and rotator, by the kinematic model of rubin_scheduler) and the satellites that cross each field from
-    `jitter_s` before opening until `jitter_s` after closing. It dispatches the first visit if it is clear, otherwise
-    the nearest clear one, otherwise the one that loses least. Visits are never added, dropped or renumbered; a deferred
-    visit stays first in the queue. After an error the default choice of rubin_scheduler is dispatched.
+    `jitter_s` before opening until `jitter_s` after closing. It dispatches the first visit if it is clear, or else the
+    nearest clear one, or else the one with the smallest loss. Visits are never added, dropped or renumbered, and a
+    deferred visit stays first in the queue. After an error the default visit of rubin_scheduler is dispatched.
 
     Parameters
     ----------
     model : StreakModel
         Site, satellites and field (``telescope="rubin"``).
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of the scheduler's MJD. Must be given here or in the model.
+        Scale of the scheduler's MJD. It must be given here or in the model.
     limit_mag : float or dict, optional
-        Only satellites that cross and are brighter than this with a probability of at least 0.5 are avoided, by band as
-        ``{"g": 7, "default": 6}``; without it, and in bands without a limit, all lit satellites.
+        Only satellites that cross and are brighter with a probability of at least 0.5 are avoided; by band as ``{"g":
+        7, "default": 6}``. Without it, and in bands without a limit, all lit satellites are avoided.
     blocking : {"any", "avoid"}, optional
-        Satellites to avoid: any lit one, or those that exceed a limit (`limit_mag`, or without it the limits of the
+        Satellites to avoid: all lit ones, or those that exceed a limit (`limit_mag`, or without it the limits of the
         model's policy). Default: ``avoid`` if `limit_mag` is given, otherwise ``any``.
     damage : {"light", "pixels"}
-        Measure of the loss of a visit: expected fraction of lost pixels, with or without weighting by the brightest
-        satellite.
+        Measure of the loss of a visit: expected fraction of lost pixels, weighted by the brightness of the brightest
+        satellite or not.
     look_ahead : int
         Number of visits of the queue that are checked.
     max_defer : int
-        Maximum number of deferrals before a visit is dispatched even if it is crossed.
+        Largest number of deferrals, after which a visit is dispatched even if it is crossed.
     jitter_s : float
         Tolerance of the predicted shutter opening, seconds.
     max_extra_slew_s : float
-        Maximum slew time in excess of that to the first visit, seconds.
+        Largest slew time in excess of that to the first visit, seconds.
     kinematics : KinemModel, optional
-        The kinematic model with the speeds of the real mount; default: that of rubin_scheduler.
+        Kinematic model with the speeds of the real mount; default: that of rubin_scheduler.
     watch_s : float
         Interval between checks of the model's files for new element sets, seconds.
     detailers, basis_functions, check_clouds
@@ -66,13 +66,13 @@ class StreakQueueManager(BaseQueueManager):
     ----------
     counts : collections.Counter
         ``asked`` (once per visit), ``checked`` (visits evaluated), ``deferred`` (visits deferred), ``given_up``
-        (dispatched although crossed), ``due`` (of these, deferred too often), ``no_coordinates``, ``failed`` and the
-        counters of `streakcast.hosts.Hook`.
+        (dispatched although crossed), ``due`` (of these, after the largest number of deferrals), ``no_coordinates``,
+        ``failed`` and the counters of `streakcast.hosts.Hook`.
 
     Raises
     ------
     ValueError
-        A missing scale, or an option out of range.
+        The scale is missing, or an option is out of range.
     """
 
     def __init__(
@@ -115,29 +115,29 @@ class StreakQueueManager(BaseQueueManager):
 
     @property
     def counts(self) -> Counter[str]:
-        """Event counters."""
+        """Counts of events."""
         return self.hook.counts
 
     # Methods called by rubin_scheduler -------------------------------------------------------------------------------
 
     def request_observation(self, conditions: Any, whole_queue: bool = False, n_return: int = 1) -> Any:
-        """Returns the chosen visit; with `whole_queue` all valid visits, the chosen one first, in queue order."""
+        """Returns the chosen visit; with `whole_queue` all valid visits in queue order, after the chosen one."""
         self._choosing = True
         try:
             result = super().request_observation(conditions, whole_queue=whole_queue, n_return=n_return)
         finally:
             self._choosing = False
         if np.size(result) == 0:
-            # A detailer may have dropped the chosen visit: the default choice is returned then.
+            # If a detailer has dropped the chosen visit, the default visit is returned.
             result = super().request_observation(conditions, whole_queue=whole_queue, n_return=n_return)
         return result
 
     def find_valid_observations_indx(self, conditions: Any, mjd: Union[float, None] = None) -> Any:
-        """Returns the queue indices of valid visits; the chosen one comes first during a request."""
+        """Returns the queue indices of valid visits. During a request the chosen one is first."""
         valid = super().find_valid_observations_indx(conditions, mjd=mjd)
         if mjd is not None:
-            # A check whether the queue is still valid: only here a simulation with old conditions passes the present
-            # time.
+            # The scheduler checks whether the queue is still valid. In simulations with old conditions, only this call
+            # contains the current time.
             try:
                 self.mount.set_time(mjd)
             except Exception as error:  # noqa: BLE001 - a hook never stops its host
@@ -156,7 +156,7 @@ class StreakQueueManager(BaseQueueManager):
             visit = np.ravel(np.asarray(observation))[0]
             self._dispatched.clear_deferrals(visit)
             if float(visit["visittime"]) > 0.0:
-                # Visits without a length are taken as complete but were not observed.
+                # Visits with duration 0 are reported as completed, but were not observed.
                 self._dispatched.complete(visit)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.hook.note("failed", f"a completed visit cannot be recorded: {type(error).__name__}: {error}")
@@ -164,7 +164,7 @@ class StreakQueueManager(BaseQueueManager):
     # Choice of the visit ---------------------------------------------------------------------------------------------
 
     def _choice(self, model: StreakModel, conditions: Any, valid: IntArray) -> Union[int, None]:
-        """Returns the queue index of the visit to dispatch; `None` for the default choice."""
+        """Returns the queue index of the visit to dispatch; `None` for the default visit."""
         see(self.hook, conditions, self.mjd_scale)
         queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
         free = np.array([index for index in valid[: 4 * self.look_ahead] if not self._dispatched.is_with_another(queue[index], self._owner, now)])
@@ -179,7 +179,7 @@ class StreakQueueManager(BaseQueueManager):
         openings = self.mount.openings(conditions, visits)
         reached = np.isfinite(openings.start_mjd)
         if not reached[0]:
-            # The first visit cannot be reached, so rubin_scheduler decides.
+            # The first visit cannot be reached: the default visit of rubin_scheduler is used.
             return None
         reachable = Openings(*(one[reached] for one in openings))
         verdicts = judge(model, visits[reached], reachable, self._rules)
@@ -192,7 +192,7 @@ class StreakQueueManager(BaseQueueManager):
         return int(indices[choice.candidate])
 
     def _account(self, choice: Choice, visits: Visits, verdicts: Verdicts, openings: Openings, now: float) -> None:
-        """Updates the counters, and logs one line if a visit is deferred or dispatched although crossed."""
+        """Updates the counters. Writes a log line if a visit is deferred, or dispatched although crossed."""
         first, chosen = visits[0], visits[choice.candidate]
         if choice.candidate > 0:
             self.counts["deferred"] += 1

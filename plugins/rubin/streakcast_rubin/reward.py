@@ -14,40 +14,41 @@ from ._maps import CELLS, NSIDE, StreakMap
 from ._verdicts import limit_of, see
 from ._tracks import SAMPLE_S, Samples, centres_of, loss_of
 
-#: Number of cells smoothed at once: two rings, so that only satellites in their band of declination are used.
+#: Number of cells that are smoothed together: two rings, so that only satellites at their declinations are used.
 ROWS = 256
 
 
 class StreakRewardBasisFunction(StreakMap):
-    """Minus the expected pixel loss of a visit, as a map of nside 32, RING.
+    """Expected pixel loss of a visit with a minus sign, as a map of nside 32, RING.
 
-    The satellites that will cross a visit in forty minutes are unknown, because its start is unknown. Number,
-    brightness and speed of the satellites in each part of the sky are known: satellites are sampled `samples` times
-    over the next `look_ahead_min`, and spread over discs of `smoothing_deg`,
+    Which satellites will cross a visit in forty minutes is unknown, because its start is unknown, but number,
+    brightness and speed of the satellites in each part of the sky are known. Satellites are sampled `samples` times
+    over the next `look_ahead_min`, and spread over discs of radius `smoothing_deg`:
 
         reward = - N_pix Σ_satellites ω t w / (π s²) / n_samples
 
-    with ω t w the area of each streak and s the smoothing, in millions of pixels per visit, each satellite weighted by its brightness. The map is cached for `cache_s`.
+    where ω t w is the area of each streak, s the radius of the discs, and N_pix the number of pixels. The unit is a
+    million pixels per visit; each satellite may be weighted by its brightness. The map is cached for `cache_s`.
 
     Parameters
     ----------
     model : StreakModel
         Site, satellites and field, with a telescope.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of the scheduler's MJD. Must be given here or in the model.
+        Scale of the scheduler's MJD. It must be given here or in the model.
     limit_mag : float or dict, optional
-        Each satellite counts with the probability to be brighter than this, by band as ``{"g": 7, "default": 6}``;
-        without it, and in bands without a limit, all lit satellites count fully.
+        Each satellite is weighted with the probability of being brighter than this; by band as ``{"g": 7, "default":
+        6}``. Without it, and in bands without a limit, all lit satellites have weight 1.
     damage : {"light", "pixels"}
-        Lost pixels with weighting by brightness (1 at 7 mag, a factor of 2.5 per magnitude) or without.
+        Lost pixels weighted by brightness (1 at 7 mag, a factor of 2.5 per magnitude), or not weighted.
     look_ahead_min : float
         Length of the time span, minutes; at most 720.
     samples : int
-        Number of samples of the sky in that time.
+        Number of samples in that time.
     smoothing_deg : float
         Radius of the discs, degrees.
     exptime_s : float
-        Length of the visits, seconds.
+        Duration of the visits, seconds.
     pixel_scale_arcsec : float
         Side of a pixel.
     cache_s : float
@@ -62,7 +63,7 @@ class StreakRewardBasisFunction(StreakMap):
     Raises
     ------
     ValueError
-        A missing scale, a model without field or telescope, an option out of range.
+        The scale is missing, the model has no field or telescope, or an option is out of range.
     """
 
     def __init__(
@@ -100,7 +101,7 @@ class StreakRewardBasisFunction(StreakMap):
 
     def _map_of(self, model: StreakModel, conditions: Any) -> FloatArray:
         now = float(np.max(conditions.mjd))
-        # The map depends on the limit of the band.
+        # The map depends on the magnitude limit of the band.
         limit = limit_of(self.limit_mag, self._band(conditions))
         key = (model.key(), limit)
         cached = self._cached
@@ -116,7 +117,7 @@ class StreakRewardBasisFunction(StreakMap):
         return value
 
     def _lost_mpx(self, samples: list[Samples], counts: list[FloatArray]) -> FloatArray:
-        """Returns the expected pixel loss of a visit to each cell, millions; each satellite counts with a probability."""
+        """Returns the expected pixel loss of a visit to each cell, millions, weighted by probabilities."""
         direction = np.concatenate([one.direction for one in samples])
         # Lost fraction of a field that contains the whole streak.
         weighted = self.damage == "light"
@@ -132,7 +133,7 @@ class StreakRewardBasisFunction(StreakMap):
             # RING cells are ordered from north to south.
             band = (declination <= height[first] + smoothing) & (declination >= height[rows][-1] - smoothing)
             lost[rows] = (centres_of(NSIDE)[rows] @ direction[band].T > reach) @ share[band]
-        # A disc contains Σ; a field of area A contains the fraction A / (π s²) of it.
+        # A disc contains the sum; a field of area A contains the fraction A / (π s²) of it.
         disc_deg2 = 2.0 * np.pi * (1.0 - reach) * np.degrees(1.0) ** 2
         pixels = self.area_deg2 * (3600.0 / self.pixel_scale_arcsec) ** 2
         return np.asarray(lost * self.area_deg2 / disc_deg2 / len(samples) * pixels / 1e6, dtype=float)

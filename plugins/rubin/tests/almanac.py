@@ -1,4 +1,4 @@
-"""Replacement of rubin_scheduler's 2 GB of data for a few nights: almanac, tiling and dark sky by astropy (1 MB)."""
+"""Almanac, tiling and dark sky for a few nights by astropy (1 MB), instead of the 2 GB of data of rubin_scheduler."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from rubin_scheduler.utils import Site
 
 iers.conf.auto_download = False
 
-#: Days before and after the night.
+#: Number of days before and after the night.
 SPAN_DAYS = 6.0
 #: Step of the tables, days; rubin_scheduler interpolates with parabolas.
 STEP_DAYS = 15.0 / 1440.0
@@ -30,7 +30,7 @@ def location() -> EarthLocation:
 
 
 def noon_of(evening: str) -> float:
-    """Returns the MJD (UTC) of 16h UTC of a date, about noon at Rubin, before the night of that date."""
+    """Returns the MJD (UTC) of 16h UTC of a date, which is about noon at Rubin before the night of this date."""
     return float(Time(f"{evening}T16:00:00", scale="utc").mjd)
 
 
@@ -40,14 +40,14 @@ def _angles(body: SkyCoord) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _crossings(mjd: np.ndarray, altitude_deg: np.ndarray, level_deg: float, rising: bool) -> np.ndarray:
-    """Returns the times at which an altitude crosses a level, by linear interpolation."""
+    """Returns the times at which an altitude crosses a value, by linear interpolation."""
     above = altitude_deg - level_deg
     at = np.flatnonzero((above[:-1] < 0) & (above[1:] >= 0) if rising else (above[:-1] >= 0) & (above[1:] < 0))
     return mjd[at] + STEP_DAYS * above[at] / (above[at] - above[at + 1])
 
 
 def make(evening: str, folder: Path) -> Path:
-    """Writes the files for one evening and configures rubin_scheduler to use their folder."""
+    """Writes the files for one evening, and configures rubin_scheduler to use their folder."""
     models, sky = folder / "site_models", folder / "skybrightness_pre"
     models.mkdir(parents=True, exist_ok=True)
     sky.mkdir(exist_ok=True)
@@ -91,7 +91,7 @@ def make(evening: str, folder: Path) -> Path:
     }
     _save(models / "sunsets.npz", "almanac", {"night": np.arange(sunsets.size), **after})
 
-    # Any 5,292 points that cover the sphere (HEALPix cells of nside 21); rubin_scheduler's tiling has the same number.
+    # 5,292 points that cover the sphere (HEALPix cells of nside 21). The tiling of rubin_scheduler has the same number.
     points = np.column_stack(hp.pix2vec(21, np.arange(hp.nside2npix(21))))
     np.savetxt(models / "icover.3.5292.23.0.txt", points.ravel())
     dark = {band: np.full(hp.nside2npix(32), mag) for band, mag in DARK_SKY_MAG_ARCSEC2.items()}
@@ -101,7 +101,7 @@ def make(evening: str, folder: Path) -> Path:
 
 
 def use(folder: Path) -> Path:
-    """Configures the folder of rubin_scheduler by RUBIN_SIM_DATA_DIR."""
+    """Sets the folder of rubin_scheduler by RUBIN_SIM_DATA_DIR."""
     os.environ["RUBIN_SIM_DATA_DIR"] = str(folder)
     return folder
 
@@ -124,7 +124,7 @@ def _save(path: Path, name: str, columns: dict[str, np.ndarray]) -> None:
 
 
 class ConstantSky:
-    """Sky of constant brightness, instead of rubin_scheduler's tables."""
+    """Sky of constant brightness, instead of the tables of rubin_scheduler."""
 
     nside = 32
 
@@ -132,7 +132,7 @@ class ConstantSky:
         self._maps = {band: np.full(hp.nside2npix(self.nside), mag) for band, mag in DARK_SKY_MAG_ARCSEC2.items()}
 
     def return_mags(self, mjd: float, indx: object = None, bands: object = None, **_: object) -> dict[str, np.ndarray]:
-        """Returns magnitudes per square arcsecond, for whole maps or the given cells."""
+        """Returns magnitudes per square arcsecond, for whole maps or for given cells."""
         if indx is None:
             return self._maps
         return {band: one[np.ravel(indx)] for band, one in self._maps.items()}

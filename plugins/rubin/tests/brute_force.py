@@ -1,6 +1,6 @@
-"""Brute-force computation of crossings without streakcast: python-sgp4, ERFA rotations, steps of a second.
+"""Brute-force computation of crossings without streakcast: python-sgp4, rotations of ERFA, steps of a second.
 
-It reads the same element sets as the tested model, and uses no candidate search, no interpolation and no photometry.
+The element sets are those of the tested model. No candidate search, interpolation or photometry is used.
 """
 
 from __future__ import annotations
@@ -20,18 +20,19 @@ from sgp4.api import WGS72, Satrec, SatrecArray
 
 EARTH_MU_KM3_S2 = 398600.8
 EARTH_RADIUS_KM = 6378.137
-#: Upper limit of the speed relative to the site in low orbits, km/s, for the selection of candidates.
+#: Upper limit of the speed of satellites in low orbits relative to the site, km/s, to select candidates.
 FASTEST_KM_S = 8.5
 STEP_S = 1.0
-#: Interval of the selection of satellites above the horizon, seconds.
+#: Interval for which satellites above the horizon are selected, seconds.
 SLOT_S = 180.0
-#: Margin below the horizon for that selection, radians: half a slot plus half a minute of delay at 7.8 km/s are 0.14.
+#: Margin below the horizon in this selection, radians: the motion in half a slot plus half a minute at 7.8 km/s is
+#: 0.14.
 BELOW_RAD = 0.15
 SHELLS = Path(__file__).resolve().parents[3] / "src" / "elements" / "shells.toml"
 
 
 def write_walker(names: list[str], epoch: Time, path: Path) -> int:
-    """Writes circular shells (numbers of shells.toml) as OMM in CSV; returns the number of satellites."""
+    """Writes circular shells (numbers of shells.toml) as OMM in CSV. Returns the number of satellites."""
     keys = "OBJECT_NAME OBJECT_ID EPOCH MEAN_MOTION ECCENTRICITY INCLINATION RA_OF_ASC_NODE ARG_OF_PERICENTER MEAN_ANOMALY".split()
     keys += "EPHEMERIS_TYPE CLASSIFICATION_TYPE NORAD_CAT_ID ELEMENT_SET_NO REV_AT_EPOCH BSTAR MEAN_MOTION_DOT MEAN_MOTION_DDOT".split()
     filed = {one["name"]: one for one in tomllib.loads(SHELLS.read_text())["constellation"]}
@@ -48,7 +49,7 @@ def write_walker(names: list[str], epoch: Time, path: Path) -> int:
                 for plane in range(planes):
                     node = shell.get("node_offset_deg", 0.0) + plane * shell.get("node_spread_deg", 360.0) / planes
                     for slot in range(each):
-                        # Walker's notation: F steps of 360 / T between neighbouring planes.
+                        # In Walker's notation, adjacent planes are shifted by F steps of 360 / T.
                         anomaly = 360.0 * slot / each + 360.0 * shell.get("phasing", 1) * plane / (planes * each)
                         count += 1
                         row = (f"{name}-{count}", "2026-001A", epoch.utc.strftime("%Y-%m-%dT%H:%M:%S.%f"), f"{motion:.8f}", "0.0001000")
@@ -74,7 +75,7 @@ def read_elements(path: Path) -> list[Satrec]:
 
 
 class Truth:
-    """True positions of satellites: from their element sets, optionally with along-track delays."""
+    """True positions of satellites, computed from their element sets, optionally with along-track delays."""
 
     def __init__(self, satellites: list[Satrec]) -> None:
         self.satellites = satellites
@@ -85,30 +86,30 @@ class Truth:
         self.site_itrs_km = np.array([location.x.to_value("km"), location.y.to_value("km"), location.z.to_value("km")])
 
     def delayed(self, along_track_sigma_s: float, seed: int) -> Truth:
-        """Returns the same satellites with random individual delays."""
+        """Returns the same satellites, each with a random delay."""
         other = copy(self)
         other.late_s = np.random.default_rng(seed).normal(0.0, along_track_sigma_s, len(self.satellites))
         return other
 
     def _rotations(self, times: Time) -> tuple[np.ndarray, np.ndarray]:
-        """Rotation from TEME to GCRS, and position of the site in GCRS, km, at each time."""
+        """Returns the rotation from TEME to GCRS, and the position of the site in GCRS, km, at each time."""
         ut1, tt = times.ut1, times.tt
         zero = np.zeros(times.size)
         to_itrs = erfa.c2t06a(tt.jd1, tt.jd2, ut1.jd1, ut1.jd2, zero, zero)
         # TEME to Earth-fixed: rotation by Greenwich mean sidereal time of 1982 (Vallado et al. 2006, AIAA 2006-6753,
-        # C).
+        # app. C).
         sidereal = erfa.rz(erfa.gmst82(ut1.jd1, ut1.jd2), np.broadcast_to(np.eye(3), (times.size, 3, 3)))
         to_gcrs = np.swapaxes(to_itrs, -1, -2)
         return to_gcrs @ sidereal, to_gcrs @ self.site_itrs_km
 
     def _propagated(self, position: np.ndarray, velocity: np.ndarray, late_s: np.ndarray) -> np.ndarray:
-        """Positions `late_s` later, by the series in f and g (Bate, Mueller & White 1971, section 5.4)."""
+        """Returns positions `late_s` later, by the series in f and g (Bate, Mueller & White 1971, section 5.4)."""
         u = EARTH_MU_KM3_S2 / np.linalg.norm(position, axis=-1, keepdims=True) ** 3
         s = late_s[..., None]
         return (1.0 - u * s**2 / 2.0) * position + (s - u * s**3 / 6.0) * velocity
 
     def _positions_gcrs_km(self, array: SatrecArray, late_s: np.ndarray, times: Time) -> tuple[np.ndarray, np.ndarray]:
-        """Satellites in GCRS, (n_satellites, n_times, 3), and the site, (n_times, 3); NaN where SGP4 fails."""
+        """Returns satellites in GCRS, (n_satellites, n_times, 3), and the site, (n_times, 3); NaN where SGP4 fails."""
         utc = times.utc
         error, position, velocity = array.sgp4(np.atleast_1d(utc.jd1), np.atleast_1d(utc.jd2))
         if np.any(late_s):
@@ -118,7 +119,7 @@ class Truth:
         return np.einsum("tij,stj->sti", rotation, position), site
 
     def _above(self, time: Time) -> tuple[np.ndarray, SatrecArray]:
-        """Returns the satellites above the horizon, or slightly below, in the slot that contains a time."""
+        """Returns the satellites above the horizon, or slightly below it, in the slot that contains a time."""
         slot = int(time.mjd * 86_400.0 / SLOT_S)
         if slot not in self._slots:
             middle = Time([(slot + 0.5) * SLOT_S / 86_400.0], format="mjd", scale="utc")

@@ -1,4 +1,4 @@
-"""Shared fixtures: almanacs, element files of synthetic satellites, and simulated nights."""
+"""Shared fixtures: almanacs, element files of simulated satellites, and simulated nights."""
 
 import copy
 from pathlib import Path
@@ -14,10 +14,10 @@ from astropy.time import Time
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakQueueManager
 
-#: In January satellites above Rubin are lit all night.
+#: In January, satellites above Rubin Observatory are lit all night.
 EVENING = "2026-01-15"
 SKIES = {4408: ["starlink-gen1"], 40768: ["starlink-gen1", "starlink-gen2", "oneweb"]}
-#: Length of simulations shorter than a night, hours.
+#: Duration of simulations that are shorter than a night, hours.
 HOURS = 1.5
 
 
@@ -35,7 +35,7 @@ def ids(visits):
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory) -> Path:
-    """Folder with rubin_scheduler's data for the evening and the element files."""
+    """Returns a folder with the data of rubin_scheduler for the evening, and the element files."""
     path = tmp_path_factory.mktemp("rubin")
     almanac.make(EVENING, path)
     for count, names in SKIES.items():
@@ -64,25 +64,25 @@ def model(models):
 
 @pytest.fixture(scope="session")
 def pairs_night(folder):
-    """A whole night of pairs without streakcast."""
+    """Returns a whole night of pairs without streakcast."""
     return night.run(EVENING, "pairs", folder)
 
 
 @pytest.fixture(scope="session")
 def pairs_evening(folder):
-    """The first hours of that night."""
+    """Returns the first hours of that night."""
     return night.run(EVENING, "pairs", folder, hours=HOURS)
 
 
 @pytest.fixture(scope="session")
 def planned():
-    """Predicted shutter openings: target_id to MJD, filled by `dodged_evening`."""
+    """Returns the predicted shutter openings, a map from target_id to MJD, which `dodged_evening` fills."""
     return {}
 
 
 @pytest.fixture(scope="session")
 def dodged_evening(folder, models, planned):
-    """The same hours under 40,768 satellites with the queue manager."""
+    """Returns the same hours with 40,768 satellites and the queue manager."""
 
     class RecordingQueueManager(StreakQueueManager):
         def _account(self, choice, visits, verdicts, openings, now):
@@ -95,7 +95,7 @@ def dodged_evening(folder, models, planned):
 
 @pytest.fixture(scope="session")
 def _ready(folder):
-    """A scheduler with a queue of pairs, ten minutes after the start of the night."""
+    """Returns a scheduler with a queue of pairs, ten minutes after the start of the night."""
     done = night.run(EVENING, "pairs", folder, hours=0.17)
     done.scheduler.update_conditions(done.observatory.return_conditions())
     return done
@@ -108,7 +108,7 @@ def ready(_ready):
 
 @pytest.fixture
 def take_over():
-    """Function that replaces the queue manager of a scheduler and keeps queue and last visit."""
+    """Returns a function that replaces the queue manager of a scheduler, and keeps queue and last visit."""
 
     def take(done, manager):
         previous = done.scheduler.queue_manager
@@ -123,7 +123,7 @@ def take_over():
 
 @pytest.fixture
 def blocked(monkeypatch):
-    """Function that sets the crossed visits by their indices among the candidates, independent of the satellites."""
+    """Returns a function that sets which candidates are crossed, independent of the satellites."""
 
     def block(model_class, indices, damage=None):
         def passes(self, target, *_, **__):

@@ -1,4 +1,4 @@
-"""Simulated nights of rubin_scheduler on its model observatory: pairs or greedy visits, with and without streakcast."""
+"""Simulated nights of rubin_scheduler with its model observatory: pairs or greedy visits."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ NSIDE = 32
 class Night:
     """Result of a simulated night."""
 
-    #: Table of visits of rubin_scheduler: RA, dec and rotSkyPos in radians, mjd in UTC, exptime in seconds.
+    #: Visits as a table of rubin_scheduler: RA, dec and rotSkyPos in radians, mjd in UTC, exptime in seconds.
     visits: np.ndarray
     scheduler: CoreScheduler
     observatory: ModelObservatory
@@ -36,7 +36,7 @@ class Night:
 
 
 def footprint() -> np.ndarray:
-    """Footprint from -70 to +10 degrees, the same in every band."""
+    """Returns a footprint from -70 to +10 degrees, which is the same in all bands."""
     maps = np.zeros(hp.nside2npix(NSIDE), dtype=[(band, float) for band in "ugrizy"])
     _, dec = _hpid2_ra_dec(NSIDE, np.arange(hp.nside2npix(NSIDE)))
     for band in "ugrizy":
@@ -45,7 +45,7 @@ def footprint() -> np.ndarray:
 
 
 def observatory_of(evening: str, folder: Path) -> ModelObservatory:
-    """Returns the model observatory on one evening: no clouds, constant seeing and sky."""
+    """Returns the model observatory for one evening: no clouds, constant seeing and sky brightness."""
     exists = (folder / "versions.txt").exists()
     almanac.use(folder) if exists else almanac.make(evening, folder)
     noon = almanac.noon_of(evening)
@@ -57,7 +57,7 @@ def observatory_of(evening: str, folder: Path) -> ModelObservatory:
 
 
 def surveys_of(kind: str, noon: float, masks=(), rewards=(), follow=True) -> list:
-    """Returns surveys: pairs in three bands, or greedy visits in one; `rewards` are pairs (function, weight).
+    """Returns surveys: pairs in three bands, or greedy visits in one band. `rewards` are pairs (function, weight).
 
     With `follow`, masks use the fields of the survey.
     """
@@ -83,7 +83,7 @@ def surveys_of(kind: str, noon: float, masks=(), rewards=(), follow=True) -> lis
 def run(
     evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), rewards=(), start_h=0.0, hours=10.0, follow=True, **more
 ) -> Night:
-    """Simulates a night from 12 degree twilight, delayed by `start_h` hours, or `hours` of it."""
+    """Simulates a night from 12 degree twilight, starting `start_h` hours later, for at most `hours`."""
     observatory = observatory_of(evening, folder)
     surveys = surveys_of(kind, almanac.noon_of(evening), masks, rewards, follow)
     manager = queue_manager if queue_manager is not None else BaseQueueManager(detailers=[RotspUpdateDetailer()])

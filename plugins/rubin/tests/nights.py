@@ -1,7 +1,7 @@
-"""Whole nights with and without streakcast, checked by brute force: prints the tables of the README.
+"""Whole nights with and without streakcast, checked by brute force. Prints the tables of the README.
 
-`python tests/nights.py FOLDER [--only WORD ...]` stores each run in FOLDER and can be resumed. A complete run takes
-some two hours on one core. The real catalogue requires STREAKCAST_DATA; without it its rows are omitted with a message.
+`python tests/nights.py FOLDER [--only WORD ...]` stores each run in FOLDER, and can be resumed. All runs take about two
+hours on one core. The real catalogue requires STREAKCAST_DATA; without it, its rows are omitted with a message.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from astropy.time import Time
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakMaskBasisFunction, StreakQueueManager
 
-#: One night per season: in January satellites are lit all night, in August only in twilight.
+#: One night per season. In January satellites are lit all night, in August only at twilight.
 NIGHTS = ("2026-01-15", "2026-04-25", "2026-08-14", "2026-10-20")
 SKIES = {
     "4408": ["starlink-gen1"],
     "40768": ["starlink-gen1", "starlink-gen2", "oneweb"],
-    # All active satellites on the evening of 2026-04-25, LEO to GEO.
+    # All active satellites on the evening of 2026-04-25, from LEO to GEO.
     "catalogue": None,
 }
-#: Along-track errors of the true positions, unknown to the model, seconds.
+#: Along-track errors of the true positions, seconds, which the model does not include.
 NOISE_S = (0.0, 1.0, 3.0, 10.0)
 SEED = 1
 LIMIT_MAG = 7.0
@@ -42,7 +42,7 @@ LIMIT_MAG = 7.0
 
 @dataclass
 class CallTimes:
-    """Durations of the calls of a hook."""
+    """Durations of calls of a hook."""
 
     wall_s: list[float] = field(default_factory=list)
     cpu_s: list[float] = field(default_factory=list)
@@ -74,7 +74,7 @@ class Run:
 
 
 def elements_of(sky: str, evening: str, folder: Path) -> Path:
-    """Returns the element file read by model and brute force."""
+    """Returns the element file that is read by the model and by the brute force."""
     if sky == "catalogue":
         return catalogue()
     path = folder / f"{sky}-{evening}.csv"
@@ -91,9 +91,9 @@ def catalogue() -> Path | None:
 
 
 def hooks_of(hook: str, model: streakcast.StreakModel, kind: str) -> dict[str, Any]:
-    """Returns the hooks of a configuration: the queue manager for pairs, the mask for greedy visits.
+    """Returns the hooks of a configuration: queue manager for pairs, mask for greedy visits.
 
-    `cells` is the mask without the survey's fields.
+    `cells` is the mask without the fields of the survey.
     """
     options: dict[str, dict[str, Any]] = {"any": {}, "cells": {}, "limit": {"limit_mag": LIMIT_MAG}, "pixels": {"damage": "pixels"}}
     if hook == "off":
@@ -104,7 +104,7 @@ def hooks_of(hook: str, model: streakcast.StreakModel, kind: str) -> dict[str, A
 
 
 def simulate(run: Run, folder: Path) -> dict[str, Any]:
-    """Runs one night, evaluates it, and stores both results."""
+    """Simulates one night, evaluates it, and stores both results."""
     stored = folder / f"{run.name}.json"
     if stored.exists():
         return json.loads(stored.read_text())
@@ -116,7 +116,7 @@ def simulate(run: Run, folder: Path) -> dict[str, Any]:
         hooks["queue_manager"]._choice = clock.wrap(hooks["queue_manager"]._choice)
     for mask in hooks.get("masks", ()):
         mask._calc_value = clock.wrap(mask._calc_value)
-    # Without hooks the night does not depend on the satellites.
+    # Without hooks, the night does not depend on the satellites.
     same = folder / f"{run.kind}-off-{run.evening}.npy"
     begun = time.time()
     if run.hook == "off" and same.exists():
@@ -145,7 +145,7 @@ def truth_of(elements: Path) -> brute_force.Truth:
 
 
 def judge(visits: np.ndarray, truth: brute_force.Truth, model: streakcast.StreakModel, noise_s: tuple[float, ...]) -> dict[str, Any]:
-    """Counts streaked visits by brute force for every along-track error; losses are computed by the model."""
+    """Counts streaked visits by brute force for every along-track error. Losses are computed by the model."""
     streaked = {f"{sigma_s:g}": int(brute_force.streaked(truth.delayed(sigma_s, SEED), visits).sum()) for sigma_s in noise_s}
     result = model.with_options(limit_mag=LIMIT_MAG).assess(
         (np.degrees(visits["RA"]), np.degrees(visits["dec"])), visits["mjd"], visits["exptime"]

@@ -1,4 +1,4 @@
-"""Tests of the brute-force computation: its rotations are compared with those of astropy."""
+"""Tests of the brute-force computation: its rotations are compared with astropy."""
 
 import brute_force
 import numpy as np
@@ -6,7 +6,7 @@ from astropy import units as u
 from astropy.coordinates import GCRS, TEME, CartesianRepresentation
 from astropy.time import Time
 
-#: 0.6 arcsec at 7000 km: astropy includes polar motion (0.5 arcsec), which is negligible for a field of 3.5 degrees.
+#: 0.6 arcsec at 7000 km. astropy includes polar motion (0.5 arcsec), which is negligible for a field of 3.5 degrees.
 TOLERANCE_KM = 0.02
 
 
@@ -29,5 +29,5 @@ def test_a_delay_equals_propagation(truths):
     error, position, velocity = truth.array.sgp4(np.array([time.jd1]), np.array([time.jd2]))
     _, later, _ = truth.array.sgp4(np.array([time.jd1]), np.array([time.jd2 + 10.0 / 86_400.0]))
     moved = truth._propagated(position, velocity, np.full(error.shape, 10.0))
-    # Acceleration by the Earth's oblateness is about 1e-5 km/s^2: half of that times ten seconds squared.
+    # The oblateness of the Earth causes an acceleration of about 1e-5 km/s^2: half of it times ten seconds squared.
     assert np.abs(moved - later).max() < 0.002

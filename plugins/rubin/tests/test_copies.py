@@ -1,4 +1,4 @@
-"""Copies and pickles of the queue manager, which `SummitWrapper` creates at each visit."""
+"""Copies and pickles of the queue manager, which `SummitWrapper` makes for each visit."""
 
 import copy
 import pickle
@@ -8,12 +8,12 @@ from conftest import ids, manager_of
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from rubin_scheduler.scheduler.schedulers import BaseQueueManager, SummitWrapper
 
-#: Tolerated increase of the size of a pickled scheduler, bytes.
+#: Accepted increase of the size of a pickled scheduler, bytes.
 MOST_PICKLED = 100_000
 
 
 def test_summit_wrapper(ready, models, take_over):
-    """The wrapper deep-copies the scheduler, requests several visits, and reports requested visits as complete."""
+    """The wrapper makes deep copies of the scheduler, requests several visits, and reports them as completed."""
     scheduler = take_over(ready, manager_of(models[40768]))
     wrapper = SummitWrapper(scheduler)
     wrapper.update_conditions(scheduler.conditions)
@@ -21,13 +21,13 @@ def test_summit_wrapper(ready, models, take_over):
     assert len(set(out)) == 4
     ahead = wrapper.ahead_scheduler.queue_manager
     assert ahead is not scheduler.queue_manager and ahead.counts["failed"] == 0 and ahead.counts["asked"] == 4
-    # Requested visits are taken to be in progress: the next one opens after them.
+    # Requested visits are taken as being in progress: the next one opens after them.
     taken_s = (ahead.mount.last["free_mjd"] - scheduler.queue_manager.mount.last["free_mjd"]) * 86_400.0
     assert 4 * 31.0 < taken_s < 4 * 31.0 + 4 * 40.0
 
 
 def test_summit_wrapper_receives_no_visit_twice(ready, model, take_over, blocked):
-    """The first visit of the queue is dispatched second, and is in progress when the previous one is complete."""
+    """The first visit of the queue is dispatched as the second, and is in progress when the other one is completed."""
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     wrapper = SummitWrapper(scheduler)
@@ -43,7 +43,7 @@ def test_summit_wrapper_receives_no_visit_twice(ready, model, take_over, blocked
     three = wrapper.request_observation()
     assert ids(three)[0] not in (*ids(one), *ids(two))
     assert wrapper.ahead_scheduler.queue_manager.counts["failed"] == 0
-    # A visit that was not completed becomes available again.
+    # A visit that was not completed is available again later.
     manager = copy.deepcopy(scheduler.queue_manager)
     manager.mount.set_time(manager.mount.now(scheduler.conditions) + 11.0 / 1440.0)
     assert ids(manager.request_observation(scheduler.conditions)) == [queue[0]]

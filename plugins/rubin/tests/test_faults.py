@@ -35,7 +35,7 @@ def test_a_visit_without_coordinates(ready, model, take_over):
     queue["RA"][indices[2]] = np.nan
     assert ids(scheduler.request_observation()) == [int(queue["target_id"][indices[0]])]
     assert scheduler.queue_manager.counts["no_coordinates"] == 1 and scheduler.queue_manager.counts["failed"] == 0
-    # If it is the first one, rubin_scheduler decides.
+    # If it is the first visit, the default visit of rubin_scheduler is used.
     queue["RA"][indices[0]] = np.nan
     manager = scheduler.queue_manager
     assert manager.find_valid_observations_indx(scheduler.conditions)[0] == indices[0]
@@ -58,7 +58,7 @@ def test_deleted_element_files(ready, folder, take_over, caplog):
 
 
 def test_old_element_sets_are_logged(ready, tmp_path, take_over, caplog):
-    """Positions from ten weeks old element sets are uncertain, but the night continues."""
+    """Positions from element sets that are ten weeks old are inaccurate, but the scheduler continues."""
     brute_force.write_walker(["starlink-gen1"], Time("2025-11-05T00:00:00"), tmp_path / "old.csv")
     model = streakcast.StreakModel(site="Rubin Observatory", elements=tmp_path / "old.csv", telescope="rubin", mjd_scale="utc")
     scheduler = take_over(ready, manager_of(model, look_ahead=2))
@@ -86,7 +86,7 @@ def test_the_site_of_rubin_scheduler_agrees(ready, model, take_over, caplog):
 
 
 def test_a_clock_error_of_37_seconds_is_logged(ready, model, take_over, caplog):
-    """The present time in TAI is passed as UTC."""
+    """The current time in TAI is passed as UTC."""
     scheduler = take_over(ready, manager_of(model))
     manager = scheduler.queue_manager
     manager.mount.last = None
@@ -96,7 +96,7 @@ def test_a_clock_error_of_37_seconds_is_logged(ready, model, take_over, caplog):
         manager.find_valid_observations_indx(scheduler.conditions)
         manager.hook.ask(lambda one: manager._choice(one, scheduler.conditions, np.flatnonzero(manager.need_observing)), None)
     assert manager.counts["clock"] == 1
-    # Without a last visit the pointing is taken from the conditions.
+    # Without a last visit, the pointing is that of the conditions.
     assert manager.counts["failed"] == 0
     assert "37.0 s" in caplog.text
 
@@ -137,7 +137,7 @@ def test_invalid_options(model, options, message):
 
 
 def test_a_scheduler_that_restarts_at_an_earlier_time(ready, model, take_over):
-    """After a restart at an earlier time, later times and visits are discarded, within the night or across nights."""
+    """After a restart at an earlier time, in the same or another night, later times and visits are discarded."""
     manager = manager_of(model)
     scheduler = take_over(ready, manager)
     scheduler.request_observation()
@@ -147,12 +147,12 @@ def test_a_scheduler_that_restarts_at_an_earlier_time(ready, model, take_over):
     assert mount.now(scheduler.conditions) == now
     mount.set_time(now + 0.01)
     assert mount.now(scheduler.conditions) == now + 0.01
-    # Two hours ahead by the scheduler's time, then back by it.
+    # Two hours later by the time of the scheduler, and then earlier again.
     mount.set_time(now + 0.08)
     assert mount.now(scheduler.conditions) == now + 0.08
     mount.set_time(now)
     assert mount.now(scheduler.conditions) == now and mount.last is not None
-    # Two hours ahead by a visit, then back by the conditions.
+    # Two hours later by a visit, and then earlier again by the conditions.
     later, visit = copy.copy(scheduler.conditions), np.atleast_1d(ready.visits[-1:]).copy()
     visit["mjd"] = now + 0.08
     later._mjd = now + 0.08
@@ -178,7 +178,7 @@ def test_an_unreadable_site_is_logged(ready, model, take_over, blocked, caplog):
     site = scheduler.conditions.site
 
     class Hidden:
-        """rubin_scheduler's site, except that reading `latitude` raises an error."""
+        """Site of rubin_scheduler, except that reading `latitude` raises an error."""
 
         def __getattr__(self, name):
             if name == "latitude":

@@ -1,4 +1,4 @@
-"""The two sky maps: shapes, comparison of masked cells with the model's crossings, limits, caches, errors."""
+"""The two sky maps: shapes, masked cells compared with crossings of the model, limits, caches, errors."""
 
 import copy
 import pickle
@@ -17,7 +17,7 @@ from streakcast_rubin._tracks import Samples, Sky
 from streakcast_rubin.mask import FIELD_PAD_DEG, HALF_CELL_DEG, _cells_to_mask
 
 CELLS = 12_288
-#: Tolerated fraction of differences at the borders of discs: tracks are parabolas over 20 s, sampled every 2 s.
+#: Accepted fraction of differences at the borders of discs: tracks are parabolas over 20 s, sampled every 2 s.
 BORDER_SHARE = 0.03
 
 
@@ -39,18 +39,18 @@ def test_shape(kind, conditions, models):
     assert value.shape == (CELLS,) and value.dtype == np.float64
     assert function.mjd_last == conditions.mjd and function.recalc is False
     assert function.counts["asked"] == 1 and function.counts["failed"] == 0
-    # A second call with the same conditions uses the cached map.
+    # A second call with the same conditions returns the cached map.
     assert function(conditions) is value and function.counts["asked"] == 1
     assert function.label().startswith(kind.__name__.replace("BasisFunction", ""))
 
 
 @pytest.mark.parametrize("count", [4408, 40768])
 def test_masked_cells_are_crossed(count, conditions, models):
-    """Compared cell by cell with the model's crossings of a field that is wider by half a cell."""
+    """Cells are compared with the crossings that the model finds for a field which is wider by half a cell."""
     model = models[count]
     value = StreakMaskBasisFunction(model, max_share=1.0)(conditions)
     reached = np.flatnonzero(np.isfinite(conditions.slewtime) & (conditions.alt > np.radians(20.0)))
-    # Every seventh cell, because single cells are slow to compute.
+    # Every seventh cell, because the computation of single cells is slow.
     reached = reached[::7]
     ra, dec = _hpid2_ra_dec(32, reached)
     wide = model.with_options(fov=f"{2.0 * (model.field_radius_deg + HALF_CELL_DEG)} deg")
@@ -63,7 +63,7 @@ def test_masked_cells_are_crossed(count, conditions, models):
 
 
 def test_masked_fields_are_crossed(conditions, models, greedy):
-    """Compared field by field with the model's crossings, before and after the survey has rotated its fields."""
+    """Fields are compared with the crossings of the model, before and after the survey has rotated its fields."""
     model = models[40768]
     function, cellwise = (StreakMaskBasisFunction(model, max_share=1.0) for _ in range(2))
     function.follow(greedy)
@@ -72,7 +72,7 @@ def test_masked_fields_are_crossed(conditions, models, greedy):
     wide = model.with_options(fov=f"{2.0 * (model.field_radius_deg + FIELD_PAD_DEG)} deg")
     masks = []
     for night in (conditions.night, 3):
-        # As in rubin_scheduler, which rotates the fields and then sets the night.
+        # As in rubin_scheduler, which first rotates the fields and then sets the night.
         greedy._spin_fields(night)
         greedy.night = conditions.night
         function.recalc = True
@@ -82,13 +82,13 @@ def test_masked_fields_are_crossed(conditions, models, greedy):
         assert 0.05 * cells.size < crossed.sum() and np.count_nonzero(masked[cells] != crossed) < BORDER_SHARE * cells.size
         masks.append(masked)
     assert np.count_nonzero(masks[0] != masks[1]) > 0.1 * np.count_nonzero(masks[0])
-    # Known fields need no margin, so less is masked.
+    # With known fields no margin is needed, so that fewer cells are masked.
     assert masks[0].sum() < 0.95 * np.count_nonzero(np.isnan(cellwise(conditions)))
     assert function.counts["failed"] == 0
 
 
 def test_the_fields_of_the_night_are_used_before_the_survey_rotates_them(conditions, models, greedy):
-    """Also if another survey with the same fields is chosen all night."""
+    """This also holds if another survey with the same fields is chosen all night."""
     function, after_rotation = (StreakMaskBasisFunction(models[40768]) for _ in range(2))
     assert greedy.dither == "night" and greedy.night != conditions.night
     before = greedy.fields.copy()
@@ -143,7 +143,7 @@ def test_in_a_crossed_sky_cells_with_little_gain_stay_open():
     assert not _cells_to_mask(np.full(CELLS, 0.3), reached, 0.9).any()
     rng = np.random.default_rng(5)
     loss = rng.permutation(CELLS) / CELLS + 1e-9
-    # A sector with clear cells, and sectors without.
+    # One sector with clear cells, and sectors without.
     part = hp.ring2nest(32, np.arange(CELLS)) // 64
     clear = (part == 7) & (rng.random(CELLS) < 0.2)
     loss[clear] = 0.0
@@ -152,7 +152,7 @@ def test_in_a_crossed_sky_cells_with_little_gain_stay_open():
     for one in (3, 8):
         tenth = np.sort(loss[part == one])[6]
         assert np.array_equal(masked[part == one], loss[part == one] > 2.0 * tenth)
-    # Unreachable cells are not masked.
+    # Cells that cannot be reached are not masked.
     assert not _cells_to_mask(loss, part == 3, 0.9)[part != 3].any()
 
 
@@ -182,7 +182,7 @@ def test_bands_without_a_limit_mask_all_lit_satellites(conditions, models):
 
 
 def test_the_scale_of_the_mjd_is_used(conditions, models):
-    """TAI read as UTC changes the mask; TAI times 37 s ahead give the same mask as UTC."""
+    """TAI that is read as UTC changes the mask. TAI times, 37 s ahead, give the same mask as UTC."""
     later = copy.copy(conditions)
     later._mjd = conditions.mjd + 37.0 / 86_400.0
     utc, tai, ahead = (
@@ -205,7 +205,7 @@ def test_samples_without_magnitude_exceed_no_limit():
 
 
 def test_limits_follow_the_current_band(conditions, models):
-    """The cache is valid for one limit only."""
+    """The cached map is only used for the same limit."""
     function = StreakMaskBasisFunction(models[40768], max_share=1.0, limit_mag={"g": -20.0})
     masked = []
     for band in ("g", "r", "g"):
@@ -232,9 +232,9 @@ def test_rewards(conditions, models):
     assert few.max() <= 0.0 and few.min() < 0.0
     assert many.sum() < few.sum()
     alone = StreakRewardBasisFunction(models[40768], damage="pixels")(conditions)
-    # 0.5 deg/s for 30 s, 3 arcsec wide, in pixels of 0.2 arcsec: at most some 4 Mpx per streak.
+    # 0.5 deg/s for 30 s, with a width of 3 arcsec and pixels of 0.2 arcsec: at most about 4 million pixels per streak.
     assert -40.0 < alone.min() < -0.01
-    # The mean of the map agrees with the losses of visits spread over the sky.
+    # The mean of the map agrees with the losses of visits that are spread over the sky.
     reached = np.flatnonzero(conditions.alt > np.radians(30.0))[::5]
     ra, dec = _hpid2_ra_dec(32, reached)
     verdicts = models[40768].assess((np.degrees(ra), np.degrees(dec)), conditions.mjd + 22.5 / 1440.0, 30.0)

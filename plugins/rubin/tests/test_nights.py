@@ -1,4 +1,4 @@
-"""Simulated nights checked by brute force: short versions of the figures in the README."""
+"""Simulated nights checked by brute force: short versions of the runs in the README."""
 
 import warnings
 
@@ -10,7 +10,7 @@ from conftest import EVENING, HOURS
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakMaskBasisFunction, StreakQueueManager, StreakRewardBasisFunction
 
-#: Minimum reduction of streaked visits with 4,408 and 40,768 satellites; maximum loss of visits and increase of slew
+#: Smallest reduction of streaked visits with 4,408 and 40,768 satellites; largest loss of visits and increase of slew
 #: time.
 MIN_REDUCTION = {4408: 0.80, 40768: 0.60}
 MAX_LOST, MAX_SLEW_INCREASE = 0.03, 0.15
@@ -42,7 +42,7 @@ def test_the_model_agrees_with_brute_force(models, truths, pairs_evening):
     visits = pairs_evening.visits
     found = models[40768].assess((np.degrees(visits["RA"]), np.degrees(visits["dec"])), visits["mjd"], visits["exptime"])
     truth = brute_force.streaked(truths[40768], visits)
-    # Grazing crossings differ: the brute force has the shadow of a sphere and steps of a second.
+    # Crossings at the edge differ: the brute force uses the shadow of a sphere and steps of a second.
     assert np.count_nonzero(found.crosses != truth) <= 0.01 * truth.size
 
 
@@ -50,7 +50,7 @@ def test_shutters_open_at_the_predicted_times(dodged_evening, planned):
     visits = dodged_evening.visits
     late_s = np.array([(one["mjd"] - planned[int(one["target_id"])]) * 86_400.0 for one in visits if int(one["target_id"]) in planned])
     assert late_s.size == len(visits)
-    # Exceptions are the first visit and filter exchanges, where rubin_scheduler resets the rotator.
+    # Exceptions are the first visit, and filter exchanges, where rubin_scheduler resets the rotator.
     assert np.mean(np.abs(late_s) < 1.0) > 0.95
 
 
@@ -75,7 +75,7 @@ def greedy_evening(folder):
 
 
 def test_greedy_with_the_mask(folder, models, truths, greedy_evening):
-    """In twilight, when more than half of the sky is crossed, with default options."""
+    """At twilight more than half of the sky is crossed; default options are used."""
     plain = greedy_evening
     mask = StreakMaskBasisFunction(models[40768])
     dodged = night.run(EVENING, "greedy", folder, hours=0.7, masks=[mask])
@@ -111,7 +111,7 @@ def test_a_wholly_blocked_sky_still_returns_greedy_visits(folder, models, greedy
 
 
 def test_rewards_are_recorded(folder, models):
-    """Labels and tables of rewards of rubin_scheduler include the basis functions."""
+    """Labels and reward tables of rubin_scheduler include the basis functions."""
     mask, reward = StreakMaskBasisFunction(models[4408]), StreakRewardBasisFunction(models[4408])
     done = night.run(EVENING, "greedy", folder, hours=0.1, masks=[mask], rewards=[(reward, 1.0)], record_rewards=True)
     frame = done.scheduler.make_reward_df(done.scheduler.conditions)
@@ -122,7 +122,7 @@ def test_rewards_are_recorded(folder, models):
 
 @pytest.mark.parametrize("hours", [HOURS])
 def test_a_limit_costs_less(folder, models, pairs_evening, dodged_evening, hours):
-    """Avoiding only satellites brighter than 7 mag costs fewer visits and still reduces bright streaks."""
+    """If only satellites brighter than 7 mag are avoided, fewer visits are lost, and there are fewer bright streaks."""
     manager = StreakQueueManager(models[40768], limit_mag=7.0, detailers=[RotspUpdateDetailer()])
     limited = night.run(EVENING, "pairs", folder, hours=hours, queue_manager=manager)
     limited_model = models[40768].with_options(limit_mag=7.0)

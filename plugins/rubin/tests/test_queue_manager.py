@@ -1,4 +1,4 @@
-"""The queue manager in rubin_scheduler: choice of visits, order of the queue, magnitude limits."""
+"""Queue manager in rubin_scheduler: choice of visits, order of the queue, magnitude limits."""
 
 import logging
 
@@ -73,7 +73,7 @@ def test_the_nearest_clear_visit_is_chosen():
     arguments = {"damage": np.zeros(3), "deferred": np.zeros(3, dtype=int), "max_defer": 9, "max_extra_slew_s": 20.0}
     crossed = np.array([True, False, False])
     assert choose(crossed, slew_s=np.array([5.0, 9.0, 6.0]), **arguments) == (2, "clear")
-    # Among equally near visits the order of the queue decides.
+    # Among equally near visits, the order of the queue is used.
     assert choose(crossed, slew_s=np.array([5.0, 6.1, 6.0]), **arguments) == (1, "clear")
     assert choose(~crossed, slew_s=np.array([5.0, 1.0, 1.0]), **arguments) == (0, "clear")
 
@@ -89,7 +89,7 @@ def test_each_deferral_is_logged(ready, model, take_over, blocked, caplog):
 
 
 def test_limits_of_the_models_policy(models, pairs_evening, ready):
-    """A limit of the model and the same limit as an option block the same visits."""
+    """A limit of the model, and the same limit as an option, block the same visits."""
     visits = np.asarray(pairs_evening.visits)
     openings = Openings(visits["mjd"], np.zeros(visits.size), visits["exptime"])
     model = models[40768]
@@ -107,7 +107,7 @@ def test_limits_of_the_models_policy(models, pairs_evening, ready):
 
 
 def test_in_a_band_without_a_limit_every_lit_satellite_counts(models, pairs_evening):
-    """Same result as without any limit."""
+    """The result is that without any limit."""
     visits = np.asarray(pairs_evening.visits)
     openings = Openings(visits["mjd"], np.zeros(visits.size), visits["exptime"])
     alone, other_band, mixed = (

@@ -1,4 +1,4 @@
-"""The README's example runs, and the documentation names all exported classes."""
+"""The example of the README runs, and the documentation contains all exported classes."""
 
 import re
 from pathlib import Path

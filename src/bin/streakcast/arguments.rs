@@ -24,13 +24,13 @@ pub struct OutputArguments {
 }
 
 impl OutputArguments {
-    /// Opens the output in the given format, or else in that of the configuration.
+    /// Opens the output in the given format; if none is given, in that of the configuration.
     pub fn open(self, config: &Config) -> anyhow::Result<Output> {
         Output::new(self.format.as_deref().or(config.format.as_deref()), self.output)
     }
 }
 
-/// Rejects flags of a camera for a result that has none; `subject` describes that result in the error.
+/// Rejects camera flags for a result that does not depend on a camera. `subject` names the result in the error.
 pub fn reject_camera(flags: &Config, subject: &str) -> anyhow::Result<()> {
     let given = [
         ("--fov", flags.fov.is_some()),
@@ -45,7 +45,7 @@ pub fn reject_camera(flags: &Config, subject: &str) -> anyhow::Result<()> {
     }
 }
 
-/// Reads hours ahead of UTC: `+01:00`, `-4:30`, `+5`, `5.75`, `Z`.
+/// Parses an offset from UTC, hours ahead: `+01:00`, `-4:30`, `+5`, `5.75`, `Z`.
 pub fn utc_offset_h(text: &str) -> Result<f64, String> {
     let hours = if text.eq_ignore_ascii_case("z") { Some(0.0) } else { signed_hours(text) };
     hours.filter(|hours| (-MAX_UTC_OFFSET_H..=MAX_UTC_OFFSET_H).contains(hours)).ok_or_else(|| {
@@ -65,7 +65,7 @@ fn signed_hours(text: &str) -> Option<f64> {
     if let Some(hours) = whole(hours) {
         return Some(sign * (f64::from(hours) + f64::from(whole(minutes).filter(|minutes| *minutes < 60)?) / 60.0));
     }
-    // A number with a decimal point has no minutes.
+    // A number with a decimal point has no minutes part.
     let is_decimal = rest.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
     rest.parse::<f64>().ok().filter(|_| is_decimal).map(|hours| sign * hours)
 }

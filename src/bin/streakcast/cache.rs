@@ -1,16 +1,17 @@
-//! Cache of fetched elements. Each file has a sidecar with its provenance and the time of the next allowed request.
+//! Cache of downloaded element sets. Next to each file there is a sidecar file (JSON) with its provenance and the time
+//! from which the next request is allowed.
 
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use serde::{Deserialize, Serialize};
 
-/// Folder of the program in the cache folder of the system.
+/// Folder of this program in the cache folder of the system.
 const CACHE_FOLDER: &str = "streakcast";
-/// Suffix of a sidecar's name.
+/// Suffix of the names of sidecar files.
 const SIDECAR: &str = ".fetch.json";
 
-/// Sidecar of a cached file (JSON): its provenance, and the last response of its source.
+/// Sidecar of a cached file: its provenance, and the last response of its source.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct FetchRecord {
@@ -31,9 +32,9 @@ pub struct FetchRecord {
     pub last_modified: Option<String>,
     /// Time of the last request.
     pub asked_utc: Option<String>,
-    /// Description of the response; `asking` while there is none.
+    /// Description of the response; `asking` until it arrives.
     pub answer: Option<String>,
-    /// Earliest time of the next request.
+    /// Time from which the next request is allowed.
     pub not_before_utc: Option<String>,
 }
 
@@ -44,7 +45,7 @@ impl FetchRecord {
         file.with_file_name(name)
     }
 
-    /// Reads the sidecar of a file; `None` if it does not exist or cannot be read (it is then replaced).
+    /// Reads the sidecar of a file; `None` if it is missing or unreadable, in which case the next download replaces it.
     pub fn read(file: &Path) -> Option<Self> {
         serde_json::from_slice(&std::fs::read(Self::path_beside(file)).ok()?).ok()
     }
@@ -60,8 +61,8 @@ pub fn cache_folder(given: Option<&Path>) -> anyhow::Result<PathBuf> {
     }
 }
 
-/// Returns the sidecars in a folder with the paths of their files, sorted by name. After a failed request the file may
-/// be missing.
+/// Returns the sidecars in a folder with the paths of their files, sorted by path. If all requests failed, the file is
+/// missing.
 pub fn records_in(folder: &Path) -> Vec<(PathBuf, FetchRecord)> {
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut found: Vec<(PathBuf, FetchRecord)> = entries

@@ -1,4 +1,4 @@
-//! Clock of the machine, and the words that stand for its time on the command line.
+//! System clock, and command line words that stand for the present time.
 
 use std::ffi::OsString;
 use std::time::SystemTime;
@@ -11,12 +11,12 @@ use streakcast::schedule::evening_mjd;
 /// Returns the present time.
 pub fn now() -> Epoch {
     let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
-    // Unix time has days of 86400 s, without leap seconds.
+    // Unix time has days of 86,400 s, without leap seconds.
     Epoch::from_unix_seconds(since_1970.as_secs_f64())
 }
 
-/// Replaces `now` after `--start` and `--end` by the present time, to the second, and `-` after `--schedule` by the path of
-/// standard input.
+/// Replaces `now` after `--start` and `--end` by the present time in whole seconds, and `-` after `--schedule` by the
+/// path of standard input.
 pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsString> {
     let value_of = |flag: &str, value: &str| match (flag, value) {
         ("--start" | "--end", "now") => Some(format_utc(now, 0)),
@@ -35,7 +35,8 @@ pub fn expand(words: impl IntoIterator<Item = OsString>, now: Epoch) -> Vec<OsSt
     expanded
 }
 
-/// Replaces the night `tonight` by the date of its evening: the night in progress at the site, or after noon the next one.
+/// Replaces the night `tonight` by the date of its evening. It is the current night at the site, and from local mean
+/// noon the next one.
 ///
 /// # Errors
 /// The site of the configuration is missing or invalid.
@@ -48,7 +49,7 @@ pub fn set_tonight<'a>(nights: impl IntoIterator<Item = &'a mut String>, config:
     Ok(())
 }
 
-/// Returns the date of the evening of a night, like 2024-08-13.
+/// Returns the date of an evening, for example 2024-08-13, from its MJD.
 pub fn date_of(evening_mjd: i64) -> String {
     let mut text = format_utc(Epoch::from_mjd_utc(evening_mjd as f64), 0);
     text.truncate(10);

@@ -8,21 +8,21 @@ use clap::error::ErrorKind;
 
 use crate::screen::printable;
 
-/// Result of a verb without an error.
+/// Result of a command that had no error.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Outcome {
     /// Exit code 0.
     Done,
-    /// Exit code 1: a negative result for scripts (no passes, a streaked schedule).
+    /// Exit code 1: a negative result, for use in scripts (no passes, or a streaked schedule).
     No,
 }
 
-/// Returns the exit code of an outcome. An error is printed on one line, with exit code 2.
+/// Returns the exit code of a result. An error is printed on one line, with exit code 2.
 pub fn exit_code(outcome: anyhow::Result<Outcome>) -> ExitCode {
     match outcome {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::No) => ExitCode::from(1),
-        // A reader that closes the pipe early (`| head`) is not a failure.
+        // A closed pipe (`| head`) is not an error.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {
             report(&error.to_string());
@@ -37,7 +37,7 @@ fn is_broken_pipe(error: &anyhow::Error) -> bool {
         .any(|cause| cause.downcast_ref::<io::Error>().is_some_and(|io| io.kind() == io::ErrorKind::BrokenPipe))
 }
 
-/// Writes a message on one line of standard error, and ignores a closed standard error.
+/// Writes a message on one line of standard error. A closed standard error is ignored.
 fn report(message: &str) {
     let message: Vec<&str> = message.split_whitespace().collect();
     let line = format!("error: {}\n", message.join(" "));
@@ -64,7 +64,7 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
                 .filter(|line| !line.is_empty())
                 .collect();
             let mut message = message.join("; ").replace(":; ", ": ");
-            // clap lists only similar names.
+            // clap lists only names that are similar to the unknown one.
             if let Some(names) = allowed_names(error, command) {
                 message += &format!("; allowed: {names}");
             }
@@ -74,12 +74,12 @@ pub fn report_usage(error: &clap::Error, command: Command) -> ExitCode {
     }
 }
 
-/// Returns the names of the allowed subcommands after an unknown one.
+/// Returns the names of the allowed subcommands if a subcommand is unknown.
 fn allowed_names(error: &clap::Error, mut command: Command) -> Option<String> {
     if error.kind() != ErrorKind::InvalidSubcommand {
         return None;
     }
-    // Verbs come first, so that the first word that is no verb is the unknown one.
+    // Subcommands come first: the first word that is not a subcommand is the unknown one.
     for word in std::env::args_os().skip(1) {
         let Some(inner) = command.find_subcommand(word) else { break };
         command = inner.clone();

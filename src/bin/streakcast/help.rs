@@ -2,17 +2,17 @@
 
 use clap::{Arg, Command};
 
-/// Flags of which one, or one set, is required on the command line or in the configuration file.
+/// Flags of which one, or one set, is required, on the command line or in the configuration file.
 struct Group {
-    /// Heading of the flags; empty for flags without a heading.
+    /// Help heading of the flags; empty if they have no heading.
     heading: &'static str,
-    /// Heading that states which flags are required.
+    /// Help heading that also states which flags are required.
     marked_heading: &'static str,
-    /// Ids of the flags that have no heading.
+    /// Ids of the flags without a heading.
     ids: &'static [&'static str],
-    /// Alternatives in the usage line.
+    /// Alternatives as written in the usage line.
     usage: &'static str,
-    /// Alternatives in words, for the help of the flags in `ids`.
+    /// Alternatives in words, appended to the help of the flags in `ids`.
     rule: &'static str,
 }
 
@@ -95,9 +95,9 @@ const STREAK: Group = Group {
 
 /// Additional help of a verb.
 struct VerbHelp {
-    /// Names of the verb and its subcommand.
+    /// Names of the verb and of its subcommand, separated by blanks.
     path: &'static str,
-    /// Ids of required flags.
+    /// Ids of flags that are always required.
     flags: &'static [&'static str],
     groups: &'static [Group],
     examples: [&'static str; 2],
@@ -368,14 +368,14 @@ const VERBS: &[VerbHelp] = &[
 
 /// Adds required flags and examples to the help of all verbs.
 pub fn complete(command: Command) -> Command {
-    // Without wrapping, examples can be copied.
+    // Lines are not wrapped, so that examples can be copied.
     VERBS.iter().fold(command.term_width(0), |command, help| {
         let names: Vec<&str> = help.path.split(' ').collect();
         at(command, &names, help)
     })
 }
 
-/// Adds the help to the subcommand of these names, if the build has it.
+/// Adds the help to the subcommand with these names, if it is part of this build.
 fn at(command: Command, names: &[&str], help: &VerbHelp) -> Command {
     match names {
         [] => with_help(command, help),
@@ -404,7 +404,7 @@ fn with_help(command: Command, help: &VerbHelp) -> Command {
     if has_groups { command.override_usage(usage.join("\n       ")) } else { command }
 }
 
-/// Marks an argument as required, in its help or in its heading.
+/// Marks an argument as required, in its help text or in its heading.
 fn with_note(arg: Arg, help: &VerbHelp) -> Arg {
     let id = arg.get_id().as_str();
     let is_required = arg.is_required_set() || help.flags.contains(&id);
@@ -421,7 +421,7 @@ fn with_note(arg: Arg, help: &VerbHelp) -> Arg {
     }
 }
 
-/// Returns a flag with its value as in a usage line, with a leading blank.
+/// Returns a flag as in a usage line, with a blank before it.
 fn usage_of(arg: &Arg) -> String {
     let value = arg.get_value_names().and_then(|names| names.first()).map(|name| format!(" <{name}>"));
     format!(" --{}{}", arg.get_long().unwrap_or_default(), value.unwrap_or_default())

@@ -1,4 +1,4 @@
-//! Command line: reads flags, calls the library, prints the results.
+//! Command line program: parses flags, calls the library, writes the results.
 
 mod arguments;
 mod cache;
@@ -115,7 +115,7 @@ fn main() -> ExitCode {
     let is_server = matches!(arguments.verb, Verb::Serve(_));
     #[cfg(not(feature = "serve"))]
     let is_server = false;
-    // The server has handlers of its own, and writes no files.
+    // The server handles signals itself, and writes no files.
     if !is_server {
         signals::remove_files_at_end();
     }

@@ -26,17 +26,17 @@ impl Notices {
         Self { quiet, verbose: false }
     }
 
-    /// Sets whether a warning of satellites left out lists all of them.
+    /// Sets whether the warning about satellites whose position cannot be computed lists all of them.
     pub fn with_details(self, verbose: bool) -> Self {
         Self { verbose, ..self }
     }
 
-    /// Returns the writer of a configuration.
+    /// Returns a writer with the options of a configuration.
     pub fn of(config: &Config) -> Self {
         Self::new(config.run.quiet.unwrap_or(false)).with_details(config.run.verbose.unwrap_or(false))
     }
 
-    /// Prints the name of a file that was written.
+    /// Prints that a file was written.
     pub fn wrote(&self, path: &Path) {
         self.info(&format!("wrote {}", path.display()));
     }
@@ -48,10 +48,10 @@ impl Notices {
         }
     }
 
-    /// Prints a warning if satellites are left out of a result, with a list of them if verbose.
+    /// Prints a warning if the position of satellites cannot be computed; with `verbose` it lists all of them.
     ///
     /// # Errors
-    /// All satellites are left out.
+    /// No satellite has a position.
     pub fn warn_left_out(&self, prepared: &PreparedSky, left_out: &[LeftOut], moment: Epoch) -> anyhow::Result<()> {
         let Some(warning) = prepared.left_out_warning(left_out, moment)? else { return Ok(()) };
         if self.verbose {
@@ -76,7 +76,7 @@ impl Notices {
         if length < LONG_WORK { ProgressBar::hidden() } else { self.bar(length, "exposures") }
     }
 
-    /// Returns a progress bar over the steps of walkers.
+    /// Returns a progress bar over the steps of a sampling run.
     #[cfg(feature = "fit")]
     pub fn steps(&self, length: usize) -> ProgressBar {
         self.bar(length, "steps")

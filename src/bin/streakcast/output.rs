@@ -1,4 +1,4 @@
-//! Destination and format of the data.
+//! Destination and format of results.
 
 use std::ffi::OsStr;
 use std::io::{self, BufWriter, IsTerminal, Write, stdout};
@@ -13,7 +13,7 @@ use streakcast::output::{
 use crate::notices::Notices;
 use crate::screen::{Style, printable, render, terminal_width};
 
-/// Path of standard output.
+/// Argument that stands for standard output.
 const STANDARD_OUTPUT: &str = "-";
 
 /// Output format.
@@ -29,26 +29,26 @@ pub enum Format {
     Parquet,
 }
 
-/// Names of the formats.
+/// Names of the formats, for error messages.
 #[cfg(not(feature = "parquet"))]
 pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable";
-/// Names of the formats.
+/// Names of the formats, for error messages.
 #[cfg(feature = "parquet")]
 pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable, parquet";
 
-/// File extensions of the formats.
+/// File extensions of the formats, for error messages.
 #[cfg(not(feature = "parquet"))]
 pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable";
-/// File extensions of the formats.
+/// File extensions of the formats, for error messages.
 #[cfg(feature = "parquet")]
 pub const EXTENSIONS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable, .parquet";
 
 impl Format {
-    /// Returns the format of a file extension; CSV for a name without extension.
+    /// Returns the format for a file extension; CSV if there is no extension.
     fn by_extension(path: &Path) -> anyhow::Result<Self> {
         match extension(path).as_str() {
             "" => Ok(Format::Csv),
-            // `required` reports a build without this format.
+            // `required` returns an error if this build does not support the format.
             "parquet" => Self::required("parquet"),
             end => Self::by_name(end)
                 .ok_or_else(|| anyhow!("the extension of {} is not a format; allowed: {EXTENSIONS}", path.display())),
@@ -82,11 +82,11 @@ fn extension(path: &Path) -> String {
     path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase()
 }
 
-/// Result of a verb: the main table, further tables for JSON, and the style on a terminal.
+/// Result of a verb: main table, further tables for JSON, and style on a terminal.
 pub struct Answer<'a> {
-    /// Arrays of a JSON document in order, including the main table.
+    /// Arrays of the JSON document in order; they include the main table.
     pub sections: Vec<Section<'a>>,
-    /// Table that all formats other than JSON contain.
+    /// Main table; formats other than JSON contain only this table.
     pub main: &'a Table,
     /// Provenance of the result.
     pub provenance: &'a Provenance,
@@ -102,8 +102,8 @@ pub struct Output {
 }
 
 impl Output {
-    /// Opens an output in the given format, or else that of the file extension. Standard output, also given as `-`, has
-    /// a table on a terminal and CSV elsewhere. Checks that the file can be written.
+    /// Opens an output in the given format, or else in that of the file extension. Standard output (no path, or `-`)
+    /// has the format table on a terminal and CSV elsewhere. Checks that the file can be written.
     pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
         let path = path.filter(|path| path != Path::new(STANDARD_OUTPUT));
         let default_format = || match &path {
@@ -126,12 +126,12 @@ impl Output {
         Ok(Self { format: Format::by_extension(&path)?, path: Some(path) })
     }
 
-    /// Returns true for JSON, which may contain nested rows.
+    /// Returns true for JSON, in which rows may contain nested tables.
     pub fn is_json(&self) -> bool {
         matches!(self.format, Format::Json | Format::JsonLines)
     }
 
-    /// Writes a result: a file atomically, with a notice, standard output directly.
+    /// Writes a result: a file atomically, with a notice, and standard output directly.
     pub fn write(&self, answer: &Answer<'_>, notices: &Notices) -> anyhow::Result<()> {
         let styled = self.is_styled();
         let write_data = |out: &mut dyn Write| match self.format {
@@ -143,7 +143,7 @@ impl Output {
             Format::VoTable => write_votable(out, answer.main, answer.provenance),
             #[cfg(feature = "parquet")]
             Format::Parquet => {
-                // The Parquet writer needs a file or a buffer, not a stream.
+                // The Parquet writer writes to a file or a buffer, not to a stream.
                 let mut bytes = Vec::new();
                 streakcast::output::write_parquet(&mut bytes, answer.main, answer.provenance)?;
                 out.write_all(&bytes)
@@ -153,14 +153,14 @@ impl Output {
             if self.format == Format::Table || !self.is_on_terminal() {
                 return write_data(out);
             }
-            // A terminal obeys control characters in names and identifiers.
+            // Control characters in names and identifiers are escaped, because terminals interpret them.
             let mut bytes = Vec::new();
             write_data(&mut bytes)?;
             out.write_all(printable(&String::from_utf8_lossy(&bytes)).as_bytes())
         })
     }
 
-    /// Returns true for the table format.
+    /// Returns true if the format is a table for terminals.
     pub fn is_table(&self) -> bool {
         self.format == Format::Table
     }
@@ -179,7 +179,7 @@ impl Output {
         self.write_text(&texts.join("\n"), notices)
     }
 
-    /// Returns the width of the terminal that shows the table; `None` for files and pipes.
+    /// Returns the width of the terminal, characters; `None` for files and pipes.
     fn width(&self) -> Option<usize> {
         if self.is_on_terminal() { terminal_width() } else { None }
     }
@@ -213,13 +213,13 @@ impl Output {
     }
 }
 
-/// Checks that a file can be written, for use before a long computation.
+/// Checks that a file can be written. It is called before long computations.
 pub fn check(path: &Path) -> anyhow::Result<()> {
     check_name(path)?;
     check_target(path).map_err(|error| cannot_write(path, &error))
 }
 
-/// Checks that a file can be replaced atomically, which excludes pipes and devices.
+/// Checks that a file can be replaced atomically; pipes and devices cannot.
 pub fn check_whole(path: &Path) -> anyhow::Result<()> {
     check_name(path)?;
     streakcast::output::AtomicFile::check(path).map_err(|error| cannot_write(path, &error))

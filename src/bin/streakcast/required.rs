@@ -3,20 +3,20 @@
 use anyhow::anyhow;
 use streakcast::config::Config;
 
-/// Collector of required inputs that neither the flags nor the configuration file give.
+/// List of required inputs that are neither on the command line nor in the configuration file.
 pub struct Required<'a> {
     config: &'a Config,
-    /// Description and flags of each missing input.
+    /// Description of each missing input, and the flags that set it.
     missing: Vec<(&'static str, &'static str)>,
 }
 
 impl<'a> Required<'a> {
-    /// Returns a check of flags completed by their configuration file.
+    /// Creates an empty list for flags that were completed by their configuration file.
     pub fn of(config: &'a Config) -> Self {
         Self { config, missing: Vec::new() }
     }
 
-    /// Requires an input.
+    /// Adds an input to the list if it is missing.
     pub fn input(mut self, is_given: bool, what: &'static str, flags: &'static str) -> Self {
         if !is_given {
             self.missing.push((what, flags));
@@ -43,7 +43,7 @@ impl<'a> Required<'a> {
         self.input(is_given, "field of view", "--fov ANGLE, --field FILE or --telescope NAME")
     }
 
-    /// Requires start and length of an exposure.
+    /// Requires start and duration of an exposure.
     pub fn times(self) -> Self {
         let exposure = &self.config.exposure;
         self.input(exposure.start.is_some(), "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z")
@@ -67,7 +67,7 @@ impl<'a> Required<'a> {
     }
 
     /// # Errors
-    /// One error with all missing inputs.
+    /// One error that lists all missing inputs.
     pub fn check(self) -> anyhow::Result<()> {
         match self.missing.as_slice() {
             [] => Ok(()),

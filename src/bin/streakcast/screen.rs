@@ -1,4 +1,4 @@
-//! Text for terminals: tables of selected columns, aligned, with coloured verdicts; control characters escaped.
+//! Text for terminals: aligned tables of selected columns, with coloured verdicts and escaped control characters.
 
 use std::borrow::Cow;
 
@@ -6,8 +6,8 @@ use comfy_table::presets::NOTHING;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table as Screen};
 use streakcast::output::{Kind, Table, Value};
 
-/// Escapes control characters in text that quotes files: a terminal obeys them. Line ends are kept. Overrides of the
-/// direction of writing are escaped too, because they hide what a line contains.
+/// Escapes control characters except line breaks in text from files, because terminals interpret them. Unicode controls
+/// of the writing direction are escaped too, because they change the order in which text appears.
 pub fn printable(text: &str) -> Cow<'_, str> {
     let is_hidden =
         |c: char| c.is_control() && c != '\n' || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
@@ -18,14 +18,14 @@ pub fn printable(text: &str) -> Cow<'_, str> {
     Cow::Owned(text.chars().map(escaped).collect())
 }
 
-/// Column on the terminal: name in the table, heading, and number of decimals.
+/// Column of a table on a terminal: name in the data table, heading, and number of decimals.
 pub struct Shown {
     pub column: &'static str,
     pub heading: &'static str,
     pub decimals: Option<usize>,
 }
 
-/// Returns a column with the decimals of the table.
+/// Returns a column with the decimals of the data table.
 pub const fn shown(column: &'static str, heading: &'static str) -> Shown {
     Shown { column, heading, decimals: None }
 }
@@ -37,24 +37,24 @@ pub const fn rounded(column: &'static str, heading: &'static str, decimals: usiz
 
 /// Style of a table on a terminal.
 pub struct Style<'a> {
-    /// Columns in their order. Columns without a value in any row, or missing from the table, are omitted.
+    /// Columns in their order. A column that is missing in the data table or empty in all rows is omitted.
     pub columns: &'a [Shown],
-    /// Index of the row in bold, if any.
+    /// Index of the row in bold type; `None` for no such row.
     pub bold_row: Option<usize>,
 }
 
-/// Characters to which texts are shortened before a column is omitted.
+/// Number of characters to which text is shortened before columns are omitted.
 const LEAST_TEXT: usize = 24;
-/// Characters around the content of a column.
+/// Number of blank characters around the content of a column.
 const PADDING: usize = 2;
 
-/// Returns the width of the terminal on standard output, characters; `None` elsewhere.
+/// Returns the width of the terminal at standard output, characters; `None` if it is not a terminal.
 pub fn terminal_width() -> Option<usize> {
     Screen::new().width().map(usize::from)
 }
 
-/// Returns the table as text, with one line per row, at most `width` characters wide if it is given: texts are shortened
-/// and the last columns omitted, with a line that names them.
+/// Returns the table as text with one line per row. If `width` (characters) is given, text is shortened and the last
+/// columns are omitted to fit, and a line names the omitted columns.
 pub fn render(table: &Table, style: &Style<'_>, styled: bool, width: Option<usize>) -> String {
     let mut screen = Screen::new();
     screen.load_style(NOTHING).set_content_arrangement(comfy_table::ContentArrangement::Disabled);
@@ -104,7 +104,7 @@ pub fn render(table: &Table, style: &Style<'_>, styled: bool, width: Option<usiz
     text
 }
 
-/// Returns the texts of the cells of one row.
+/// Returns the text of the cells of one row.
 fn cell_texts(table: &Table, row: &[Value], columns: &[(usize, &Shown)]) -> Vec<String> {
     let cell = |&(index, shown): &(usize, &Shown)| {
         let mut column = table.columns[index];
@@ -119,11 +119,11 @@ fn cell_texts(table: &Table, row: &[Value], columns: &[(usize, &Shown)]) -> Vec<
     columns.iter().map(cell).collect()
 }
 
-/// Columns and length of texts that fit into a width.
+/// Number of columns and length of text that fit into a width.
 struct Fitted {
-    /// Number of columns, from the first.
+    /// Number of columns, counted from the first.
     columns: usize,
-    /// Characters of the longest text.
+    /// Largest number of characters of a text cell.
     longest_text: usize,
 }
 
@@ -144,14 +144,14 @@ impl Fitted {
             widths[..count].iter().map(|column| one(column) + PADDING).sum()
         };
         let count = (1..=columns.len()).rev().find(|&count| total(count, LEAST_TEXT) <= width).unwrap_or(1);
-        // The longest texts that fit beside the other columns.
+        // Largest text length for which the other columns still fit.
         let longest = widths.iter().map(|(longest, _)| *longest).max().unwrap_or(0);
         let longest_text = (LEAST_TEXT..=longest).rev().find(|&longest| total(count, longest) <= width);
         Self { columns: count.min(columns.len()), longest_text: longest_text.unwrap_or(LEAST_TEXT) }
     }
 }
 
-/// Returns a text of at most `most` characters, with an ellipsis if it was longer.
+/// Returns a text of at most `most` characters; a shortened text ends with an ellipsis.
 fn shortened(text: &str, most: usize) -> Cow<'_, str> {
     match text.char_indices().nth(most) {
         None => Cow::Borrowed(text),

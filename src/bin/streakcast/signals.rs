@@ -1,16 +1,16 @@
-//! End of the program at a signal: unfinished files are removed first.
+//! Removes unfinished files when a signal ends the program.
 
-/// Removes unfinished files when the program is interrupted or terminated, and then ends as without this handler.
+/// On SIGINT and SIGTERM, removes unfinished files and then ends the program by the same signal.
 #[cfg(unix)]
 pub fn remove_files_at_end() {
     use signal_hook::consts::{SIGINT, SIGTERM};
-    // Without a handler the next run removes the files.
+    // If the handler cannot be installed, the next run removes the files.
     let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else { return };
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {
             streakcast::output::remove_unfinished();
             let _ = signal_hook::low_level::emulate_default_handler(signal);
-            // Only if the signal could not be sent.
+            // Reached only if the signal could not be sent.
             std::process::exit(128 + signal);
         }
     });

@@ -1,4 +1,4 @@
-//! Check of all inputs of a configuration at a given time.
+//! Check of all inputs of a configuration for a request at a given time.
 
 use hifitime::Epoch;
 
@@ -10,14 +10,14 @@ use crate::elements::SourceFile;
 use crate::passes::ModelChoice;
 use crate::photometry::ModelLibrary;
 
-/// Findings of a check at one time.
+/// Results of a setup check.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
-    /// Findings, at least one for each subject of the check.
+    /// Findings, at least one for each subject.
     pub findings: Vec<Finding>,
-    /// The element sets; `None` if none are given or none could be read.
+    /// State of the element sets; `None` if none are given or none can be read.
     pub elements: Option<ElementState>,
-    /// The files of element sets.
+    /// Files of element sets.
     pub sources: Vec<SourceFile>,
 }
 
@@ -29,8 +29,7 @@ impl Health {
 }
 
 impl Config {
-    /// Checks all inputs for a request at `now`. An input that cannot be read is reported as a finding, not as an
-    /// error.
+    /// Checks all inputs for a request at `now`. An input that cannot be read gives a finding, not an error.
     pub fn health(&self, now: Epoch, source: MomentSource) -> Health {
         let mut health = Health::default();
         self.check_elements(now, source, &mut health);
@@ -76,7 +75,8 @@ impl Config {
                 return;
             }
         };
-        // `camera` reports models that cannot be read; the finding on the use of models is then omitted.
+        // If models cannot be read, the finding of `camera` reports it, and the finding about assigned models is
+        // omitted.
         let given = self.model_choice();
         let is_readable = given.is_ok();
         let Some(choice) = given.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };

@@ -1,4 +1,4 @@
-//! State of a catalogue at a moment: ages of the element sets, expected errors, satellites without their own model.
+//! Ages, expected errors and brightness models of the element sets of a catalogue at a given time.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -16,55 +16,55 @@ use crate::orbit::{DragModel, OrbitClass, uncertainty};
 use crate::output::{counted, format_utc};
 use crate::passes::ModelChoice;
 
-/// Borders of the histogram of ages, days. Negative ages are those of epochs in the future.
+/// Limits of the bins of the age histogram, days. Ages are negative for epochs in the future.
 const BORDERS_DAYS: [f64; 9] = [-FUTURE_DAYS, 0.0, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 30.0];
-/// Largest time by which the epoch of an operator's predicted element set is ahead of the clock, days.
+/// Largest normal time by which the epoch of a predicted element set of an operator is in the future, days.
 const FUTURE_DAYS: f64 = 1.5;
 /// Age above which element sets cause a warning, days.
 const OLD_DAYS: f64 = 14.0;
 /// Share of old element sets above which the finding is a warning.
 const OLD_SHARE: f64 = 0.05;
-/// Median along-track error above which the finding is a warning, s. A low satellite moves by more than a degree in
-/// this time.
+/// Median along-track error above which the finding is a warning, seconds. A low satellite moves by more than a degree
+/// in this time.
 const LARGE_ERROR_S: f64 = 3.0;
-/// Least number of satellites of one name that are reported as a constellation without a model.
+/// Smallest number of satellites with the same name that are reported as a constellation without a model.
 const CONSTELLATION: usize = 30;
-/// Largest number of constellations in the finding.
+/// Largest number of constellations listed in the finding.
 const LISTED: usize = 10;
 
-/// One bar of the histogram of ages.
+/// One bin of the age histogram.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AgeBin {
-    /// Lower border of the age, days; negative for epochs after the moment, minus infinity for the first bin.
+    /// Lower limit of the age, days; negative for epochs in the future, minus infinity for the first bin.
     pub from_days: f64,
-    /// Upper border of the age, days; infinite for the last bin.
+    /// Upper limit of the age, days; infinite for the last bin.
     pub to_days: f64,
     /// Number of element sets in the bin.
     pub count: usize,
 }
 
-/// Satellites that share a name and have no model of their own.
+/// Satellites with the same name, except for a number, that have only the default brightness model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unmatched {
-    /// Name without its number.
+    /// Name without the number.
     pub prefix: String,
     /// Number of satellites.
     pub count: usize,
 }
 
-/// State of the ephemerides of operators at a moment.
+/// State of the operator ephemerides at a given time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct EphemerisState {
     /// Number of ephemerides.
     pub count: usize,
     /// Number of ephemerides with a covariance.
     pub with_covariance: usize,
-    /// Number of ephemerides from the first state to the last one of which the moment is.
+    /// Number of ephemerides whose states cover the time.
     pub current: usize,
-    /// Median time since the creation of the files, or since the first states if it is not stated, days; 0 without
-    /// ephemerides.
+    /// Median time since the creation of the files (since the first state if the creation time is not stated), days; 0
+    /// without ephemerides.
     pub median_age_days: f64,
-    /// Satellites without an element set, whose ephemerides are not used.
+    /// Satellites that have an ephemeris but no element set. Their ephemerides are not used.
     pub without_elements: Vec<String>,
 }
 
@@ -85,7 +85,7 @@ impl EphemerisState {
         }
     }
 
-    /// Returns the findings on ephemerides; none without ephemerides.
+    /// Returns the findings on ephemerides; empty if there are none.
     fn findings(&self, now: Epoch) -> Vec<Finding> {
         const SUBJECT: &str = "ephemerides";
         if self.count == 0 {
@@ -114,29 +114,29 @@ impl EphemerisState {
     }
 }
 
-/// State of a catalogue at a moment.
+/// State of the element sets of a catalogue at a given time.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ElementState {
-    /// Satellites, one element set each.
+    /// Number of satellites, each with one element set.
     pub satellites: usize,
-    /// Histogram of ages.
+    /// Age histogram.
     pub ages: Vec<AgeBin>,
-    /// Median age, days.
+    /// Median age of the element sets, days.
     pub median_age_days: f64,
-    /// Median of the along-track sigma at the moment, s.
+    /// Median along-track error (one sigma), seconds.
     pub median_along_track_sigma_s: f64,
-    /// Ephemerides of operators.
+    /// State of the operator ephemerides.
     pub ephemerides: EphemerisState,
-    /// Number of satellites of each generation with a model of its own.
+    /// Number of satellites of each generation that has a brightness model.
     pub kinds: Vec<(Generation, usize)>,
-    /// Number of these with an assumed kind.
+    /// Number of these satellites whose generation is assumed.
     pub assumed: usize,
-    /// Satellites with the default model, grouped by name, the most frequent name first.
+    /// Satellites with the default model, grouped by name, the largest group first.
     pub unmatched: Vec<Unmatched>,
 }
 
 impl ElementState {
-    /// Returns the state of a catalogue with the models of `choice`.
+    /// Computes the state of a catalogue at `now` with the models of `choice`.
     pub fn of(catalogue: &Satellites, choice: &ModelChoice, drag: DragModel, now: Epoch) -> Self {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
@@ -174,14 +174,14 @@ impl ElementState {
         }
     }
 
-    /// Returns true if most epochs are so far in the future that the clock may be wrong.
+    /// Returns true if most epochs are so far in the future that the system clock may be wrong.
     pub fn is_mostly_ahead(&self) -> bool {
         2 * self.ages.first().map_or(0, |bin| bin.count) > self.satellites
     }
 
     /// Returns the findings on age, rejected records and duplicates.
     pub fn findings(&self, catalogue: &Satellites, now: Epoch, source: MomentSource) -> Vec<Finding> {
-        // A request for another time needs elements of that time, not newer ones.
+        // A request for another time requires elements near that time, not the newest ones.
         let nearer = match source {
             MomentSource::Clock => "fetch newer elements (streakcast fetch)",
             MomentSource::Given => {
@@ -266,7 +266,7 @@ impl ElementState {
         found
     }
 
-    /// Returns the finding on the models of the satellites.
+    /// Returns the finding on the brightness models of the satellites.
     pub fn model_finding(&self) -> Finding {
         const SUBJECT: &str = "models";
         let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
@@ -315,12 +315,12 @@ fn histogram(ages_days: &[f64]) -> Vec<AgeBin> {
     bins
 }
 
-/// Returns the median; 0 without values.
+/// Returns the median; 0 for an empty list.
 fn median_or_0(values: Vec<f64>) -> f64 {
     if values.is_empty() { 0.0 } else { median(values) }
 }
 
-/// Returns a name without its number: `LEMUR-2 JEROEN` and `LEMUR-2-KADI` are LEMUR, `FLOCK 4V-12` is FLOCK.
+/// Returns the letters at the start of a name, in upper case: `LEMUR-2 JEROEN` gives LEMUR, `FLOCK 4V-12` gives FLOCK.
 fn prefix(name: &str) -> String {
     let word: String = name.chars().take_while(|character| character.is_alphabetic()).collect();
     word.to_ascii_uppercase()

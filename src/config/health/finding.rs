@@ -1,4 +1,4 @@
-//! One finding of a check: subject, severity and remedy.
+//! Result of the check of one subject: severity, text and remedy.
 
 use std::fmt;
 
@@ -9,13 +9,13 @@ use crate::output::{Column, Kind, Table};
 pub enum Severity {
     /// No problem.
     Fine,
-    /// Information; results are correct.
+    /// Information; results are not affected.
     Note,
-    /// Not given, and so not checked.
+    /// Not given, and therefore not checked.
     Unchecked,
-    /// Results are less accurate, or incomplete.
+    /// Results are less accurate or incomplete.
     Warning,
-    /// No results, or wrong ones.
+    /// No results can be computed, or they would be wrong.
     Error,
 }
 
@@ -38,21 +38,21 @@ impl fmt::Display for Severity {
     }
 }
 
-/// Source of the moment.
+/// Source of the time of a check.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum MomentSource {
-    /// This machine's clock, which may be wrong.
+    /// System clock, which may be wrong.
     Clock,
     /// Time given by the user.
     Given,
 }
 
-/// One finding.
+/// Result of the check of one subject.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Finding {
     /// Severity.
     pub severity: Severity,
-    /// Subject of the check: elements, clock, Earth orientation, ...
+    /// Subject, for example elements, clock or Earth orientation.
     pub subject: &'static str,
     /// Result of the check, with its numbers.
     pub finding: String,
@@ -71,7 +71,7 @@ impl Finding {
         Self { severity, subject, finding: finding.into(), remedy: remedy.into() }
     }
 
-    /// Returns a finding without a problem.
+    /// Returns a finding of severity `Fine`, without a remedy.
     pub fn fine(subject: &'static str, finding: impl Into<String>) -> Self {
         Self::new(Severity::Fine, subject, finding, "")
     }

@@ -1,7 +1,7 @@
-//! Setup check of a configuration at a moment.
+//! Setup check of a configuration at a given time.
 //!
-//! `finding` defines one finding with its remedy. `elements` checks the element sets (ages, duplicates, models),
-//! `surroundings` clock, Earth orientation, site, camera and policy; `check` combines them.
+//! `finding` defines the result for one subject. `elements` checks the element sets (ages, duplicates, models),
+//! `surroundings` checks clock, Earth orientation, site, camera and policy; `check` runs all checks.
 
 mod check;
 mod elements;

@@ -11,12 +11,12 @@ use crate::geometry::Site;
 use crate::output::format_utc;
 use crate::passes::Viewpoint;
 
-/// Remaining time below which a table should be replaced, days.
+/// A table that ends within this time should be replaced, days.
 const SOON_DAYS: f64 = 60.0;
-/// Distance within which two sites are the same, degrees.
+/// Largest difference in latitude and longitude between coordinates of the same site, degrees.
 const SAME_SITE_DEG: f64 = 0.2;
 
-/// Checks that the tables of UT1 and leap seconds cover the time.
+/// Checks that the tables of UT1 and leap seconds cover the time of the request.
 pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "Earth orientation";
     let remedy = "specify a newer table with --eop finals2000A.all (https://datacenter.iers.org)";
@@ -64,14 +64,15 @@ fn status(table: &EopTable, now: Epoch, subject: &'static str, remedy: &str) -> 
     }
 }
 
-/// Checks that the time of the clock is possible.
+/// Checks that the system clock is plausible.
 pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementState>) -> Finding {
     let time = format_utc(now, 0);
     if source == MomentSource::Given {
         return Finding::fine("time", format!("{time}, as given; the clock of this machine is not checked"));
     }
     const SUBJECT: &str = "clock";
-    // The measured part of the bundled table ends before the release. A machine without a clock starts in 1970.
+    // The measured part of the bundled table ends before this release. A machine without a battery clock starts in
+    // 1970.
     if matches!(EopTable::embedded().status(now), EopStatus::Measured | EopStatus::TooEarly { .. }) {
         let finding = format!("{time}, which is before the release of this version of streakcast");
         let remedy = "correct the clock (chrony, w32time); for a time in the past specify --now TIME";
@@ -153,7 +154,8 @@ pub(super) fn place(config: &Config, now: Epoch) -> Vec<Finding> {
     found
 }
 
-/// Returns the known observatory at the same latitude and the longitude of opposite sign, unless one is at the site.
+/// Returns a known observatory with the same latitude and the opposite longitude; `None` if there is one at the site
+/// itself.
 fn mirrored(site: &Site) -> Option<&'static Site> {
     let near = |latitude_rad: f64, longitude_rad: f64| {
         Site::all().find(|known| {

@@ -1,4 +1,4 @@
-//! Checks of states and covariances, the same for every format.
+//! Checks of states and covariances, common to all formats.
 
 use std::sync::Arc;
 
@@ -7,21 +7,22 @@ use nalgebra::Matrix6;
 
 use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject, EphemerisState, PositionCovariance};
 
-/// Number of states that the interpolation requires.
+/// Smallest number of states required by the interpolation.
 const FEWEST_STATES: usize = 8;
-/// Allowed distances from the Earth's centre, km. A file in metres is outside.
+/// Accepted distances from the Earth's centre, km. Positions in metres are outside this range.
 const RADII_KM: std::ops::RangeInclusive<f64> = 6_378.0..=1_000_000.0;
-/// Largest time from the first state to the last, days. The orientation of the Earth is tabulated over this time.
+/// Largest time from the first to the last state, days. The orientation of the Earth is tabulated over this time.
 const LONGEST_SPAN_DAYS: f64 = 366.0;
-/// Least eigenvalue of the correlation matrix of a covariance; files have ten digits or fewer.
+/// Smallest accepted eigenvalue of the correlation matrix of a covariance. It is below 0 because files have ten digits
+/// or fewer.
 const LEAST_EIGENVALUE: f64 = -1e-6;
-/// Number of terms of the lower triangle of a 6 × 6 matrix.
+/// Number of elements of the lower triangle of a 6 × 6 matrix.
 pub(super) const TERMS: usize = 21;
 
-/// Invalid value in a file of ephemerides.
+/// Invalid value in an ephemeris file.
 #[derive(Debug)]
 pub(in super::super) struct Problem {
-    /// Line, from 1.
+    /// Line number, from 1.
     pub line: usize,
     pub what: String,
     pub given: String,
@@ -34,13 +35,13 @@ impl Problem {
     }
 }
 
-/// Ephemeris under construction.
+/// Ephemeris whose states and covariances are being read.
 pub(super) struct Builder {
     ephemeris: Ephemeris,
 }
 
 impl Builder {
-    /// `created` is the time at which the file was created, if it is stated.
+    /// Creates an ephemeris without states. `created` is the creation time of the file, if it is stated.
     pub fn new(object: EphemerisObject, name: &str, frame: EphemerisFrame, created: Option<Epoch>) -> Self {
         let (name, file) = (Arc::from(name), Arc::from(""));
         let (states, covariances) = (Vec::new(), Vec::new());
@@ -72,7 +73,7 @@ impl Builder {
         Ok(())
     }
 
-    /// Adds a covariance: the lower triangle of position and velocity by rows, km², km²/s and km²/s².
+    /// Adds a covariance: the lower triangle for position and velocity by rows, km², km²/s and km²/s².
     pub fn covariance(
         &mut self,
         line: usize,
@@ -101,12 +102,12 @@ impl Builder {
         Ok(())
     }
 
-    /// Returns the ephemeris; `line` is its last line, `stop` its stated end, and `is_line_cut` is true if the file
-    /// ends there without a line end.
+    /// Returns the ephemeris. `line` is the last line of its data, `stop` the stated end, and `is_line_cut` is true if
+    /// the file ends there without a line break.
     pub fn finish(self, line: usize, stop: Option<Epoch>, is_line_cut: bool) -> Result<Ephemeris, Problem> {
         let last = self.ephemeris.states.last().map(|state| state.epoch);
         if is_line_cut && (stop.is_none() || last < stop) {
-            // A number cut short is still a number.
+            // A truncated number may still be a valid number.
             let allowed =
                 "a line end after the last line, or a last state at the stated end (the file may be truncated)";
             return Err(Problem::new(line, "end of the file", "inside a line", allowed));
@@ -127,20 +128,20 @@ impl Builder {
     }
 }
 
-/// Returns the least eigenvalue of the correlation matrix; NaN where a term is not finite. A variance of 0 is allowed
-/// if all its covariances are 0.
+/// Returns the smallest eigenvalue of the correlation matrix; NaN if an element is not finite. A variance may be 0 if
+/// all covariances with it are 0.
 fn least_eigenvalue(terms: &[f64; TERMS]) -> f64 {
     let term = |row: usize, column: usize| terms[row.max(column) * (row.max(column) + 1) / 2 + row.min(column)];
     let scale = |axis: usize| if term(axis, axis) == 0.0 { 1.0 } else { term(axis, axis).sqrt() };
     let correlation = Matrix6::from_fn(|row, column| term(row, column) / (scale(row) * scale(column)));
-    // A negative variance has no root.
+    // The square root of a negative variance is NaN.
     if correlation.iter().any(|one| !one.is_finite()) {
         return f64::NAN;
     }
     correlation.symmetric_eigenvalues().min()
 }
 
-/// Parses numbers; each must be finite.
+/// Parses a number, which must be finite.
 pub(super) fn number(line: usize, what: &str, text: &str) -> Result<f64, Problem> {
     let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
     value.ok_or_else(|| Problem::new(line, what, format!("{:?}", text.trim()), "a finite number"))
@@ -150,7 +151,7 @@ pub(super) fn number(line: usize, what: &str, text: &str) -> Result<f64, Problem
 mod tests {
     use super::*;
 
-    /// Lower triangle with these variances and one covariance of the first two.
+    /// Returns a lower triangle with equal variances and a covariance of the first two components.
     fn terms(variance: f64, covariance: f64) -> [f64; TERMS] {
         let mut terms = [0.0; TERMS];
         for axis in 0..6 {
@@ -162,7 +163,7 @@ mod tests {
 
     #[test]
     fn verif_least_eigenvalue_of_two_correlated_axes() {
-        // The eigenvalues of a correlation c are 1 - c, 1 + c.
+        // The eigenvalues for a correlation c are 1 - c and 1 + c.
         assert!((least_eigenvalue(&terms(4.0, 3.0)) - 0.25).abs() < 1e-12);
         assert!((least_eigenvalue(&terms(4.0, 5.0)) + 0.25).abs() < 1e-12);
         assert_eq!(least_eigenvalue(&terms(0.0, 0.0)), 0.0);

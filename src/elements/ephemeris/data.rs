@@ -1,4 +1,4 @@
-//! An ephemeris as read from a file.
+//! Ephemeris as read from a file.
 
 use std::fmt;
 use std::sync::Arc;
@@ -7,23 +7,23 @@ use hifitime::Epoch;
 
 use super::super::element_set::{ElementSet, NoradId};
 
-/// States of one satellite in order of time.
+/// States of one satellite in time order.
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Ephemeris {
-    /// Satellite.
+    /// Identifier of the satellite.
     pub object: EphemerisObject,
     /// Name of the satellite; empty if omitted.
     pub name: Arc<str>,
-    /// Given name of the file.
+    /// Name of the file as given.
     pub file: Arc<str>,
-    /// Time at which the file was created; `None` if omitted.
+    /// Creation time of the file; `None` if omitted.
     pub created: Option<Epoch>,
     /// Frame of positions and velocities.
     pub frame: EphemerisFrame,
-    /// States, at least eight, at increasing times over at most 366 days.
+    /// States: at least eight, at increasing times within 366 days.
     pub states: Vec<EphemerisState>,
-    /// Covariances in order of time; empty if omitted.
+    /// Covariances in time order; empty if omitted.
     pub covariances: Vec<PositionCovariance>,
 }
 
@@ -41,31 +41,31 @@ pub enum EphemerisObject {
 pub enum EphemerisFrame {
     /// Mean equator and equinox of J2000 (EME2000).
     Eme2000,
-    /// GCRF or ICRF, geocentric.
+    /// Geocentric frame with the axes of GCRF or ICRF.
     Gcrf,
     /// True equator and mean equinox of date, the frame of SGP4.
     Teme,
-    /// Earth-fixed, any realisation of ITRF.
+    /// Earth-fixed frame: any realisation of ITRF.
     Itrf,
 }
 
 /// Position and velocity at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct EphemerisState {
-    /// Time.
+    /// Time of the state.
     pub epoch: Epoch,
     /// Geocentric position, km.
     pub position_km: [f64; 3],
-    /// Velocity with respect to the axes of the frame, km/s.
+    /// Velocity relative to the axes of the frame, km/s.
     pub velocity_km_s: [f64; 3],
 }
 
 /// Covariance of a position at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PositionCovariance {
-    /// Time.
+    /// Time of the covariance.
     pub epoch: Epoch,
-    /// Axes.
+    /// Axes of the components.
     pub axes: CovarianceAxes,
     /// Lower triangle by rows: xx, yx, yy, zx, zy, zz, km².
     pub terms_km2: [f64; 6],
@@ -74,16 +74,16 @@ pub struct PositionCovariance {
 /// Axes of a covariance.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum CovarianceAxes {
-    /// Radial, along the track at right angles to it, out of the plane (RTN, RSW, UVW).
+    /// Radial; in the orbital plane perpendicular to it (along-track); normal to the plane (RTN, RSW, UVW).
     Radial,
-    /// Along the velocity, in the plane at right angles to it, out of the plane (TNW).
+    /// Along the velocity; in the orbital plane perpendicular to it; normal to the plane (TNW).
     Tangential,
-    /// Frame of the states.
+    /// Axes of the frame of the states.
     States,
 }
 
 impl Ephemeris {
-    /// Returns true if an element set is that of the same satellite.
+    /// Returns true if the element set is of the same satellite.
     pub fn is_of(&self, elements: &ElementSet) -> bool {
         match &self.object {
             EphemerisObject::Norad(norad_id) => elements.norad_id == *norad_id,

@@ -12,15 +12,15 @@ use super::data::{CovarianceAxes, EphemerisFrame, EphemerisObject};
 const FRAMES: &str = "EME2000, J2000, GCRF, ICRF, TEME or ITRF with its year";
 const TIME_SYSTEMS: &str = "UTC, TAI, TT or GPS";
 
-/// Values of the keywords in the metadata of a segment.
+/// Values of the metadata keywords of a segment.
 #[derive(Default)]
 pub(super) struct Metadata {
     name: String,
     object: Option<EphemerisObject>,
     frame: Option<EphemerisFrame>,
-    /// Name of the frame as given.
+    /// Name of the frame as written in the file.
     frame_name: String,
-    /// TAI less the time system, seconds; `None` for UTC.
+    /// TAI minus the time system of the segment, seconds; `None` for UTC.
     tai_lag_s: Option<f64>,
     has_time_system: bool,
     stop: Option<(usize, String)>,
@@ -58,8 +58,8 @@ impl Metadata {
         Ok(())
     }
 
-    /// Starts the ephemeris of the segment after its metadata, which end at `line`; returns its stated end too.
-    /// `created` is the time of the message.
+    /// Creates the ephemeris of the segment after the end of its metadata at `line`. Also returns the stated end of the
+    /// ephemeris. `created` is the creation time of the message.
     pub fn builder(&self, line: usize, created: Option<Epoch>) -> Result<(Builder, Option<Epoch>), Problem> {
         let missing = |what: &str, allowed: &str| Problem::new(line, what, "missing", allowed);
         let object = self.object.clone().ok_or_else(|| missing("OBJECT_ID", OBJECTS))?;
@@ -67,7 +67,7 @@ impl Metadata {
         if !self.has_time_system {
             return Err(missing("TIME_SYSTEM", TIME_SYSTEMS));
         }
-        // EME2000 and GCRF have no epoch other than their own.
+        // EME2000 and GCRF do not depend on a frame epoch.
         if let (EphemerisFrame::Teme | EphemerisFrame::Itrf, Some((line, epoch))) = (frame, &self.frame_epoch) {
             let allowed = format!("omitted with {}, which is that of the time of each state", self.frame_name);
             return Err(Problem::new(*line, "REF_FRAME_EPOCH", epoch, allowed));
@@ -101,7 +101,7 @@ impl Metadata {
     }
 }
 
-/// Parses a date and time, without regard to the time system; that of CREATION_DATE is always UTC.
+/// Parses a date and time without conversion from the time system. CREATION_DATE is always UTC.
 pub(super) fn time(line: usize, what: &str, text: &str) -> Result<Epoch, Problem> {
     let allowed = "a date and time such as 2026-07-08T17:37:14.092";
     parse_iso(text.trim()).ok_or_else(|| Problem::new(line, what, format!("{:?}", text.trim()), allowed))
@@ -113,7 +113,7 @@ fn object(line: usize, text: &str) -> Result<EphemerisObject, Problem> {
     if let Ok(norad_id) = text.parse::<u32>() {
         return Ok(EphemerisObject::Norad(NoradId(norad_id)));
     }
-    // Also written 1998-067-A.
+    // The designator may also be written as 1998-067-A.
     let mut parts = text.splitn(2, '-');
     let (year, rest) = (parts.next().unwrap_or_default(), parts.next().unwrap_or_default().replace('-', ""));
     let digits = rest.bytes().take_while(u8::is_ascii_digit).count();

@@ -1,7 +1,8 @@
-//! Ephemerides of operators: positions, velocities and covariances at given times, as Modified ITC and CCSDS OEM.
+//! Operator ephemerides: positions, velocities and covariances at given times, in Modified ITC and CCSDS OEM files.
 //!
-//! `data` holds the types, `builder` checks states and covariances for all formats, `metadata` reads the metadata of an
-//! OEM, and each format has a file. An ephemeris with an error is rejected as a whole: its states depend on one another.
+//! `data` defines the types, `builder` checks states and covariances for all formats, `metadata` reads the metadata of
+//! an OEM, and there is one module for each format. An ephemeris with an error is rejected as a whole, because
+//! interpolation uses neighbouring states.
 
 mod builder;
 mod data;

@@ -1,8 +1,9 @@
-//! Modified ITC: the text in which SpaceX publishes the ephemerides of Starlink satellites.
+//! Modified ITC: the text format in which SpaceX publishes ephemerides of Starlink satellites.
 //!
-//! Three lines of header, a line with the axes of the covariances, then four lines for each state: time (year, day of
-//! the year, hour, minute, second; UTC), position in km and velocity in km/s in the mean equator and equinox of J2000,
-//! and the 21 terms of the covariance in three lines. The satellite is in the name of the file only.
+//! A file has a header of three lines, a line with the axes of the covariances, then four lines for each state: time
+//! (year, day of the year, hour, minute, second; UTC), position in km and velocity in km/s in the mean equator and
+//! equinox of J2000, and the 21 elements of the covariance in three lines. The satellite is identified only by the file
+//! name.
 
 use hifitime::Epoch;
 
@@ -12,13 +13,13 @@ use super::super::record::excerpt;
 use super::builder::{Builder, Problem, TERMS, number};
 use super::data::{CovarianceAxes, Ephemeris, EphemerisFrame, EphemerisObject};
 
-/// Lines of one state with its covariance.
+/// Number of lines of one state with its covariance.
 const RECORD_LINES: usize = 4;
 /// Keywords of the header.
 const CREATED: &str = "created:";
 const STOP: &str = "ephemeris_stop:";
 
-/// Returns true if one of the first lines is that of the header.
+/// Returns true if one of the first lines is a header line.
 pub(in super::super) fn looks_like(text: &str) -> bool {
     text.lines().take(RECORD_LINES).any(|line| line.trim_start().starts_with("ephemeris_start:"))
 }
@@ -28,7 +29,7 @@ pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, 
     let (object, name) = satellite(file)?;
     let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty()).peekable();
     let (mut created, mut stop, mut axes) = (None, None, None);
-    // The header ends at the first line that begins with a time.
+    // The header ends before the first line that starts with a time.
     while let Some((line, header)) =
         lines.next_if(|(_, line)| !line.starts_with(|c: char| c.is_ascii_digit() && axes.is_some()))
     {
@@ -80,7 +81,7 @@ pub(in super::super) fn parse(file: &str, text: &str) -> Result<Vec<Ephemeris>, 
     Ok(vec![builder.finish(last, stop, !text.ends_with(['\n', '\r']))?])
 }
 
-/// Returns the time after a keyword in a line of the header; `None` in other lines.
+/// Returns the time after a keyword in a header line; `None` if the line lacks the keyword.
 fn header_time(line: usize, header: &str, keyword: &str) -> Result<Option<Epoch>, Problem> {
     let Some((_, rest)) = header.split_once(keyword) else { return Ok(None) };
     let given: String = rest.split_whitespace().take(2).collect::<Vec<_>>().join(" ");
@@ -89,7 +90,8 @@ fn header_time(line: usize, header: &str, keyword: &str) -> Result<Option<Epoch>
     parse_iso(&given).map(Some).ok_or_else(problem)
 }
 
-/// Returns number and name of the satellite in the name of a file: `MEME_48430_STARLINK-2729_..._UNCLASSIFIED.txt`.
+/// Returns catalogue number and name of the satellite from a file name,
+/// `MEME_48430_STARLINK-2729_..._UNCLASSIFIED.txt`.
 fn satellite(file: &str) -> Result<(EphemerisObject, &str), Problem> {
     let name = file.rsplit(['/', '\\']).next().unwrap_or(file);
     let mut parts = name.split('_');

@@ -1,4 +1,5 @@
-//! Orbit ephemeris messages (CCSDS 502.0-B) as lines of `KEYWORD = value`, states and covariances as lines of numbers.
+//! Orbit ephemeris messages (CCSDS 502.0-B) as lines of `KEYWORD = value`, with lines of numbers for states and
+//! covariances.
 
 use super::super::record::excerpt;
 use super::builder::{Builder, Problem, TERMS, number};
@@ -16,35 +17,35 @@ pub(in super::super) fn looks_like(text: &str) -> bool {
     text.lines().take(40).any(opens)
 }
 
-/// Segment under construction.
+/// Segment whose data are being read.
 struct Segment {
     metadata: Metadata,
     builder: Builder,
     stop: Option<Epoch>,
 }
 
-/// Part of a message.
+/// Part of a message that is being read.
 enum Part {
     Header,
     /// Keywords after META_START.
     Metadata(Metadata),
-    /// States.
+    /// Lines of states.
     Data(Segment),
     /// Covariances after COVARIANCE_START.
     Covariances(Segment, Option<Terms>),
 }
 
-/// Covariance under construction.
+/// Covariance whose elements are being read.
 struct Terms {
     line: usize,
     epoch: Epoch,
-    /// Axes; those of the states if they are omitted.
+    /// Name of the axes; `None` for those of the states.
     axes: Option<String>,
     terms: Vec<f64>,
 }
 
 impl Segment {
-    /// Adds a covariance that is complete.
+    /// Adds a complete covariance to the ephemeris.
     fn add(&mut self, covariance: Option<Terms>) -> Result<(), Problem> {
         let Some(Terms { line, epoch, axes, terms }) = covariance else { return Ok(()) };
         let terms: [f64; TERMS] = terms.try_into().map_err(|terms: Vec<f64>| {
@@ -102,7 +103,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
                 let epoch = segment.metadata.epoch(line, "EPOCH", value)?;
                 Part::Covariances(segment, Some(Terms { line, epoch, axes: None, terms: Vec::new() }))
             }
-            // The axes follow the time, before the terms.
+            // The axes are stated after the time and before the elements.
             (Part::Covariances(segment, Some(mut covariance)), _, Some(("COV_REF_FRAME", value)))
                 if covariance.terms.is_empty() =>
             {
@@ -135,7 +136,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
 }
 
 impl Part {
-    /// Returns the place of a line in the message.
+    /// Returns the name of this part of the message, for error messages.
     fn place(&self) -> &'static str {
         match self {
             Part::Header => "before the metadata",
@@ -145,7 +146,7 @@ impl Part {
         }
     }
 
-    /// Returns the lines that are allowed.
+    /// Returns the lines that are accepted in this part, for error messages.
     fn allowed(&self) -> &'static str {
         match self {
             Part::Header => "KEYWORD = value, or META_START",
@@ -158,7 +159,7 @@ impl Part {
     }
 }
 
-/// Reads a line of a state: time, position, velocity, and an acceleration that is not used.
+/// Reads a line with a state: time, position, velocity, and optionally an acceleration, which is not used.
 fn state(line: usize, text: &str, segment: &mut Segment) -> Result<(), Problem> {
     let fields: Vec<&str> = text.split_whitespace().collect();
     if fields.len() != 7 && fields.len() != 10 {

@@ -12,7 +12,7 @@ use super::metadata::{Metadata, time};
 
 const STATE: [&str; 6] = ["X", "Y", "Z", "X_DOT", "Y_DOT", "Z_DOT"];
 
-/// Returns true if there is an `<oem>`, in any name space.
+/// Returns true if the text contains an `<oem>` element, with or without a name-space prefix.
 pub(in super::super) fn looks_like(text: &str) -> bool {
     ["<oem", ":oem"].iter().any(|tag| {
         text.match_indices(tag).any(|(at, _)| {
@@ -21,15 +21,15 @@ pub(in super::super) fn looks_like(text: &str) -> bool {
     })
 }
 
-/// Reads every segment of every `<oem>`; other messages of an `<ndm>` are skipped. The order of elements does not
-/// matter inside metadata, states and covariances.
+/// Reads every segment of every `<oem>` element. Other messages in an `<ndm>` are skipped. The order of elements within
+/// metadata, states and covariances is arbitrary.
 pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     let mut reader = Reader::from_str(text);
     let mut lines = Lines { text, offset: 0, line: 1 };
     let mut ephemerides = Vec::new();
     let (mut created, mut metadata) = (None, Metadata::default());
     let mut segment: Option<(Builder, Option<Epoch>)> = None;
-    // Values of the current metadata, state or covariance, by keyword, with their lines.
+    // Values of the current metadata, state or covariance by keyword, with line numbers.
     let mut values: Values = BTreeMap::new();
     let (mut value, mut start) = (String::new(), 1);
     let mut open: Vec<String> = Vec::new();
@@ -55,7 +55,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
             }
             Event::Text(text) => value.push_str(&text),
             Event::CData(text) => value.push_str(&text),
-            // `&amp;` and similar entities are events of their own.
+            // The XML parser reports `&amp;` and similar entities as separate events.
             Event::GeneralRef(reference) => match reference.resolve_char_ref() {
                 Ok(Some(character)) => value.push(character),
                 _ => {
@@ -127,7 +127,7 @@ pub(in super::super) fn parse(text: &str) -> Result<Vec<Ephemeris>, Problem> {
     }
 }
 
-/// Texts of elements by keyword, with their lines.
+/// Text values by keyword, with line numbers.
 type Values = BTreeMap<String, (usize, String)>;
 
 fn epoch_of(line: usize, metadata: &Metadata, values: &Values) -> Result<Epoch, Problem> {
@@ -138,7 +138,7 @@ fn text_of<'a>(line: usize, keyword: &str, values: &'a Values) -> Result<&'a str
     values.get(keyword).map(|(_, text)| text.as_str()).ok_or_else(|| Problem::new(line, keyword, "missing", "a value"))
 }
 
-/// Line numbers of increasing offsets.
+/// Converts increasing offsets to line numbers.
 struct Lines<'a> {
     text: &'a str,
     offset: usize,

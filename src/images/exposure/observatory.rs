@@ -16,12 +16,12 @@ const NAMES: [&str; 4] = ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY"];
 /// Description of the keywords, for errors.
 pub const SITE_KEYWORDS: &str = "OBSGEO-X, -Y, -Z; OBSGEO-B, -L, -H; or a known site in INSTRUME, TELESCOP or OBSERVAT";
 
-/// Returns the site in the headers of a frame in order of precedence: that of the image, then the primary one; `None` if
-/// they have no site.
+/// Returns the site in the headers of a frame in order of precedence: that of the image, then the primary one; `None`
+/// if they have no site.
 ///
 /// OBSGEO-X, -Y and -Z are used before OBSGEO-B, -L and -H, and those before the first of instrument, telescope and
-/// observatory that is a known site. SITELONG, OBS-LONG and similar keywords are not read: no standard defines their sign
-/// and unit, and both signs are in use.
+/// observatory that is a known site. SITELONG, OBS-LONG and similar keywords are not read: no standard defines their
+/// sign and unit, and both signs are in use.
 ///
 /// # Errors
 /// A position that is not on the Earth.

@@ -91,7 +91,8 @@ pub(super) struct Handle<'a> {
 impl<'a> Handle<'a> {
     /// Opens a file for reading.
     pub fn open(path: &'a Path) -> Result<Self, ImagesError> {
-        // SAFETY: the name is NUL-terminated and lives until the call returns; the other pointers are valid for writing.
+        // SAFETY: the name is NUL-terminated and lives until the call returns; the other pointers are valid for
+        // writing.
         Self::begin(path, READONLY, |file, name, status| unsafe { ffdkopn(file, name, READONLY, status) })
     }
 

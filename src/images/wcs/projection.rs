@@ -76,8 +76,8 @@ impl Zpn {
 }
 
 impl Projection {
-    /// Returns true if the reference point of the projection is the native pole (0°, 90°), false if it is the native origin
-    /// (0°, 0°).
+    /// Returns true if the reference point of the projection is the native pole (0°, 90°), false if it is the native
+    /// origin (0°, 0°).
     pub fn is_zenithal(&self) -> bool {
         !matches!(self, Self::Car)
     }

@@ -253,8 +253,8 @@ impl PanelAssembly {
     }
 }
 
-/// Exponent of the lobe whose nodes are used for diffuse laws alone: a level panel sees the whole lit ground, without the
-/// kink at 90° for which a lobe of exponent 1 needs more.
+/// Exponent of the lobe whose nodes are used for diffuse laws alone: a level panel sees the whole lit ground, without
+/// the kink at 90° for which a lobe of exponent 1 needs more.
 const DIFFUSE_EXPONENT: f64 = 5.0;
 
 /// Returns Σ dE f cos φ_i cos φ_r of a panel that faces down with one diffuse law, one law of facets, or both, sr⁻¹;

@@ -67,7 +67,8 @@ impl PanelSensitivity {
         all
     }
 
-    /// Returns the derivatives of the sunlight by the parameters, and the sunlight, m² sr⁻¹; the directions are those of
+    /// Returns the derivatives of the sunlight by the parameters, and the sunlight, m² sr⁻¹; the directions are those
+    /// of
     /// [`PanelAssembly::b_total_m2_sr`] of the fitted assembly.
     pub fn gradient(
         &self,

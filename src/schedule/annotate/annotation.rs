@@ -1,4 +1,4 @@
-//! Annotation of a schedule: results to add, edits of the original text, and the files written.
+//! Results to add to a schedule, edits of its text, and output files.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -8,30 +8,30 @@ use super::super::error::ScheduleError;
 use super::super::formats::{ID, display};
 use crate::output::{AtomicFile, Provenance, Table};
 
-/// Column of the exposure identifier, omitted where the schedule has one.
+/// Column of the exposure identifier; not added if the schedule has one.
 const ID_COLUMN: &str = "exposure_id";
 
-/// Results to add to a schedule.
+/// Results to add to a schedule file.
 pub struct Annotation<'a> {
-    /// One row for each row of the schedule that is kept, in its order, from [`flag_table`](super::super::flag_table).
+    /// Verdicts, one row for each row of the schedule that is kept, from [`flag_table`](super::super::flag_table).
     pub flags: &'a Table,
-    /// One row for each exposure and satellite, from [`streak_table`](super::super::streak_table).
+    /// Streaks, one row for each exposure and satellite, from [`streak_table`](super::super::streak_table).
     pub streaks: &'a Table,
-    /// Provenance of both.
+    /// Provenance of both tables.
     pub provenance: &'a Provenance,
-    /// Replaces an earlier annotation.
+    /// If true, an earlier annotation is replaced; otherwise it is an error.
     pub replace: bool,
-    /// For each row of the schedule, true if it is written; all rows if `None`.
+    /// For each row of the schedule, true if it is kept in the output; all rows if `None`.
     pub keep: Option<&'a [bool]>,
 }
 
 impl Annotation<'_> {
-    /// Returns true if a row of the schedule is written.
+    /// Returns true if a row of the schedule is kept in the output.
     pub(super) fn is_kept(&self, row: usize) -> bool {
         self.keep.is_none_or(|keep| keep.get(row).copied().unwrap_or(false))
     }
 
-    /// Checks that the file still has as many rows as were judged.
+    /// Checks that the file has the same number of rows as when it was judged.
     pub(super) fn check_rows(&self, input: &Path, rows: usize) -> Result<(), ScheduleError> {
         let expected = self.keep.map_or(self.flags.rows.len(), <[bool]>::len);
         if rows == expected {
@@ -40,7 +40,7 @@ impl Annotation<'_> {
         Err(ScheduleError::Changed { path: display(input), rows, flags: expected })
     }
 
-    /// Returns the flags, without the exposure identifier if a column of the schedule has it.
+    /// Returns the verdict columns, without the exposure identifier if the schedule has such a column.
     pub(super) fn flags_for<'a>(&self, mut names: impl Iterator<Item = &'a str>) -> Table {
         if names.any(|name| ID.contains(&name)) { self.flags.without(&[ID_COLUMN]) } else { self.flags.clone() }
     }
@@ -48,7 +48,7 @@ impl Annotation<'_> {
     /// Returns the indices of the columns of an earlier annotation.
     ///
     /// # Errors
-    /// Such columns exist and may not be replaced.
+    /// An earlier annotation exists and `replace` is false.
     pub(super) fn earlier_columns(
         &self,
         input: &Path,
@@ -65,17 +65,17 @@ impl Annotation<'_> {
     }
 }
 
-/// Returns the text of a schedule.
+/// Reads a schedule as text.
 pub(super) fn read_text(input: &Path) -> Result<String, ScheduleError> {
     crate::input::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
 }
 
-/// Insertions into a text and removals from it; all other bytes are kept.
+/// Insertions into a text and removals of byte ranges. All other bytes are unchanged.
 #[derive(Default)]
 pub(super) struct Edits(Vec<(Range<usize>, String)>);
 
 impl Edits {
-    /// Inserts a text at a byte position.
+    /// Inserts text at a byte position.
     pub fn insert(&mut self, at: usize, text: String) {
         self.0.push((at..at, text));
     }
@@ -85,9 +85,9 @@ impl Edits {
         self.0.push((range, String::new()));
     }
 
-    /// Returns the edited text.
+    /// Returns the edited copy of `text`.
     pub fn apply(mut self, text: &str) -> String {
-        // A removal that ends at the position of an insertion is applied before it; one that starts there, after it.
+        // A removal that ends at an insertion is applied before it, and one that starts there after it.
         self.0.sort_by_key(|(range, _)| (range.start, range.end));
         let mut out = String::with_capacity(text.len() * 2);
         let mut written = 0;
@@ -101,7 +101,7 @@ impl Edits {
     }
 }
 
-/// Returns the path of the file of streaks: `night.streaks.csv` for `night.csv`.
+/// Returns the path of the streak file: `night.streaks.csv` for `night.csv`.
 pub(super) fn streaks_path(output: &Path, extension: &str) -> PathBuf {
     let mut name = output.file_stem().unwrap_or_default().to_owned();
     name.push(".streaks.");
@@ -109,7 +109,7 @@ pub(super) fn streaks_path(output: &Path, extension: &str) -> PathBuf {
     output.with_file_name(name)
 }
 
-/// Creates a file with its contents, not yet renamed to its path.
+/// Writes a temporary file, which [`finish`] renames to its path.
 pub(super) fn write_new(
     path: &Path,
     write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -122,7 +122,7 @@ pub(super) fn write_new(
     Ok(file)
 }
 
-/// Renames files to their paths, the annotated schedule last. Returns the paths, the schedule first.
+/// Renames temporary files to their paths, the annotated schedule last. Returns the paths, the schedule first.
 pub(super) fn finish(files: Vec<(AtomicFile, PathBuf)>) -> Result<Vec<PathBuf>, ScheduleError> {
     let mut written = Vec::new();
     for (file, path) in files {

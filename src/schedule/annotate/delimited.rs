@@ -1,5 +1,5 @@
-//! Annotation of CSV and ECSV: flags are appended to each line, streaks go to a second file. All original bytes are
-//! kept.
+//! Annotation of CSV and ECSV: verdict columns are appended to each line, streaks are written to a second file. The
+//! original text is otherwise unchanged.
 
 use std::io;
 use std::ops::Range;
@@ -16,7 +16,7 @@ pub(super) fn annotate_csv(
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, ScheduleError> {
     let text = read_text(input)?;
-    // The byte order mark is kept, but is not part of the first name.
+    // The byte order mark is kept, and is not part of the first column name.
     let (mark, body) = match text.strip_prefix('\u{feff}') {
         Some(body) => ("\u{feff}", body),
         None => ("", text.as_str()),
@@ -34,8 +34,8 @@ pub(super) fn annotate_csv(
             // Comments before a removed row are kept.
             lines.edits.remove(start + before_record(&body[start..end]).len()..end);
         } else {
-            // A row whose length differs from the header has no cells of an earlier annotation. A short row is padded
-            // so that the flags are aligned with their names.
+            // A row with more or fewer cells than the header has no cells of an earlier annotation. A short row is
+            // padded with empty cells, so that the verdict columns are aligned with their names.
             let earlier = if cells.len() == width { lines.earlier } else { 0 };
             lines.append_flags(start..end, earlier, (width - lines.earlier).saturating_sub(cells.len()))?;
         }
@@ -69,7 +69,7 @@ pub(super) fn annotate_ecsv(
             lines.edits.remove(start..end);
         }
     }
-    // A header without a list of columns is not changed.
+    // A header without the list of columns is not changed.
     if layout.header_lines.iter().any(|(_, end)| *end == layout.datatype_end) {
         let line_end = if text.contains("\r\n") { "\r\n" } else { "\n" };
         let mut entries = String::new();
@@ -98,7 +98,7 @@ pub(super) fn annotate_ecsv(
     finish(vec![(streaks, beside), (main, output.to_owned())])
 }
 
-/// Returns the number of columns of an earlier annotation, which must be the last ones.
+/// Returns the number of columns of an earlier annotation, which must be the last columns.
 fn trailing_columns(
     input: &Path,
     names: &[String],
@@ -114,14 +114,14 @@ fn trailing_columns(
     Err(ScheduleError::AlreadyThere { path: display(input), what })
 }
 
-/// Lines with the flags as their last cells, replacing those of an earlier annotation.
+/// Lines of the file, with the edits that append the verdict columns and remove those of an earlier annotation.
 struct Lines<'a> {
     text: &'a str,
     delimiter: u8,
     flags: &'a Table,
-    /// Rows of the flags that are not appended yet.
+    /// Rows of verdicts that are not yet appended.
     flag_rows: std::slice::Iter<'a, Vec<crate::output::Value>>,
-    /// Number of cells of the earlier annotation in each line.
+    /// Number of columns of the earlier annotation.
     earlier: usize,
     edits: Edits,
 }
@@ -131,7 +131,7 @@ impl<'a> Lines<'a> {
         Self { text, delimiter, flags, flag_rows: flags.rows.iter(), earlier, edits: Edits::default() }
     }
 
-    /// Appends the names of the flags to the line of names.
+    /// Appends the names of the verdict columns to the line of names.
     fn append_names(&mut self, line: Range<usize>) -> Result<(), ScheduleError> {
         let names = self.flags.columns.iter().map(|column| column.name.to_owned());
         let names = cells(names, self.delimiter)?;
@@ -139,7 +139,7 @@ impl<'a> Lines<'a> {
         Ok(())
     }
 
-    /// Appends the next row of the flags to a line, after a number of empty cells.
+    /// Appends the next row of verdicts to a line, after `empty` empty cells; removes the last `earlier` cells.
     fn append_flags(&mut self, line: Range<usize>, earlier: usize, empty: usize) -> Result<(), ScheduleError> {
         let row = self.flag_rows.next().into_iter().flat_map(|row| self.flags.columns.iter().zip(row));
         let texts = cells(row.map(|(column, value)| column.text(value)), self.delimiter)?;
@@ -155,8 +155,7 @@ impl<'a> Lines<'a> {
     }
 }
 
-/// Returns the comments and blank lines before a record, in a text that ends with the record; without the line end that
-/// precedes the record.
+/// Returns the comments and blank lines before the record at the end of `piece`, without the last line break.
 fn before_record(piece: &str) -> &str {
     let mut start = 0;
     loop {
@@ -170,10 +169,10 @@ fn before_record(piece: &str) -> &str {
     before.strip_suffix("\r\n").or_else(|| before.strip_suffix('\n')).unwrap_or(before)
 }
 
-/// Returns the separator and the cells that follow it, quoted if necessary.
+/// Returns cells as text to append: each with a separator before it, quoted if necessary.
 fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, ScheduleError> {
     if delimiter == b' ' {
-        // An empty cell between blanks would be invisible.
+        // With a blank as separator, an empty cell must be quoted.
         let quoted = |text: String| {
             let needs_quotes = text.is_empty() || text.contains(|c: char| c.is_whitespace() || c == '"');
             if needs_quotes { format!(" \"{}\"", text.replace('"', "\"\"")) } else { format!(" {text}") }
@@ -184,11 +183,11 @@ fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, S
     let mut writer = csv::WriterBuilder::new().delimiter(delimiter).from_writer(vec![delimiter]);
     writer.write_record(texts).map_err(|source| error(source.into()))?;
     let bytes = writer.into_inner().map_err(|source| error(io::Error::other(source.to_string())))?;
-    // The writer ends its record with a line feed; the file already has its own line end.
+    // The CSV writer ends its record with a line feed, but the file already has a line break.
     Ok(String::from_utf8_lossy(bytes.strip_suffix(b"\n").unwrap_or(&bytes)).into_owned())
 }
 
-/// Returns the length of a record without its last cells; delimiters within quotes do not count.
+/// Returns the length of a record without its last `count` cells. Delimiters within quotes are ignored.
 fn length_without(record: &str, count: usize, delimiter: u8) -> usize {
     if count == 0 {
         return record.len();

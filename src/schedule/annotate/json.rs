@@ -1,5 +1,5 @@
-//! Annotation of JSON: flags as further members of each row, streaks as members of the document or in a second file.
-//! All original bytes are kept.
+//! Annotation of JSON: verdicts are added as members of each row; streaks are added as members of the document or
+//! written to a second file. The original text is otherwise unchanged.
 
 use std::path::{Path, PathBuf};
 
@@ -35,11 +35,11 @@ pub(super) fn annotate(
     for (number, row) in layout.rows.iter().enumerate() {
         let (start, end) = row.span;
         if !annotation.is_kept(number) {
-            // A row is removed with the comma before it.
+            // A row is removed together with the comma before it.
             edits.remove(before.unwrap_or(start)..end);
         } else {
             if let (true, Some(before)) = (is_first, before) {
-                // No comma before the first row that is kept.
+                // The first row that is kept must not follow a comma.
                 edits.remove(before..start);
             }
             is_first = false;
@@ -68,7 +68,7 @@ pub(super) fn annotate(
     finish(files)
 }
 
-/// Adds members to an object after its own, replacing earlier ones.
+/// Adds members to an object after its existing ones, and removes those of an earlier annotation.
 fn add(edits: &mut Edits, members: &Members, earlier: &[&str], added: &str) {
     let own = members.ends.iter().rfind(|(key, _)| !earlier.contains(&key.as_str()));
     let last = members.ends.last().map_or(members.open, |(_, end)| *end);

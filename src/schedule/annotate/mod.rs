@@ -1,4 +1,4 @@
-//! Annotated schedules: the original file with flags and streaks added.
+//! Annotated schedules: the original file with verdicts and streaks added.
 
 mod annotation;
 mod delimited;

@@ -1,4 +1,4 @@
-//! Annotation of an opsim database: a copy with three more tables.
+//! Annotation of an opsim database: a copy with three additional tables.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -15,9 +15,9 @@ use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 const STREAKS: &str = "streaks";
 const FLAGS: &str = "streak_flags";
 const PROVENANCE: &str = "streak_provenance";
-/// View created by a scheduler plugin, which joins its own form of the flags.
+/// View created by an earlier annotation of a scheduler plugin; it joins the observations with the plugin's verdicts.
 const JOINED: &str = "observations_streaks";
-/// Pages copied at a time; the whole file unless it is huge.
+/// Number of database pages copied in one step.
 const PAGES_PER_STEP: i32 = 16_384;
 
 pub(super) fn annotate(
@@ -43,7 +43,7 @@ pub(super) fn annotate(
     Ok(vec![output.to_owned()])
 }
 
-/// Returns the tables and views of an earlier annotation: type and name.
+/// Returns type and name of the tables and views of an earlier annotation.
 fn earlier_tables(connection: &Connection) -> Result<Vec<(String, String)>, rusqlite::Error> {
     let mut statement = connection.prepare(
         "SELECT type, name FROM sqlite_master WHERE type IN ('table', 'view') AND name IN (?1, ?2, ?3, ?4) ORDER BY name",
@@ -59,7 +59,7 @@ fn write_copy(
 ) -> Result<(), rusqlite::Error> {
     let mut copy = Connection::open(target)?;
     Backup::new(source, &mut copy)?.run_to_completion(PAGES_PER_STEP, Duration::ZERO, None)?;
-    // Only the database file is renamed, so no journal may remain next to it.
+    // Only the database file is renamed, so that no journal file may exist.
     copy.pragma_update(None, "journal_mode", "DELETE")?;
     let transaction = copy.transaction()?;
     for (kind, name) in earlier {
@@ -76,7 +76,7 @@ fn write_copy(
     copy.close().map_err(|(_, error)| error)
 }
 
-/// Deletes the observations that are not kept; rows are numbered in the order in which they are read.
+/// Deletes the observations that are not kept. Rows are numbered in reading order.
 fn keep_rows(connection: &Connection, annotation: &Annotation<'_>) -> Result<(), rusqlite::Error> {
     let mut statement = connection.prepare("SELECT rowid FROM observations")?;
     let rows: Vec<i64> = statement.query_map([], |row| row.get(0))?.collect::<Result<_, _>>()?;
@@ -109,9 +109,9 @@ fn write_table(
 
 /// Returns the SQL type of the exposure identifiers.
 ///
-/// It is integer if the column of the schedule is declared so (SQLite: a type that contains `INT`), or has no type (as
-/// after `CREATE TABLE ... AS`) and contains only integers. Otherwise it is text: '007', '1e3' or '7.0' would not join
-/// as integers.
+/// It is `INTEGER` if the column of the schedule is declared as an integer (in SQLite, a type name that contains
+/// `INT`), or has no declared type (as after `CREATE TABLE ... AS`) and contains only integers. Otherwise it is `TEXT`:
+/// '007', '1e3' or '7.0' would not equal themselves as integers in a join.
 fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
     let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
     let columns: Vec<(String, String)> =
@@ -143,7 +143,7 @@ fn cell(column: &Column, value: &Value) -> SqlValue {
         Value::Null => SqlValue::Null,
         Value::Integer(number) => SqlValue::Integer(*number),
         Value::Boolean(truth) => SqlValue::Integer(i64::from(*truth)),
-        // The number is rounded as in the other formats; NULL if it is not finite.
+        // Rounded as in the text formats; NULL if it is not finite.
         Value::Real(_) => text.parse().map_or(SqlValue::Null, SqlValue::Real),
         Value::Text(_) | Value::Time(_) | Value::List(_) | Value::Integers(_) | Value::Rows(_) => SqlValue::Text(text),
     }
@@ -238,7 +238,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (input, output) = (folder.path().join("in.db"), folder.path().join("out.db"));
         let connection = Connection::open(&input).unwrap();
-        // Cells of every storage class, a gap in the row numbers, and a journal that contains the last rows.
+        // Cells of every storage class, a gap in the row numbers, and a write-ahead log that contains the last rows.
         connection
             .execute_batch(
                 "PRAGMA journal_mode = WAL;
@@ -270,7 +270,7 @@ mod tests {
         assert_eq!(joined, (44713, None, 0.5));
         drop(copy);
 
-        // A second annotation needs `replace`, and works in place.
+        // A second annotation requires `replace`; input and output may be the same file.
         let error = annotate(&output, &output, &annotation(false)).unwrap_err().to_string();
         assert!(error.contains("already has tables streak_flags, streak_provenance, streaks"), "{error}");
         annotate(&output, &output, &annotation(true)).unwrap();
@@ -278,7 +278,7 @@ mod tests {
         let copy = Connection::open(&output).unwrap();
         let count = |copy: &Connection, query: &str| copy.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap();
         assert_eq!(count(&copy, "SELECT count(*) FROM streak_flags"), 2);
-        // The plugin's view, which would refer to a missing table, is dropped.
+        // The view of the plugin is dropped, because it would refer to a missing table.
         copy.execute_batch("CREATE VIEW observations_streaks AS SELECT p_any FROM streak_flags").unwrap();
         drop(copy);
         annotate(&output, &output, &annotation(true)).unwrap();

@@ -1,4 +1,5 @@
-//! Annotation of Parquet: flags as further columns, streaks in a second file. All columns and metadata are kept.
+//! Annotation of Parquet: verdicts are added as columns, streaks are written to a second file. All columns and metadata
+//! are kept.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -16,7 +17,7 @@ use super::super::formats::{batches, display};
 use super::annotation::{Annotation, finish, streaks_path};
 use crate::output::{AtomicFile, parquet_columns, parquet_fields, write_parquet};
 
-/// Metadata key written by the Parquet writer itself.
+/// Metadata key that the Parquet writer sets itself.
 const ARROW_SCHEMA: &str = "ARROW:schema";
 
 pub(super) fn annotate(
@@ -34,7 +35,7 @@ pub(super) fn annotate(
 
     let fields: Vec<Arc<Field>> =
         own.iter().map(|&index| schema.fields()[index].clone()).chain(parquet_fields(&flags).map(Arc::new)).collect();
-    // Schema metadata is copied to the file metadata, where pyarrow reads it.
+    // Schema metadata is copied to the file metadata, from which pyarrow reads it.
     let new_schema: SchemaRef = Arc::new(Schema::new(fields));
     let file = AtomicFile::new(output).map_err(|source| ScheduleError::Write { path: display(output), source })?;
     let broken = |error: &dyn std::fmt::Display| ScheduleError::AnnotateParquet {
@@ -72,7 +73,7 @@ pub(super) fn annotate(
     finish(vec![(streaks, beside), (file, output.to_owned())])
 }
 
-/// Returns the compression and metadata of the input.
+/// Returns writer properties with the compression and metadata of the input.
 fn properties(metadata: &ParquetMetaData, of_schema: &Schema) -> WriterProperties {
     let entries = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
     let mut entries: Vec<KeyValue> = entries.into_iter().filter(|one| one.key != ARROW_SCHEMA).collect();
@@ -84,7 +85,7 @@ fn properties(metadata: &ParquetMetaData, of_schema: &Schema) -> WriterPropertie
     let first = metadata.row_groups().first().and_then(|group| group.columns().first());
     let compression = first.map_or(Compression::SNAPPY, |column| column.compression());
     let compression = match compression {
-        // These codecs are not available in every build.
+        // These codecs cannot be written by every build.
         Compression::BROTLI(_) | Compression::LZO => Compression::SNAPPY,
         known => known,
     };

@@ -1,5 +1,5 @@
-//! Annotation of VOTable: fields and cells added to the first table, streaks as a table after it. All original bytes
-//! are kept.
+//! Annotation of VOTable: verdicts are added as fields and cells of the first table, streaks as a table after it. The
+//! original text is otherwise unchanged.
 
 use std::path::{Path, PathBuf};
 

@@ -1,4 +1,4 @@
-//! Annotation in the format of the schedule.
+//! Writes an annotated schedule in the format of the input.
 
 use std::path::{Path, PathBuf};
 
@@ -9,28 +9,28 @@ use super::super::formats::display;
 use super::annotation::Annotation;
 use super::{delimited, json, votable};
 
-/// Writes the schedule at `input` with flags and streaks added to `output`. Returns the files written.
+/// Writes the schedule at `input` with verdicts and streaks added to `output`. Returns the files written.
 ///
-/// - **opsim SQLite**: a copy of the database, page by page, with the tables `streaks` (one row for each exposure and
-///   satellite), `streak_flags` (one row for each exposure) and `streak_provenance` (name, value as JSON).
-/// - **CSV**: all bytes of the lines, with the flags as further columns at the right; the streaks with the provenance
-///   in `NAME.streaks.csv` next to `NAME.csv`. No comment lines are added, because other readers may not accept them.
-/// - **ECSV**: all bytes, with the flags as further entries of the header's list and cells at the right; the streaks in
+/// - **opsim SQLite**: a copy of the database with the tables `streaks` (one row for each exposure and satellite),
+///   `streak_flags` (one row for each exposure) and `streak_provenance` (name, value as JSON).
+/// - **CSV**: the original lines, with verdict columns appended; streaks and provenance in `NAME.streaks.csv` next to
+///   `NAME.csv`. No comment lines are added, because other readers may not accept them.
+/// - **ECSV**: the original lines, with verdict columns appended to the header's list and to each line; streaks in
 ///   `NAME.streaks.ecsv`.
-/// - **JSON**: all bytes, with the flags as further members of each row; the streaks as members `streaks` and
+/// - **JSON**: the original text, with verdicts as members of each row; streaks as members `streaks` and
 ///   `streak_provenance` of the document, or in `NAME.streaks.json` if the document is an array.
-/// - **VOTable** (TABLEDATA): all bytes, with the flags as further `FIELD`s and cells of the first table; the streaks
-///   as a table `streaks` after it.
+/// - **VOTable** (TABLEDATA): the original text, with verdicts as `FIELD`s and cells of the first table; streaks as a
+///   table `streaks` after it.
 /// - **Parquet** (feature `parquet`): every column with its type, values, nulls and metadata, and the metadata of the
-///   file; the flags as further columns, the streaks in `NAME.streaks.parquet`.
+///   file; verdicts as additional columns, streaks in `NAME.streaks.parquet`.
 ///
-/// Rows without an identifier (ObsLocTAP) get a column `exposure_id`: their number, from 1.
+/// For rows without an identifier (ObsLocTAP), a column `exposure_id` with the row number, from 1, is added.
 ///
-/// `output` may be `input`. Each file is written completely or not at all.
+/// `output` may be the same path as `input`. Each file is replaced as a whole, or not changed if an error occurs.
 ///
 /// # Errors
-/// The format cannot be written, an earlier annotation exists and `replace` is not set, the schedule has changed since
-/// it was judged, or the system reports an error.
+/// The format cannot be written, an earlier annotation exists and `replace` is false, the schedule has changed since it
+/// was judged, or the operating system reports an error.
 pub fn annotate(
     input: &Path,
     format: ScheduleFormat,

@@ -1,4 +1,4 @@
-//! Columns of schedules by their names in all formats, and rows as text.
+//! Column names of schedules, which are the same in all formats, and tables of cells.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -8,7 +8,7 @@ use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
 
-/// Columns of the exposure identifier, in order of preference.
+/// Column names of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
 const DURATION: &[&str] = &["duration_s", "visitExposureTime", "exp_time", "t_exptime"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA", "s_ra"];
@@ -19,7 +19,7 @@ const BAND: &[&str] = &["band", "filter"];
 /// Form of the start times.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(in crate::schedule) enum StartForm {
-    /// ISO 8601.
+    /// ISO 8601 text.
     Iso,
     /// Modified Julian dates.
     Mjd,
@@ -32,18 +32,18 @@ pub(in crate::schedule) enum StartForm {
 pub(in crate::schedule) struct StartColumn {
     /// Index of the column.
     pub index: usize,
-    /// Name.
+    /// Name of the column.
     pub name: String,
     /// Form of its cells.
     pub form: StartForm,
-    /// Time scale in its name.
+    /// Time scale stated in its name.
     pub scale: Option<TimeScale>,
 }
 
-/// Start column of ObsLocTAP (the ObsPlan feed); only its rows may lack an identifier.
+/// Start column of ObsLocTAP (used by Rubin's ObsPlan service). Only its rows may lack an identifier.
 const PLANNED_START: &str = "t_planning";
 
-/// Start columns in order of preference, those with a time scale in their names first.
+/// Start columns in order of preference; those with a time scale in their names are first.
 const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
     ("start_utc", StartForm::Iso, Some(TimeScale::UTC)),
     ("start_tai", StartForm::Iso, Some(TimeScale::TAI)),
@@ -67,7 +67,7 @@ const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
 /// Index of the column of each quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct ColumnMap {
-    /// Identifier; `None` only in tables of ObsLocTAP, where the row number is the identifier.
+    /// Identifier; `None` only for ObsLocTAP, where the row number is the identifier.
     pub id: Option<usize>,
     pub start: StartColumn,
     pub duration: usize,
@@ -78,10 +78,10 @@ pub(in crate::schedule) struct ColumnMap {
 }
 
 impl ColumnMap {
-    /// Finds the columns by their names.
+    /// Finds the columns by name.
     ///
     /// # Errors
-    /// One error that lists all missing columns and all columns found.
+    /// One error with all missing columns and all columns of the file.
     pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
         let find = |accepted: &[&str]| accepted.iter().find_map(|name| names.iter().position(|found| found == name));
         let start = STARTS.iter().find_map(|&(name, form, scale)| {
@@ -116,12 +116,12 @@ impl ColumnMap {
     }
 }
 
-/// Returns a missing name with the most similar column found, if any: other case or separators, a few wrong letters, or
-/// no unit.
+/// Returns the name of a missing column with the most similar name in the file, if there is one: other case or
+/// separators, a few different letters, or no unit.
 fn with_hint(missing: &str, names: &[String]) -> String {
     let key = |name: &str| name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
     let expected = key(missing);
-    // A third of the letters may differ: two of a six-letter word.
+    // Up to a third of the letters may differ, for example two of a six-letter word.
     let near = names
         .iter()
         .filter(|name| name.len() <= 40)
@@ -132,7 +132,7 @@ fn with_hint(missing: &str, names: &[String]) -> String {
     near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (did you mean {name}?)"))
 }
 
-/// Returns the names in short form: a file that is not a schedule may have hundreds of columns.
+/// Returns the names as a list, shortened if there are many.
 fn names_text(names: &[String]) -> String {
     const SHOWN: usize = 12;
     let short = |name: &String| name.chars().take(40).filter(|c| !c.is_control()).collect::<String>();
@@ -178,7 +178,7 @@ pub(in crate::schedule) fn display(path: &Path) -> String {
     path.display().to_string()
 }
 
-/// One cell as written.
+/// One cell of a table file.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) enum Cell {
     /// Empty, NULL or absent.
@@ -198,7 +198,7 @@ impl Cell {
         }
     }
 
-    /// Returns the number, or an error text that follows the column's name in the reason of a row.
+    /// Returns the number. The error text follows the column name in the reason of an invalid row.
     pub fn number(&self) -> Result<f64, String> {
         let number = match self {
             Cell::Missing => return Err("is missing".to_owned()),
@@ -218,23 +218,23 @@ impl Cell {
     }
 }
 
-/// The table of a file, with the names, units and time scales of its columns.
+/// Table of a schedule file, with names, units and time scales of its columns.
 #[derive(Clone, Debug)]
 pub(in crate::schedule) struct RawTable {
-    /// The format of the file.
+    /// Format of the file.
     pub format: ScheduleFormat,
     /// Column names in order.
     pub names: Vec<String>,
-    /// The rows, each as long as `names`; or the reason why a row is invalid.
+    /// Rows, each with as many cells as `names`, or the reason why a row is invalid.
     pub rows: Vec<Result<Vec<Cell>, String>>,
-    /// Units by column, if the file has them.
+    /// Units by column name, if the file states them.
     pub units: BTreeMap<String, String>,
-    /// Time scales by column, if the file has them.
+    /// Time scales by column name, if the file states them.
     pub time_scales: BTreeMap<String, TimeScale>,
 }
 
 impl RawTable {
-    /// Creates a table without rows, units and time scales.
+    /// Creates a table without rows, units or time scales.
     pub fn new(format: ScheduleFormat, names: Vec<String>) -> Self {
         Self { format, names, rows: Vec::new(), units: BTreeMap::new(), time_scales: BTreeMap::new() }
     }

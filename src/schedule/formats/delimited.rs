@@ -1,4 +1,4 @@
-//! CSV and ECSV: a header line, then one row for each exposure. Lines that begin with `#` are comments in CSV; in ECSV
+//! CSV and ECSV: a header line, then one row for each exposure. In CSV, lines that begin with `#` are comments. In ECSV
 //! they contain a YAML header with units and, for astropy's `Time` columns, the time scale.
 
 use std::path::Path;
@@ -10,8 +10,8 @@ use saphyr_parser::{Event, Parser};
 use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
-/// Deepest accepted nesting of an ECSV header. Astropy writes about five levels; the YAML loader calls itself once a
-/// level, which overflows the stack after some thousands.
+/// Deepest accepted nesting of an ECSV header. Astropy writes about five levels. The YAML loader is recursive and
+/// overflows the stack after some thousands of levels.
 const DEEPEST_HEADER: usize = 64;
 
 /// Byte positions of the header and the rows of a CSV file.
@@ -21,18 +21,18 @@ pub(in crate::schedule) struct CsvLayout {
     pub delimiter: u8,
     /// Column names.
     pub names: Vec<String>,
-    /// End of the header record, without its line end.
+    /// End of the line of names, without the line break.
     pub header_end: usize,
-    /// End of each row, without its line end.
+    /// End of each row, without the line break.
     pub row_ends: Vec<usize>,
     /// The cells of each row.
     pub rows: Vec<Vec<String>>,
 }
 
-/// Finds the header and the rows of CSV text.
+/// Finds the line of names and the rows of CSV text.
 ///
 /// # Errors
-/// There is no header line.
+/// There is no line of names.
 pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayout, ScheduleError> {
     let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'));
     let Some(header) = header else { return Err(ScheduleError::Empty { path: display(path) }) };
@@ -55,7 +55,8 @@ pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayo
         if !more {
             break;
         }
-        // The reader may stop between \r and \n; the record ends before either.
+        // The reader may stop between \r and
+        // ; the record ends before both.
         let end = text[..reader.position().byte() as usize].trim_end_matches(['\r', '\n']).len();
         if layout.names.is_empty() {
             layout.names = record.iter().map(|name| name.trim().to_owned()).collect();
@@ -77,7 +78,7 @@ fn delimiter_of(header: &str) -> u8 {
 /// Reads CSV text.
 ///
 /// # Errors
-/// There is no header line.
+/// There is no line of names.
 pub(super) fn read_csv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let layout = csv_layout(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Csv, layout.names);
@@ -98,33 +99,33 @@ pub(super) fn cells<'a>(texts: impl Iterator<Item = &'a str>, width: usize) -> R
 
 const SIGNATURE: &str = "# %ECSV ";
 
-/// Returns true for ECSV, recognized by its signature.
+/// Returns true if the text has the signature of ECSV.
 pub(super) fn is_ecsv(text: &str) -> bool {
     text.starts_with(SIGNATURE)
 }
 
-/// Byte ranges of the header, the names and the rows of an ECSV file.
+/// Byte ranges of the header, the line of names and the rows of an ECSV file.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct EcsvLayout {
     /// Separator of cells: a comma or a blank.
     pub delimiter: u8,
     /// Column names.
     pub names: Vec<String>,
-    /// End of the header's list `datatype`, where further entries can be inserted.
+    /// End of the list `datatype` of the header, where entries for new columns are inserted.
     pub datatype_end: usize,
-    /// Lines of the header, with their line ends.
+    /// Lines of the header, including line breaks.
     pub header_lines: Vec<(usize, usize)>,
-    /// Line of names, without its line end.
+    /// Line of names, without the line break.
     pub names_line: (usize, usize),
-    /// Rows, without their line ends.
+    /// Rows, without line breaks.
     pub rows: Vec<(usize, usize)>,
 }
 
-/// Finds the header, the names and the rows of ECSV text.
+/// Finds the header, the line of names and the rows of ECSV text.
 ///
 /// # Errors
 /// The header is not YAML, the delimiter is neither comma nor blank, the line of names is missing, or a quoted cell
-/// continues on the next line.
+/// spans two lines.
 pub(in crate::schedule) fn ecsv_layout(path: &Path, text: &str) -> Result<EcsvLayout, ScheduleError> {
     parse_ecsv(path, text).map(|(layout, _)| layout)
 }
@@ -155,7 +156,7 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
         " " => b' ',
         other => return Err(error(2, format!("invalid ECSV delimiter '{other}'; allowed: comma and blank"))),
     };
-    // The list ends with the next key that is not indented, or with the header.
+    // The list ends at the next key that is not indented, or at the end of the header.
     let in_list = |line: &&(usize, usize)| uncommented(of(**line)).starts_with([' ', '-']);
     let list = header_lines.iter().position(|line| uncommented(of(*line)).trim_end() == "datatype:");
     let list_lines = list.map_or(0, |list| list + 1 + header_lines[list + 1..].iter().take_while(in_list).count());
@@ -182,7 +183,8 @@ fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>)
     Ok((EcsvLayout { delimiter, names, datatype_end, header_lines, names_line, rows }, header))
 }
 
-/// Returns the line of YAML, from 1, in which the nesting exceeds the limit. The parser of events needs no recursion.
+/// Returns the line of the YAML text, from 1, in which the nesting exceeds the limit. The event parser used here is not
+/// recursive.
 fn line_too_deep(yaml: &str) -> Result<Option<usize>, ScanError> {
     let mut depth = 0_usize;
     for event in Parser::new_from_str(yaml) {
@@ -199,10 +201,10 @@ fn line_too_deep(yaml: &str) -> Result<Option<usize>, ScanError> {
     Ok(None)
 }
 
-/// Reads ECSV text, separated by commas or blanks.
+/// Reads ECSV text with commas or blanks as separators.
 ///
 /// # Errors
-/// The errors of [`ecsv_layout`].
+/// Same as [`ecsv_layout`].
 pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let (layout, header) = parse_ecsv(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Ecsv, layout.names);
@@ -216,7 +218,7 @@ pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleErr
     Ok(table)
 }
 
-/// Returns the cells of one line.
+/// Splits one line into cells.
 fn record(line: &str, delimiter: u8) -> Vec<String> {
     if delimiter == b',' { comma_record(line) } else { blank_record(line) }
 }
@@ -226,7 +228,8 @@ fn uncommented(line: &str) -> &str {
     line.strip_prefix(' ').unwrap_or(line)
 }
 
-/// Returns a member of a map, or of an ordered map (a list of maps with one key each), as astropy writes `meta`.
+/// Returns a member of a map, or of an ordered map (a list of maps with one key each), as written by astropy for
+/// `meta`.
 fn get<'a>(node: &'a YamlOwned, key: &str) -> Option<&'a YamlOwned> {
     match node {
         YamlOwned::Tagged(_, inner) => get(inner, key),
@@ -254,7 +257,7 @@ fn read_time_columns(header: &YamlOwned, table: &mut RawTable) {
         let text = |key| get(column, key).and_then(YamlOwned::as_str);
         let (Some(name), Some("astropy.time.core.Time")) = (name.as_str(), text("__class__")) else { continue };
         let mut name = name.to_owned();
-        // The name `start` does not show whether times are MJD or JD; the format of the column does.
+        // The name `start` does not state whether times are MJD or JD; the format of the `Time` column does.
         if name == "start"
             && let Some(form @ ("mjd" | "jd")) = text("format")
             && let Some(found) = table.names.iter_mut().find(|found| *found == "start")
@@ -281,7 +284,7 @@ fn comma_record(line: &str) -> Vec<String> {
     }
 }
 
-/// Splits at one or more blanks; a quoted cell may contain blanks, may be empty, and doubles its quotes.
+/// Splits at one or more blanks. A quoted cell may contain blanks or be empty; quotes in it are doubled.
 fn blank_record(line: &str) -> Vec<String> {
     let mut cells = Vec::new();
     let mut rest = line.trim_start();
@@ -315,8 +318,7 @@ fn blank_record(line: &str) -> Vec<String> {
 mod tests {
     use super::*;
 
-    /// QTable with a Time column as written by astropy 8.0.2 (folded description, ordered map, tags and anchors
-    /// included).
+    /// QTable with a Time column, written by astropy 8.0.2: folded description, ordered map, tags and anchors.
     const ASTROPY: &str = "# %ECSV 1.0
 # ---
 # datatype:

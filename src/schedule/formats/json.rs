@@ -1,4 +1,4 @@
-//! JSON: an array of rows, or an object with that array as `exposures` (schedules) or `targets` (target lists).
+//! JSON: an array of rows, or an object with this array as `exposures` (schedules) or `targets` (target lists).
 
 use std::fmt;
 use std::path::Path;
@@ -10,10 +10,10 @@ use serde_json::value::RawValue;
 use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
-/// Names of the array of rows in a document that is an object.
+/// Names of the array of rows if the document is an object.
 const ARRAYS: [&str; 2] = ["exposures", "targets"];
 
-/// Reads JSON text. The columns are the keys of all rows.
+/// Reads JSON text. The columns are the keys that occur in any row.
 ///
 /// # Errors
 /// The text is not JSON, or has no array of rows.
@@ -48,7 +48,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
 /// Byte positions of the members of an object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::schedule) struct Members {
-    /// Each key with the end of its value.
+    /// Keys in order, each with the end of its value.
     pub ends: Vec<(String, usize)>,
     /// Position after the opening brace.
     pub open: usize,
@@ -66,7 +66,7 @@ impl Members {
 pub(in crate::schedule) struct JsonRow {
     /// Start and end of the row.
     pub span: (usize, usize),
-    /// Its members; `None` for a row that is not an object.
+    /// Members of the row; `None` if the row is not an object.
     pub members: Option<Members>,
 }
 
@@ -75,14 +75,14 @@ pub(in crate::schedule) struct JsonRow {
 pub(in crate::schedule) struct JsonLayout {
     /// The rows in order.
     pub rows: Vec<JsonRow>,
-    /// The members of the document; `None` for a document that is an array.
+    /// Members of the document; `None` if the document is an array.
     pub document: Option<Members>,
 }
 
 /// Finds the rows of JSON text.
 ///
 /// # Errors
-/// The errors of [`read`].
+/// Same as [`read`].
 pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLayout, ScheduleError> {
     let error = |error: serde_json::Error| bad(path, &error);
     let offset = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;
@@ -120,7 +120,7 @@ fn members(text: &str, object: &Object<'_>, offset: impl Fn(&str) -> usize) -> M
     }
 }
 
-/// Members of an object in order, with their values as slices of the text.
+/// Members of a JSON object in order, with their values as slices of the text.
 struct Object<'a>(Vec<(String, &'a RawValue)>);
 
 impl<'de> serde::Deserialize<'de> for Object<'de> {
@@ -156,7 +156,7 @@ fn format(path: &Path, what: &str) -> ScheduleError {
 fn cell(value: Option<&Value>) -> Cell {
     match value {
         None | Some(Value::Null) => Cell::Missing,
-        // Integers keep their digits: an identifier may have more than a double can represent.
+        // Integers keep all digits: an identifier may have more digits than a double can represent.
         Some(Value::Number(number)) if number.is_f64() => Cell::Number(number.as_f64().unwrap_or(f64::NAN)),
         Some(Value::Number(number)) => Cell::Text(number.to_string()),
         Some(Value::String(text)) => Cell::from_text(text),

@@ -1,4 +1,4 @@
-//! Rubin opsim databases: SQLite with a table `observations`.
+//! Rubin opsim databases: SQLite files with a table `observations`.
 
 use std::path::Path;
 
@@ -8,27 +8,28 @@ use rusqlite::{Connection, ErrorCode, OpenFlags};
 use super::super::error::ScheduleError;
 use super::columns::{Cell, ColumnMap, RawTable, ScheduleFormat, display};
 
-/// Largest number of rows: Rubin's ten years have 2.1 million. A view can have rows without end; these take 1.2 GB.
+/// Largest number of rows. Rubin's ten-year simulations have 2.1 million. The limit stops views that return rows
+/// endlessly; this many rows take 1.2 GB.
 const MOST_ROWS: usize = 4_000_000;
-/// Largest number of bytes of text: identifiers and bands of the largest number of rows, with 125 bytes each.
+/// Largest total length of text, bytes: 125 bytes for each of the largest number of rows.
 const MOST_TEXT: u64 = 500_000_000;
-/// Largest number of instructions of SQLite's virtual machine: twenty-five times those of the largest number of rows, which
-/// takes some ten seconds. A view can also compute without end and return no row.
+/// Largest number of instructions of SQLite's virtual machine: 25 times those for the largest number of rows, about 10
+/// s. The limit stops views that compute endlessly without returning a row.
 const MOST_INSTRUCTIONS: i32 = 1_000_000_000;
 
 /// Opens a database read-only.
 ///
 /// # Errors
-/// Any error of SQLite.
+/// SQLite reports an error.
 pub(in crate::schedule) fn open_read_only(path: &Path) -> Result<Connection, ScheduleError> {
     Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
         .map_err(|source| ScheduleError::Sqlite { path: display(path), source })
 }
 
-/// Reads the columns of `observations` that a schedule needs, in the order of the rows.
+/// Reads the columns of `observations` that a schedule needs, in row order.
 ///
 /// # Errors
-/// No table `observations`, missing columns, rows without end, or any error of SQLite.
+/// There is no table `observations`, columns are missing, a limit is exceeded, or SQLite reports an error.
 pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     read_bounded(path, MOST_ROWS, MOST_INSTRUCTIONS)
 }
@@ -104,7 +105,7 @@ fn tables(connection: &Connection) -> Result<String, rusqlite::Error> {
 mod tests {
     use super::*;
 
-    /// Reads a view `observations` over the numbers from 1 on that `condition` selects.
+    /// Reads a view `observations` that contains the positive integers selected by `condition`.
     fn read_view(condition: &str, most_rows: usize) -> Result<RawTable, ScheduleError> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("view.db");

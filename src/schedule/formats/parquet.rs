@@ -1,4 +1,4 @@
-//! Parquet: columns of numbers and texts; nested columns are not read.
+//! Parquet: columns of numbers and text. Nested columns are not read.
 
 use std::fs::File;
 use std::path::Path;
@@ -14,7 +14,7 @@ use parquet::file::metadata::ParquetMetaData;
 use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
-/// Returns the rows of a file in batches, with the metadata of its footer.
+/// Returns the record batches of a file, with the metadata of its footer.
 ///
 /// # Errors
 /// The file cannot be read or is incomplete.
@@ -35,7 +35,7 @@ fn broken(path: &Path, error: &dyn std::fmt::Display) -> ScheduleError {
 /// Reads all rows of a file.
 ///
 /// # Errors
-/// The errors of [`batches`].
+/// Same as [`batches`].
 pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     let (reader, _) = batches(path)?;
     let schema = arrow_array::RecordBatchReader::schema(&reader);
@@ -53,8 +53,8 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     Ok(table)
 }
 
-/// Returns the cells of a column: floating point numbers as numbers, integers with all their digits, other types as
-/// text; missing for a type that cannot be converted to text.
+/// Returns the cells of a column: floating point numbers as numbers, integers as text with all digits, other types as
+/// text. Cells whose type cannot be converted to text are missing.
 fn cells(column: &ArrayRef) -> Vec<Cell> {
     if column.data_type().is_floating()
         && let Ok(numbers) = cast(column, &DataType::Float64)

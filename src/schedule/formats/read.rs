@@ -1,4 +1,4 @@
-//! Reads a schedule file; its first bytes determine the format.
+//! Reads a schedule file. The format is determined from its first bytes.
 
 use std::fs;
 use std::io::Read;
@@ -9,10 +9,10 @@ use super::columns::{RawTable, display};
 use super::{delimited, json, votable};
 use crate::input;
 
-/// Reads a file into a raw table.
+/// Reads a file into a table of cells.
 ///
 /// # Errors
-/// The errors of [`Schedule::read`](super::super::Schedule::read), except for errors in columns and time scales.
+/// Same as [`Schedule::read`](super::super::Schedule::read), except for errors of columns and time scales.
 pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleError> {
     let io_error = |source| ScheduleError::Io { path: display(path), source };
     if fs::metadata(path).map_err(io_error)?.is_dir() {

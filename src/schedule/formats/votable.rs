@@ -1,4 +1,4 @@
-//! VOTable: the first table of the document, its rows in TABLEDATA; units and time system from its header.
+//! VOTable: the first table of the document, with its rows in TABLEDATA. Units and time scale are read from its header.
 
 use std::collections::HashMap;
 use std::path::Path;
@@ -12,18 +12,18 @@ use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 use super::delimited::cells;
 
-/// Length of the beginning that is searched for the root element, bytes; declarations, comments and instructions
-/// precede it.
+/// Number of bytes at the start of the file that are searched for the root element. XML declaration, comments and
+/// processing instructions may precede it.
 const HEAD: usize = 4096;
 
-/// Byte range of an element, with the white space before it, which is removed together with the element.
+/// Byte range of an element, with the white space before it.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(in crate::schedule) struct Span {
-    /// End of the element before it.
+    /// End of the previous element: removing from here also removes the white space before the element.
     pub after: usize,
-    /// Start.
+    /// Start of the element.
     pub start: usize,
-    /// End.
+    /// End of the element.
     pub end: usize,
 }
 
@@ -39,25 +39,25 @@ struct FieldAttributes {
 /// Byte ranges of one row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::schedule) struct VoRow {
-    /// The whole `<TR>`.
+    /// The `<TR>` element.
     pub span: Span,
-    /// Its `<TD>`s.
+    /// Its `<TD>` elements.
     pub cells: Vec<Span>,
     texts: Vec<String>,
 }
 
-/// Byte ranges of the fields and rows of a VOTable.
+/// Byte ranges of fields and rows of a VOTable.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct VoTableLayout {
     /// Column names.
     pub names: Vec<String>,
-    /// The `<FIELD>`s of the first table.
+    /// `<FIELD>` elements of the first table.
     pub fields: Vec<Span>,
-    /// The rows of the first table.
+    /// Rows of the first table.
     pub rows: Vec<VoRow>,
-    /// The first table.
+    /// Element of the first table.
     pub table: Span,
-    /// All other tables that have a name.
+    /// Names and elements of all other tables that have a name.
     pub others: Vec<(String, Span)>,
     attributes: Vec<FieldAttributes>,
     time_systems: HashMap<String, TimeScale>,
@@ -85,7 +85,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
         attributes: Vec::new(),
         time_systems: HashMap::new(),
     };
-    // Number and name of the open table, and the starts of the open elements.
+    // Number and name of the open table, and start positions of the open elements.
     let (mut tables, mut table_name) = (0, None::<String>);
     let (mut table, mut field, mut row, mut cell) =
         (Span::default(), Span::default(), VoRow::default(), Span::default());
@@ -178,7 +178,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                             (_, Some(name)) => layout.others.push((name, table)),
                             (_, None) => {}
                         }
-                        // Elements that follow do not belong to the first table.
+                        // Elements after this are not part of the first table.
                         tables = tables.max(1) + usize::from(tables == 1);
                     }
                     _ => {}
@@ -216,7 +216,7 @@ impl VoTableLayout {
 /// Reads a VOTable.
 ///
 /// # Errors
-/// The errors of [`votable_layout`].
+/// Same as [`votable_layout`].
 pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let layout = votable_layout(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::VoTable, layout.names);

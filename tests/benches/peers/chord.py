@@ -1,12 +1,12 @@
-"""Chord test of the Python peers: crossings of a circle on the sky, from positions at a few times.
+"""Crossings of a circular field by satellites for Python propagators: chords between positions at a few times.
 
-A propagator gives TEME positions of all objects at four times of an exposure; numpy finds the lines of sight which,
-as great circles between successive times, pass the field's centre within its radius. Directions are ICRS astrometric
-topocentric, as ours (and as a plate solution): r_sat - r_site - (v_sat + v_Earth) tau, so that aberration (20 arcsec at
-the field's edge) causes no differences. Frames come from ERFA (the frames of
-tests/reference/sky_frames.py), once per exposure.
+A propagator gives TEME positions of all objects at four times of an exposure. A satellite crosses if a great circle
+between its lines of sight at successive times passes the centre of the field within its radius. Directions are ICRS
+astrometric topocentric, as in streakcast (and in a plate solution): r_sat - r_site - (v_sat + v_Earth) tau, so that
+aberration (20 arcsec at the edge of the field) causes no differences. Frames are computed with ERFA by
+tests/reference/sky_frames.py, once per exposure.
 
-The great circle neglects the curvature of the track within 10 s, up to about an arcminute for the nearest objects;
+The great circle neglects the curvature of the track within 10 s, up to about an arcminute for the nearest objects.
 `compare.py` treats such grazing cases separately.
 """
 
@@ -23,7 +23,7 @@ from sky_frames import DAY_S, SPEED_OF_LIGHT_KM_S, Frames, radec_to_vector, utc_
 
 SAMPLES = 4
 EARTH_TURNS_RAD_S = 7.292115855e-5
-# Half the time between samples of 30 s, at the largest speed of a bound object relative to the rotating site.
+# Half of the time between samples of 30 s, at the largest speed of an object in a bound orbit relative to the site.
 FASTEST_KM_S = 11.7
 
 
@@ -64,12 +64,12 @@ class Views:
 
 
 def crossing(position_km, velocity_km_s, site_km, seconds, centre, earth_km_s, radius_rad):
-    """Returns the indices of objects that cross.
+    """Returns the indices of the objects that cross the field.
 
-    `position_km` (n_time, n_object, 3), `velocity_km_s` the same or None (then it is taken from the positions),
-    `site_km` (n_time, 3): all TEME. NaN positions never cross.
+    `position_km` (n_time, n_object, 3), `velocity_km_s` of the same shape, or None to derive it from the positions, and
+    `site_km` (n_time, 3) are TEME. Objects with NaN positions do not cross.
     """
-    # Candidates: closer to the line of sight than the field radius plus the distance flown between two samples.
+    # Candidates: closer to the line of sight than the field radius plus the path between two samples.
     along = position_km @ centre - (site_km @ centre)[:, None]
     square = (
         np.einsum("tni,tni->tn", position_km, position_km)
@@ -100,14 +100,14 @@ def crossing(position_km, velocity_km_s, site_km, seconds, centre, earth_km_s, r
 
 
 def run(name, load, propagate):
-    """Times a peer and prints the result as JSON.
+    """Measures a propagator and prints the result as JSON.
 
-    `load(pairs)` prepares objects and returns (state, ids); `propagate(state, jd, fractions)` gives positions
-    (n_time, n_object, 3) and velocities or None. Imports are not timed.
+    `load(pairs)` prepares the objects and returns (state, ids). `propagate(state, jd, fractions)` returns positions
+    (n_time, n_object, 3) and velocities or None. Imports are not included in the time.
     """
     elements, schedule, fov_deg, limit = sys.argv[1], sys.argv[2], float(sys.argv[3]), int(sys.argv[4])
     rows = read_schedule(schedule, limit)
-    frames = Frames()  # reads finals2000A, which is not timed
+    frames = Frames()  # reads finals2000A; not included in the time
     start = time.perf_counter()
     state, ids = load(read_pairs(elements))
     ready = time.perf_counter()

@@ -1,22 +1,23 @@
-"""streakcast and its peers on the same input, in one interleaved run: medians, ratios, and differences of the results.
+"""Compares streakcast with other programs on the same input: times, ratios, and differences of the results.
 
-The task: all crossings of a schedule's exposures (tests/reference/make_bench_exposures.py) against a catalogue.
-Machines are noisy, so every round runs each tool once, and ratios are taken within a round. The time of a tool is the
-one it reports, from the elements' text to the last crossing, without start-up and imports.
+The task is to find all crossings of the exposures of a schedule (tests/reference/make_bench_exposures.py) by a
+catalogue. Every round runs each program once, and ratios are computed within a round, because the speed of the machine
+varies. The time of a program is the one that it reports, from the text of the elements to the last crossing, without
+start-up and imports. Medians are printed.
 
     python tests/reference/make_bench_exposures.py schedule.csv
     python tests/benches/peers/compare.py --elements tle/active/active_2026-04-25.txt --schedule schedule.csv \
         --ours "target/release/... {elements} {schedule} {fov_deg} {limit}" --satidentifier CHECKOUT --rounds 5
 
 `--ours` prints either {"name", "exposures", "timings": {"total_s", ...}, "crossings": [[exposure_id, norad_id], ...],
-"left_out": [norad_id, ...]} or the output of `streakcast passes --format json` (then its time is that of the whole process). `--only
-astroz=1000,sgp4=100` selects peers with numbers of exposures: times are then per exposure, and results are compared for
-those exposures.
+"left_out": [norad_id, ...]} or the output of `streakcast passes --format json`; in the latter case its time is that of
+the whole process. `--only astroz=1000,sgp4=100` selects programs with numbers of exposures; times are then per
+exposure, and results are compared for these exposures.
 
-For differences the true closest approach is computed by brute force (tests/reference/brute_force_crossings.py): within
-`--graze-arcsec` of the field's edge a difference is due to the method, beyond it one tool is wrong. The exit code is 1
-if that is streakcast. (Years after its epoch SGP4 may place a decayed object anywhere; such results are listed and not
-counted.)
+For differing results, the closest approach is computed by brute force (tests/reference/brute_force_crossings.py).
+Within `--graze-arcsec` of the edge of the field, a difference is due to the method; farther away, one program is wrong.
+The exit code is 1 if that is streakcast. (Years after its epoch SGP4 may give any position for a decayed object; such
+results are listed and not counted.)
 """
 
 import argparse
@@ -39,7 +40,7 @@ from brute_force_crossings import Exposure, read_catalogue  # noqa: E402
 from sky_frames import DAY_S, unit, vector_to_radec  # noqa: E402
 
 
-# Upper limit of the speed of bound objects.
+# Upper limit of the speed of objects in bound orbits.
 ESCAPE_KM_S = 11.2
 
 
@@ -60,7 +61,7 @@ def satidentifier_exposures(rows, frames, path):
 
 
 def answer(command, rows):
-    """Runs one tool; returns its JSON, which always has `total_s` and `crossings`."""
+    """Runs one program. Returns its JSON, with `total_s` and `crossings`."""
     start = time.perf_counter()
     with tempfile.TemporaryFile() as out, tempfile.TemporaryFile() as err:
         child = subprocess.Popen(command, stdout=out, stderr=err)
@@ -71,7 +72,7 @@ def answer(command, rows):
         for stream in (out, err):
             stream.seek(0)
             texts.append(stream.read().decode())
-    # `passes` has exit code 1 if it found nothing.
+    # The exit code of `passes` is 1 if there are no crossings.
     if child.returncode not in (0, 1) or not texts[0].strip():
         sys.exit(f"{shlex.join(command)} failed ({child.returncode}):\n{texts[1][-2000:]}")
     report = json.loads(texts[0])
@@ -127,7 +128,7 @@ def main():
             timings = ", ".join(f"{key} {value:.4f}" for key, value in report["timings"].items())
             print(f"round {turn + 1}: {report['name']}: {report['exposures']} exposures, {len(report['crossings'])} crossings; {timings}", file=sys.stderr)
 
-    # One-time work (reading, preparation) is counted once; work per exposure is scaled to the whole schedule.
+    # Reading and preparation are counted once; the time per exposure is scaled to the whole schedule.
     def whole_s(report):
         timings = report["timings"]
         if report["exposures"] == len(rows) or "crossings_s" not in timings:
@@ -167,9 +168,9 @@ def main():
         edge = [(value - radius) * 180 / np.pi * 3600 for value in least]
         crosses = any(value <= 0 for value in edge)
         grazing = min(map(abs, edge), default=float("nan")) <= options.graze_arcsec
-        # Years after the epoch SGP4 may return invalid positions without an error.
+        # Years after its epoch, SGP4 may return invalid positions without an error.
         jd, fraction = utc_to_jd(row["start_utc"])
-        # The velocity is plausible, but positions a second apart are not.
+        # The velocity may look valid, but positions a second apart do not.
         steps = [[np.array(satellites[i].sgp4(jd, fraction + t / DAY_S)[1]) for t in (0.0, 1.0)] for i in np.flatnonzero(ids == norad)]
         speeds_km_s = [float(np.linalg.norm(there - here)) for here, there in steps]
         nonsense = any(not speed <= ESCAPE_KM_S for speed in speeds_km_s)

@@ -1,11 +1,11 @@
-"""Least squares and posterior of the two-panel form, compared with SciPy and emcee, on the same 20,000 points.
+"""Compares a fit and posterior sampling of the two-panel form with SciPy and emcee, on the same 20,000 points.
 
     venv/bin/pip install -r tests/benches/peers/requirements-fit.txt
     cargo bench --bench fit --no-run
     venv/bin/python tests/benches/peers/fit.py [--rounds 3] [--threads 1]
 
-Runs are interleaved because the machine's speed varies. SciPy uses an analytic Jacobian and the same start; emcee uses
-precomputed geometry, as streakcast does. Prints times, ratios, and whether both reach the same cost.
+Runs are interleaved because the speed of the machine varies. SciPy uses an analytic Jacobian and the same start; emcee
+uses precomputed geometry, as streakcast does. Prints times, ratios, and whether both reach the same cost.
 """
 import argparse
 import os

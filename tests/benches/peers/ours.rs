@@ -1,7 +1,8 @@
-//! streakcast's part of `compare.py`: elements and a schedule in, timings and crossings out as JSON.
+//! Run of streakcast for `compare.py`: reads elements and a schedule, writes timings and crossings as JSON.
 //!
-//! `ours ELEMENTS SCHEDULE FOV_DEG LIMIT`; LIMIT 0 uses the whole schedule. The time is measured from the elements'
-//! text to the last crossing; reading the schedule and the bundled models is excluded, as for the peers.
+//! Usage: `ours ELEMENTS SCHEDULE FOV_DEG LIMIT`. LIMIT is the number of exposures; 0 uses the whole schedule. The time
+//! is measured from the text of the elements to the last crossing. As for the peers, reading the schedule and the
+//! bundled models is excluded.
 
 use std::path::PathBuf;
 use std::time::Instant;

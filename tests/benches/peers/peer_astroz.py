@@ -1,8 +1,8 @@
-"""astroz for near-Earth objects, python-sgp4 for deep space, and the chord test: the fastest combination found.
+"""astroz for near-Earth objects, python-sgp4 for deep space, and chords: the fastest combination that was found.
 
-astroz's SIMD SGP4 writes into one preallocated array, without velocities, as in `astroz.propagate`. Its SDP4 batch
-takes three times as long as python-sgp4 for the 888 deep-space objects (10.4 against 3.1 ms for four moments), and its
-threads are slow on a busy machine, so it is not used.
+The SIMD SGP4 of astroz writes to one preallocated array, without velocities, as in `astroz.propagate`. Its batch SDP4
+takes three times as long as python-sgp4 for the 888 deep-space objects (10.4 against 3.1 ms for four times), and its
+threads are slow on a busy machine; neither is used.
 """
 
 import astroz

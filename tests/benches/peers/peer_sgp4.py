@@ -1,4 +1,4 @@
-"""python-sgp4: `SatrecArray` (C++, one thread) and the chord test."""
+"""python-sgp4 with `SatrecArray` (C++, one thread), and chords."""
 
 import numpy as np
 import sgp4

@@ -1,12 +1,12 @@
-"""streakcast, a vectorised numpy form of the same model, and lumos-sat on the same directions, in one interleaved run.
+"""Compares streakcast, a vectorised numpy form of the same model, and lumos-sat on the same directions.
 
     pip install --no-deps -r tests/benches/peers/requirements-photometry.txt
     python tests/benches/peers/photometry.py [--rounds 5]
 
-Each round runs every tool once, ratios are taken within a round, the medians of both are printed. streakcast is `cargo
-bench --bench magnitudes` (columns on one core; its first lines) and `--bench photometry` (earthshine computed and from
-the table), numpy the form of tests/reference/model_magnitudes.py on one thread, lumos its published calculator with one
-direction per call.
+Every round runs each program once, and ratios are computed within a round; medians are printed. streakcast is measured
+by `cargo bench --bench magnitudes` (columns on one core; its first lines) and `--bench photometry` (earthshine computed
+and from the table), numpy by tests/reference/model_magnitudes.py on one thread, and lumos-sat by its published
+calculator with one direction per call.
 """
 
 import argparse
@@ -74,14 +74,14 @@ def lumos_ns(earthshine, n):
 def ours_map_ns():
     command = ["cargo", "bench", "-q", "--bench", "maps", "--", "all_sky_nside_64", "--sample-count", "30"]
     text = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    # Columns: fastest, slowest, median; the first row has the Sun on the horizon and sunlight only.
+    # Columns: fastest, slowest, median. In the first row the Sun is at 0, with sunlight only.
     row = next(line for line in text.splitlines() if re.search(r"─ 0 +[0-9.]+ ", line))
     number, unit = re.search(r"([0-9.]+) (ns|µs|ms)", row.split("│")[-4]).groups()
     return float(number) * {"ns": 1, "µs": 1e3, "ms": 1e6}[unit]
 
 
 def numpy_map_ns(repeats=7, nside=64, height_km=550.0):
-    """All directions of an nside 64 sky with the Sun on the horizon: positions, body-frame angles, magnitudes."""
+    """Measures all directions of nside 64 with the Sun at the horizon: positions, body-frame angles, magnitudes."""
     n = 6 * nside**2 + 2 * nside
     altitude = np.arcsin((np.arange(n) + 0.5) / n)
     azimuth = np.mod(2.399963 * np.arange(n), 2 * np.pi)

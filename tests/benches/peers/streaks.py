@@ -1,14 +1,14 @@
-"""Streaks of 500 to 4000 pixels, compared with GalSim (FFT) and NumPy (error functions), in a 4096 x 4096 frame.
+"""Compares streaks of 500 to 4000 pixels with GalSim (FFT) and NumPy (error functions), in a 4096 x 4096 frame.
 
     venv/bin/pip install -r tests/benches/peers/requirements-streaks.txt
     cargo bench --bench streaks --no-run
     venv/bin/python tests/benches/peers/streaks.py [--rounds 3]
 
-Runs are interleaved because the machine's speed varies, with one thread each. GalSim has its default accuracy. Prints
-times, ratios, and the difference between GalSim and streakcast on the shortest streak, relative to its peak.
+Runs are interleaved because the speed of the machine varies, with one thread each. GalSim has its default accuracy.
+Prints times, ratios, and the difference between GalSim and streakcast for the shortest streak, relative to its peak.
 
-SatSim has no licence, so it is not a requirement; if it is installed (`pip install satsim` with TensorFlow, 3 GB) it is
-included: its points along the longest streak on a frame without oversampling, and its convolution of the whole frame.
+SatSim has no licence and is therefore not a requirement. If it is installed (`pip install satsim` with TensorFlow, 3
+GB), it is included: points along the longest streak on a frame without oversampling, and convolution of the frame.
 """
 import argparse
 import math
@@ -49,7 +49,7 @@ def of_galsim(psf, length, image):
 
 
 def of_numpy(length, frame):
-    """Without integration over pixels, in the streak's bounding box."""
+    """Draws a streak in its bounding box, without integration over pixels."""
     sigma = 3.5 / math.sqrt(8 * math.log(2))
     began = time.perf_counter()
     (x, y), (c, s) = CENTRE, (math.cos(ANGLE), math.sin(ANGLE))
@@ -66,7 +66,7 @@ def of_numpy(length, frame):
 
 
 def satsim():
-    """Times of one streak and of the following convolution, ms; `None` if SatSim is not installed."""
+    """Returns the times of one streak and of the convolution of the frame, ms; `None` if SatSim is not installed."""
     try:
         import tensorflow as tf
         from satsim.geometry.draw import gen_line_from_endpoints

@@ -1,4 +1,4 @@
-//! Corner plots, residuals, phase curves and histograms of a fit.
+//! Plots of a fit: corner plots, residuals, phase curves and histograms.
 
 use image::RgbImage;
 use streakcast::plot::{
@@ -8,7 +8,7 @@ use streakcast::plot::{
 
 use super::{has, pixels, words};
 
-/// Quantiles of a normal distribution with mean 0 and sigma 1, in an order that differs for each `stride`.
+/// Returns quantiles of the standard normal distribution, in an order that depends on `stride`.
 fn normal(count: usize, stride: usize) -> Vec<f64> {
     // Winitzki's inverse of the error function, with an error of 0.002.
     let inverse = |share: f64| {
@@ -31,10 +31,10 @@ fn verif_a_corner_plot_shows_quantiles_and_names() {
     let (names, samples) = posterior(3, 20_000);
     let picture =
         corner(&Corner { title: "A model", names: &names, samples: &samples, truths: None, bounds: None }).unwrap();
-    // One sigma is 0.00035; the quantiles 0.16 and 0.84 are 0.9945 sigma from the median.
+    // One sigma is 0.00035. The quantiles 0.16 and 0.84 are at 0.9945 sigma from the median.
     has(&picture, &["A model", "c1 = 0.0123 +0.0003 −0.0003", "c3 = 0.0123 +0.0003 −0.0003", "c1", "c2", "c3"]);
     let image = pixels(&picture);
-    // Orange is used only for true values.
+    // Only true values are drawn in orange.
     let orange = |image: &RgbImage| image.pixels().filter(|pixel| pixel.0 == [213, 94, 0]).count();
     assert_eq!(orange(&image), 0);
     let truths = [0.0124, 0.0122, 0.0123];
@@ -43,7 +43,7 @@ fn verif_a_corner_plot_shows_quantiles_and_names() {
     assert!(orange(&pixels(&with_truths)) > 1000);
 }
 
-/// If samples accumulate at a bound of 0, no tick of their axis is below it; without the bound there is one.
+/// If samples accumulate at a lower bound of 0, the axis has no tick below it; without the bound it has one.
 #[test]
 fn verif_corner_plots_end_at_bounds() {
     let (names, mut samples) = posterior(2, 4_000);
@@ -87,7 +87,7 @@ fn verif_a_corner_plot_rejects_invalid_input() {
         drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0 (counted from 0) is inf")
     );
     assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("nothing to draw: no samples of c1"));
-    // A single value and identical values are drawn.
+    // A single value, and identical values, can be drawn.
     assert_eq!(drawn(&names, &[vec![1.0], vec![0.0]], None), Ok(()));
     assert_eq!(drawn(&names, &[vec![1e-9; 50], vec![-3e7; 50]], None), Ok(()));
     samples[1][7] = f64::NAN;
@@ -104,7 +104,7 @@ fn verif_the_histogram_shows_mean_deviation_and_mad() {
     let expected = "n = 10,001: mean 0.050, standard deviation 0.200, 1.4826 MAD 0.200 mag. ";
     assert!(words(&picture).iter().any(|words| words.starts_with(expected.trim())), "{:?}", words(&picture));
     has(&picture, &["Layer", "O−C, mag", "σ = 0.250 mag"]);
-    // The maximum of the curve, 1 / (0.25 √2π) = 1.596 per mag, is orange; above it is background.
+    // The maximum of the curve, 1 / (0.25 √2π) = 1.596 per mag, is orange; above it is the background.
     let image = pixels(&picture);
     assert!((60..500).any(|y| image.get_pixel(440, y).0 == [213, 94, 0]));
     let refused = |residuals: &[f64], sigma: f64| {
@@ -160,7 +160,7 @@ fn verif_points_are_drawn_with_their_model_and_over_their_angles() {
     assert!(!words(&alone).contains(&"model".to_owned()) && alone.size().0 < both.size().0);
     pixels(&both);
     pixels(&alone);
-    // If the two medians coincide, one shows in the gaps of the dashes of the other.
+    // If both medians coincide, one is visible in the gaps of the dashed other.
     let same = pixels(&phase_curve(&PhaseCurve { measured_mag: &model, ..curve.clone() }).unwrap());
     let blue = (672..1232)
         .flat_map(|x| (84..540).map(move |y| (x, y)))

@@ -1,4 +1,4 @@
-//! Maps of cells as panels of colour.
+//! Maps of cells in several panels.
 
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{ColourScale, LayerPanel, Layers, PlotError, Quantity, layers};
@@ -22,12 +22,12 @@ fn verif_cells_have_their_colours_at_their_positions() {
         let image = pixels(&picture);
         let scale = picture.scales()[0];
         assert!((scale.least + scale.greatest).abs() < 1e-12);
-        // The layout: a margin of 66 and a radius of 270 at the left, 46 + 32 + 66 + 270 above.
+        // Layout: a left margin of 66 and a radius of 270; from the top 46 + 32 + 66 + 270.
         let mut compared = 0;
         for (cell, value) in &residuals {
             let (longitude, latitude) = ring_centre_rad(8, *cell).unwrap();
             let distance = 270.0 * (latitude + std::f64::consts::FRAC_PI_2) / std::f64::consts::FRAC_PI_2;
-            // Away from the borders of the hemisphere, from lines and from texts.
+            // Pixels that are not near the edge of the hemisphere, lines or texts.
             let degrees = longitude.to_degrees();
             let is_clear = [90.0, 180.0, 270.0].iter().all(|circle| (distance - circle).abs() > 6.0);
             if !is_clear || (100.0..130.0).contains(&degrees) || (is_folded && !(8.0..172.0).contains(&degrees)) {
@@ -64,7 +64,7 @@ fn verif_panels_of_several_quantities_have_a_bar_each() {
         has(&picture, &["(a)", "(b)", "(c)", "mag", "samples", "IQR, mag", "100"]);
         let quantities: Vec<Quantity> = picture.scales().iter().map(|scale: &ColourScale| scale.quantity).collect();
         assert_eq!(quantities, [Quantity::Magnitude, Quantity::Count, Quantity::Spread]);
-        // Twelve layers also fit.
+        // Twelve layers can be drawn.
         let twelve = vec![panels[0].clone(); 12];
         pixels(&layers(&Layers { panels: twelve, ..input }).unwrap());
     }

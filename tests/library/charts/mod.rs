@@ -1,4 +1,4 @@
-//! Charts: texts and numbers, sizes, colours, and invalid input.
+//! Plots: texts and numbers, sizes, colours, and errors for invalid input.
 
 mod fits;
 mod layers;
@@ -7,7 +7,7 @@ mod observers;
 use image::RgbImage;
 use streakcast::plot::Picture;
 
-/// Tolerance for averaging of four pixels and rounding, in steps of 255.
+/// Tolerance of colours, of 255: four pixels are averaged and rounded.
 const COLOUR_STEPS: u8 = 2;
 
 fn pixels(picture: &Picture) -> RgbImage {
@@ -18,7 +18,7 @@ fn pixels(picture: &Picture) -> RgbImage {
     image
 }
 
-/// Texts of an SVG, which must be well-formed, one per line.
+/// Returns the texts of an SVG file, one per line. The file must be well-formed.
 fn words(picture: &Picture) -> Vec<String> {
     let text = picture.to_svg().unwrap();
     let mut reader = quick_xml::Reader::from_str(&text);

@@ -1,4 +1,4 @@
-//! Nights, fields, light curves, rates and passes above a site.
+//! Plots of nights, fields, light curves, rates, and passes over a site.
 
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
@@ -8,7 +8,7 @@ use streakcast::plot::{
 
 use super::{close, has, near, pixels, words};
 
-/// Two hours of exposures, one per minute, every fifth crossed by a satellite.
+/// Returns two hours of exposures, one per minute; every fifth is crossed by a satellite.
 fn night(magnitude: impl Fn(usize) -> f64) -> [Vec<f64>; 4] {
     let n = 120;
     let start = (0..n).map(|k| 60_536.0 + k as f64 / 1440.0).collect();
@@ -40,20 +40,21 @@ fn verif_a_night_shows_its_exposures_in_their_colours() {
     has(&picture, &[counts, "UTC, 2024-08-13/14", "UTC−4, 2024-08-13", "01:00", "21:00", "limit 6.5 mag", "nautical"]);
     let image = pixels(&picture);
     let scale = picture.scales()[0];
-    // The strip: exposure 60, struck at 6.5 mag, and the clear one after it; the axis from 1.2 % before to 1.2 % after.
+    // The strip with exposure 60, which is crossed at 6.5 mag, and the next one. The axis extends by 1.2 % at both
+    // ends.
     let span = (119.0 * 60.0 + 30.0) / 86_400.0;
     let across = |k: f64| 92.0 + (0.012 * span + (k + 0.25) / 1440.0) / (1.024 * span) * (1040.0 - 92.0);
     let at = |k: f64| image.get_pixel(across(k) as u32, 551).0;
     near(at(60.0), scale.colour(6.5));
     assert_eq!(at(61.0), [208, 208, 208]);
-    // Bright is up: the first dot is higher than the last.
+    // Brighter is higher: the first dot is above the last.
     let dot = |k: f64, colour: [u8; 3]| {
         let column: Vec<u32> = (112..430).filter(|y| close(image.get_pixel(across(k) as u32, *y).0, colour)).collect();
         column.iter().sum::<u32>() as f64 / column.len() as f64
     };
     let (first, last) = (dot(0.0, scale.colour(5.0)), dot(115.0, scale.colour(7.875)));
     assert!(first + 100.0 < last, "{first} {last}");
-    // Without data on the Sun: no bands and no labels for them.
+    // Without positions of the Sun there are no twilight bands and no labels for them.
     let without = night_timeline(&NightTimeline { sun: &[], local: None, ..timeline(&columns, &[]) }).unwrap();
     assert!(!words(&without).iter().any(|words| words.contains("twilight") || words.contains("UTC−4")));
 }
@@ -92,13 +93,13 @@ fn streak(name: &str, from: [f64; 2], to: [f64; 2], magnitude: f64) -> FieldStre
 #[test]
 fn verif_east_is_left_and_north_is_up_in_a_field() {
     let outlines = [vec![[11.0, -1.0], [11.0, 1.0], [9.0, 1.0], [9.0, -1.0]]];
-    // From the centre to the east, and from the centre to the north.
+    // Streaks from the centre to the east, and from the centre to the north.
     let streaks = [streak("EAST", [10.0, 0.0], [10.8, 0.0], 4.0), streak("NORTH", [10.0, 0.0], [10.0, 0.8], 7.0)];
     let chart = |outlines: &[Vec<[f64; 2]>], streaks: &[FieldStreak]| {
         field_chart(&FieldChart { title: "Field", caption: "Test.", ra_deg: 10.0, dec_deg: 0.0, outlines, streaks })
     };
     let picture = chart(&outlines, &streaks).unwrap();
-    // The brightest first, independent of the input order.
+    // The list is sorted by brightness, independent of the input order.
     let turned = [streaks[1].clone(), streaks[0].clone()];
     assert_eq!(chart(&outlines, &turned).unwrap().to_svg().unwrap(), picture.to_svg().unwrap());
     has(
@@ -107,7 +108,7 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     );
     let (image, scale) = (pixels(&picture), picture.scales()[0]);
     let (bright, faint) = (scale.colour(4.0), scale.colour(7.0));
-    // The chart's box; its centre is at (432, 412).
+    // Plot area; its centre is at (432, 412).
     let of = |colour: [u8; 3]| -> Vec<(f64, f64)> {
         let all = image.enumerate_pixels().filter(|(x, y, _)| (92..772).contains(x) && (72..752).contains(y));
         all.filter(|(.., pixel)| close(pixel.0, colour)).map(|(x, y, _)| (f64::from(x), f64::from(y))).collect()
@@ -128,11 +129,11 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
     assert!(refused(&[], &[]).contains("no outline of the field"));
     assert!(refused(&[], &[streak("FAR", [10.0, 0.0], [100.0, 0.0], 4.0)]).contains("at most 75°"));
     assert!(refused(&[], &[streak("NOWHERE", [10.0, 0.0], [10.0, 91.0], 4.0)]).contains("a position of the chart"));
-    // Thirty are drawn, and the list gives the number of the others.
+    // Thirty streaks are drawn, and the number of the others is stated.
     let many: Vec<FieldStreak> =
         (0..30).map(|k| streak("MANY", [9.5, -0.9], [10.5, -0.9 + 0.06 * f64::from(k)], 5.0)).collect();
     has(&chart(&outlines, &many).unwrap(), &["and 8 more, in the data"]);
-    // Small fields are labelled in arcminutes, and a dark streak has no magnitude.
+    // Small fields are labelled in arcminutes. A streak in the shadow has no magnitude.
     let small = [vec![[10.01, 0.0], [10.0, 0.06], [9.99, 0.0]]];
     has(
         &chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(),
@@ -175,7 +176,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
         ],
     );
     let image = pixels(&picture);
-    // Columns of the track at 20 s: the line, and the band with a width of two sigmas.
+    // Pixel columns of the track at 20 s: the line, and the band of two sigmas.
     let x = (92.0 + 998.0 * (0.015 + 0.2) / 1.03) as u32;
     let shade: Vec<u32> =
         (118..540).filter(|y| image.get_pixel(x, *y).0[2] > image.get_pixel(x, *y).0[0].saturating_add(20)).collect();
@@ -253,7 +254,7 @@ fn verif_trails_against_the_sun_go_from_day_to_night() {
         ],
     );
     let image = pixels(&picture);
-    // The line of means: high while the Sun is high (left), low when it is low.
+    // The line of means is high for a high Sun (left), and low for a low Sun.
     let blue = |x: u32| (62..430).filter(|y| close(image.get_pixel(x, *y).0, [0, 114, 178])).min().unwrap();
     assert!(blue(250) + 100 < blue(850), "{} {}", blue(250), blue(850));
     let refused = |sun: &[f64], trails: &[f64], bin| drawn(sun, trails, bin).map(|_| ()).unwrap_err().to_string();
@@ -264,7 +265,7 @@ fn verif_trails_against_the_sun_go_from_day_to_night() {
     pixels(&drawn(&[-5.0], &[0.0], 2.0).unwrap());
 }
 
-/// A pass from west over the zenith to east in ten minutes, fading into the shadow.
+/// Returns a pass from west through the zenith to east in ten minutes, which fades into the shadow.
 fn pass(name: &str) -> SkyTrack {
     let points = 41;
     let share = |k: usize| k as f64 / (points - 1) as f64;
@@ -284,7 +285,7 @@ fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     let drawn =
         |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks, local: None });
     let picture = drawn(&one).unwrap();
-    // A single pass has minute marks; its ends are labelled to a second; the brightest magnitude is shown.
+    // A single pass has minute marks, end times in seconds, and its brightest magnitude.
     has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
     has(&picture, &["3.6 ±0.4"]);
     assert!(words(&picture).join(" ").contains("the brightest of each pass. Invented."));
@@ -293,7 +294,7 @@ fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     let picture = drawn(&many).unwrap();
     has(&picture, &["SAMPLE 22", "22"]);
     assert!(words(&picture).join(" ").contains("The 22 brightest of 30 passes."));
-    // The brightest are kept, in the order of the list.
+    // The brightest passes are kept, in their original order.
     let mut one_bright = many.clone();
     one_bright[29].magnitude[0] = -3.0;
     let picture_of_it = drawn(&one_bright).unwrap();
@@ -301,7 +302,7 @@ fn verif_a_sky_chart_shows_names_times_and_magnitudes() {
     assert!(!words(&picture_of_it).iter().any(|words| words == "SAMPLE 22"));
     assert!(!words(&picture).iter().any(|words| words == "00:01"));
     pixels(&picture);
-    // Passes without light are drawn too, and a night without passes.
+    // Passes without magnitudes, and a night without passes, can be drawn.
     let dark = SkyTrack { magnitude: vec![f64::NAN; 41], ..pass("DARK") };
     has(&drawn(&[dark]).unwrap(), &["dark"]);
     has(&drawn(&[]).unwrap(), &["no pass", "30°"]);

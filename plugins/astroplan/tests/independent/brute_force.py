@@ -1,8 +1,8 @@
 """Brute-force computation of crossings without streakcast: python-sgp4 for orbits, astropy and ERFA for frames.
 
-Every satellite is propagated in steps of `COARSE_S`; satellites near the field are followed in steps of `FINE_S`.
-Refraction, light time (below 12 arcsec at 600 km) and the size of the penumbra are neglected: their effect is below
-`EDGE_DEG` and `SHADOW_KM`, and streaks closer to an edge than that do not count.
+Every satellite is propagated in steps of `COARSE_S`. Satellites near the field are then followed in steps of `FINE_S`.
+Refraction, light time (below 12 arcsec at 600 km) and the size of the penumbra are neglected. Their effects are below
+`EDGE_DEG` and `SHADOW_KM`, and streaks within these distances of an edge are not counted.
 """
 
 import erfa
@@ -14,7 +14,7 @@ from sgp4.api import Satrec, SatrecArray
 
 COARSE_S = 5.0
 FINE_S = 0.1
-#: A satellite at 400 km moves 1.1 deg/s overhead: 2.8 deg within half a coarse step, plus a margin for lower
+#: A satellite at 400 km moves 1.1 deg/s overhead, which is 2.8 deg in half a coarse step; a margin is added for lower
 #: satellites.
 NEAR_DEG = 5.0
 #: Effect of light time, diurnal aberration, interpolation between fine steps and UT1 - UTC, degrees.
@@ -25,7 +25,7 @@ EARTH_KM = 6378.137
 
 
 def walker(shells, epoch, first=70_000):
-    """Synthetic circular orbits as `Satrec`; ``shells``: (height_km, inclination_deg, planes, satellites per plane)."""
+    """Returns simulated circular orbits as `Satrec`; shells are (height_km, inclination_deg, planes, per plane)."""
     satellites = []
     days = (epoch - Time("1949-12-31T00:00:00", scale="utc")).to_value("day")
     for height_km, inclination_deg, planes, each in shells:
@@ -44,7 +44,7 @@ def walker(shells, epoch, first=70_000):
 
 
 def write_tle(path, satellites):
-    """Writes satellites to an element file; returns them as read back, with the digits of the file."""
+    """Writes satellites to an element file. Returns them as read from the file, with its digits."""
     from sgp4.exporter import export_tle
 
     lines, again = [], []
@@ -71,7 +71,7 @@ class Sky:
         self.site_km = np.array([getattr(location, axis).to_value("km") for axis in "xyz"])
 
     def _frames(self, times):
-        """Rotations to ICRS from TEME and from the Earth-fixed frame, ``(n_times, 3, 3)``."""
+        """Returns the rotations to ICRS from TEME and from the Earth-fixed frame, ``(n_times, 3, 3)``."""
         tt, ut1 = times.tt, times.utc  # UT1 = UTC to within a second: at most 0.4 km of the site, or 0.03 deg at 600 km
         earth = erfa.c2t06a(tt.jd1, tt.jd2, ut1.jd1, ut1.jd2, 0.0, 0.0)
         to_icrs = np.swapaxes(earth, -1, -2)
@@ -84,7 +84,7 @@ class Sky:
         return to_icrs @ turn, to_icrs
 
     def _separation_and_light(self, satellites, times, field, sun):
-        """Separation from the field centre, degrees, and whether certainly sunlit; ``(n_satellites, n_times)`` each."""
+        """Returns separations from the field centre, degrees, and whether sunlit: ``(n_satellites, n_times)``."""
         from_teme, from_earth = self._frames(times)
         utc = times.utc
         error, teme_km, _ = satellites.sgp4(np.atleast_1d(utc.jd1), np.atleast_1d(utc.jd2))

@@ -6,15 +6,15 @@
 >>> answer.crosses
 True
 
-`StreakModel` holds satellites, site, field of view, brightness models and policy, and computes crossings for arrays of
-exposures. `StreakModel.forecast` lists the visible passes of nights, `StreakModel.overhead` returns the positions of
-all satellites above the site, `StreakModel.ephemeris` those of given satellites at any times, `StreakModel.identify` ranks the satellites that may have made a streak.
-`inject` adds streaks to frames and arrays. `body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` use the
-brightness models only and need no satellites.
+`StreakModel` contains satellites, site, field of view, brightness models and policy, and computes crossings for arrays
+of exposures. `StreakModel.forecast` returns the visible passes of nights, `StreakModel.overhead` the positions of all
+satellites above the site, `StreakModel.ephemeris` those of given satellites at any times, and `StreakModel.identify`
+the satellites that may have caused a streak. `inject` adds streaks to frames and arrays. `body_map`, `sky_map`,
+`standard_magnitudes` and `sky_magnitudes` use only brightness models, without satellites.
 
 Times need a time scale: an `astropy.time.Time`, a string that ends in ``Z``, or numbers with ``scale="utc"`` (or
-``"tai"``, ``"tt"``). A bare number raises `TypeError`: TAI read as UTC is 37 s off, and a satellite crosses a field
-within seconds.
+``"tai"``, ``"tt"``). A number without a scale raises `TypeError`: TAI that is read as UTC is wrong by 37 s, and
+satellites cross a field within seconds.
 """
 
 from ._results import Assessment, ClearWindows, Forecast, Identification, Overhead, Site

@@ -13,9 +13,9 @@ from ._site_queries import SiteQueries
 from ._tables import TableLike, table_of, time_of, is_qtable
 from ._times import TimeLike, to_tai
 
-#: Accepted values of ``blocking``: the satellites that make an exposure not clear.
+#: Accepted values of ``blocking``: choices of the satellites that block an exposure.
 BLOCKING = ("any", "avoid", "limits")
-#: One number or an array.
+#: Number or array.
 Numbers = Any
 
 
@@ -32,7 +32,7 @@ class ExposureQueries(SiteQueries):
         band: Any = None,
         scale: Union[str, None] = None,
     ) -> Assessment:
-        """Returns verdicts as plain numbers: the fast call, for one visit or a million exposures.
+        """Returns verdicts as arrays of numbers, which is the fastest method, for one visit or a million exposures.
 
         Parameters
         ----------
@@ -41,7 +41,7 @@ class ExposureQueries(SiteQueries):
         start : time
             Shutter opening.
         exposure : float, array or `~astropy.units.Quantity`
-            Length, seconds.
+            Duration, seconds.
         rotation : float, array or `~astropy.units.Quantity`
             Position angle of the field's y axis, from north through east, degrees.
         band : str or sequence of str, optional
@@ -57,10 +57,9 @@ class ExposureQueries(SiteQueries):
         Raises
         ------
         TypeError
-            A bare number as time without a scale.
+            A number is given as time without a scale.
         ValueError
-            A number that is not finite or out of range (the message has name and index); shapes that cannot be
-            broadcast.
+            A number is not finite or out of range (the message contains name and index), or shapes cannot be broadcast.
         """
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
         sky_cache, engine = self._open()
@@ -127,14 +126,13 @@ class ExposureQueries(SiteQueries):
         Parameters
         ----------
         target, start, exposure, rotation, scale
-            As for `assess`. The search ends at the policy's ``max_delay_s`` (default 600 s); its ``margin_s`` is
-            respected.
+            As for `assess`. The search ends at the policy's ``max_delay_s`` (default 600 s), and its ``margin_s`` is
+            applied.
 
         Returns
         -------
         float or array
-            Delay, seconds, to the millisecond; 0 if the field is clear at once, NaN if no start within the limit is
-            clear.
+            Delay, seconds, to the millisecond; 0 if the field is clear now, NaN if no start within the limit is clear.
         """
         exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
         sky_cache, engine = self._open()
@@ -156,19 +154,20 @@ class ExposureQueries(SiteQueries):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> TableLike:
-        """Returns all satellites that cross the field in each exposure, as printed by ``streakcast passes``.
+        """Returns all satellites that cross the field during each exposure, as printed by ``streakcast passes``.
 
         Parameters
         ----------
         target, start, exposure, rotation, scale
             As for `assess`.
         include_dark : bool
-            Whether to include crossings entirely inside the Earth's shadow.
+            Whether crossings entirely in the Earth's shadow are included.
         samples : int
             Number of points along each track, in a column ``samples`` of dictionaries.
         limit_mag : float or array, optional
-            Magnitude limit, one for all exposures or one for each (NaN for none): adds the column ``p_brighter``, the
-            probability to be brighter at the peak. Default: the model's ``limit_mag``, without limits by band.
+            Magnitude limit, one for all exposures or one for each (NaN for none). It adds the column ``p_brighter``,
+            the probability that the satellite is brighter at its peak. Default: the model's ``limit_mag``, without
+            limits by band.
         output : {"auto", "qtable", "dict"}
             As for `flags`.
 
@@ -200,7 +199,7 @@ class ExposureQueries(SiteQueries):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> ClearWindows:
-        """Returns the intervals in which an exposure of a target may start and remain clear throughout.
+        """Returns the intervals in which an exposure of a target can start and is clear until it ends.
 
         Parameters
         ----------
@@ -209,21 +208,21 @@ class ExposureQueries(SiteQueries):
         start, end : time
             Earliest shutter opening and latest shutter closing, at most one day apart.
         exposure : float or `~astropy.units.Quantity`
-            Length of the exposure, seconds.
+            Duration of the exposure, seconds.
         min_altitude : float or `~astropy.units.Quantity`
-            Minimum altitude of the pointing while the shutter is open, degrees, without refraction.
+            Smallest altitude of the pointing while the shutter is open, degrees, without refraction.
         rotation, band, scale
             As for `assess`.
         blocking : {"any", "avoid", "limits"}
-            ``any``: every lit satellite blocks. ``avoid``: only satellites that exceed a magnitude limit of the policy.
-            ``limits``:
-            satellites brighter than a limit with a probability of at least 0.5, or with the policy's minimum that cross
-            and are brighter with at least this probability, and every lit
-            satellite if no limit applies to the band.
+            Satellites that block an exposure. ``any``: all lit satellites. ``avoid``: satellites that exceed a
+            magnitude limit of the policy. ``limits``: satellites that are brighter than a limit with a probability of
+            at least 0.5, every nominal crossing taken as certain; if the policy has a ``min_probability``, satellites
+            that cross and are brighter with at least this probability. If no limit applies to the band, only the
+            crossing probability is compared.
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
-            Maximum altitude of the Sun while the shutter is open, degrees; default: no limit.
+            Highest altitude of the Sun while the shutter is open, degrees. Default: no limit.
         output : {"auto", "qtable", "dict"}
-            As for `flags`: starts as an astropy `Time`, or as ``datetime64[ns]``, UTC (several times faster).
+            As for `flags`: starts are an astropy `Time`, or ``datetime64[ns]``, UTC (several times faster).
 
         Returns
         -------
@@ -264,7 +263,7 @@ class ExposureQueries(SiteQueries):
         *,
         scale: Union[str, None] = None,
     ) -> tuple[FloatArray, npt.NDArray[np.int64]]:
-        """Returns length and number of streaks per pointing; has the signature of rubin_sim's satellite constellations.
+        """Returns length and number of streaks per pointing, like the satellite constellations of rubin_sim.
 
         Parameters
         ----------
@@ -274,7 +273,7 @@ class ExposureQueries(SiteQueries):
             Start of each visit, MJD, or times of any other kind. Numbers need a scale, here or as the model's
             ``mjd_scale``.
         visit_time : float or array
-            Length of a visit, seconds.
+            Duration of a visit, seconds.
         scale : {"utc", "tai", "tt"}, optional
             Scale of ``mjds``.
 
@@ -310,7 +309,7 @@ class ExposureQueries(SiteQueries):
 
 
 def _with_integer_ids(columns: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Returns the columns with the exposure ids as integers: flat indices of the exposures."""
+    """Returns the columns with integer exposure ids: flat indices of the exposures."""
     first = columns[0]
     indices = np.array([int(text) for text in first["values"]], dtype=np.int64)
     description = "Flat index of the exposure, from 0."

@@ -1,4 +1,4 @@
-"""State shared by all copies of a hook, file signatures and distances between sites."""
+"""State that is common to all copies of a hook, file signatures, and distances between sites."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _EARTH_KM = 6371.0
 
 
 class RemoteHook:
-    """Record of a hook in another process."""
+    """Hook in another process, whose counters are read here."""
 
     def __init__(self, state: "weakref.ref[HookState]", mailbox: Mailbox) -> None:
         self.state, self.mailbox = state, mailbox
@@ -28,7 +28,7 @@ class RemoteHook:
 
 
 class HookState:
-    """State shared by all copies of a hook."""
+    """State that is common to all copies of a hook."""
 
     def __init__(
         self,
@@ -46,21 +46,22 @@ class HookState:
         self.remote_hooks: list[RemoteHook] = []
         self.reading: Union[threading.Thread, None] = None
         self.next_check_s = clock.monotonic() + watch_s
-        #: Delay before unreadable files are read again, and the time of that attempt.
+        #: Delay before unreadable files are read again, and time of that attempt.
         self.retry_delay_s, self.retry_at_s = 0.0, math.inf
         self.seen: Signature = {} if seen is None else seen
-        # An empty signature differs from files replaced since the model was made, so the first check reloads them.
+        # An empty signature differs from files replaced after the model was made, so that the first check reads them
+        # again.
         if seen is None and not model.changed_files():
             self.seen = signature(model.files)
 
     def loaded_signature(self) -> Union[Signature, None]:
-        """Signature of the files that the model was made from; `None` during a reload and after a failed one."""
+        """Returns the signature of the files of the model; `None` while files are read, and after an error."""
         reading = self.reading is not None and self.reading.is_alive()
         return None if reading or self.retry_at_s < math.inf else self.seen
 
 
 def signature(files: dict[str, Any]) -> Signature:
-    """Returns the present signature of the files."""
+    """Returns the current signature of the files."""
     found: Signature = {}
     for path in files:
         try:
@@ -72,7 +73,7 @@ def signature(files: dict[str, Any]) -> Signature:
 
 
 def distance_km(one: tuple[float, float, float], other: tuple[float, float, float]) -> float:
-    """Distance of two sites, kilometres: haversine on a sphere (error up to 0.5 %) and difference in height."""
+    """Returns the distance of two sites, km: haversine on a sphere (error up to 0.5 %) and difference in height."""
     (lat1, lon1), (lat2, lon2) = ([math.radians(angle) for angle in site[:2]] for site in (one, other))
     # hav(d) = hav(lat2 - lat1) + cos(lat1) cos(lat2) hav(lon2 - lon1)
     hav = math.sin((lat2 - lat1) / 2) ** 2 + math.cos(lat1) * math.cos(lat2) * math.sin((lon2 - lon1) / 2) ** 2

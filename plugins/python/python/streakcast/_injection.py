@@ -26,22 +26,21 @@ if TYPE_CHECKING:
 class Injected(NamedTuple):
     """Result of an injection."""
 
-    #: The file that was written; `None` for an array.
+    #: File that was written; `None` for an array.
     path: Union[Path, None]
-    #: The image with streaks, in the data type of the input; `None` for a file.
+    #: Image with streaks, in the data type of the input; `None` for a file.
     image: Any
     #: Value added to each pixel, ``float32`` or, for images of double precision, ``float64``; `None` for a file.
     added: Any
-    #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file, where masks are written as
-    #: extensions.
+    #: Mask bits of each pixel, ``int32`` (see ``mask_planes``); `None` for a file, whose masks are extensions.
     mask: Any
-    #: Bit numbers: ``STREAK`` where a streak exceeds the noise, ``INJECTED`` wherever light was added.
+    #: Bit numbers: ``STREAK`` where a streak exceeds the noise, ``INJECTED`` where light was added.
     mask_planes: dict[str, int]
     #: One row per streak and chip: ends in pixels and on the sky, magnitude, length, width, counts.
     truth: TableLike
     #: Points along each streak.
     points: TableLike
-    #: The streaks as rows for Rubin's ``source_injection``.
+    #: Streaks as rows for Rubin's ``source_injection``.
     trails: TableLike
     #: Summary in one line.
     summary: str
@@ -92,15 +91,14 @@ def inject(
     output : path, optional
         The file to write (atomically); required if ``frame`` is a file.
     model : StreakModel, optional
-        Model of the satellites that pass through the frame; see `StreakModel.inject`. Without a model, streaks are
-        random.
+        Model whose satellites cross the frame; see `StreakModel.inject`. Without a model, streaks are random.
     header : `~astropy.io.fits.Header`, `~astropy.wcs.WCS` or str, optional
         World coordinates of an array and the other keywords of its header (exposure, zero point, gain). A string has
         one card per line, or cards of 80 characters.
     start : time, optional
         Shutter opening; default: from the header.
     exposure : float or `~astropy.units.Quantity`, optional
-        Length of the exposure, seconds; default: from the header.
+        Duration of the exposure, seconds; default: from the header.
     scale : {"utc", "tai", "tt"}, optional
         Scale of a bare number in ``start``.
     random_streaks : int, optional
@@ -108,20 +106,20 @@ def inject(
     streak_density : float, optional
         Mean number of random streaks per square degree, instead of satellites.
     magnitude : float or pair, optional
-        Magnitude of the random objects at rest: one value, or the brightest and the faintest.
+        Magnitude of the random objects if they did not move: one value, or the brightest and the faintest.
     streak_rate_deg_s : float or pair, optional
         Angular rate of random streaks, deg/s: one value, or the slowest and the fastest; default 0.2 to 0.8.
     telescope : str, path or dict, optional
-        A preset or TOML file: seeing, and the defocus of near satellites; default: that of the model.
+        Preset name or TOML file, for seeing and defocus of near satellites; default: that of the model.
     band : str, optional
-        Band of the magnitudes; default: the header's filter, otherwise the model's band.
+        Band of the magnitudes; default: filter in the header, or else the model's band.
     seeing : str or `~astropy.units.Quantity`, optional
-        FWHM of a star's image, with its unit; default: that of the telescope.
+        FWHM of the image of a star, with its unit; default: that of the telescope.
     psf : str
         ``gaussian``, ``moffat`` (β 3.5), ``moffat:BETA`` or ``double``.
     zero_point, zero_point_1s : float, optional
-        Magnitude of a star whose image sums to 1 in the frame's unit, or that gives 1 count per second; default: from
-        the header.
+        Magnitude of a star whose image sums to 1 in the unit of the frame, or that gives 1 count per second; default:
+        from the header.
     gain : float, optional
         Electrons per count; default: from the header.
     detector : path, optional
@@ -129,7 +127,7 @@ def inject(
     noise : bool
         Whether the added light includes photon noise (requires the gain).
     seed : int
-        The same seed gives the same frame.
+        Seed of the random numbers. The same seed gives the same frame.
     hdu : int or list of int, optional
         HDUs of the file to use, from 0; default: all images.
     pixel_scale : str or `~astropy.units.Quantity`, optional
@@ -143,13 +141,13 @@ def inject(
     light_curve : path, optional
         A CSV file of ``time_s`` and ``delta_mag``.
     resolve_panels : bool
-        Whether chassis and solar array are drawn as two light sources.
+        Whether chassis and solar array are drawn as separate light sources.
     truth_points : int
         Points along each streak in ``points``.
     mask_bits : {"lsst", "desdm", "last", "ztf", "hst"}
         Survey that defines the mask bits.
     pixels_only : bool
-        Omits the mask and truth extensions of a file, and the mask of an array.
+        Whether the mask and truth extensions of a file, and the mask of an array, are omitted.
     table : {"auto", "qtable", "dict"}
         Form of the tables: `~astropy.table.QTable` or dictionaries of arrays; ``auto``: the former if astropy is
         installed.
@@ -161,15 +159,15 @@ def inject(
     Raises
     ------
     StreakcastError
-        Missing world coordinates, zero point or start, nothing to inject, or numbers out of range; the message names
-        the accepted values.
+        World coordinates, zero point or start are missing, there is nothing to inject, or a number is out of range. The
+        message contains the accepted values.
     TypeError
-        An array of another type; a bare number as time without a scale; an angle without a unit.
+        An array has another type, a number is given as time without a scale, or an angle has no unit.
 
     Warns
     -----
     StreakcastWarning
-        Light added without noise because the gain is unknown; omitted chips; old element sets.
+        Light was added without noise because the gain is unknown; chips were omitted; element sets are old.
     """
     is_file = isinstance(frame, (str, os.PathLike))
     options: dict[str, Any] = dict(
@@ -252,7 +250,7 @@ def inject(
 
 
 def _difference(after: npt.NDArray[Any], before: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Difference of two images, exact for unsigned integers too."""
+    """Returns the difference of two images, which is exact also for unsigned integers."""
     wide = np.float32 if after.dtype == np.float32 or after.dtype.itemsize <= 2 else np.float64
     difference: npt.NDArray[Any] = np.subtract(after, before, dtype=wide)
     return difference

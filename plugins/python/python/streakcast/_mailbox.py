@@ -1,4 +1,4 @@
-"""Counters of a hook in another process, read by its parent through shared memory with a single writer and no locks."""
+"""Counters of a hook in another process, read by its parent process in shared memory (one writer, no locks)."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from multiprocessing.context import get_spawning_popen
 from multiprocessing.sharedctypes import RawArray
 from typing import Any, Union
 
-#: Maximum number of counters; hosts use fewer.
+#: Largest number of counters. Hosts use fewer.
 SLOTS = 48
 NAME_BYTES = 32
 MESSAGE_BYTES = 400
@@ -21,9 +21,9 @@ class _Slot(ctypes.Structure):
 
 
 class Mailbox:
-    """Counters by name and the first log message.
+    """Counters by name, and the first log message.
 
-    Passed to a starting process only, never included in other pickles.
+    It can be passed only to a process that is starting, and is not part of other pickles.
     """
 
     def __init__(self) -> None:
@@ -31,7 +31,8 @@ class Mailbox:
         self._message: Any = RawArray(ctypes.c_char, MESSAGE_BYTES)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # Shared memory can be passed on only while a process starts; hooks pickled otherwise keep their own counts.
+        # Shared memory can only be passed while a process starts. Hooks that are pickled otherwise have their own
+        # counts.
         return (_no_mailbox, ()) if get_spawning_popen() is None else (_restored, (self._slots, self._message))
 
     def put(self, name: str, count: int) -> None:
@@ -39,14 +40,14 @@ class Mailbox:
         key = name.encode()[: NAME_BYTES - 1]
         for slot in self._slots:
             if slot.name in (key, b""):
-                # The name is written last, so a reader that finds the name finds the count too.
+                # The name is written last: if it can be read, the count is valid.
                 slot.count = count
                 slot.name = key
                 return
 
     def counts(self) -> dict[str, int]:
         """Returns the counters."""
-        # Slots are filled in order, so the first empty one ends the list.
+        # Slots are used in order: the first empty one is the end.
         used = itertools.takewhile(lambda slot: slot.name, self._slots)
         return {slot.name.decode(errors="replace"): int(slot.count) for slot in used}
 
@@ -61,7 +62,7 @@ class Mailbox:
 
 
 class Reported(Counter[str]):
-    """Counter that also writes each change to a mailbox."""
+    """Counter whose changes are also written to a mailbox."""
 
     def __init__(self, counts: Mapping[str, int], mailbox: Mailbox) -> None:
         self._mailbox = mailbox
@@ -72,12 +73,12 @@ class Reported(Counter[str]):
         self._mailbox.put(name, count)
 
     def update(self, *counts: Any, **more: int) -> None:
-        """Adds counts one by one; `Counter.update` bypasses `__setitem__` if the counter is empty."""
+        """Adds counts one by one, because `Counter.update` does not use `__setitem__` if the counter is empty."""
         for name, count in Counter(*counts, **more).items():
             self[name] += count
 
     def copy(self) -> "Counter[str]":  # type: ignore[override]
-        """Returns a plain `Counter` that is not connected to the mailbox."""
+        """Returns a `Counter` that is not connected to the mailbox."""
         return Counter(self)
 
     def __reduce__(self) -> tuple[Any, ...]:

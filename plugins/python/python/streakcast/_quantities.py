@@ -12,18 +12,18 @@ FloatArray = npt.NDArray[np.float64]
 
 
 def is_of(module_name: str, class_name: str, value: object) -> bool:
-    """Returns True if the value is an instance of an astropy class; does not import astropy."""
+    """Returns True if the value is an instance of an astropy class. Does not import astropy."""
     module = sys.modules.get(module_name)
     return module is not None and isinstance(value, getattr(module, class_name))
 
 
 def aligned(array: npt.NDArray[Any], dtype: Union[npt.DTypeLike, None] = None) -> npt.NDArray[Any]:
-    """Returns the array, copied only if it is not contiguous or not aligned (as after deserialisation by Dask)."""
+    """Returns the array; copied only if it is not contiguous or not aligned (as after transfer by Dask)."""
     return np.require(array, dtype, ["C_CONTIGUOUS", "ALIGNED"])
 
 
 def number(value: Any, unit: str, what: str) -> FloatArray:
-    """Returns a number or array in the given unit: converts a `Quantity`, takes a bare number to be in that unit."""
+    """Returns a number or array in the given unit. A number without a unit is taken to be in this unit."""
     if is_of("astropy.units", "Quantity", value):
         try:
             value = value.to_value(unit)
@@ -50,7 +50,7 @@ def scalar(value: Any, unit: str, what: str) -> float:
 
 
 def directions(target: Any) -> tuple[FloatArray, FloatArray]:
-    """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` of any frame or of a pair."""
+    """Returns right ascension and declination, ICRS, degrees, of a `SkyCoord` in any frame or of a pair."""
     if is_of("astropy.coordinates", "SkyCoord", target):
         icrs = target.icrs
         return np.asarray(icrs.ra.deg, dtype=np.float64), np.asarray(icrs.dec.deg, dtype=np.float64)

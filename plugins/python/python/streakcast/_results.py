@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ._quantities import FloatArray
 
-#: The verdicts in the order of their codes.
+#: Verdicts in the order of their codes.
 VERDICTS = np.array(["clear", "streaked", "avoid", "invalid"])
 
 
@@ -27,7 +27,7 @@ class Site(NamedTuple):
 
 
 class Assessment(NamedTuple):
-    """Effect of satellites on exposures: scalars for one exposure, arrays in the broadcast shape for many."""
+    """Effects of satellites on exposures: numbers for one exposure, arrays in the broadcast shape for several."""
 
     #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is exceeded) or ``invalid`` (the pointing is below the
     #: horizon).
@@ -38,28 +38,27 @@ class Assessment(NamedTuple):
     n_streaks: Any
     #: Brightest magnitude of these satellites inside the field; NaN if there are none.
     brightest_mag: Any
-    #: Expected fraction of the field's pixels lost, [0, 1], including near misses weighted by their probability; NaN
-    #: without a telescope.
+    #: Expected fraction of pixels lost, [0, 1], including near misses with their probability; NaN without a telescope.
     lost_fraction: Any
-    #: Probability that at least one lit satellite crosses that is brighter than a limit of the policy (of any brightness
-    #: without a limit), given the errors of element sets and magnitudes; NaN where invalid.
+    #: Probability that at least one lit satellite crosses and is brighter than a limit of the policy, given the errors
+    #: of element sets and magnitudes; equal to ``p_crossing`` without a limit; NaN where invalid.
     p_any: Any
     #: Total length of the lit streaks in the field, degrees; NaN where invalid.
     streak_length_deg: Any
-    #: Whether ``p_any`` and ``lost_fraction`` are lower limits: more than 10 % of the delays of a satellite are
-    #: outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
+    #: Whether ``p_any``, ``p_crossing`` and ``lost_fraction`` are lower limits: for a satellite, more than 10 % of the
+    #: possible delays are outside the range searched (3.5 sigmas without manoeuvres, at most 300 s).
     p_any_is_lower_limit: Any = False
     #: Probability that at least one lit satellite of any brightness crosses; NaN where invalid.
     p_crossing: Any = float("nan")
 
     @property
     def avoid(self) -> Any:
-        """Returns True if a limit of the policy is exceeded."""
+        """Whether a limit of the policy is exceeded."""
         return self.verdict == "avoid"
 
     @property
     def clear(self) -> Any:
-        """Returns True if no lit satellite crosses."""
+        """Whether no lit satellite crosses."""
         return self.verdict == "clear"
 
 
@@ -77,7 +76,7 @@ class ClearWindows(NamedTuple):
 
 
 class Overhead(NamedTuple):
-    """Satellites above a site: one row per satellite and time, ordered by both; ``(n_rows,)`` unless noted."""
+    """Satellites above a site: one row per satellite and time, sorted by both; shape ``(n_rows,)`` if not stated."""
 
     #: Index of the time, from 0.
     moment: npt.NDArray[np.int64]
@@ -85,25 +84,25 @@ class Overhead(NamedTuple):
     norad_id: npt.NDArray[np.int64]
     #: Direction as a unit vector, ICRS, astrometric topocentric, ``(n_rows, 3)``.
     direction: FloatArray
-    #: Distance, km. This and the following columns are computed at the middle row of each satellite and repeated in its
-    #: other rows.
+    #: Range, km. This and the next columns are computed for the middle row of each satellite, and repeated in its other
+    #: rows.
     range_km: FloatArray
     #: Angular rate relative to the stars, degrees per second.
     angular_rate_deg_s: FloatArray
-    #: Width of the pixels lost to its streak, arcseconds; NaN without a telescope.
+    #: Width of the strip of pixels lost to the streak, arcseconds; NaN without a telescope.
     lost_width_arcsec: FloatArray
     #: Magnitude; NaN in the umbra, where the model predicts no light, and with ``light=False``.
     magnitude: FloatArray
-    #: Probability of being brighter than each of ``limit_mag``, ``(n_rows, n_limits)``; 0 without a magnitude.
+    #: Probability of being brighter than each value of ``limit_mag``, ``(n_rows, n_limits)``; 0 without a magnitude.
     p_brighter: FloatArray
 
 
 class Forecast(NamedTuple):
     """The visible passes of one or several nights."""
 
-    #: One row per pass, ordered by the start of visibility: ``night`` (row of ``nights``), rise, culmination and set,
-    #: shadow entry and exit, the visible part (``begin``, ``highest``, ``end`` and the reasons why it begins and ends),
-    #: peak magnitude with sigma, source, position and range, age of the element set, and ``samples`` if requested.
+    #: One row per pass, sorted by the start of visibility: ``night`` (row of ``nights``), rise, culmination and set,
+    #: shadow entry and exit, visible part (``begin``, ``highest``, ``end`` and why it begins and ends), peak magnitude
+    #: with sigma, source, position and range, age of the element set, and ``samples`` if requested.
     passes: Any
     #: One row per night: hours of darkness, lowest Sun altitude, number of omitted passes by reason, and ``why_empty``.
     nights: Any
@@ -112,12 +111,12 @@ class Forecast(NamedTuple):
 class Identification(NamedTuple):
     """Candidate satellites for a measured streak."""
 
-    #: One row per candidate, most probable first: along-track and cross-track offsets with sigmas, angle, length, chi
-    #: square, probability, position, magnitude, age of the element set.
+    #: One row per candidate, in order of decreasing probability: along-track and cross-track offsets with sigmas,
+    #: angle, length, chi square, probability, position, magnitude, age of the element set.
     candidates: Any
-    #: The streak as parsed, one row.
+    #: Measured streak, one row.
     streak: Any
-    #: Number of candidates, including those not listed.
+    #: Number of candidates, including those that are not listed.
     n_candidates: int
-    #: Probability that the streak belongs to a satellite missing from the element sets.
+    #: Probability that the streak is of a satellite that is missing in the element sets.
     unknown_probability: float

@@ -1,4 +1,4 @@
-"""Conversion of a model's arguments to the setup document, the same as that of the other interfaces of streakcast."""
+"""Conversion of the arguments of a model to the configuration document, as used by all interfaces of streakcast."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from typing import Any
 from ._core import SetupError
 from ._quantities import is_of, scalar
 
-#: Keys that determine positions and brightness of satellites; all other keys concern field and policy.
+#: Keys that affect positions and brightness of satellites. The other keys affect field and policy.
 SKY_KEYS = frozenset(
     {
         "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
         "observer_norad", "limb_height_km", "drag", "shadow", "eop", "qs_mag", "model", "models",
     }
 )  # fmt: skip
-#: Keys used by an engine in addition to the satellites.
+#: Keys that an engine uses in addition to the satellites.
 ENGINE_KEYS = frozenset(
     {
         "fov", "field", "telescope", "band", "mag_system", "earthshine", "extinction", "sun_distance", "limit_mag",
@@ -40,12 +40,12 @@ def document(arguments: dict[str, Any]) -> dict[str, Any]:
 
 
 def absolute(path: Any) -> str:
-    """Returns the absolute path, which is valid in other processes."""
+    """Returns the absolute path, which is also valid in other processes."""
     return str(os.path.abspath(os.fspath(path)))
 
 
 def _plain(key: str, value: Any) -> Any:
-    """Returns the value in JSON types; converts NumPy scalars."""
+    """Returns the value in JSON types; NumPy scalars are converted."""
     if isinstance(value, dict):
         return {str(name): _plain(key, item) for name, item in value.items()}
     if isinstance(value, (list, tuple)):
@@ -80,7 +80,7 @@ def _path_or_table(key: str, value: Any) -> Any:
 
 
 def _names(key: str, value: Any) -> Any:
-    """Returns names of presets, or absolute paths of TOML files."""
+    """Returns names of presets unchanged, and paths of TOML files as absolute paths."""
     if isinstance(value, dict):
         return _plain(key, value)
     if isinstance(value, (list, tuple)):
@@ -105,7 +105,7 @@ def _site(key: str, value: Any) -> Any:
 
 
 def _angle(key: str, value: Any) -> Any:
-    """Returns a `Quantity` as a string with its unit; bare numbers are passed on and rejected later."""
+    """Returns a `Quantity` as a string with its unit. Numbers without a unit are passed on, and rejected later."""
     if is_of("astropy.units", "Quantity", value):
         return f"{scalar(value, 'deg', key)!r}deg"
     return _plain(key, value)
@@ -128,7 +128,7 @@ def _models(key: str, value: Any) -> Any:
 
 
 def _model(key: str, value: Any) -> list[str]:
-    """Returns names or absolute paths of models, each after its kind of satellite, as the flag ``--model``."""
+    """Returns names or absolute paths of models, each after its generation of satellites, as for ``--model``."""
     if isinstance(value, (str, os.PathLike)):
         value = {None: value}
     if not isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Methods of `StreakModel` that need no field of view: forecasts, ephemerides, satellites overhead, identification."""
+"""Methods of `StreakModel` that need no field of view: forecasts, ephemerides, overhead, identify."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ._streak import streak_request
 from ._tables import TableLike, table_of
 from ._times import TimeLike, to_tai
 
-#: One number, with or without its unit.
+#: Number, with or without its unit.
 Numbers = Any
 
 
@@ -44,26 +44,28 @@ class SiteQueries(ModelState):
     ) -> Forecast:
         """Returns the visible passes of one or several nights, as printed by ``streakcast forecast``.
 
-        Element sets are selected, and synthetic shells are generated, for the requested time, as on the command line.
+        Element sets are selected, and simulated constellations are generated, for the requested time, as on the command
+        line.
 
         Parameters
         ----------
         night : str, date, or sequence of these
-            Local date of the evening at the site, for example ``"2026-08-14"``: from local mean noon to noon. Several
-            nights are computed one after the other.
+            Local date of the evening at the site, for example ``"2026-08-14"``. A night lasts from local mean noon to
+            the next noon. Several nights are computed one after the other.
         start, end : time
-            Time span instead of a night, at most 31 days.
+            Time range instead of a night, at most 31 days.
         max_mag : float, optional
-            Omits passes with a fainter predicted peak and passes without a magnitude, and adds the column
-            ``p_brighter``, the probability to be brighter.
+            Omits passes whose predicted peak is fainter, and passes without a magnitude. It adds the column
+            ``p_brighter``, the probability of being brighter.
         min_altitude : float or `~astropy.units.Quantity`
             Altitude at which a satellite rises and sets, degrees, without refraction; 0 to below 90.
         min_culmination : float or `~astropy.units.Quantity`
             Omits passes that culminate below this altitude, degrees.
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
-            Maximum altitude of the Sun at the site, degrees; `None` for day and night.
+            Highest altitude of the Sun at the site, degrees; `None` for no limit.
         generation, name, norad : str, int, or sequences of these, optional
-            Restricts the satellites to these generations (``"starlink-v2mini"``), parts of names, or catalogue numbers.
+            Only satellites of these generations (``"starlink-v2mini"``), with these parts of names, or catalogue
+            numbers.
         include_dark : bool
             Whether to include passes in the Earth's shadow and in daylight.
         samples : int
@@ -80,15 +82,14 @@ class SiteQueries(ModelState):
         Raises
         ------
         StreakcastError
-            An invalid date, a number out of range, no satellite of the given generation or name, a telescope in orbit.
+            A date is invalid, a number is out of range, no satellite is selected, or the telescope is in orbit.
         TypeError
-            A bare number as time without a scale.
+            A number is given as time without a scale.
 
         Warns
         -----
         StreakcastWarning
-            Number of passes with a magnitude from the prior only (unknown brightness); omitted satellites; old element
-            sets.
+            Number of passes of satellites with only a default brightness model; omitted satellites; old element sets.
         """
         options: dict[str, Any] = dict(
             max_mag=None if max_mag is None else scalar(max_mag, "mag", "max_mag"),
@@ -126,14 +127,14 @@ class SiteQueries(ModelState):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> TableLike:
-        """Returns the passes of `forecast` between two times, by day and night; kept for compatibility.
+        """Returns the passes of `forecast` between two times, by day and by night; kept for compatibility.
 
         Parameters
         ----------
         start, end, min_altitude, scale, output
             As for `forecast`.
         lit_only : bool
-            Whether to omit passes in the Earth's shadow.
+            Whether passes in the Earth's shadow are omitted.
 
         Returns
         -------
@@ -166,13 +167,13 @@ class SiteQueries(ModelState):
         seconds : float, array, ``(n_moments,)``, or `~astropy.units.Quantity`
             Times in seconds after ``start``: 0 to 3600, ascending.
         min_altitude : float or `~astropy.units.Quantity`
-            Minimum altitude, degrees, without refraction, 0 to 90.
+            Smallest altitude, degrees, without refraction, 0 to 90.
         include_dark : bool
-            Whether to include satellites in the Earth's shadow.
+            Whether satellites in the Earth's shadow are included.
         light : bool
-            Whether to compute magnitudes; panel models take some microseconds each.
+            Whether magnitudes are computed; for models made of panels this takes some microseconds per satellite.
         limit_mag : float or array, ``(n_limits,)``
-            Magnitude limits for the probabilities ``p_brighter``; they need ``light``.
+            Magnitude limits for the probabilities ``p_brighter``; they require ``light``.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number (MJD) in ``start``.
 
@@ -183,9 +184,9 @@ class SiteQueries(ModelState):
         Raises
         ------
         StreakcastError
-            Times or an altitude out of range, a telescope in orbit.
+            Times or an altitude are out of range, or the telescope is in orbit.
         TypeError
-            A bare number as time without a scale.
+            A number is given as time without a scale.
 
         Warns
         -----
@@ -214,9 +215,9 @@ class SiteQueries(ModelState):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> TableLike:
-        """Returns the places of satellites at given times, as printed by ``streakcast ephemeris``.
+        """Returns the positions of satellites at given times, as printed by ``streakcast ephemeris``.
 
-        The element set of each satellite closest to the middle of the times is used, as on the command line.
+        The element set of each satellite that is closest to the middle of the times is used, as on the command line.
 
         Parameters
         ----------
@@ -225,7 +226,7 @@ class SiteQueries(ModelState):
         norad, name, generation : int, str, or sequences of these
             Catalogue numbers, parts of names, or generations (``"starlink-v2mini"``); at least one of them is required.
         min_altitude : float or `~astropy.units.Quantity`, optional
-            Omits places below this altitude, degrees, without refraction; default: none is omitted.
+            Omits positions below this altitude, degrees, without refraction; default: none is omitted.
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers in ``times``.
         output : {"auto", "qtable", "dict"}
@@ -234,25 +235,25 @@ class SiteQueries(ModelState):
         Returns
         -------
         QTable or dict of arrays, ``(n_places,)`` each
-            One row per satellite and time, satellite by satellite: ICRS astrometric right ascension and declination with
+            One row per satellite and time, grouped by satellite: ICRS astrometric right ascension and declination with
             rates, altitude and azimuth with rates, range and range rate, elongation, phase angle, illumination,
-            magnitude with sigma and source, age of the element set, and errors along the track (``along_track_sigma_s``,
-            the half width that holds 68 % of the delays) and across it; ``position_source`` is ``element set``, or
-            ``ephemeris`` and the name of the file.
+            magnitude with sigma and source, age of the element set, and errors along the track
+            (``along_track_sigma_s``, half width that contains 68 % of the delays) and across it. ``position_source`` is
+            ``element set``, or ``ephemeris`` and the file name.
 
         Raises
         ------
         StreakcastError
-            No satellite of the given number, name or generation; more than a million places.
+            There is no satellite with this number, name or generation, or there are more than a million positions.
         ValueError
-            No selection of satellites.
+            No satellites are selected.
         TypeError
-            A bare number as time without a scale.
+            A number is given as time without a scale.
 
         Warns
         -----
         StreakcastWarning
-            Numbers that are not in the element sets; omitted satellites; old element sets.
+            Numbers without an element set; omitted satellites; old element sets.
         """
         request: dict[str, Any] = dict(
             norad=_norad_ids(norad), name=_texts(name, "name"), generation=_texts(generation, "generation"),
@@ -295,7 +296,7 @@ class SiteQueries(ModelState):
         scale: Union[str, None] = None,
         output: str = "auto",
     ) -> Identification:
-        """Returns the ranked candidate satellites for a measured streak, as printed by ``streakcast identify``.
+        """Returns the candidate satellites for a measured streak, as printed by ``streakcast identify``.
 
         The streak is specified in one of four ways: ``ends`` (with ``times``, or in an exposure), ``place`` with
         ``position_angle``, ``pixels`` of a ``frame``, or a ``region``. Element sets are selected for that time, as on
@@ -312,10 +313,10 @@ class SiteQueries(ModelState):
         position_angle : float or `~astropy.units.Quantity`
             Position angle of the streak at the midpoint, in either direction, from north through east, degrees.
         length : float or `~astropy.units.Quantity`, optional
-            Length of the whole streak, degrees, with ``place``.
+            Length of the whole streak, degrees; used with ``place``.
         frame : path
-            A FITS file that contains the streak: provides world coordinates, and the exposure times unless given (also
-            for ``region`` and ``ends``).
+            FITS file that contains the streak, with world coordinates and, if they are not given, the exposure times
+            (also for ``region`` and ``ends``).
         pixels : two pairs
             Both ends in the frame, ``((x, y), (x, y))``.
         origin : {0, 1}
@@ -329,18 +330,18 @@ class SiteQueries(ModelState):
         exposure : float or `~astropy.units.Quantity`, optional
             Length of the exposure, seconds.
         whole_streak : bool
-            Whether both ends are inside the frame, i.e. mark the satellite at shutter opening and closing.
+            Whether both ends are positions of the satellite at shutter opening and closing, inside the frame.
         place_sigma : float or `~astropy.units.Quantity`, optional
-            Standard deviation of an end's position, arcsec; default 5, 3 pixels in a frame, or a quarter of a region's
-            width.
+            Standard deviation of the position of an end, arcsec; default 5, 3 pixels in a frame, or a quarter of the
+            width of a region.
         time_sigma : float or `~astropy.units.Quantity`, optional
-            Standard deviation of the clock, seconds; default 0.5.
+            Standard deviation of the clock error, seconds; default 0.5.
         angle_sigma : float or `~astropy.units.Quantity`, optional
             Standard deviation of ``position_angle``, degrees; default 1.
         include_dark : bool
-            Whether to include satellites in the Earth's shadow.
+            Whether satellites in the Earth's shadow are included.
         top : int
-            Maximum number of candidates listed.
+            Largest number of listed candidates.
         scale : {"utc", "tai", "tt"}, optional
             Scale of bare numbers as times.
         output : {"auto", "qtable", "dict"}
@@ -353,11 +354,11 @@ class SiteQueries(ModelState):
         Raises
         ------
         StreakcastError
-            An invalid streak: coincident ends, pixels outside the frame, below the horizon, an invalid file.
+            The streak is invalid: identical ends, pixels outside the frame, below the horizon, or an invalid file.
         ValueError
-            None or several of the four ways given.
+            None or more than one of the four ways is used.
         TypeError
-            A bare number as time without a scale.
+            A number is given as time without a scale.
         """
         scale = self._scale(scale)
         request = streak_request(

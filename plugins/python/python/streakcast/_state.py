@@ -23,17 +23,17 @@ from .errors import ChangedFileError, StreakcastWarning
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-# Loaded satellites of this process, shared by models made from the same files, so that copies and unpickled models are
-# cheap.
+# Satellites that are loaded in this process. They are common to models made from the same files, so that copies and
+# unpickled models need little time and memory.
 _sky_caches: "weakref.WeakValueDictionary[tuple[Any, ...], _core.SkyCache]" = weakref.WeakValueDictionary()
 _sky_caches_lock = threading.Lock()
-# Handler of a model's warnings, used instead of Python's warning filters. Local to thread and task, unlike
+# Handler for the warnings of models, used instead of Python's warning filters. It applies to one thread or task, unlike
 # `warnings.catch_warnings`.
 _warning_handler: "ContextVar[Union[Callable[[str], None], None]]" = ContextVar("streakcast_warning_handler", default=None)
 
 
 def _after_fork() -> None:
-    """Replaces the lock in a forked child: its owner may be a thread of the parent, which would never release it."""
+    """Replaces the lock in a forked child process, where it may be held by a thread that does not exist there."""
     global _sky_caches_lock
     _sky_caches_lock = threading.Lock()
 
@@ -44,7 +44,7 @@ if hasattr(os, "register_at_fork"):
 
 @contextlib.contextmanager
 def handle_warnings(handler: Callable[[str], None]) -> Iterator[None]:
-    """Passes the warnings of models inside the context to a function; other warnings are not affected."""
+    """Passes the warnings of models inside the context to a function. Other warnings are not affected."""
     token = _warning_handler.set(handler)
     try:
         yield
@@ -61,7 +61,7 @@ def _warn(message: str, stacklevel: int) -> None:
 
 
 class ModelState:
-    """Arguments and loaded satellites, shared by copies; read on first use after unpickling."""
+    """Arguments and loaded satellites, common to copies. After unpickling, satellites are read on first use."""
 
     def _begin(self, state: dict[str, Any]) -> None:
         self._state = state
@@ -70,7 +70,7 @@ class ModelState:
         self._issued_warnings: set[str] = set()
 
     def _open(self) -> tuple[_core.SkyCache, _core.Engine]:
-        """Returns satellites and engine; reads them on first use after unpickling."""
+        """Returns satellites and engine. After unpickling, they are read on first use."""
         opened = self._opened
         if opened is None:
             with self._lock:
@@ -126,7 +126,7 @@ class ModelState:
         return f"StreakModel({arguments})"
 
     def with_options(self, **changes: Any) -> "Self":
-        """Returns a model with another field, telescope, policy or band that shares the satellites of this model.
+        """Returns a model with another field, telescope, policy or band and the same satellites.
 
         Parameters
         ----------
@@ -156,13 +156,13 @@ class ModelState:
 
     @property
     def files(self) -> dict[str, Union[str, None]]:
-        """Paths of all files that this model was made from, with the SHA-256 of each."""
+        """Paths and SHA-256 of all files from which this model was made."""
         self._open()
         return dict(self._state["files"])
 
     @property
     def mjd_scale(self) -> Union[str, None]:
-        """Time scale of bare numbers."""
+        """Time scale of numbers given as times."""
         return self._open()[1].time_scale
 
     def _scale(self, scale: Union[str, None]) -> Union[str, None]:
@@ -175,7 +175,7 @@ class ModelState:
         return float(jd1), float(jd2)
 
     def changed_files(self) -> list[str]:
-        """Returns the files changed since this model was made: missing, partially written, or new.
+        """Returns the files that have changed since this model was made: missing, incompletely written, or new.
 
         Returns
         -------
@@ -185,7 +185,7 @@ class ModelState:
         return [path for path, digest in self._state["files"].items() if _sha256(path) != digest]
 
     def reloaded(self) -> "Self":
-        """Returns a model of the same arguments, made from the present files. This model remains valid and unchanged.
+        """Returns a new model with the same arguments, made from the current files. This model is not changed.
 
         Returns
         -------
@@ -194,14 +194,14 @@ class ModelState:
         Raises
         ------
         SetupError
-            If a file is missing or invalid; the old model can still be used.
+            If a file is missing or invalid. The old model can still be used.
         """
         model = self._of_state({**self._state, "files": None})
         model._open()
         return model
 
     def key(self) -> str:
-        """Returns a string of all that determines the results besides the request: arguments and hashes of all files.
+        """Returns a string that determines the results of all requests: arguments and hashes of all files.
 
         Returns
         -------
@@ -219,12 +219,12 @@ class ModelState:
 
 
 def _files(setup: str, config: Union[str, None]) -> list[str]:
-    """Returns all files named by a setup."""
+    """Returns all files in a configuration document."""
     return sorted(os.fspath(path) for path in _core.setup_files(setup, config))
 
 
 def _sha256(path: str) -> Union[str, None]:
-    """Returns the hash of a file's content; `None` if unreadable (the error is reported when the file is used)."""
+    """Returns the hash of a file; `None` if it cannot be read (the error is reported when the file is used)."""
     digest = hashlib.sha256()
     try:
         with open(path, "rb") as file:

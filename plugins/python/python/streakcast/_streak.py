@@ -1,4 +1,4 @@
-"""Conversion of a measured streak to a request document, the same as that of the other interfaces of streakcast."""
+"""Conversion of a measured streak to a request document, as used by all interfaces of streakcast."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ._quantities import directions, is_of, scalar
 from ._setup import absolute
 from ._times import is_time, to_tai
 
-#: Forms in which a streak can be specified.
+#: Ways to specify a streak.
 _FORMS = "ends; place with position_angle; pixels of a frame; or region"
 
 
@@ -36,7 +36,7 @@ def streak_request(
     angle_sigma: Any,
     scale: Union[str, None],
 ) -> dict[str, Any]:
-    """Returns the request document; arguments as in `StreakModel.identify`."""
+    """Returns the request document. Arguments are those of `StreakModel.identify`."""
     ways = dict(ends=ends, place=place, pixels=pixels, region=region)
     named = [name for name, value in ways.items() if value is not None]
     if len(named) != 1:

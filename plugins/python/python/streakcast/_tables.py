@@ -1,4 +1,4 @@
-"""Conversion of the library's columns to an astropy `QTable`, or to a dictionary of arrays without astropy."""
+"""Conversion of columns of the library to an astropy `QTable` or, without astropy, to a dictionary of arrays."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ TableLike = Any
 
 
 def is_qtable(output: str) -> bool:
-    """Returns true if a result with this setting is a `QTable`."""
+    """Returns True if results with this setting are a `QTable`."""
     if output not in ("auto", "qtable", "dict"):
         raise ValueError(f"output is '{output}'; allowed: auto, qtable, dict")
     return output == "qtable" or (output == "auto" and importlib.util.find_spec("astropy") is not None)
@@ -63,13 +63,13 @@ def _qtable(columns: list[dict[str, Any]], meta: dict[str, Any]) -> Any:
 
 
 def time_of(jd1: Any, jd2: Any) -> Any:
-    """Returns an astropy `Time`, UTC, of two-part Julian dates, TAI; NaN values are masked."""
+    """Returns an astropy `Time`, UTC, for two-part Julian dates, TAI. NaN values are masked."""
     from astropy.time import Time
 
     missing = np.isnan(jd1)
     if not missing.any():
         return _utc(Time(jd1, jd2, format="jd", scale="tai"))
-    # Missing values are replaced by a valid date for the conversion to UTC, then masked.
+    # Missing values are replaced by a valid date, converted to UTC, and then masked.
     filled = np.where(missing, 2_451_545.0, jd1)
     time = _utc(Time(filled, np.where(missing, 0.0, jd2), format="jd", scale="tai")).copy()
     time[missing] = np.ma.masked

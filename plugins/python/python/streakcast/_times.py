@@ -1,4 +1,4 @@
-"""Conversion of times of all supported types to two-part Julian dates, TAI."""
+"""Conversion of times of all accepted types to two-part Julian dates, TAI."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _ALLOWED = (
 
 
 class TwoPartTai(NamedTuple):
-    """Times already converted to two-part Julian dates, TAI."""
+    """Times that are already two-part Julian dates, TAI."""
 
     #: Integer or half-integer part, days.
     jd1: FloatArray
@@ -32,7 +32,7 @@ class TwoPartTai(NamedTuple):
 
 
 def is_time(value: object) -> bool:
-    """Returns True if the value is an `astropy.time.Time`; does not import astropy."""
+    """Returns True if the value is an `astropy.time.Time`. Does not import astropy."""
     module = sys.modules.get("astropy.time")
     return module is not None and isinstance(value, module.Time)
 
@@ -94,7 +94,7 @@ def _from_text(array: npt.NDArray[Any], scale: Union[str, None], what: str) -> t
 
 
 def _has_scale(text: str) -> bool:
-    """Returns false for a valid time without a scale. Text that is not a time returns true: the library rejects it later."""
+    """Returns False for a valid time without a scale. For other text it returns True; the library rejects it later."""
     try:
         _core.times_from_text([text], None)
         return True

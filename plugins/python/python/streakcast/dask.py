@@ -1,4 +1,4 @@
-"""Verdicts of a survey's visits on a Dask cluster, one task per night; requires ``distributed`` and ``pyarrow``."""
+"""Verdicts on the visits of a survey, computed on a Dask cluster; requires ``distributed`` and ``pyarrow``."""
 
 from __future__ import annotations
 
@@ -34,11 +34,11 @@ def annotate(
     scale: Union[str, None] = None,
     retries: int = 3,
 ) -> list[Path]:
-    """Computes the verdicts of a survey's visits, one Parquet file per night.
+    """Computes the verdicts on the visits of a survey, and writes one Parquet file per night.
 
-    Each night is one task. Its worker reads the model's files by their paths (once per worker), uses one thread, and
-    writes the night's file atomically. Nights with an existing file for the same visits and the same model are skipped,
-    so that an interrupted run can be resumed. The task of a lost worker is rescheduled, and its partial file is
+    Each night is one task. The worker reads the files of the model from their paths (once per worker), uses one thread,
+    and writes the file of the night atomically. Nights with a valid file for the same visits and model are skipped, so
+    that an interrupted run can be resumed. If a worker is lost, its task is run again and its temporary file is
     deleted.
 
     Parameters
@@ -47,20 +47,20 @@ def annotate(
         ``ra_deg, dec_deg, start, exposure_s`` and, optionally, ``rotation_deg, band``: arrays ``(n,)``, a `QTable` or a
         data frame.
     model : StreakModel
-        The model to use; its files must be readable by every worker under the same paths.
+        Model to use. All workers must be able to read its files from the same paths.
     client : distributed.Client
-        The cluster.
+        Client of the cluster.
     folder : path
-        Folder of the files ``night-<number>.parquet``, on a file system shared by all workers.
+        Folder of the files ``night-<number>.parquet``, on a file system that all workers can use.
     scale : {"utc", "tai", "tt"}, optional
         Scale of bare numbers (MJD) in ``start``; default: the model's ``mjd_scale``.
     retries : int
-        Number of retries of a failed night.
+        Number of further attempts for a failed night.
 
     Returns
     -------
     list of Path
-        The nights' files in order of time. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
+        Files of the nights in time order. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``,
         ``brightest_mag``, ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``; `read` returns
         all nights in one table.
 
@@ -98,7 +98,7 @@ def annotate(
                 client.submit(_one_night, part, rows, model, str(path), key, retries=retries, key=f"night-{int(night)}-{key[:16]}")
             )
     client.gather(tasks)
-    # Deletes partial files of lost workers; a failure to delete does not affect the results.
+    # Deletes temporary files of lost workers. If that fails, the results are not affected.
     prefixes = tuple(_scratch_prefix(path) for path in files)
     for partial in [path for path in output.glob(".night-*") if path.name.startswith(prefixes)]:
         with suppress(OSError):
@@ -134,12 +134,12 @@ def _names(visits: "Mapping[str, Any]") -> list[str]:
 
 def _column(visits: "Mapping[str, Any]", name: str) -> Any:
     column = visits[name]
-    # Columns of a data frame are not arrays.
+    # Columns of a data frame are not NumPy arrays.
     return column.to_numpy() if hasattr(column, "to_numpy") else column
 
 
 def _digest(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel) -> str:
-    """Returns a hash of everything that determines the result of a night."""
+    """Returns a hash of all data that determine the result of a night."""
     digest = hashlib.sha256(json.dumps([_core.__version__, model.key()]).encode())
     for name, column in sorted({**part, "visit": rows}.items()):
         digest.update(name.encode())
@@ -163,11 +163,11 @@ def _scratch_prefix(path: Path) -> str:
 
 
 def _one_night(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str) -> int:
-    """Task of a worker: writes the verdicts of one night and returns the number of visits."""
+    """Writes the verdicts of one night, in a worker. Returns the number of visits."""
     import pyarrow
     import pyarrow.parquet
 
-    # Dask assigns the cores to workers; effective only before the first computation in this process.
+    # Dask distributes the cores among workers. This is effective only before the first computation in this process.
     os.environ.setdefault("RAYON_NUM_THREADS", "1")
     verdicts = model.assess(
         (part["ra_deg"], part["dec_deg"]),

@@ -1,4 +1,4 @@
-"""Exceptions and warnings besides `StreakcastError` (invalid request) and `SetupError` (invalid arguments of a model)."""
+"""Exceptions and warnings other than `StreakcastError` (invalid request) and `SetupError` (invalid model arguments)."""
 
 from ._core import SetupError
 

@@ -1,4 +1,4 @@
-"""Integration of a model into a scheduler: errors of streakcast and changed files never stop the scheduler."""
+"""Integration of a model into a scheduler: errors of streakcast and changed files do not stop the scheduler."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from .model import StreakModel
 
 Answer = TypeVar("Answer")
 
-#: Tolerated distance between the host's site and the model's, kilometres: half the width of a survey field at the
+#: Accepted distance between the site of the host and that of the model, km: half the width of a survey field at the
 #: nearest satellites.
 SITE_TOLERANCE_KM = 1.0
-#: Tolerated difference between the host's clock and this computer's, seconds: a satellite moves half a degree in that
-#: time.
+#: Accepted difference between the clocks of the host and of this computer, seconds. A satellite moves by half a degree
+#: in this time.
 CLOCK_TOLERANCE_S = 1.0
-#: Difference between the host's time and this computer's clock above which the host simulates a night, seconds.
+#: Difference between the clocks, seconds, above which the host is taken to simulate a night.
 SIMULATED_NIGHT_S = 600.0
-#: Time without changes after which a replaced file is read, seconds.
+#: Time without changes after which a new file is read, seconds.
 SETTLED_S = 2.0
-#: Maximum delay before unreadable files are read again, seconds; the delay starts at `watch_s` and doubles each time.
+#: Longest delay before unreadable files are read again, seconds. The first delay is `watch_s`; it is doubled each time.
 MAX_RETRY_S = 1800.0
-#: Maximum wait for new files before another process starts, seconds.
+#: Longest wait for new files before another process is started, seconds.
 MAX_WAIT_S = 10.0
-#: Number of hooks in other processes with counters that are read; the least recently active ones are dropped unless
-#: they are still referenced here.
+#: Number of hooks in other processes whose counters are read. The least recently active ones are dropped, except those
+#: that are still referenced here.
 MAX_REMOTE_HOOKS = 32
-#: New files are rejected as broken if they contain less than this fraction of the previous number of satellites.
+#: New files are rejected if they contain less than this fraction of the previous number of satellites.
 MIN_SATELLITE_SHARE = 0.5
 
 _UNIX_EPOCH_JD = 2_440_587.5
@@ -43,25 +43,25 @@ _DAY_S = 86_400.0
 
 
 class Hook:
-    """Adapter between a host and a model: returns a fallback if the model fails, counts events, logs problems once.
+    """Adapter between a host and a model: returns a fallback after errors, counts events, and logs each problem once.
 
     Parameters
     ----------
     model : StreakModel
-        The model. It is created by the caller, so that invalid arguments are reported at construction, not at night.
+        Model to use. It is created by the caller, so that invalid arguments are errors at construction.
     name : str
         Name of the host; the logger is ``streakcast.<name>``.
     watch_s : float
-        Interval between checks of the model's files, seconds. Replaced files are read in the background, and the new
-        model is used from then on. While files are missing, partially written or invalid, the old model stays in use,
-        and reading is retried after ``watch_s``, with the delay doubled each time, up to half an hour.
+        Interval between checks of the files of the model, seconds. New files are read in the background, and the new
+        model is then used. While files are missing, incomplete or invalid, the old model is used, and files are read
+        again after ``watch_s``, with a delay that is doubled each time, up to half an hour.
 
     Attributes
     ----------
     counts : collections.Counter
-        ``asked`` (calls of `ask`), ``failed``, ``reloaded``, ``kept_old`` (changed files rejected, each time),
-        ``warned`` (warnings of the model: old element sets, rejected records), ``site`` and ``clock`` (mismatch, or not
-        available), and counters of the host.
+        ``asked`` (calls of `ask`), ``failed``, ``reloaded``, ``kept_old`` (changed files that were rejected),
+        ``warned`` (warnings of the model: old element sets, rejected records), ``site`` and ``clock`` (different or not
+        readable), and counters of the host.
     """
 
     def __init__(self, model: StreakModel, name: str, *, watch_s: float = 60.0) -> None:
@@ -71,8 +71,8 @@ class Hook:
             raise ValueError(f"watch_s is {watch_s}; allowed: seconds above 0")
         self._state = HookState(model, name, watch_s, Counter())
 
-    # Hosts copy their schedulers and use the copies, so all copies of one process share model, counters and logged
-    # messages.
+    # Hosts copy their schedulers and use the copies. All copies in a process therefore use the same model, counters and
+    # logged messages.
     def __copy__(self) -> "Hook":
         copy = type(self).__new__(type(self))
         copy._state = self._state
@@ -90,29 +90,29 @@ class Hook:
 
     @property
     def model(self) -> StreakModel:
-        """The model in use."""
+        """Model in use."""
         return self._state.model
 
     @property
     def counts(self) -> "Counter[str]":
-        """Event counters, shared by copies in one process and by hooks made with `for_process`."""
+        """Counts of events, common to copies in one process and to hooks made by `for_process`."""
         if self._state.remote_hooks:
             self._collect()
         return self._state.counts
 
     @property
     def logger(self) -> logging.Logger:
-        """Logger of problems: ``streakcast.<name>``."""
+        """Logger for problems: ``streakcast.<name>``."""
         return logging.getLogger(f"streakcast.{self._state.name}")
 
     def ask(self, question: Callable[[StreakModel], Answer], otherwise: Answer) -> Answer:
-        """Evaluates a function of the model; returns a fallback if it raises any exception.
+        """Returns the result of a function of the model, or a fallback if the function raises an exception.
 
         Parameters
         ----------
-        question : callable
+        Function with the model as argument.
             Function of the model.
-        otherwise : object
+        Value that is returned if the function raises an exception.
             Return value if the function raises.
 
         Returns
@@ -129,7 +129,7 @@ class Hook:
             return otherwise
 
     def note(self, counter: str, message: str, *, kind: Union[str, None] = None, level: int = logging.WARNING) -> None:
-        """Counts an event and logs each kind of message once.
+        """Counts an event, and logs each kind of message once.
 
         Parameters
         ----------
@@ -138,7 +138,7 @@ class Hook:
         message : str
             Log message.
         kind : str, optional
-            Messages of one kind are logged once; default: the message up to its first digit.
+            Messages of the same kind are logged once; default: the message up to its first digit.
         level : int
             Level of the log line.
         """
@@ -153,14 +153,13 @@ class Hook:
             self.logger.log(level, "%s (logged once; counted as '%s')", message, counter)
 
     def see_site(self, location: Any) -> None:
-        """Compares the host's site with the model's; notes a distance above 1 km, or an unreadable site, as ``site``.
+        """Compares the site of the host with that of the model. Counts ``site`` above 1 km, or if it cannot be read.
 
         Parameters
         ----------
         location : `~astropy.coordinates.EarthLocation` or triple, or callable
-            The site, or ``(latitude, longitude, height)`` in degrees, degrees east and metres; or a function that reads
-            it from the host, so that its exceptions are caught here. If the function returns `None`, nothing is
-            compared.
+            Site, or ``(latitude, longitude, height)`` in degrees, degrees east and metres; or a function that reads it
+            from the host, so that its exceptions are caught here. If the function returns `None`, nothing is compared.
         """
         try:
             site = self._state.model.site
@@ -186,9 +185,9 @@ class Hook:
             self.note("site", message, kind="site")
 
     def see_clock(self, now: Union[TimeLike, Callable[[], TimeLike]], scale: Union[str, None] = None) -> None:
-        """Compares the host's time with this computer's; notes a difference above 1 s, or an unreadable time, as ``clock``.
+        """Compares the time of the host with the clock. Counts ``clock`` above 1 s, or if it cannot be read.
 
-        Simulated nights (differences of ten minutes and more) are accepted.
+        Simulated nights, with differences of ten minutes or more, are accepted.
 
         Parameters
         ----------
@@ -215,7 +214,7 @@ class Hook:
             self.note("clock", message, kind="clock")
 
     def settle(self, most_s: Union[float, None] = None) -> None:
-        """Waits until the background reading of files has finished, at most for the given seconds."""
+        """Waits until the files that are being read in the background have been read, at most ``most_s`` seconds."""
         reading = self._state.reading
         if reading is not None:
             reading.join(most_s)
@@ -223,12 +222,12 @@ class Hook:
     # Other processes -------------------------------------------------------------------------------------------------
 
     def for_process(self) -> "Hook":
-        """Returns a hook for another process that is about to start (forked or spawned); reads changed files first.
+        """Returns a hook for another process that is about to start (forked or spawned). Changed files are read first.
 
-        Its counters and its first log message are read here through shared memory, by ``counts`` and by the next call
-        of this method, even if that process was killed. At least the 32 most recently active hooks are read. New
-        element files that the other process reads do not affect this hook. The hook holds the present model: call this
-        method for each process.
+        Its counters and its first log message are read in shared memory, by ``counts`` and by the next call of this
+        method, also if that process was killed. At least the 32 most recently active hooks are read. New element files
+        that the other process reads do not affect this hook. The hook contains the current model: call this method for
+        each process.
 
         Returns
         -------
@@ -237,8 +236,8 @@ class Hook:
         self._collect()
         state = self._state
         try:
-            # Checks files now: a process that starts before the next check, or while files are read, would use the old
-            # ones.
+            # Files are checked now, because a process that starts before the next check, or while files are read, would
+            # use the old files.
             state.next_check_s = 0.0
             self._watch()
             self.settle(MAX_WAIT_S)
@@ -264,14 +263,14 @@ class Hook:
                     for name, count in counts.items():
                         state.counts[name] += count - remote.collected.get(name, 0)
                     remote.collected = counts
-                    # The most recently active hooks are last.
+                    # The most recently active hooks are last in the list.
                     state.remote_hooks.remove(remote)
                     state.remote_hooks.append(remote)
                 message = remote.mailbox.message()
                 if message and "process:" + message not in state.logged_kinds:
                     state.logged_kinds.add("process:" + message)
                     messages.append(message)
-            # Whether a process still runs is unknown here: `Process` deletes its arguments when it starts.
+            # It is not known here whether a process still runs: `Process` deletes its arguments when it starts.
             inactive = state.remote_hooks[:-MAX_REMOTE_HOOKS]
             state.remote_hooks = [one for one in inactive if one.state() is not None] + state.remote_hooks[len(inactive) :]
         for message in messages:
@@ -280,7 +279,7 @@ class Hook:
     # New files -------------------------------------------------------------------------------------------------------
 
     def _watch(self) -> None:
-        """Checks the files if the interval has elapsed."""
+        """Checks the files if the interval between checks has passed."""
         state = self._state
         if clock.monotonic() < state.next_check_s:
             return
@@ -295,9 +294,9 @@ class Hook:
         if missing:
             self.note("kept_old", f"{missing[0]} is missing; the satellites read before stay in use", kind=f"missing {missing[0]}")
             return
-        # A modification time in the future (another computer's clock) gives no age.
+        # If the modification time is in the future (from the clock of another computer), the age is unknown.
         if any(stat is not None and 0.0 <= clock.time() - stat[0] / 1e9 < SETTLED_S for stat in now.values()):
-            # The file may still be being written.
+            # The file may not be written completely.
             state.next_check_s = clock.monotonic() + min(state.watch_s, SETTLED_S)
             return
         if now != state.seen:
@@ -322,12 +321,12 @@ class Hook:
             self.note("kept_old", f"the new files contain {after} satellites, {before} before; the old ones stay in use", kind="shrunk")
         except Exception as error:  # noqa: BLE001 - the old model remains usable
             self.note("kept_old", f"the new files cannot be read, the old satellites stay in use: {error}")
-        # Partially written files may be completed within the same modification time, and a file server may recover.
+        # Incomplete files may be completed without a new modification time, and a file server may recover.
         state.retry_delay_s = min(max(2.0 * state.retry_delay_s, state.watch_s), max(MAX_RETRY_S, state.watch_s))
         state.retry_at_s = clock.monotonic() + state.retry_delay_s
 
     def _warned(self, message: str) -> None:
-        """Notes a warning of the model; its kind is the text without digits, which differ from night to night."""
+        """Counts a warning of the model. Its kind is the text without digits, which differ from night to night."""
         self.note("warned", message, kind="".join(letter for letter in message if not letter.isdigit())[:80])
 
 
@@ -339,8 +338,7 @@ def _hook_of(
     try:
         hook._state = HookState(model, name, watch_s, counter, mailbox)
     except Exception:  # noqa: BLE001 - a hook never stops its host
-        # Files have changed, or are missing or partially written now: they are read by the first call that finds them
-        # complete.
+        # Files have changed, are missing or incomplete. They are read by the first call that finds them complete.
         model = type(model)._of_state({**model._state, "files": None})
         hook._state = HookState(model, name, watch_s, counter, mailbox, seen={})
     return hook

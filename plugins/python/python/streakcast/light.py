@@ -12,7 +12,7 @@ from ._quantities import aligned, number, scalar
 from ._setup import document
 from ._tables import TableLike, table_of
 
-#: One number or an array.
+#: Number or array.
 Numbers = Any
 
 
@@ -39,18 +39,18 @@ def standard_magnitudes(
     height: Numbers = 550.0,
     **light: Any,
 ) -> Numbers:
-    """Returns magnitudes at 1000 km for directions in the satellite's body frame, in full sunlight, the Sun at 1 au.
+    """Returns magnitudes at 1000 km for directions in the body frame of a satellite, in full sunlight, Sun at 1 au.
 
     Parameters
     ----------
-    model : str
+    Name from `model_names`, or a path that ends in ``.json``.
         A name of `model_names`, or a path that ends in ``.json``.
     sun_latitude : float, array or `~astropy.units.Quantity`
         Latitude of the Sun above the plane of the chassis, degrees.
     observer_longitude, observer_latitude : float, array or `~astropy.units.Quantity`
         Longitude of the observer from the Sun's azimuth, and latitude above the plane of the chassis, degrees.
     height : float, array or `~astropy.units.Quantity`
-        Height of the satellite above 6378.137 km, km; used for earthshine only.
+        Height of the satellite above 6378.137 km, km; used only for earthshine.
     **light
         ``band, mag_system, earthshine, models``.
 
@@ -85,23 +85,23 @@ def sky_magnitudes(
     Parameters
     ----------
     model : str
-        A name of `model_names`, or a path that ends in ``.json``.
+        Name from `model_names`, or a path that ends in ``.json``.
     azimuth, altitude : float, array or `~astropy.units.Quantity`
         Directions of the satellites: azimuth from north through east, altitude without refraction, degrees.
     sun_altitude, sun_azimuth : float or `~astropy.units.Quantity`
-        Position of the Sun, degrees; geometric, negative altitude below the horizon.
+        Geometric position of the Sun, degrees; negative altitudes are below the horizon.
     height : float or `~astropy.units.Quantity`
         Height of the satellites above 6378.137 km, km.
     **light
-        ``band, mag_system, earthshine, extinction, models, shadow``, and the site as ``site, mpc, lat, lon, height_m``;
-        without a site the Earth is a sphere.
+        ``band, mag_system, earthshine, extinction, models, shadow``, and the site as ``site, mpc, lat, lon, height_m``.
+        Without a site the Earth is a sphere.
 
     Returns
     -------
     magnitude : float or array
         NaN in the Earth's shadow, and where no lit surface is visible.
     range_km : float or array
-        Distance from observer to satellite.
+        Range from observer to satellite.
     """
     parts = np.broadcast_arrays(number(azimuth, "deg", "azimuth"), number(altitude, "deg", "altitude"))
     columns = [aligned(part.reshape(-1)) for part in parts]
@@ -129,12 +129,12 @@ def body_map(
     output: str = "auto",
     **light: Any,
 ) -> TableLike:
-    """Returns magnitudes at 1000 km over a satellite's body frame, as printed by ``streakcast map body``.
+    """Returns magnitudes at 1000 km over the body frame of a satellite, as printed by ``streakcast map body``.
 
     Parameters
     ----------
     model : str
-        A name of `model_names`, or a path that ends in ``.json``.
+        Name from `model_names`, or a path that ends in ``.json``.
     sun_latitude : float or `~astropy.units.Quantity`
         Latitude of the Sun above the plane of the chassis, degrees.
     height : float or `~astropy.units.Quantity`

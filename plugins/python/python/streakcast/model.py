@@ -1,4 +1,4 @@
-"""`StreakModel`: satellites over a site, for schedulers and notebooks."""
+"""`StreakModel`: satellites over a site, for use in schedulers and notebooks."""
 
 from __future__ import annotations
 
@@ -18,46 +18,46 @@ __all__ = ["Assessment", "ClearWindows", "Site", "StreakModel"]
 class StreakModel(ExposureQueries):
     """Satellites over a site, with a field of view, brightness models and a policy.
 
-    Arguments have the same names as the flags of the command line and the keys of its configuration file.
+    Arguments have the names of the command line flags and of the keys in configuration files.
 
     Parameters
     ----------
     site : str, `~astropy.coordinates.EarthLocation` or dict, optional
-        Name in the bundled table, a location, or ``{"latitude_deg": ..., "longitude_deg": ..., "height_m": ...}``. Also
-        ``mpc="X05"`` or ``lat=, lon=, height=`` (degrees, degrees east, metres).
+        Name in the bundled table, a location, or ``{"latitude_deg": ..., "longitude_deg": ..., "height_m": ...}``. The
+        site can also be given by ``mpc="X05"`` or ``lat=, lon=, height=`` (degrees, degrees east, metres).
     elements : path or list of paths, optional
-        Element sets (TLE, 3LE, or OMM in CSV, JSON, XML or KVN), and ephemerides of operators (OEM, Modified ITC) of
-        the same satellites, plain or gzipped.
+        Element sets (TLE, 3LE, or OMM in CSV, JSON, XML or KVN), and operator ephemerides (OEM, Modified ITC) of the
+        same satellites, plain or gzipped.
     shells : str or list of str, optional
-        Synthetic constellations by name (``"starlink-gen1"``), or paths of TOML files.
+        Simulated constellations by name (``"starlink-gen1"``), or paths of TOML files.
     telescope : str, path or dict, optional
-        A preset (``"rubin"``) or a TOML file: field of view, and parameters of the pixels lost to a streak.
+        Preset name (``"rubin"``) or TOML file: field of view, and parameters of the pixels lost to a streak.
     fov : str or `~astropy.units.Quantity`, optional
-        Full diameter of a circular field, with its unit: ``"3.5deg"``. Takes precedence over the telescope's field.
+        Diameter of a circular field, with its unit: ``"3.5deg"``. Overrides the field of the telescope.
     field : path or dict, optional
-        A field of any shape, instead of ``fov``.
+        Field of any shape, instead of ``fov``.
     model : str, path or dict, optional
-        Brightness model of all satellites, by name or as a JSON file; or ``{kind: model}``, as
-        ``{"oneweb": "oneweb-panels"}``. Takes precedence over ``models``.
+        Brightness model for all satellites, by name or as a JSON file; or models by generation, ``{"oneweb":
+        "oneweb-panels"}``. Overrides ``models``.
     models : dict, optional
         ``{"files": [...], "generations": {"oneweb": "my-model"}, "qs_mag": path}``.
     limit_mag : float or dict, optional
-        Magnitude limit: exposures with crossings that are probably brighter have the verdict ``avoid``; by band as ``{"g": 7, "default":
-        6}``.
+        Magnitude limit. If a brighter satellite probably crosses an exposure, its verdict is ``avoid``. By band:
+        ``{"g": 7, "default": 6}``.
     policy : path or dict, optional
         All limits: ``limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s,
         max_delay_s``.
     mjd_scale : {"utc", "tai", "tt"}, optional
-        Scale of bare numbers as times. Without it they raise `TypeError`.
+        Time scale of numbers given as times. Without it they raise `TypeError`.
     epoch : time, optional
-        Time for which element sets are selected and shells are generated, for all calls. Without it that is done for
-        each night (noon to noon by the site's mean Sun): the element set nearest to midnight for each object, shells
-        for 0h UTC of the evening's date.
+        Time for which element sets are selected and simulated constellations are generated, for all calls. Without it
+        this is done for each night (from noon to noon in mean solar time of the site): the element set of each object
+        nearest to midnight, and constellations for 0h UTC of the date of the evening.
     config : path, optional
-        A configuration file (TOML); arguments take precedence.
+        Configuration file (TOML). Arguments override it.
     on_changed_file : {"error", "warn"}
-        Behaviour of an unpickled model if one of its files has changed: raise `ChangedFileError`, or warn and use the
-        new file.
+        Behaviour of an unpickled model if one of its files has changed: raises `ChangedFileError`, or warns and uses
+        the new file.
     **more
         ``band, mag_system, earthshine, extinction, sun_distance, min_probability, max_delay, drag, shadow, eop, qs_mag,
         accept_bad_checksums, observer_elements, observer_norad, limb_height_km``, as on the command line.
@@ -65,14 +65,15 @@ class StreakModel(ExposureQueries):
     Raises
     ------
     SetupError
-        Invalid arguments: a missing or invalid file, an unknown name, a number out of range, a missing argument.
+        Arguments are invalid: a file is missing or invalid, a name is unknown, a number is out of range, or one is
+        missing.
     TypeError
-        An argument that does not exist.
+        An argument does not exist.
 
     Notes
     -----
-    A model can be used from several threads; long computations release the interpreter's lock. Copies share the
-    satellites. A pickle contains arguments, paths and hashes of files (below 10 kB), not the satellites: they are read
+    A model can be used by several threads, and long computations release the interpreter lock. Copies use the same
+    satellites. A pickle contains arguments, paths and hashes of files (below 10 kB), and no satellites, which are read
     again on first use.
     """
 
@@ -121,13 +122,13 @@ class StreakModel(ExposureQueries):
 
     @property
     def site(self) -> Union[Site, None]:
-        """Site of the telescope; `None` for a telescope in orbit."""
+        """Site; `None` for a telescope in orbit."""
         site = self._open()[0].site
         return None if site is None else Site(*site)
 
     @property
     def location(self) -> Any:
-        """The site as an `astropy.coordinates.EarthLocation`; `None` for a telescope in orbit."""
+        """Site as an `astropy.coordinates.EarthLocation`; `None` for a telescope in orbit."""
         from astropy.coordinates import EarthLocation
 
         site = self.site
@@ -137,7 +138,7 @@ class StreakModel(ExposureQueries):
 
     @property
     def field_radius_deg(self) -> Union[float, None]:
-        """Radius of the circle that holds the field of view, degrees; `None` without a field."""
+        """Radius of a circle that contains the field of view, degrees; `None` without a field."""
         return self._open()[1].field_radius_deg
 
     @property
@@ -162,7 +163,7 @@ class StreakModel(ExposureQueries):
         return self._open()[0].satellites(*self._moment(time, scale))
 
     def night(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
-        """Returns the number of the night that contains a time; it increases by one at each noon (the site's mean Sun).
+        """Returns the number of the night that contains a time. It increases by one at each mean noon of the site.
 
         Parameters
         ----------
@@ -179,7 +180,7 @@ class StreakModel(ExposureQueries):
         return self._open()[0].night(*self._moment(time, scale))
 
     def provenance(self, time: TimeLike, *, scale: Union[str, None] = None) -> dict[str, Any]:
-        """Returns the provenance of a night: files with hashes and epochs, site, models, the Earth's orientation.
+        """Returns the provenance of a night: files with hashes and epochs, site, models, Earth orientation.
 
         Parameters
         ----------
@@ -206,7 +207,7 @@ class StreakModel(ExposureQueries):
         exposure: Any = None,
         **options: Any,
     ) -> Injected:
-        """Adds the streaks of the model's satellites to a frame.
+        """Adds the streaks of the satellites to a frame.
 
         Parameters
         ----------

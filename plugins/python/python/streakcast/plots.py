@@ -1,4 +1,4 @@
-"""Charts of the results of `StreakModel`: PNG and SVG for notebooks and files, the same charts as ``streakcast plot``.
+"""Plots of the results of `StreakModel`, the same as those of ``streakcast plot``, as PNG and SVG.
 
 >>> from streakcast import StreakModel, plots
 >>> model = StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
@@ -6,7 +6,7 @@
 >>> plots.field(passes, (198.9, 7.7), fov_deg=3.5).size
 (1440, 846)
 
-Each function takes tables as the model returns them (a `QTable` or a dictionary of arrays) and returns a `Picture`,
+Each function takes tables as returned by the model (a `QTable` or a dictionary of arrays) and returns a `Picture`,
 which notebooks display.
 """
 
@@ -31,7 +31,7 @@ _DAY_NS = 86_400e9
 
 
 class Picture:
-    """A rendered chart, displayed by notebooks.
+    """Rendered plot, displayed by notebooks.
 
     Attributes
     ----------
@@ -66,7 +66,7 @@ class Picture:
         Raises
         ------
         ValueError
-            Any other file name extension.
+            The file name has another extension.
         OSError
             The file cannot be written.
         """
@@ -92,7 +92,7 @@ def night(
     scale: Union[str, None] = None,
     title: str = "",
 ) -> Picture:
-    """Timeline of a night: number and brightness of the streaks in each exposure.
+    """Plots a night: number and brightness of the streaks in each exposure.
 
     Parameters
     ----------
@@ -105,7 +105,7 @@ def night(
     utc_offset : float, optional
         Offset of the local time on the upper axis from UTC, hours.
     title : str
-        Title of the chart.
+        Title of the plot.
 
     Returns
     -------
@@ -114,7 +114,7 @@ def night(
     Raises
     ------
     StreakcastError
-        No data, columns of unequal length, or more than one night.
+        There are no data, columns differ in length, or there is more than one night.
     """
     brightest = _numbers(flags, "brightest_mag")
     streaks = _numbers(flags, "n_streaks")
@@ -127,7 +127,7 @@ def night(
 
 
 def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title: str = "") -> Picture:
-    """A field with the streaks that cross it: gnomonic, north up, east left.
+    """Plots a field with the streaks that cross it: gnomonic, north up, east left.
 
     Parameters
     ----------
@@ -136,9 +136,9 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
     target : SkyCoord or (ra, dec)
         Centre of the field in that call, ICRS.
     fov_deg : float, optional
-        Full diameter of a circular field for its outline, degrees.
+        Diameter of a circular field for its outline, degrees.
     title : str
-        Title of the chart.
+        Title of the plot.
 
     Returns
     -------
@@ -147,8 +147,8 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
     Raises
     ------
     StreakcastError
-        Neither streaks nor an outline; a diameter of 0 or less, or above 180 degrees; positions more than 75 degrees
-        from the centre.
+        There are neither streaks nor an outline, the diameter is not above 0 or is above 180 degrees, or a position is
+        more than 75 degrees from the centre.
     """
     ra, dec = (float(np.ravel(axis)[0]) for axis in directions(target))
     diameter = None if fov_deg is None else scalar(fov_deg, "deg", "fov_deg")
@@ -177,12 +177,12 @@ def light_curve(
     utc_offset: Union[float, None] = None,
     title: str = "",
 ) -> Picture:
-    """Magnitude along the track of one pass, with its uncertainty.
+    """Plots the magnitude along the track of one pass, with its error.
 
     Parameters
     ----------
     samples : sequence of dict
-        A cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)`` (all points lie in the field) or of
+        Cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)`` (all points are in the field) or of
         ``StreakModel.forecast(..., samples=100).passes`` (from rise to set), with ``utc``, ``magnitude`` and
         ``magnitude_sigma``.
     limit_mag : float, optional
@@ -190,7 +190,7 @@ def light_curve(
     utc_offset : float, optional
         Offset of the local time on the upper axis from UTC, hours.
     title : str
-        Title of the chart.
+        Title of the plot.
 
     Returns
     -------
@@ -199,10 +199,10 @@ def light_curve(
     Raises
     ------
     StreakcastError
-        Fewer than two points, or none with a magnitude.
+        There are fewer than two points, or no point has a magnitude.
     """
     times = _sample_times(samples)
-    # Samples from rise to set include unlit points and have the column illumination.
+    # Samples from rise to set include points in shadow, and have the column illumination.
     is_of_field = len(times) > 1 and "illumination" not in samples[0]
     return _drawn(
         "light_curve", title, limit_mag=limit_mag, utc_offset=utc_offset,
@@ -212,14 +212,14 @@ def light_curve(
 
 
 def sky_chart(passes: Any, *, title: str = "") -> Picture:
-    """Passes over the sky of a site, coloured by magnitude: zenith in the centre, north up, east left.
+    """Plots passes over the sky of a site, coloured by magnitude: zenith in the centre, north up, east left.
 
     Parameters
     ----------
     passes : QTable or dict of arrays, ``(n_passes,)``
         ``StreakModel.forecast(..., samples=100).passes``, or some of its rows; the 22 brightest are drawn.
     title : str
-        Title of the chart.
+        Title of the plot.
 
     Returns
     -------
@@ -228,9 +228,9 @@ def sky_chart(passes: Any, *, title: str = "") -> Picture:
     Raises
     ------
     StreakcastError
-        No passes, or passes with fewer than two points.
+        There are no passes, or a pass has fewer than two points.
     ValueError
-        A table without ``samples``.
+        The table has no column ``samples``.
     """
     names = passes.keys()
     if "samples" not in names:
@@ -255,20 +255,20 @@ def sky_rate(
     title: str = "Streaks per exposure",
     subtitle: str = "",
 ) -> Picture:
-    """Expected streaks per exposure over the sky of a site.
+    """Plots expected streaks per exposure over the sky of a site.
 
     Parameters
     ----------
     cells : array of int, ``(n_cells,)``
         HEALPix cells of azimuth and altitude in RING order, each once.
     rate : array of float, ``(n_cells,)``
-        Expected streaks, 0 or more.
+        Expected number of streaks, 0 or more.
     nside : int
         HEALPix resolution, 1 to 1024.
     sun_azimuth_deg : float
         Azimuth of the Sun, degrees from north through east.
     title, subtitle : str
-        Title and subtitle of the chart.
+        Title and subtitle of the plot.
 
     Returns
     -------
@@ -277,7 +277,7 @@ def sky_rate(
     Raises
     ------
     StreakcastError
-        No cells, an invalid or repeated cell, a negative rate.
+        There are no cells, a cell is invalid or repeated, or a rate is negative.
     """
     numbers = np.ravel(np.asarray(cells)).astype(np.uint64).tolist()
     values = np.ravel(np.asarray(rate, dtype=np.float64)).tolist()
@@ -295,7 +295,7 @@ def sun_altitude(
     bin_deg: float = 2.0,
     title: str = "Trails per exposure",
 ) -> Picture:
-    """Trails per exposure against the Sun's altitude.
+    """Plots trails per exposure against the altitude of the Sun.
 
     Parameters
     ----------
@@ -308,7 +308,7 @@ def sun_altitude(
     bin_deg : float
         Width of the bins, 0.1 to 30 degrees.
     title : str
-        Title of the chart.
+        Title of the plot.
 
     Returns
     -------
@@ -317,7 +317,7 @@ def sun_altitude(
     Raises
     ------
     StreakcastError
-        No data, columns of unequal length, invalid altitudes.
+        There are no data, columns differ in length, or altitudes are invalid.
     ValueError
         Only one of ``n_bright`` and ``limit_mag`` is given.
     """
@@ -340,7 +340,7 @@ def _drawn(
     utc_offset: Union[float, None] = None,
     **columns: Any,
 ) -> Picture:
-    """Draws a chart by name from its labels and its columns."""
+    """Draws a plot by name from its labels and columns."""
     local = None if utc_offset is None else (float(utc_offset), _clock_name(utc_offset))
     labels = {"title": title, "limit_mag": limit_mag, "local": local}
     plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in columns.items()}
@@ -349,7 +349,7 @@ def _drawn(
 
 def _sample_times(samples: Sequence[dict[str, Any]]) -> npt.NDArray[np.float64]:
     """Returns the times along a pass, MJD (UTC)."""
-    # An empty list is passed on: the chart reports what is missing.
+    # An empty list is passed on; the error states what is missing.
     return _mjd(np.array([str(point["utc"]) for point in samples], dtype=str), None)
 
 

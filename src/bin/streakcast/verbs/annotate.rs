@@ -42,7 +42,7 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
         .field()
         .check()?;
     let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
-    // The output is checked before the computation.
+    // The output is checked before the computation, which may be long.
     check_whole(&output)?;
     let judged = judge(&config, &schedule, typed.shard)?;
     let annotation = Annotation {

@@ -51,7 +51,7 @@ const STALE_DAYS: f64 = 3.0;
 pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
     let format = typed.output.format.as_deref().or(config.format.as_deref());
-    // The default is text also outside of a terminal.
+    // The default format is text, also if standard output is not a terminal.
     let is_text = format.is_none_or(|format| format == "table" || format == "text");
     let output = Output::new(if is_text { Some("table") } else { format }, typed.output.output.clone())?;
     let notices = begin(&config)?;
@@ -107,10 +107,10 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Returns the effect of the errors of the elements on the verdicts of a schedule.
+/// Returns the finding on how old elements affect the verdicts of a schedule.
 fn schedule_finding(config: &Config, schedule: &Path) -> Finding {
     const SUBJECT: &str = "schedule";
-    // The threads are set already, and the warnings of the inputs are findings.
+    // The thread pool exists already, and warnings about inputs are reported as findings.
     let run = RunConfig { threads: None, quiet: Some(true), ..config.run.clone() };
     let judged = match judge(&Config { run, ..config.clone() }, schedule, None) {
         Ok(judged) => judged,
@@ -178,7 +178,7 @@ fn cache_findings(
     found
 }
 
-/// Returns the text of the check: findings by severity, histogram of ages, satellites by model, and fetched files.
+/// Returns the text of the check: findings by severity, age histogram, number of satellites by model, and cached files.
 fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoch) -> String {
     let mut page = format!("Setup check for {}\n\n", format_utc(now, 0));
     for finding in &health.findings {
@@ -191,7 +191,7 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
         page += "\nAge of the element sets\n";
         let most = state.ages.iter().map(|bin| bin.count).max().unwrap_or(0).max(1);
         for bin in &state.ages {
-            // At least one character for a non-empty bin.
+            // A bar of a non-empty bin has at least one character.
             let length = (bin.count * BAR).div_ceil(most);
             page += format!("{:>17} {:>7} {}\n", label(bin), bin.count, "#".repeat(length)).as_str();
         }

@@ -1,4 +1,4 @@
-//! `ephemeris`: places of chosen satellites at given times.
+//! `ephemeris`: positions of chosen satellites at given times.
 
 use crate::arguments::{OutputArguments, reject_camera};
 use clap::Args;

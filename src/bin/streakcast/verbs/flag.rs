@@ -27,8 +27,8 @@ pub struct FlagArguments {
     /// Process only one share of the nights, for batch jobs: 3/100 is the third of 100 shares
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Exit with code 1 if any exposure has at least this verdict: streaked (or avoid), or avoid; with code 2 if none can
-    /// be judged
+    /// Exit with code 1 if any exposure has at least this verdict: streaked (or avoid), or avoid; with code 2 if none
+    /// can be judged
     #[arg(long, value_name = "VERDICT")]
     pub fail_on: Option<FailOn>,
     #[command(flatten)]
@@ -61,8 +61,8 @@ const ON_SCREEN: &[Shown] = &[
     shown("band", "band"),
 ];
 
-/// Checks that at least one exposure was judged: a script must not take a schedule of invalid rows for a clear one. A
-/// share of a batch without rows is accepted.
+/// Returns an error if no exposure was judged: scripts must not take a schedule of only invalid rows as clear. A batch
+/// share without rows is accepted.
 fn check_judged(report: &FlagReport, schedule: &Path) -> anyhow::Result<()> {
     let (flags, is_judged) = (&report.flags, |flag: &Verdict| flag.kind != VerdictKind::Invalid);
     match flags.first() {

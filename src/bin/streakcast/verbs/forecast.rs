@@ -23,7 +23,7 @@ use crate::output::{Answer, EXTENSIONS, FORMATS, Output};
 use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
-/// Help of `--format`, with the formats that only a forecast has.
+/// Help of `--format`, with the additional formats of a forecast.
 const FORMAT_HELP: &str = "Output format: table (default on a terminal), csv (default elsewhere), ecsv, json, jsonl, votable; optional parquet; \
      ics (calendar), tdm (CCSDS tracking data message), score (columns of SCORE)";
 
@@ -132,7 +132,7 @@ pub fn run(mut typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let is_invisible = found.found.passes.iter().all(|pass| pass.visible.is_none());
     let invisible = || is_invisible.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
     let why_invisible = why_empty.clone().or_else(invisible);
-    // This error precedes the writing of any file.
+    // This error is returned before any file is written.
     if let (Some(Document::TrackingData), Some(why)) = (document, &why_invisible) {
         return Err(anyhow!(
             "no visible pass for a tracking data message, which needs at least one: {why}; allowed: another --format"
@@ -196,7 +196,7 @@ fn open(typed: &ForecastArguments, config: &Config) -> anyhow::Result<(Output, O
     let extension = extension.map(str::to_ascii_lowercase);
     let given = typed.output.format.as_deref().or(config.format.as_deref());
     match given.or(extension.as_deref()).and_then(Document::by_name) {
-        // A document is written as text: the format `json` is used only to open the file.
+        // Documents are written as text; the format `json` is only used to open the file.
         Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
         None => {
             let output = Output::new(given, path).map_err(|error| {
@@ -214,7 +214,7 @@ fn angles(given: Option<&str>) -> anyhow::Result<AngleType> {
     })
 }
 
-/// Rejects flags that apply only to another format.
+/// Rejects flags that apply only to other formats.
 fn reject_unused(typed: &ForecastArguments, document: Option<Document>) -> anyhow::Result<()> {
     if typed.alarm.is_some() && document != Some(Document::Calendar) {
         return Err(anyhow!(

@@ -1,4 +1,4 @@
-//! `identify`: lists the candidates for a measured streak, the most probable first.
+//! `identify`: lists the candidates for a measured streak, in order of decreasing probability.
 
 use crate::arguments::{OutputArguments, reject_camera};
 use anyhow::anyhow;
@@ -53,7 +53,7 @@ const ON_SCREEN: &[Shown] = &[
     rounded("element_age_days", "age d", 1),
 ];
 
-/// Smallest probability of a candidate that is reported as likely.
+/// Smallest probability for which a candidate is reported as likely.
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
@@ -91,7 +91,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
             "unknown_probability": (found.unknown_probability * 1e6).round() / 1e6,
         }),
     );
-    // Without a fit the rows would be those of satellites far away.
+    // If no candidate fits, none is listed: all are far from the streak.
     let top = if found.is_without_fit() { 0 } else { typed.top };
     let rows = found.candidates.iter().take(top).map(|candidate| CandidateRow {
         candidate,
@@ -121,7 +121,7 @@ fn check_required(config: &Config, streak: &IdentifyConfig) -> anyhow::Result<()
     let has_position = streak.ra.is_some() || streak.dec.is_some() || streak.position_angle.is_some();
     let has_pixels = streak.from_pix.is_some() || streak.to_pix.is_some();
     let has_streak = has_position || has_pixels || !streak.end.is_empty() || streak.region.is_some();
-    // A frame may have the times in its header.
+    // The header of a frame may contain the times.
     let has_times = !streak.times.is_empty() || streak.image.is_some();
     let has_start = has_times || streak.start.is_some() || config.exposure.start.is_some();
     let has_duration = has_times || streak.exposure.is_some() || config.exposure.duration.is_some();

@@ -1,4 +1,4 @@
-//! `inject`: injects streaks of satellites, or random ones, into frames.
+//! `inject`: adds streaks of satellites, or random streaks, to frames.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
@@ -44,7 +44,7 @@ pub struct InjectArguments {
     pub config: Config,
 }
 
-/// All output files.
+/// Paths of all output files.
 pub struct Outputs {
     /// Output files of the frames.
     pub frames: Vec<PathBuf>,
@@ -53,9 +53,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Names and checks all outputs. `--output` is the file of a single frame, or a folder for files with the names of
-    /// the frames. No output may be one of `inputs`. The folder of the frames is
-    /// created.
+    /// Returns the paths of all outputs, after checking them. `--output` is the file of a single frame, or a folder for
+    /// files with the names of the frames, which is created. No output may be one of `inputs`.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
         let folder = frames[0].parent().filter(|folder| !folder.as_os_str().is_empty());
@@ -88,7 +87,7 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// Writes the tables of truth and trails, with the rows of all frames.
+    /// Writes the truth table and the table of trails, with the rows of all frames.
     pub fn write_tables(&self, done: &Injections, notices: &Notices) -> anyhow::Result<()> {
         type Choice = fn(&InjectedFrame) -> &Table;
         let truth: Choice = |frame| &frame.truth;
@@ -112,7 +111,7 @@ impl Outputs {
     }
 }
 
-/// Returns the pictures to be written, after a check of their names.
+/// Returns the paths of the pictures, after checking their names.
 #[cfg(feature = "plot")]
 fn picture_names(typed: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
     let pictures: Vec<&PathBuf> = typed.preview.iter().chain(&typed.preview_marked).collect();
@@ -133,7 +132,7 @@ fn picture_names(_: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
 /// Largest number of frames of one run.
 const MOST_FRAMES: usize = 100_000;
 
-/// Checks that the extension of a table is a text format.
+/// Returns the format of a table by its extension, or an error if it is not a text format.
 fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
     let end = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     match Format::by_name(&end) {
@@ -207,13 +206,13 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the input files, which no output may replace.
+/// Returns the paths of the input files, which outputs must not replace.
 fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
     typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Rejects flags without effect: flags of a field, and with random streaks those of satellites. The same keys in the
-/// configuration file are accepted, because other verbs use them.
+/// Rejects flags that have no effect: those of a field and, with random streaks, those of satellites. The same keys in
+/// a configuration file are accepted, because other verbs use them.
 fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
     let (flags, site) = (&typed.config, &typed.config.site);
     let of_fields = [
@@ -259,7 +258,7 @@ fn reject_unused(typed: &InjectArguments) -> anyhow::Result<()> {
 fn pictures(typed: &InjectArguments, done: &Injections, notices: &Notices) -> anyhow::Result<()> {
     use streakcast::images::{FrameFile, Overlay, preview_png};
     let pictures = [(&typed.preview, false), (&typed.preview_marked, true)];
-    // Pictures are for one frame.
+    // Pictures are only written for a single frame.
     let Some(frame) = done.frames.first().filter(|_| pictures.iter().any(|(path, _)| path.is_some())) else {
         return Ok(());
     };

@@ -1,4 +1,4 @@
-//! Computation of the verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
+//! Computes the verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
 
 use std::path::Path;
 
@@ -17,26 +17,26 @@ use streakcast::schedule::{
 
 use crate::notices::Notices;
 
-/// Number of rows judged between two updates of the progress bar. Rows of a night in one chunk share its preparation.
+/// Number of rows judged between two updates of the progress bar. Rows of one night in a chunk share computations.
 const ROWS_AT_A_TIME: usize = 1000;
 
 /// Largest number of threads. More threads take minutes to start.
 const MAX_THREADS: usize = 1024;
 
-/// A schedule with its verdicts.
+/// Schedule with its verdicts.
 pub struct Judged {
     pub schedule: Schedule,
     pub report: FlagReport,
     /// Provenance of the verdicts.
     pub provenance: Provenance,
     pub notices: Notices,
-    /// One row for each exposure and satellite.
+    /// Streaks: one row for each exposure and satellite.
     pub streaks: Table,
-    /// For a share of a batch, one value for each row of the file: true if the row is in `schedule`.
+    /// For a batch share: for each row of the file, true if it is in `schedule`.
     pub keep: Option<Vec<bool>>,
 }
 
-/// Sets the number of threads, and returns the notices of the run.
+/// Sets the number of threads, and returns the writer of messages.
 pub fn begin(config: &Config) -> anyhow::Result<Notices> {
     if let Some(threads) = config.run.threads {
         if !(1..=MAX_THREADS).contains(&threads) {
@@ -47,12 +47,12 @@ pub fn begin(config: &Config) -> anyhow::Result<Notices> {
     Ok(Notices::of(config))
 }
 
-/// Reads and judges a schedule, or its share of a batch.
+/// Reads and judges a schedule, or a batch share of it.
 pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Result<Judged> {
     let notices = begin(config)?;
     let plan = config.observation()?;
     let mut schedule = Schedule::read(path, &config.schedule_options()?)?;
-    // The sky is prepared for the whole schedule, so that all shares use the same element sets.
+    // The sky is prepared for the whole schedule, so that all batch shares use the same element sets.
     let judgeable = span(&schedule);
     let all_rows = schedule.exposures.len();
     let keep = match shard {
@@ -66,12 +66,12 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
     };
     let (report, streaks, mut provenance) = match judgeable {
         Some(_) if schedule.exposures.is_empty() => {
-            // With more shares than nights, some shares are empty.
+            // If there are more shares than nights, some shares have no rows.
             (FlagReport::default(), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
         }
         Some(span) => judge_rows(config, &schedule, span, &plan, &notices)?,
         None => {
-            // Without a valid time no sky can be prepared. All rows are then invalid, each with its reason.
+            // Without a valid time the sky cannot be prepared. All rows are invalid, each with its reason.
             notices.warn(&[none_judged(&schedule, path)]);
             (invalid_rows(&schedule), streak_table(std::iter::empty(), streak_columns(&plan.policy)), Provenance::new())
         }
@@ -96,15 +96,14 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
     Ok(Judged { schedule, report, provenance, notices, streaks, keep })
 }
 
-/// Returns a report in which no row was judged.
+/// Returns a report for a schedule in which no row can be judged.
 fn invalid_rows(schedule: &Schedule) -> FlagReport {
     let reasons = schedule.exposures.iter().filter_map(|row| Some((row, row.exposure.as_ref().err()?)));
     let flags: Vec<_> = reasons.map(|(row, reason)| Verdict::invalid(&row.id, reason.clone())).collect();
     FlagReport { flags, ..FlagReport::default() }
 }
 
-/// Judges all rows of a schedule that lasts from `first` to `last`; returns the report, the streaks and their
-/// provenance.
+/// Judges all rows of a schedule from `first` to `last`. Returns the report, the streaks and their provenance.
 fn judge_rows(
     config: &Config,
     schedule: &Schedule,
@@ -141,12 +140,12 @@ fn judge_rows(
     Ok((report, streaks, prepared.provenance))
 }
 
-/// Returns the optional columns of the streaks of a schedule.
+/// Returns the optional columns of the streak table of a schedule.
 fn streak_columns(policy: &Policy) -> StreakColumns {
     StreakColumns { p_brighter: policy.limit_mag.is_some(), ..StreakColumns::default() }
 }
 
-/// Returns the verdicts of all rows under a prepared sky; shows a progress bar if there are many.
+/// Returns the verdicts of all rows for a prepared sky. If there are many rows, a progress bar is shown.
 pub fn flag_rows(
     prepared: &PreparedSky,
     schedule: &Schedule,
@@ -204,7 +203,7 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
     warnings
 }
 
-/// Returns the first shutter opening and the last closing of the valid rows; `None` if no row is valid.
+/// Returns the first shutter opening and the last shutter closing of the valid rows; `None` if no row is valid.
 pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
     let exposures = || schedule.valid_exposures().map(|(_, exposure)| exposure);
     let first = exposures().map(|exposure| exposure.start).min();
@@ -227,7 +226,7 @@ pub fn options_json(config: &Config, policy: &Policy, telescope: Option<&str>) -
     })
 }
 
-/// Returns the field as given, for the provenance.
+/// Returns the field as given in the configuration, for the provenance.
 pub fn given_field(config: &Config) -> Value {
     match (&config.fov, &config.field) {
         (Some(size), _) if size.as_str().contains(['x', '×']) => json!({ "rectangle": size.as_str() }),

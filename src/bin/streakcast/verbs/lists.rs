@@ -1,4 +1,4 @@
-//! `sites` and `shells`: list the observatories by name and MPC code, and the simulated constellations.
+//! `sites` and `shells`: list observatories with their names and MPC codes, and simulated constellations.
 
 use clap::Args;
 use streakcast::elements::Constellation;

@@ -1,4 +1,4 @@
-//! Verbs of the command line, each in a file or folder with its flags.
+//! Verbs of the command line. Each has a file or folder that also defines its flags.
 
 pub mod annotate;
 pub mod doctor;

@@ -102,7 +102,7 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
     write(&output, &table_of(&library, &[typed.name.as_str()]))
 }
 
-/// Returns the bundled models and those of a configuration file.
+/// Returns the bundled brightness models and those of a configuration file.
 fn library_of(config: Option<&Path>) -> anyhow::Result<ModelLibrary> {
     Ok(config.map(Config::read).transpose()?.unwrap_or_default().model_library()?)
 }

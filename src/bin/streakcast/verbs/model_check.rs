@@ -1,4 +1,4 @@
-//! `model check`: validates model files and compares the models with published references.
+//! `model check`: validates model files, and compares models with published references.
 
 use anyhow::anyhow;
 use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
@@ -44,7 +44,7 @@ pub fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     }
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     let photometry = typed.data.as_deref().map(Photometry::read).transpose()?;
-    // Tests validate the bundled files.
+    // The bundled files are validated by tests.
     if !typed.files.is_empty() {
         checked.iter().for_each(|(origin, model)| notices.info(&format!("{origin}: {} is valid", model.source())));
     }

@@ -102,7 +102,7 @@ pub struct Prediction {
     pub exposure: Exposure,
     pub telescope: Option<Telescope>,
     pub options: PassOptions,
-    /// Magnitude limit for the band of the prediction.
+    /// Magnitude limit in the band of the prediction.
     pub limit_mag: Option<f64>,
     /// Sky with provenance and warnings.
     pub prepared: PreparedSky,
@@ -110,7 +110,7 @@ pub struct Prediction {
     pub notices: Notices,
 }
 
-/// Predicts the passes of the configuration's exposure.
+/// Computes the passes of the exposure in the configuration.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     Required::of(config).times().pointing().satellites().site().field().check()?;
     let notices = super::judged::begin(config)?;
@@ -141,7 +141,7 @@ impl Prediction {
         self.answer.by_exposure.first().map_or(&[], Vec::as_slice)
     }
 
-    /// Returns the passes as a table, with nested tables if `is_nested`.
+    /// Returns the passes as a table; with nested tables if `is_nested`.
     pub fn table(&self, is_nested: bool) -> Table {
         let rows = self.found().iter().map(|pass| StreakRow {
             exposure: &self.exposure,
@@ -168,7 +168,7 @@ fn state(
     options: &PassOptions,
     telescope: Option<&str>,
 ) {
-    // A start like 2024-08-14T00:30:00Z has its own scale, which overrides the given one.
+    // A start such as 2024-08-14T00:30:00Z states its time scale, which overrides `--time-scale`.
     let has_scale = config.exposure.start.as_ref().is_some_and(|start| parse_moment(start.as_str(), None).is_ok());
     let scale = config.given_time_scale().filter(|_| !has_scale).unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &options.photometry);
@@ -189,12 +189,12 @@ fn state(
     );
 }
 
-/// Returns degrees, rounded to remove the error of the conversion from radians.
+/// Returns degrees, rounded so that the conversion from radians adds no digits.
 fn round_deg(radians: f64) -> f64 {
     (radians.to_degrees() * 1e9).round() / 1e9
 }
 
-/// Returns satellites left out as a table.
+/// Returns the satellites whose position cannot be computed as a table.
 pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
     Table {
         columns: vec![

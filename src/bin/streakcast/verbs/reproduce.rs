@@ -1,4 +1,4 @@
-//! `reproduce`: compares published counts of satellites with computed ones.
+//! `reproduce`: compares published numbers of satellites with computed ones.
 
 use std::path::PathBuf;
 
@@ -67,7 +67,7 @@ const ON_SCREEN: &[Shown] = &[
     shown("agrees", "within 20 %"),
 ];
 
-/// Columns for a paper without printed counts, where the formula of the paper is evaluated instead.
+/// Columns for papers without printed numbers; the formula of the paper is evaluated instead.
 const METHOD_ON_SCREEN: &[Shown] = &[
     shown("quantity", "quantity"),
     rounded("by_method", "by their formula", 2),
@@ -76,16 +76,16 @@ const METHOD_ON_SCREEN: &[Shown] = &[
     shown("agrees", "within 20 %"),
 ];
 
-/// Dates of the first ten thousand visits, for which Hu et al. released counts: 2023-10-01 to 13, MJD.
+/// Dates (MJD) of the first ten thousand visits, for which Hu et al. released counts: 2023-10-01 to 13.
 const FIRST_VISITS_MJD: [f64; 2] = [60_218.0, 60_231.0];
-/// Accepted number of visits in these nights. Different baselines have slightly different numbers of visits per night.
+/// Accepted number of visits in these nights. It differs slightly between baseline simulations.
 const FIRST_VISITS: std::ops::RangeInclusive<usize> = 9_000..=11_000;
 
-/// Diameter of Rubin's field, degrees.
+/// Diameter of Rubin's field of view, degrees.
 const RUBIN_FIELD_DEG: f64 = 3.5;
 /// Highest altitude of the Sun for the counts of Lu (2024), degrees.
 const LU_SUN_DEG: f64 = -12.0;
-/// Interval between the counts in a night, seconds.
+/// Interval between two counts in a night, seconds.
 const LU_STEP_S: f64 = 1200.0;
 
 pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {

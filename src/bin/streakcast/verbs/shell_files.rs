@@ -1,4 +1,4 @@
-//! `completions` and `man`: completions for shells and manual pages, made from the definition of the command line.
+//! `completions` and `man`: completions for shells and manual pages, generated from the definition of the command line.
 
 use std::fs;
 use std::path::PathBuf;
@@ -38,7 +38,7 @@ pub fn completions(typed: &CompletionsArguments, mut command: Command) -> anyhow
     Ok(Outcome::Done)
 }
 
-/// Writes one page for the program, each verb and each of their subcommands, all or none.
+/// Writes one page for the program, for each verb, and for each of their subcommands: all pages or none.
 pub fn man(typed: &ManArguments, mut command: Command) -> anyhow::Result<Outcome> {
     command.build();
     let mut pages = Vec::new();

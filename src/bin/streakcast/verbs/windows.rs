@@ -161,7 +161,7 @@ pub fn run(mut typed: WindowsArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Pairs every row of the list of targets with its windows.
+/// Pairs every row of the target list with its windows.
 fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundWindows<'a>> {
     let mut answers = report.by_target.iter();
     listed

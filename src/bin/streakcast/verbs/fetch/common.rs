@@ -1,4 +1,4 @@
-//! What all sources of `fetch` share: time of the request, cache folder, limits.
+//! Common parts of all sources of `fetch`: time of the request, cache folder, limits.
 
 use std::fs;
 use std::path::PathBuf;
@@ -21,7 +21,7 @@ pub(super) fn now_of(common: &CommonFetchArguments) -> anyhow::Result<Epoch> {
     })
 }
 
-/// Returns the cache folder, which is created if it is missing.
+/// Returns the cache folder, and creates it if it is missing.
 pub(super) fn folder_of(common: &CommonFetchArguments) -> anyhow::Result<PathBuf> {
     let folder = cache_folder(common.cache.as_deref())?;
     fs::create_dir_all(&folder).map_err(|error| match folder.is_dir() || !folder.exists() {

@@ -1,5 +1,5 @@
-//! `fetch starlink-ephemerides`: the newest public ephemerides of chosen satellites. A whole set has 22 GB; candidates of
-//! a schedule are some hundred files of 2 MB.
+//! `fetch starlink-ephemerides`: downloads the newest public ephemerides of chosen satellites. The ephemerides of all
+//! Starlink satellites have 22 GB; the candidates of a schedule have some hundred files of 2 MB.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{self, File};
@@ -20,17 +20,18 @@ use crate::cache::FetchRecord;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 
-/// Description of the response with a file.
+/// Description of a response that contains a file.
 const OK: &str = "200 OK";
 /// Columns with NORAD catalogue numbers in the tables of `flag` and `passes`.
 const COLUMNS: [&str; 2] = ["norad_ids", "norad_id"];
 
-/// Downloads the manifest, unless it is recent, and the files of the satellites that are not in the cache.
+/// Downloads the manifest (the list of files), unless the cached one is recent, and the files that are not in the
+/// cache.
 ///
 /// # Errors
-/// No satellite or too many; no manifest; a refused or invalid file, after which no more requests are sent before the
-/// wait of the source has passed. Files that were downloaded before stay in the cache, and a later repetition continues
-/// with the others.
+/// No satellite or too many are given, or there is no manifest, or a file is refused or invalid. After a refused or
+/// invalid file no more requests are sent within the waiting time of the source. Files that were already downloaded
+/// stay in the cache, and a later run downloads the others.
 pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::Result<Outcome> {
     let common = &typed.common;
     let notices = Notices::new(common.quiet);
@@ -38,7 +39,7 @@ pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::R
     let wanted = satellites(typed)?;
     notices.info(&format!("source of {}: {}", manifest.name, manifest.policy));
 
-    // Only one process at a time sends requests.
+    // The lock prevents simultaneous requests of several processes.
     let lock_path = folder.join(format!("{}.lock", manifest.file));
     let lock = File::create(&lock_path).map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
     lock.lock().map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
@@ -75,14 +76,15 @@ pub fn run(typed: &StarlinkEphemeridesArguments, manifest: &Source) -> anyhow::R
     Ok(Outcome::Done)
 }
 
-/// File of an ephemeris in the manifest.
+/// Ephemeris file listed in the manifest.
 struct Listed {
     name: String,
-    /// Time of the file, which increases from one to the next.
+    /// Number in the file name that increases with time.
     number: u64,
 }
 
-/// Returns the newest file of each satellite: `MEME_48430_STARLINK-2729_0291124_Operational_1359285900_UNCLASSIFIED.txt`.
+/// Returns the newest file of each satellite. Names have the form
+/// `MEME_48430_STARLINK-2729_0291124_Operational_1359285900_UNCLASSIFIED.txt`.
 fn newest_files(manifest: &str) -> BTreeMap<u32, Listed> {
     let mut newest: BTreeMap<u32, Listed> = BTreeMap::new();
     for name in manifest.split_whitespace() {
@@ -101,7 +103,7 @@ fn newest_files(manifest: &str) -> BTreeMap<u32, Listed> {
     newest
 }
 
-/// Requests of one run, all at the same stated time.
+/// Requests of one run; all have the same time stamp.
 struct Session<'a> {
     manifest: &'a Source,
     options: &'a RequestOptions,
@@ -109,22 +111,22 @@ struct Session<'a> {
     folder: &'a Path,
 }
 
-/// Response without a valid file.
+/// Failed request.
 enum Failure {
-    /// The server has received a request: the wait begins.
+    /// The server received the request, so the waiting time starts.
     Refused(anyhow::Error),
     /// No request was sent.
     Unreached(anyhow::Error),
 }
 
 impl Session<'_> {
-    /// Returns the path of the cached manifest. Its sidecar has the last request to the source, for the manifest or for a
-    /// file.
+    /// Returns the path of the cached manifest. Its sidecar records the last request to the source, for the manifest or
+    /// for a file.
     fn manifest_file(&self) -> PathBuf {
         self.folder.join(&self.manifest.file)
     }
 
-    /// Returns the manifest of the cache if it is recent, otherwise of the server.
+    /// Returns the cached manifest if it is recent, otherwise that of the server.
     fn manifest_text(&self) -> anyhow::Result<String> {
         let (source, file) = (self.manifest, self.manifest_file());
         let record = FetchRecord::read(&file).unwrap_or_default();
@@ -142,7 +144,7 @@ impl Session<'_> {
         Ok(String::from_utf8_lossy(&bytes).into_owned())
     }
 
-    /// Rejects further requests during the wait after a request that had no valid file as its response.
+    /// Returns an error during the waiting time after a request that did not return a valid file.
     fn check_wait(&self) -> anyhow::Result<()> {
         let record = FetchRecord::read(&self.manifest_file()).unwrap_or_default();
         let answer = record.answer.as_deref().unwrap_or_default();
@@ -157,7 +159,7 @@ impl Session<'_> {
         }
     }
 
-    /// Downloads a file beside the manifest, and stores it if it is a valid ephemeris.
+    /// Downloads a file from the folder of the manifest, and stores it if it is a valid ephemeris.
     fn download(&self, name: &str) -> anyhow::Result<()> {
         let base = self.manifest.url.rsplit_once('/').map_or("", |(base, _)| base);
         let source = Source { file: name.to_owned(), url: format!("{base}/{name}"), login: None, ..*self.manifest };
@@ -176,13 +178,13 @@ impl Session<'_> {
         self.fetch(&source, &check).map(|_| ())
     }
 
-    /// Sends one request, and stores its file with the record of `check` if that accepts it. The request is recorded
-    /// before it is sent, and a refusal also beside the manifest, so that no other request follows before the wait has
-    /// passed.
+    /// Sends one request. If `check` accepts the response, it is stored with the record that `check` returns. The
+    /// request is recorded before it is sent, and a refusal also in the sidecar of the manifest, so that no request is
+    /// sent within the waiting time.
     fn fetch(&self, source: &Source, check: &dyn Fn(&[u8]) -> anyhow::Result<FetchRecord>) -> anyhow::Result<Vec<u8>> {
         let (file, of_all) = (self.folder.join(&source.file), self.manifest_file());
         let before = [&file, &of_all].map(|path| FetchRecord::read(path));
-        // The files that are cached keep their records.
+        // Other fields of existing records are kept.
         let stamp = |answer: &str| -> anyhow::Result<()> {
             for (path, before) in [&file, &of_all].into_iter().zip(&before) {
                 let mut record = before.clone().unwrap_or_default();
@@ -204,7 +206,8 @@ impl Session<'_> {
             for (path, before) in [&file, &of_all].into_iter().zip(&before) {
                 match before {
                     Some(before) => before.write(path)?,
-                    // The manifest has one sidecar under both names.
+                    // If the manifest itself was requested, both paths are the same, and the sidecar may already be
+                    // removed.
                     None if FetchRecord::path_beside(path).is_file() => FetchRecord::remove(path)?,
                     None => {}
                 }
@@ -250,7 +253,7 @@ fn answer(source: &Source, options: &RequestOptions) -> Result<Vec<u8>, Failure>
     }
 }
 
-/// Returns the numbers of the satellites given as numbers and in tables.
+/// Returns the catalogue numbers given as flags and in tables.
 fn satellites(typed: &StarlinkEphemeridesArguments) -> anyhow::Result<BTreeSet<u32>> {
     let mut wanted: BTreeSet<u32> = typed.norad.iter().copied().collect();
     for path in &typed.candidates {

@@ -1,8 +1,9 @@
 //! `fetch`: downloads element sets into a cache. Each data set is requested at most once in the interval that its
-//! source allows. A cached file is replaced only by data that can be read as element sets.
+//! source allows. A cached file is replaced only if the new data are valid element sets.
 //!
-//! `sources` defines the addresses, `request` sends requests, `verify` checks the data and writes the sidecar with the
-//! time of the last request, `run` combines them, and `ephemerides` downloads files of chosen satellites.
+//! `sources` defines addresses and policies, `request` sends requests, `verify` checks the data and writes the sidecar
+//! with the time of the last request, `run` combines these steps, and `ephemerides` downloads files of chosen
+//! satellites.
 
 mod arguments;
 mod common;

@@ -1,4 +1,4 @@
-//! Requests to a source, and credentials. Each request is sent once.
+//! Requests to a source, and credentials. A failed request is not repeated.
 
 use std::io::ErrorKind;
 use std::path::Path;
@@ -15,18 +15,18 @@ use crate::notices::Notices;
 
 /// Limit on the body of an error response, bytes.
 const ERROR_BODY_BYTES: u64 = 2_000;
-/// Limit on the time to connect.
+/// Longest time to connect.
 const MAX_CONNECT: Duration = Duration::from_secs(30);
 
 /// Options of a request.
 pub struct RequestOptions {
     pub timeout: Duration,
     pub max_bytes: u64,
-    /// Allow addresses without TLS, for tests.
+    /// True if addresses without TLS are accepted, for tests.
     pub plain: bool,
 }
 
-/// Validators of the cached file.
+/// HTTP validators of the cached file.
 #[derive(Default)]
 pub struct Validators {
     pub etag: Option<String>,
@@ -40,20 +40,20 @@ pub enum Response {
         validators: Validators,
     },
     NotModified,
-    /// Description of any other response: an error status, a truncated body, a closed connection.
+    /// Any other response: an error status, a truncated body, or a closed connection. The text describes it.
     Refused(String),
-    /// The server was not reached (no address for the name, no connection, no TLS), and no request was sent.
+    /// The server was not reached (unknown host, no connection, no TLS), and no request was sent.
     Unreached(String),
 }
 
-/// Sends one request. A redirect is not followed but reported, so that the user learns that the source has moved.
+/// Sends one request. A redirect is reported and not followed, because it means that the source has moved.
 pub fn send(
     source: &Source,
     options: &RequestOptions,
     validators: &Validators,
     credentials: Option<&Credentials>,
 ) -> Response {
-    // Shorter than the total timeout, to distinguish a failed connection from a missing response.
+    // Shorter than the total timeout, so that a failed connection differs from a missing response.
     let connect = options.timeout.mul_f64(0.75).min(MAX_CONNECT);
     let agent: Agent = Agent::config_builder()
         .timeout_global(Some(options.timeout))
@@ -75,7 +75,7 @@ pub fn send(
     };
     let response = get(&agent, &source.url, options, validators, cookie.as_deref());
     if let (Some(login), Some(cookie)) = (&source.login, &cookie) {
-        // An error of the logout is ignored.
+        // Errors of the logout are ignored.
         let _ = agent.get(&login.logout_url).header("Cookie", cookie).call();
     }
     response
@@ -103,8 +103,8 @@ fn get(agent: &Agent, url: &str, options: &RequestOptions, validators: &Validato
     }
 }
 
-/// Classifies a connection error. A server that was reached has received the request, even if it closed the connection
-/// or did not respond.
+/// Classifies a connection error. A server that was reached may have received the request, even if it closed the
+/// connection or did not respond.
 fn connection_error(what: &str, error: &ureq::Error) -> Response {
     let is_unreached = match error {
         ureq::Error::HostNotFound
@@ -116,7 +116,7 @@ fn connection_error(what: &str, error: &ureq::Error) -> Response {
         | ureq::Error::TlsRequired
         | ureq::Error::Timeout(Timeout::Resolve | Timeout::Connect) => true,
         // Unknown host names and invalid certificates are also `Io` errors. The kinds below occur only after the
-        // connection was established.
+        // connection is established.
         ureq::Error::Io(error) => !matches!(
             error.kind(),
             ErrorKind::UnexpectedEof
@@ -136,7 +136,7 @@ fn connection_error(what: &str, error: &ureq::Error) -> Response {
 
 fn data(mut response: http::Response<Body>, max_bytes: u64) -> Response {
     let validators = Validators { etag: header(&response, "etag"), last_modified: header(&response, "last-modified") };
-    // A body longer than the limit is detected by reading one more byte. A body shorter than its Content-Length is an
+    // One byte more than the limit is read, to detect a longer body. A body shorter than its Content-Length is an
     // error.
     match response.body_mut().with_config().limit(max_bytes.saturating_add(1)).read_to_vec() {
         Ok(bytes) if bytes.len() as u64 > max_bytes => {
@@ -150,7 +150,7 @@ fn data(mut response: http::Response<Body>, max_bytes: u64) -> Response {
     }
 }
 
-/// Returns the status, the redirect, and the beginning of the body of an error response.
+/// Returns status, redirect address, and the start of the body of an error response.
 fn error_message(mut response: http::Response<Body>) -> String {
     let status = response.status();
     let mut message =
@@ -167,11 +167,11 @@ fn error_message(mut response: http::Response<Body>) -> String {
 }
 
 fn header(response: &http::Response<Body>, name: &str) -> Option<String> {
-    // Values that are not ASCII cannot be sent back, and are omitted.
+    // Values that are not ASCII are omitted, because they cannot be sent back.
     response.headers().get(name)?.to_str().ok().map(str::to_owned)
 }
 
-/// Opens a session of Space-Track and returns its cookie. A wrong password also has a response of status 200.
+/// Logs in to Space-Track and returns the session cookie. For a wrong password the status is also 200.
 fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<String, Response> {
     let refused = |message: String| Err(Response::Refused(message));
     let form = [("identity", credentials.identity.as_str()), ("password", credentials.password.as_str())];
@@ -196,7 +196,7 @@ fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<Str
     if cookies.is_empty() { refused("login: no session in the response".to_owned()) } else { Ok(cookies.join("; ")) }
 }
 
-/// User name and password. Without `Debug`, so that they are never printed.
+/// User name and password. The type does not implement `Debug`, so that they cannot be printed by accident.
 pub struct Credentials {
     pub identity: String,
     pub password: String,

@@ -1,4 +1,5 @@
-//! Steps of a download: check and record the time of the request, send it, verify the response, replace the file.
+//! Steps of a download: check and record the time of the request, send it, verify the response, replace the cached
+//! file.
 
 use std::fs::{self, File};
 use std::io::Write;
@@ -47,7 +48,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let validators = if is_cached {
         Validators { etag: record.etag.clone(), last_modified: record.last_modified.clone() }
     } else {
-        // The file was changed or deleted, so that the stored validators do not apply to it.
+        // The file was changed or deleted, so the stored HTTP validators do not apply.
         record = FetchRecord { asked_utc: record.asked_utc, ..FetchRecord::default() };
         Validators::default()
     };
@@ -97,7 +98,7 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
         }
         Response::Refused(message) => message,
         Response::Unreached(message) => {
-            // No request was sent: the sidecar is restored, and no wait begins.
+            // No request was sent: the sidecar is restored, and no waiting time starts.
             match before {
                 Some(before) => before.write(&file)?,
                 None => FetchRecord::remove(&file)?,
@@ -119,7 +120,7 @@ fn is_intact(file: &Path, record: &FetchRecord) -> bool {
     verify("", &bytes, None, true).is_ok_and(|source| Some(source.sha256) == record.sha256)
 }
 
-/// Prints the path of the cached file while no new request is allowed.
+/// Prints the path of the cached file if no new request is allowed yet.
 fn use_cached(
     file: &Path,
     record: &FetchRecord,
@@ -148,7 +149,7 @@ fn use_cached(
     print_path(file)
 }
 
-/// Prints the path on standard output and nothing else, for `--elements "$(streakcast fetch ...)"`.
+/// Prints only the path on standard output, for use as `--elements "$(streakcast fetch ...)"`.
 fn print_path(file: &Path) -> anyhow::Result<Outcome> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", file.display())?;

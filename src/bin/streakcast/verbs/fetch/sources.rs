@@ -6,22 +6,23 @@ use streakcast::frames::parse_moment;
 
 use super::arguments::{CommonFetchArguments, FetchSource};
 
-/// CelesTrak updates its data every two hours, and rejects earlier requests for the same data with 403.
+/// Interval for CelesTrak, seconds: it updates its data every two hours and rejects earlier requests for the same data
+/// with status 403.
 const CELESTRAK_WAIT_S: f64 = 7_200.0;
-/// Space-Track allows one request for element sets per hour. The same interval is used for SatChecker, which has no
-/// rule.
+/// Interval for Space-Track and SatChecker, seconds. Space-Track allows one request for element sets per hour;
+/// SatChecker has no rule.
 const WAIT_S: f64 = 3_600.0;
 
 /// Data set of a source.
 pub struct Source {
-    /// Name of the source in outputs.
+    /// Name of the source in messages.
     pub name: &'static str,
     /// File name in the cache.
     pub file: String,
     pub url: String,
-    /// Login and logout of Space-Track.
+    /// Login and logout, for Space-Track.
     pub login: Option<Login>,
-    /// Address of the usage policy.
+    /// Address of the usage policy of the source.
     pub policy: &'static str,
     /// Shortest interval between requests for the same data set, seconds.
     pub wait_s: f64,
@@ -43,7 +44,7 @@ impl FetchSource {
         }
     }
 
-    /// Returns true if a file with far fewer records than the previous one is accepted. Ephemerides are not compared.
+    /// Returns true if the number of records is not compared with that of the previous file, as for ephemerides.
     pub fn accepts_fewer(&self) -> bool {
         match self {
             FetchSource::Celestrak(typed) => typed.checks.accept_fewer,
@@ -91,7 +92,7 @@ impl FetchSource {
                 Source {
                     name: "Space-Track",
                     file: "space-track-gp.csv".to_owned(),
-                    // The query recommended by Space-Track for the newest element sets of all objects in orbit.
+                    // Query recommended by Space-Track for the newest element sets of all objects in orbit.
                     url: format!(
                         "{base}/basicspacedata/query/class/gp/decay_date/null-val/epoch/%3Enow-30/orderby/norad_cat_id/format/csv"
                     ),
@@ -127,13 +128,13 @@ impl FetchSource {
     }
 }
 
-/// Returns the Julian date (UTC) rounded to an hour, so that requests for times within an hour share a file.
+/// Returns the Julian date (UTC) rounded to an hour, so that requests for times within an hour use the same file.
 fn julian_date(epoch: Epoch) -> String {
     let days = epoch.to_time_scale(TimeScale::UTC).to_jde_utc_days();
     format!("{:.4}", (days * 24.0).round() / 24.0)
 }
 
-/// Returns the name if it is valid in an address and in a file name.
+/// Returns `name` if it can be part of an address and of a file name, otherwise an error.
 fn plain<'a>(what: &str, name: &'a str) -> anyhow::Result<&'a str> {
     let is_plain = !name.is_empty()
         && name.len() <= 64

@@ -1,4 +1,4 @@
-//! Checks of downloaded element sets, and the sidecar of a cached file with time and status of its request.
+//! Checks of downloaded element sets, and sidecar records with time and status of the last request.
 
 use std::path::Path;
 
@@ -10,15 +10,15 @@ use streakcast::output::{format_utc, write_atomically};
 
 use crate::cache::FetchRecord;
 
-/// Largest accepted share of invalid records.
+/// Largest accepted fraction of invalid records.
 const MAX_REJECTED: f64 = 0.01;
-/// Smallest accepted number of records, as a share of those in the previous file.
+/// Smallest accepted number of records, as a fraction of those in the previous file.
 const LEAST_SHARE: f64 = 0.5;
 
-/// Reads the bytes as element sets.
+/// Parses the bytes as element sets and checks them.
 ///
 /// # Errors
-/// The bytes are an error page or another text, are truncated within a record, or have less than half of the records of
+/// The bytes are an error page or other text, are truncated within a record, or have less than half of the records of
 /// the previous file.
 pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: bool) -> anyhow::Result<SourceFile> {
     let options = ReadOptions { keep: Keep::All, ..ReadOptions::default() };
@@ -26,7 +26,7 @@ pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: boo
         .map_err(|error| anyhow!("the response has no element sets ({}); {error}", first_words(bytes)))?;
     let source = catalogue.sources.into_iter().next().ok_or_else(|| anyhow!("the response is empty"))?;
     let all = source.records + source.rejected;
-    // In a truncated file the last record is invalid.
+    // The last record of a truncated file is invalid.
     let last_line = bytes.split(|byte| *byte == b'\n').count();
     let is_truncated = catalogue.rejected.last().is_some_and(|rejected| rejected.line + 3 >= last_line);
     if source.rejected as f64 > MAX_REJECTED * all as f64 || is_truncated {
@@ -48,7 +48,7 @@ pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: boo
     Ok(source)
 }
 
-/// Returns the beginning of a response on one line, for an error.
+/// Returns the start of a response on one line, for an error message.
 pub fn first_words(bytes: &[u8]) -> String {
     let text = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]);
     let words: Vec<&str> = text.split_whitespace().collect();
@@ -67,22 +67,22 @@ impl FetchRecord {
             .map_err(|error| anyhow!("cannot write {}: {error}", path.display()))
     }
 
-    /// Removes the sidecar of a file that was never requested.
+    /// Removes the sidecar of a file.
     pub fn remove(file: &Path) -> anyhow::Result<()> {
         let path = Self::path_beside(file);
         std::fs::remove_file(&path).map_err(|error| anyhow!("cannot remove {}: {error}", path.display()))
     }
 
-    /// Returns the seconds until the next request is allowed; `None` if it is allowed now. A last request in the
-    /// future, from a clock that was set back since, does not extend the wait.
+    /// Returns the seconds until the next request is allowed; `None` if it is allowed now. A last request in the future
+    /// (the clock was set back since) does not extend the waiting time.
     pub fn wait_left_s(&self, now: Epoch, wait_s: f64) -> Option<f64> {
         let requested = parse_moment(self.asked_utc.as_deref()?, None).ok()?;
         let since_s = seconds_between(requested, now);
         (since_s > -wait_s && since_s < wait_s).then_some(wait_s - since_s)
     }
 
-    /// Sets the time and the response of a request, and the time of the next allowed one. `fetch` writes the sidecar
-    /// before it sends a request, so that a crash does not lead to a second one.
+    /// Sets time and response of a request, and the time from which the next one is allowed. The sidecar is written
+    /// before a request is sent, so that no second request is sent after a crash.
     pub fn stamp(&mut self, now: Epoch, wait_s: f64, answer: &str) {
         self.asked_utc = Some(format_utc(now, 0));
         self.answer = Some(answer.to_owned());

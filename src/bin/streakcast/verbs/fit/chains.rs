@@ -1,4 +1,4 @@
-//! Posterior sampling of `fit run --mcmc`: a new or resumed chain, saved regularly.
+//! Posterior sampling of `fit run --mcmc`: starts or resumes a chain, and saves it regularly.
 
 use std::path::Path;
 
@@ -11,7 +11,7 @@ use streakcast::fit::{
 use super::arguments::FitRunArguments;
 use super::points::FitInput;
 
-/// Number of steps between saves of the chains.
+/// Number of steps between two saves of the chains.
 const SAVE_EVERY: usize = 500;
 
 /// Sampling run, ready to start.
@@ -21,7 +21,7 @@ pub struct SamplingRun {
     resumed: Option<Chain>,
 }
 
-/// Prepares a sampling run, which continues the saved chain if there is one.
+/// Prepares a sampling run. If a saved chain exists, the run continues it.
 pub fn prepare(
     typed: &FitRunArguments,
     input: &FitInput,
@@ -79,7 +79,7 @@ pub fn sample(
     Ok((chain, found))
 }
 
-/// Reads a saved chain of the same fit.
+/// Reads a saved chain, and checks that it belongs to the same fit.
 fn resumed(path: &Path, about: &ChainAbout, typed: &FitRunArguments) -> anyhow::Result<Chain> {
     let (chain, was) = read_chain(path)?;
     let same = was.fingerprint == about.fingerprint && was.seed == about.seed && was.parameters == about.parameters;

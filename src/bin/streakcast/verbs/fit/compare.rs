@@ -1,4 +1,4 @@
-//! `fit compare`: tests of Lu (2024), and a comparison of forms of the model on held-out points.
+//! `fit compare`: tests of Lu (2024), and comparison of model forms on held-out points.
 
 use anyhow::anyhow;
 use streakcast::fit::{

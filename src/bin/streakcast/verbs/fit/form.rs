@@ -1,4 +1,4 @@
-//! Form to fit, from the flags: model, free parameters, loss function.
+//! Form of the model to fit, from the flags: model, free parameters, loss function.
 
 use anyhow::anyhow;
 use streakcast::fit::{FitSettings, Form, Loss, PanelsForm, Parameter, TwoPanelForm};
@@ -16,7 +16,7 @@ pub struct ChosenForm {
     pub settings: FitSettings,
 }
 
-/// Form of a model file that can be fitted.
+/// Form of a brightness model that can be fitted.
 pub enum FittedForm {
     TwoPanel(TwoPanelForm),
     Panels(PanelsForm),
@@ -30,7 +30,7 @@ impl FittedForm {
         }
     }
 
-    /// Returns the two-panel form of Lu (2024) with the sizes of this form; `None` for a form without them.
+    /// Returns the two-panel form of Lu (2024) with the sizes of this form; `None` if this form has no such sizes.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         match self {
             Self::TwoPanel(form) => Some(form.clone()),

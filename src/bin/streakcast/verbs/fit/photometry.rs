@@ -1,4 +1,4 @@
-//! Photometry from the flags: tables, geometry and selection.
+//! Reads photometry as given by the flags: tables, geometry and selection.
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -22,7 +22,7 @@ pub fn config(typed: &TableArguments) -> Config {
 
 pub fn read_options(typed: &TableArguments, config: &Config) -> anyhow::Result<PhotometryOptions> {
     let columns = typed.columns.as_ref().map(|given| {
-        // Pairs contain an equals sign; anything else is a file name.
+        // Text with an equals sign is a list of pairs; other text is a file name.
         let text = if given.contains('=') {
             given.clone()
         } else {
@@ -50,7 +50,7 @@ pub fn history(typed: &PhotometryArguments) -> anyhow::Result<Option<History>> {
     history_of(&typed.elements).map(Some)
 }
 
-/// Reads all element sets of these files.
+/// Reads all element sets of the files.
 pub fn history_of(paths: &[PathBuf]) -> anyhow::Result<History> {
     let options = CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() };
     let satellites = Satellites::read(paths, &options)?;
@@ -97,7 +97,7 @@ pub fn names(paths: &[PathBuf]) -> String {
     paths.iter().map(|path| path.display().to_string()).collect::<Vec<String>>().join(", ")
 }
 
-/// Adds the files and all thresholds, given or default, to the provenance.
+/// Adds the files and all thresholds, including defaults, to the provenance.
 pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
     provenance.state("photometry", names(&typed.tables.photometry));
     if !typed.elements.is_empty() {
@@ -125,7 +125,7 @@ pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
     provenance.state("sun_distance_taken_out", typed.sun_distance);
 }
 
-/// Reads the satellite of each track. Rows without a catalogue number are unidentified tracks, which are omitted.
+/// Reads the table of the satellite of each track. Rows without a catalogue number are omitted.
 fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
     let read_error = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
     let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(read_error)?;

@@ -1,4 +1,4 @@
-//! Points of a fit from photometry.
+//! Converts photometry to the points of a fit.
 
 use anyhow::anyhow;
 use streakcast::fit::measurements::{
@@ -26,12 +26,12 @@ pub struct FitInput {
 }
 
 impl FitInput {
-    /// Returns a warning of photometry in another band than that of the model.
+    /// Returns a warning if the band of the photometry differs from that of the model.
     pub fn band_mismatch(&self, band: Band) -> Option<String> {
         self.filters.mismatch(band).map(|mismatch| mismatch.to_string())
     }
 
-    /// Returns the measurements behind the pixels and the options of the reduction, for cross-validation by track.
+    /// Returns the measurements of the pixels with the reduction options, for cross-validation by track.
     pub fn tracks(&self) -> Option<(&Measurements, ReduceOptions)> {
         self.reduction.as_ref().map(|reduction| (&self.measurements, reduction.options))
     }
@@ -99,7 +99,7 @@ fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
     }
 }
 
-/// Returns the provenance: files, thresholds of selection and reduction, rows used and left out.
+/// Returns the provenance: files, thresholds of selection and reduction, numbers of used and omitted rows.
 pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArguments, input: &FitInput) -> Provenance {
     let mut provenance = Provenance::new();
     photometry::state(photometry, &mut provenance);
@@ -126,7 +126,7 @@ pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArgumen
     provenance
 }
 
-/// Returns the error of a fit without points, with options that may help.
+/// Returns the error for a fit without points. It lists options that may help.
 fn no_points(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow::Error {
     let most = measurements.dropped.iter().max_by_key(|(_, count, _)| *count);
     match (measurements.points.len(), pixels, most) {

@@ -1,4 +1,4 @@
-//! Report of a fit: data, parameters, faults and pictures.
+//! Report of a fit: data, parameters, problems and pictures.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -24,12 +24,12 @@ pub struct FitResults<'a> {
     pub fit: &'a Fit,
     pub faults: &'a [Fault],
     pub standings: &'a [FormScore],
-    /// Residuals of single measurements about the model, mag.
+    /// Residuals of single measurements from the model, mag.
     pub single_mag: &'a [f64],
     pub posterior: Option<(&'a Chain, &'a Posterior)>,
 }
 
-/// Picture of a report: end of its file name, caption, PNG.
+/// Picture of a report: suffix of its file name, caption, PNG bytes.
 type Drawn = (&'static str, String, Vec<u8>);
 
 /// Checks that the extension of a report is `.md`, `.html` or `.htm`.
@@ -49,12 +49,12 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     end.is_some_and(|end| extensions.contains(&end.as_str()))
 }
 
-/// Note on fits with a robust loss.
+/// Note in the report if the fit has a robust loss.
 const ROBUST: &str = "The fit is robust: it does not minimise the RMS, and outliers have low weights. The core is the scatter of the other \
 points. Akaike's criterion below is computed from the loss (sum of losses + 2k), not from the RMS.";
-/// Ratio of the errors of the fit to those of the posterior above which the report warns.
+/// Ratio of the errors of the fit to those of the posterior above which the report has a warning.
 const LARGE_RATIO: f64 = 1.2;
-/// Ends of the file names of all pictures of a report.
+/// Suffixes of the file names of all pictures of a report.
 const PICTURES: [&str; 6] = ["histogram", "residuals", "phase", "maps", "pixels", "corner"];
 
 /// Returns all files of a report: the report, and its separate pictures.
@@ -182,7 +182,7 @@ fn pictures(_: &FitResults, _: &ModelFile) -> anyhow::Result<Vec<Drawn>> {
     Ok(Vec::new())
 }
 
-/// Returns no picture in builds without plots.
+/// A build without plots has no pictures.
 #[cfg(not(feature = "plot"))]
 fn data_url(_: &[u8]) -> String {
     String::new()
@@ -233,7 +233,7 @@ mod drawn {
         let measured = column(|p| p.magnitude);
         let model: Vec<f64> = measured.iter().zip(residuals).map(|(measured, residual)| measured - residual).collect();
         let title = format!("{name}: observed minus computed");
-        // Single measurements are compared with their predicted sigma, pixels with their own scatter.
+        // Single measurements are compared with their predicted sigma, pixels with the scatter of their residuals.
         let scatter = if results.input.reduction.is_some() { rms(residuals) } else { file.sigma_mag };
         let sigma_mag = scatter.max(1e-3);
         add(
@@ -288,7 +288,7 @@ mod drawn {
         Ok(drawn)
     }
 
-    /// Draws mean residuals in cells of the observer's direction, for the one-degree layers with most cells.
+    /// Draws mean residuals in cells of the observer's direction, for the one-degree layers with the most cells.
     fn residual_maps(title: &str, points: &[FitPoint], residuals: &[f64]) -> anyhow::Result<Option<Picture>> {
         let mut all = BTreeMap::<i64, BTreeMap<u64, (f64, f64)>>::new();
         for (point, residual) in points.iter().zip(residuals) {
@@ -331,7 +331,7 @@ mod drawn {
         })?)
     }
 
-    /// Draws figure 2 for one layer, or figure 3 for all pixels.
+    /// Draws figure 2 of Lu (2024) for one layer, or figure 3 for all pixels.
     pub fn pixels_picture(
         path: &Path,
         reduction: Option<&Reduction>,

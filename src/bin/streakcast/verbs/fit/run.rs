@@ -1,4 +1,4 @@
-//! `fit run`: fits a model, and writes it with its covariance and a report.
+//! `fit run`: fits a model, and writes the model file with covariance and a report.
 
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let output = checked(typed, &chosen)?;
     let input = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
     let problem = Problem::new(chosen.form.as_form(), &input.points, &chosen.settings)?;
-    // A saved chain of another fit is reported before the computation.
+    // A saved chain of another fit is an error, which is reported before the computation.
     let sampling = typed.mcmc.map(|steps| chains::prepare(typed, &input, &problem, steps)).transpose()?;
     let notices = &input.notices;
     notices.warn(&input.band_mismatch(chosen.band));
@@ -75,12 +75,13 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     Ok(if faults.is_empty() { Outcome::Done } else { Outcome::No })
 }
 
-/// Replaces the covariance of a fit to pixels by that of a jackknife over sets of tracks, because pixels share tracks.
+/// Replaces the covariance of a fit to pixels by that of a jackknife over sets of tracks, because several pixels
+/// contain measurements of the same track.
 fn with_jackknife(sets: usize, chosen: &ChosenForm, input: &FitInput, fit: Fit) -> anyhow::Result<Fit> {
     let Some(reduction) = input.reduction.as_ref().filter(|_| sets > 0) else { return Ok(fit) };
     match jackknife(chosen.form.as_form(), &input.measurements, reduction.options, &fit, &chosen.settings, sets) {
         Ok(covariance) => Ok(fit.with_covariance(covariance, CovarianceKind::Jackknife)),
-        // Too few tracks, for example in a table without track names.
+        // There are too few tracks, for example in a table without track names.
         Err(problem @ FitError::Sets { .. }) => {
             input
                 .notices
@@ -91,7 +92,7 @@ fn with_jackknife(sets: usize, chosen: &ChosenForm, input: &FitInput, fit: Fit) 
     }
 }
 
-/// Compares the form with baselines on the same held-out folds.
+/// Compares the form with baseline models on the same held-out folds.
 fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> anyhow::Result<Vec<FormScore>> {
     if typed.form.folds == 0 {
         return Ok(Vec::new());
@@ -102,7 +103,7 @@ fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> 
     entrants.extend(baseline_forms(chosen.form.as_two_panels().as_ref()));
     let standings = match compare_forms(&entrants, &input.points, input.tracks(), &chosen.settings, typed.form.folds) {
         Ok(standings) => standings,
-        // A fit of one night, or of few pixels, is valid without cross-validation.
+        // Cross-validation is not possible for one night or few pixels; the fit is valid without it.
         Err(problem @ (FitError::NoneUnseen { .. } | FitError::TooFew { .. })) => {
             input.notices.info(&format!("warning: no cross-validation: {problem}"));
             return Ok(Vec::new());
@@ -128,7 +129,7 @@ fn standings(typed: &FitRunArguments, chosen: &ChosenForm, input: &FitInput) -> 
     Ok(standings)
 }
 
-/// Returns the residuals of single measurements about the fit, mag.
+/// Returns the residuals of single measurements from the fit, mag.
 fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<f64> {
     let points: Vec<FitPoint> =
         points_of_measurements(&input.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
@@ -143,7 +144,8 @@ fn single(chosen: &ChosenForm, input: &FitInput, fit: &Fit) -> Vec<f64> {
 
 fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
     let FitResults { typed, chosen, input, problem, fit, .. } = results;
-    // Sigma and error distribution apply to new single measurements, and are computed from held-out ones if there are any.
+    // Sigma and error distribution are those of new single measurements. They are computed from held-out measurements
+    // if there are any.
     let own = results.standings.first().filter(|_| typed.reduction.raw_points);
     let (singles_mag, origin) = match own {
         Some(own) => (
@@ -188,7 +190,7 @@ fn notes(typed: &FitRunArguments, input: &FitInput, chosen: &ChosenForm) -> Vec<
     notes
 }
 
-/// Checks all flags and returns the output of the model file.
+/// Checks all flags, and returns the destination of the model file.
 fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Output> {
     let output = Output::new(Some("json"), Some(typed.output.clone()))?;
     check_distinct(typed)?;
@@ -219,7 +221,7 @@ fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Outpu
     if let Some(date) = typed.date.as_deref().filter(|date| !is_date(date)) {
         return Err(anyhow!("invalid date {date}; allowed: a month like 2026-11, or a day like 2026-11-22"));
     }
-    // The names of the model file are validated before the fit.
+    // The names in the model file are checked before the fit.
     let mut file = chosen.file.clone();
     file.name = typed.name.clone().unwrap_or(file.name);
     file.provenance.data = typed.data.clone().unwrap_or(file.provenance.data);
@@ -227,7 +229,7 @@ fn checked(typed: &FitRunArguments, chosen: &ChosenForm) -> anyhow::Result<Outpu
     Ok(output)
 }
 
-/// Checks that all outputs differ from each other and from the photometry.
+/// Checks that all output files differ from each other and from the photometry files.
 fn check_distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
     let reports = typed.report.iter().flat_map(|report| report::files(report));
     let outputs = std::iter::once(typed.output.clone()).chain(typed.chains.clone()).chain(reports);
@@ -266,7 +268,7 @@ fn is_date(text: &str) -> bool {
         && year.parse().is_ok_and(|year| Epoch::maybe_from_gregorian_utc(year, month, day, 0, 0, 0, 0).is_ok())
 }
 
-/// Returns this month as `2026-11`.
+/// Returns the current month, for example `2026-11`.
 fn this_month() -> String {
     let (year, month, ..) = crate::clock::now().to_gregorian_utc();
     format!("{year:04}-{month:02}")

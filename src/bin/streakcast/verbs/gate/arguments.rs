@@ -50,7 +50,8 @@ pub struct GateArguments {
     /// File of target coordinates by name (TOML), for hosts that send only the name
     #[arg(long, value_name = "FILE", help_heading = "Host")]
     pub targets: Option<PathBuf>,
-    /// Name of the target in --targets, overridden by the host with --stdin; without --targets a Messier or Caldwell object
+    /// Name of the target in --targets, overridden by the host with --stdin; without --targets a Messier or Caldwell
+    /// object
     #[arg(long, value_name = "NAME", help_heading = "Host")]
     pub target: Option<String>,
     /// Read the pointing from a mount on an INDI server, for example localhost or 10.0.0.2:7624
@@ -77,10 +78,10 @@ pub enum Host {
     Ekos,
 }
 
-/// Default margin, seconds: covers the delay of a host from the end of this command to the shutter opening.
+/// Default margin, seconds. It covers the time between the end of this command and the shutter opening.
 const DEFAULT_MARGIN_S: f64 = 2.0;
 
-/// Returns the error of a stream as an input file: the gate must not wait for the writer of a stream.
+/// Returns the error for a pipe or other stream as input file: reading it could block.
 fn stream_error(path: &Path) -> anyhow::Error {
     anyhow!("{} is a stream, for which gate could wait without end; allowed: a file", path.display())
 }
@@ -89,7 +90,7 @@ fn stream_error(path: &Path) -> anyhow::Error {
 pub struct Request {
     pub config: Config,
     pub clock: Clock,
-    /// Field, telescope, photometry, and the policy with the margin.
+    /// Field, telescope, photometry, and policy including the margin.
     pub plan: ObservationPlan,
     pub pointing: Option<Direction<Gcrs>>,
     pub duration_s: Option<f64>,
@@ -106,7 +107,7 @@ pub struct Request {
 }
 
 impl Request {
-    /// Resolves flags and configuration.
+    /// Checks flags and configuration, and returns the request.
     pub fn new(typed: GateArguments) -> anyhow::Result<Self> {
         let flags = Config {
             exposure: ExposureConfig {
@@ -127,7 +128,7 @@ impl Request {
         if let Some(path) = config.files().iter().find(|path| is_stream(path)) {
             return Err(stream_error(path));
         }
-        // Opening a named pipe would wait for its reader.
+        // A named pipe is an error: opening it would block until it is read.
         if let Some(path) = typed.status_file.as_ref().filter(|path| path.exists()) {
             check_regular(path).map_err(|error| anyhow!("status file {}: {error}", path.display()))?;
         }
@@ -146,7 +147,7 @@ impl Request {
             )
             .satellites()
             .field();
-        // An INDI server may send the site.
+        // The site may come from an INDI server.
         if typed.indi.is_some() { required } else { required.site() }.check()?;
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {

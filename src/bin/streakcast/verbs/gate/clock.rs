@@ -1,4 +1,4 @@
-//! Clock of the machine, or of a rehearsal in which waits take no time.
+//! System clock, or simulated clock of a rehearsal, in which waits take no time.
 
 use std::cell::Cell;
 use std::thread::sleep;
@@ -7,14 +7,14 @@ use std::time::{Duration, Instant};
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
 
-/// Longest sleep without reading the clock, to detect a suspended machine or a changed clock.
+/// Longest sleep between two readings of the clock, so that a suspended machine or a changed clock is detected.
 const MAX_SLEEP: Duration = Duration::from_secs(1);
 
-/// Source of the time, which also waits.
+/// Clock that can also wait.
 pub enum Clock {
-    /// Clock of the machine.
+    /// System clock.
     Machine,
-    /// Time of a rehearsal.
+    /// Simulated clock of a rehearsal.
     Rehearsal(Cell<Epoch>),
 }
 
@@ -26,12 +26,12 @@ impl Clock {
         }
     }
 
-    /// Returns true for the clock of the machine.
+    /// Returns true for the system clock.
     pub fn is_real(&self) -> bool {
         matches!(self, Clock::Machine)
     }
 
-    /// Waits until a moment. A change of the clock may shorten the wait, but not extend it.
+    /// Waits until a given time. If the system clock is changed, the wait may be shorter, but not longer.
     pub fn sleep_until(&self, moment: Epoch) {
         match self {
             Clock::Machine => {
@@ -44,8 +44,8 @@ impl Clock {
     }
 }
 
-/// Sleeps until `left` is zero, at most for its first value. The clock behind `left` may be changed meanwhile; the
-/// monotonic clock behind `elapsed` may not.
+/// Sleeps until `left` is zero, but not longer than its first value. `left` depends on the system clock, which may be
+/// changed during the wait; `elapsed` is measured by the monotonic clock.
 fn wait(left: impl Fn() -> Duration, elapsed: impl Fn() -> Duration, pause: impl Fn(Duration)) {
     let longest = left();
     loop {
@@ -61,7 +61,7 @@ fn wait(left: impl Fn() -> Duration, elapsed: impl Fn() -> Duration, pause: impl
 mod tests {
     use super::*;
 
-    /// Returns the time spent in a wait of 40 s if the clock is set by `step_s` after 5 s, seconds.
+    /// Returns the duration of a wait of 40 s, seconds, if the clock is changed by `step_s` after 5 s.
     fn waited_s(step_s: f64) -> f64 {
         let elapsed_s = Cell::new(0.0);
         let left = || {

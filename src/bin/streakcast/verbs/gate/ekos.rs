@@ -1,4 +1,4 @@
-//! Job of Ekos: one JSON object on the standard input of the pre-capture script. Ekos may leave this input open.
+//! Job of Ekos: one JSON object on standard input of the pre-capture script. Ekos may not close this input.
 
 use std::io::{self, Read, Stdin, stdin};
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use serde_json::Deserializer;
 
 use super::status_file::{Fault, FaultKind};
 
-/// Job of the script.
+/// Job that Ekos sends to the script.
 #[derive(Debug, Default, PartialEq, Deserialize)]
 pub struct Job {
     /// Name of the filter.
@@ -38,7 +38,7 @@ struct Message {
 }
 
 impl Job {
-    /// Returns the filter as a band, if there is one.
+    /// Returns the filter name as a band; `None` if there is no filter.
     pub fn band(&self) -> Option<String> {
         self.filter.clone().filter(|filter| !filter.trim().is_empty() && filter != "--")
     }
@@ -49,7 +49,7 @@ impl Job {
     }
 }
 
-/// Standard input with a flag that is set when anything except blanks was read.
+/// Standard input, with a flag that is set when anything except blanks is read.
 struct WatchedInput {
     input: Stdin,
     anything: Arc<AtomicBool>,
@@ -65,12 +65,12 @@ impl Read for WatchedInput {
     }
 }
 
-/// Reads the first JSON value on standard input; `None` without input, for example with older versions of KStars.
+/// Reads the first JSON value on standard input; `None` if there is no input, as with older versions of KStars.
 pub fn read_job(timeout: Duration) -> Result<Option<Job>, Fault> {
     let (send, receive) = channel();
     let anything = Arc::new(AtomicBool::new(false));
     let watched = WatchedInput { input: stdin(), anything: anything.clone() };
-    // If the host never closes the pipe, the thread stays blocked until the process ends.
+    // If the pipe is not closed, the thread is blocked until the process ends.
     thread::spawn(move || {
         let mut messages = Deserializer::from_reader(watched).into_iter::<Message>();
         let _ = send.send(messages.next());

@@ -1,4 +1,4 @@
-//! INDI client that reads pointing and site of a mount from a server (XML over TCP). It changes no property.
+//! INDI client that reads pointing and site of a mount from a server (XML over TCP). It does not set any property.
 
 use std::io::{self, BufReader, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
@@ -15,11 +15,11 @@ use super::clock::Clock;
 use super::status_file::{Fault, FaultKind};
 
 const PORT: u16 = 7624;
-/// Limit on the data read before the pointing arrives, bytes.
+/// Largest number of bytes read before the pointing arrives.
 const MAX_BYTES: usize = 16 << 20;
-/// Wait for the site, and for a second mount, after the pointing of a mount has arrived.
+/// Time to wait, after the pointing of a mount has arrived, for its site and for a second mount.
 const GRACE: Duration = Duration::from_millis(700);
-/// Difference between clocks above which a fault is reported, seconds. Time stamps of INDI have whole seconds.
+/// Difference between the clocks above which a fault is reported, seconds. INDI time stamps have whole seconds.
 const CLOCK_TOLERANCE_S: f64 = 3.0;
 
 /// Pointing and site of a mount.
@@ -28,13 +28,13 @@ pub struct Mount {
     pub device: String,
     /// Pointing.
     pub pointing: Direction<Gcrs>,
-    /// Site, if the mount sends it.
+    /// Site, if the mount reports it.
     pub site: Option<Site>,
-    /// Clock of the server minus that of this machine, seconds, if above the tolerance.
+    /// Clock of the server minus that of this machine, seconds; `None` if it is within the tolerance.
     pub clock_error_s: Option<f64>,
 }
 
-/// Reads a mount from a server within `timeout`.
+/// Reads pointing and site of a mount from a server within `timeout`.
 pub fn read_mount(address: &str, device: Option<&str>, timeout: Duration, clock: &Clock) -> Result<Mount, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Indi, format!("INDI server {address}: {what}"));
     let deadline = Instant::now() + timeout;
@@ -93,7 +93,7 @@ impl Read for LimitedStream {
     }
 }
 
-/// INDI number vector, filled while the elements of its XML are read.
+/// INDI number vector; its values are added while the XML is read.
 #[derive(Debug, Default)]
 struct Vector {
     device: String,
@@ -124,13 +124,13 @@ struct Properties {
     requested_device: Option<String>,
     devices: Vec<String>,
     pointings: Vec<Pointing>,
-    /// Device, latitude, longitude, height: degrees and metres.
+    /// Device, latitude and longitude in degrees, height in metres.
     sites: Vec<(String, f64, f64, f64)>,
     clock_error_s: Option<f64>,
 }
 
 impl Properties {
-    /// Reads until all required properties have arrived. Returns the reason if the stream ends early.
+    /// Reads until all required properties have arrived. If the stream ends earlier, the reason is returned.
     fn read(&mut self, stream: LimitedStream, clock: &Clock) -> Option<String> {
         let mut reader = Reader::from_reader(BufReader::new(stream));
         let (mut vector, mut item, mut text) = (None::<Vector>, None::<String>, String::new());
@@ -173,8 +173,8 @@ impl Properties {
                 if has_site && self.requested_device.is_some() {
                     return None;
                 }
-                // Servers send all properties at once, so that a site or a second mount arrives soon after the
-                // pointing, or never.
+                // Servers send all properties at once: a site or a second mount arrives soon after the pointing, or not
+                // at all.
                 let limited = reader.get_mut().get_mut();
                 limited.deadline = limited.deadline.min(Instant::now() + GRACE);
             }
@@ -201,7 +201,7 @@ impl Properties {
                 });
             }
             if let Some(server_time) = vector.timestamp.filter(|_| clock.is_real()) {
-                // Time stamps are truncated to whole seconds, on average by half a second.
+                // Time stamps are truncated to whole seconds, by 0.5 s on average.
                 let offset_s = seconds_between(clock.now(), server_time) + 0.5;
                 self.clock_error_s = Some(offset_s).filter(|offset_s| offset_s.abs() > CLOCK_TOLERANCE_S);
             }
@@ -214,7 +214,7 @@ impl Properties {
         }
     }
 
-    /// Returns the pointing of a mount that is not slewing.
+    /// Returns the pointing of a mount that is not slewing; `None` if it is slewing or unknown.
     fn settled(&self) -> Option<&Pointing> {
         self.pointings.iter().find(|pointing| matches!(pointing.state.as_str(), "Idle" | "Ok" | ""))
     }
@@ -249,7 +249,7 @@ impl Properties {
             Direction::<Gcrs>::from_lon_lat_rad(longitude_rad, latitude_rad)
         };
         let site = self.sites.iter().find(|(device, ..)| *device == pointing.device);
-        // A mount without a configured site sends 0, 0.
+        // A mount without a configured site reports latitude 0 and longitude 0.
         let site = site
             .filter(|(_, latitude, longitude, _)| *latitude != 0.0 || *longitude != 0.0)
             .map(|(device, latitude, longitude, height)| Site::new_deg(device, *latitude, *longitude, *height))

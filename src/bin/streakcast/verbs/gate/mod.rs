@@ -1,4 +1,4 @@
-//! `gate`: waits until an exposure can start clear.
+//! `gate`: waits until an exposure can start without a crossing.
 
 mod arguments;
 mod clock;

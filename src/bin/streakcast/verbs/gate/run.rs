@@ -26,26 +26,26 @@ use crate::notices::Notices;
 
 /// Largest accepted distance between the given site and that of the mount, km.
 const SAME_SITE_KM: f64 = 1.0;
-/// Age of a file of elements below which another program may still be writing it.
+/// Age below which an element file may still be incomplete.
 const FRESH: Duration = Duration::from_secs(10);
-/// Age of a file of elements above which it is taken as complete.
+/// Age above which an element file is taken as complete.
 const SETTLED: Duration = Duration::from_secs(600);
-/// Largest number of attempts to read elements.
+/// Largest number of attempts to read element files.
 const TRIES: usize = 4;
-/// Pause between attempts, seconds.
+/// Pause between two attempts, seconds.
 const RETRY_S: f64 = 0.3;
-/// Error of the clock after a wait above which the clock was set during the wait, seconds.
+/// Error of the clock after a wait, seconds, above which the clock is taken to have been changed during the wait.
 const CLOCK_STEP_S: f64 = 1.0;
-/// Largest number of avoided passes in the status file.
+/// Largest number of avoided passes listed in the status file.
 const NAMED: usize = 5;
 
 /// Result of a run.
 enum GateVerdict {
-    /// Clear field, after a wait or at once.
+    /// The field is clear, at once or after a wait.
     Clear { waited_s: f64, until: Epoch },
-    /// No clear start within the longest wait.
+    /// There is no clear start within the longest wait.
     NotClear,
-    /// Not a light frame.
+    /// The frame is not a light frame.
     Skipped(String),
 }
 
@@ -113,7 +113,7 @@ fn state(status: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
     status.insert(name.to_owned(), value.into());
 }
 
-/// Returns the line of the log.
+/// Returns the log line of a run.
 fn line(answer: &Result<GateVerdict, Fault>, max_wait_s: f64) -> String {
     match answer {
         Ok(GateVerdict::Clear { waited_s, until }) if *waited_s > 0.0 => {
@@ -177,7 +177,7 @@ fn answer(
     };
     let target = WindowTarget { exposure, band };
     let setup_fault = |error: &dyn std::fmt::Display| Fault::new(FaultKind::Setup, error);
-    // The windows extend beyond the longest wait, to find the end of the clear interval.
+    // The windows extend beyond the longest wait, so that the end of the clear interval is known.
     let horizon = seconds_after(now, request.max_wait_s + duration_s.max(60.0));
     let report = clear_windows(std::slice::from_ref(&target), now, horizon, &window_request)
         .map_err(|error| setup_fault(&error))?;
@@ -190,7 +190,7 @@ fn answer(
         );
         return Err(Fault::new(FaultKind::Target, message));
     }
-    // Reading the elements took some time: read the clock again.
+    // The clock is read again, because reading the elements took some time.
     let now = request.clock.now();
     let last = seconds_after(now, request.max_wait_s);
     add_avoided_passes(&found, &prepared, now, seconds_after(last, duration_s), status);
@@ -216,7 +216,7 @@ fn answer(
     Ok(GateVerdict::Clear { waited_s, until })
 }
 
-/// Returns pointing and site. The pointing is that of the flags, of the target's name, or of the mount, in this order.
+/// Returns pointing and site. The pointing is, in this order, that of the flags, of the target name, or of the mount.
 fn pointing_and_site(
     request: &Request,
     name: Option<&str>,
@@ -242,7 +242,7 @@ fn pointing_and_site(
     };
     let pointing = match (request.pointing, named, &mount) {
         (Some(pointing), ..) | (None, Some(Ok(pointing)), _) => pointing,
-        // The pointing of the mount is used if the file lacks the name.
+        // If the file lacks the name, the pointing of the mount is used.
         (None, _, Some(mount)) => mount.pointing,
         (None, Some(Err(fault)), None) => return Err(fault),
         (None, None, None) => {
@@ -274,7 +274,7 @@ fn pointing_and_site(
     Ok((pointing, site))
 }
 
-/// Prepares the sky over the site. Elements are read again if their file may be incomplete.
+/// Prepares the sky over the site. If an element file may be incomplete, it is read again.
 fn prepare(
     request: &Request,
     site: &Site,
@@ -306,7 +306,7 @@ fn prepare(
             break prepared;
         }
         tries += 1;
-        // Another program may be writing the file: the wait is real also in a rehearsal.
+        // The file may be being written, so the pause is real also in a rehearsal.
         std::thread::sleep(Duration::from_secs_f64(RETRY_S));
     };
     let prepared = prepared.map_err(|error| {
@@ -315,7 +315,7 @@ fn prepare(
     notices.warn(&prepared.warnings);
     let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
     state(status, "elements_rejected", rejected);
-    // Far fewer satellites than in the last run indicate an incomplete file, unless the file is old enough.
+    // Far fewer satellites than in the last run mean that the file is incomplete, unless it is old enough.
     let cut_short = is_cut_short(&prepared);
     let least = |before: usize| if cut_short { before - before / 10 } else { before.div_ceil(2) };
     let is_settled =
@@ -356,13 +356,13 @@ fn is_cut_short(prepared: &PreparedSky) -> bool {
     attached.and_then(|(_, names)| names.as_array()).is_some_and(|names| !names.is_empty())
 }
 
-/// Returns the time since the last change of a file; `None` for dates in the future.
+/// Returns the time since the last change of a file; `None` if it is in the future.
 fn age(path: &Path) -> Option<Duration> {
     let changed = std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok()?;
     SystemTime::now().duration_since(changed).ok()
 }
 
-/// Adds the passes that the wait avoids to the status.
+/// Adds the passes that the wait avoids to the status file.
 fn add_avoided_passes(
     found: &TargetWindows,
     prepared: &PreparedSky,
@@ -390,12 +390,13 @@ fn add_avoided_passes(
     state(status, "dodged", named);
 }
 
-/// Writes the status during a wait, with the counters of the last run; they are updated at the end of this run.
+/// Writes the status file during a wait, with the counters of the last run; the counters are updated at the end of this
+/// run.
 fn write_waiting(request: &Request, status: &Map<String, Value>) {
     let Some(path) = &request.status_file else { return };
     let mut status = status.clone();
     state(&mut status, "verdict", "waiting");
     state(&mut status, "counters", json!(status_file::read(Some(path)).counters));
-    // An error in writing is reported when the final status is written.
+    // If writing fails, the error is reported when the final status is written.
     let _ = status_file::write(path, &status);
 }

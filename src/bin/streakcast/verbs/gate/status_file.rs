@@ -1,4 +1,4 @@
-//! Status file with the results of this run and counters over all runs; kinds of faults.
+//! Status file of the gate, with the result of the run and counters over all runs; kinds of faults.
 
 use std::fmt;
 use std::path::Path;
@@ -8,7 +8,7 @@ use serde_json::{Map, Value};
 use streakcast::input;
 use streakcast::output::write_atomically;
 
-/// Counters over all runs that wrote the same file.
+/// Counters over all runs that use the same status file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Counters {
@@ -30,7 +30,7 @@ pub struct Before {
     pub satellites: Option<usize>,
 }
 
-/// Reads the status of the last run; returns the default if there is no valid file.
+/// Reads the status of the last run; default values if there is no valid file.
 pub fn read(path: Option<&Path>) -> Before {
     let regular = path.filter(|path| input::check_regular(path).is_ok());
     let text = regular.and_then(|path| input::read_to_string(path).ok());
@@ -43,7 +43,7 @@ pub fn write(path: &Path, statements: &Map<String, Value>) -> std::io::Result<()
     write_atomically(path, |out| out.write_all(text.as_bytes()))
 }
 
-/// Kind of a fault, with a counter of its own in the status file.
+/// Kind of a fault. The status file has a counter for each kind.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum FaultKind {
     /// Elements are missing, invalid, incomplete or cannot be propagated.
@@ -58,7 +58,7 @@ pub enum FaultKind {
     Indi,
     /// The site of the mount differs from the given one.
     Site,
-    /// The clocks of this machine and of the INDI server differ, or the clock was set during a wait.
+    /// The clocks of this machine and of the INDI server differ, or the clock was changed during a wait.
     Clock,
     /// Any other input is invalid.
     Setup,
@@ -89,7 +89,7 @@ pub struct Fault {
 
 impl Fault {
     pub fn new(kind: FaultKind, message: impl fmt::Display) -> Self {
-        // The log has one line for each message.
+        // The message is on one line, as required by the log.
         Self { kind, message: message.to_string().split_whitespace().collect::<Vec<_>>().join(" ") }
     }
 }

@@ -22,7 +22,7 @@ struct Coordinates {
     dec: Quantity,
 }
 
-/// Returns the coordinates of a target. Case, blanks, underscores and hyphens of the name are ignored (Ekos replaces
+/// Returns the coordinates of a target. Case, blanks, underscores and hyphens in the name are ignored (Ekos replaces
 /// blanks by underscores).
 pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
     let fault = |what: String| Fault::new(FaultKind::Target, format!("targets {}: {what}", path.display()));

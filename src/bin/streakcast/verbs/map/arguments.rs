@@ -138,7 +138,7 @@ pub struct MapPaperArguments {
 }
 
 impl LightArguments {
-    /// Returns the configuration of these flags and of a site, completed with the configuration file.
+    /// Returns the configuration of these flags and a site, with omitted keys taken from the configuration file.
     pub fn config(&self, site: SiteConfig) -> anyhow::Result<Config> {
         let flags = Config { light: self.magnitudes.clone(), run: self.run.clone(), site, ..Config::default() };
         Ok(flags.with_file()?)

@@ -15,7 +15,7 @@ use crate::notices::Notices;
 use crate::output::{check, write_bytes};
 use crate::verbs::judged::begin;
 
-/// Returns the bytes of a picture in the format of its path; `None` without a path.
+/// Returns the bytes of a picture in the format of its path; `None` if there is no path.
 pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::Result<Option<Vec<u8>>> {
     path.map(|path| Ok(picture().to_bytes(PictureFormat::of(path)?)?)).transpose()
 }
@@ -27,7 +27,7 @@ pub fn write(path: Option<&Path>, bytes: Option<Vec<u8>>, notices: &Notices) -> 
     }
 }
 
-/// Draws all four figures before it writes the first, so that an error leaves no file.
+/// Draws the four figures, and then writes them, so that an error in drawing leaves no files.
 pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
     let config = typed.light.config(SiteConfig::default())?;
     let notices = begin(&config)?;

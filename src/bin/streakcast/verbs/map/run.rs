@@ -125,8 +125,8 @@ pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyh
     Ok(Outcome::Done)
 }
 
-/// Returns the model of a name in the library, or of a file. A name is that of a file if it has the extension .json or
-/// a folder, or if it is not in the library and a file of that name exists.
+/// Returns the model with this name in the library, or of this file. The text is a path if it has the extension .json
+/// or a folder, or if it is not a name in the library and such a file exists.
 pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
     let path = Path::new(name);
     let is_path =
@@ -143,7 +143,7 @@ pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<Bright
     })
 }
 
-/// Returns a warning with the options of the configuration that have no effect on a map.
+/// Returns a warning that lists the options of the configuration that have no effect on a map.
 pub fn unused_options(config: &Config, more: &[(&str, bool)], map: &str) -> Option<String> {
     let sun = ("sun_distance", config.sun_distance == Some(true));
     let unused: Vec<&str> = [sun].iter().chain(more).filter(|(_, is_given)| *is_given).map(|(key, _)| *key).collect();
@@ -151,7 +151,7 @@ pub fn unused_options(config: &Config, more: &[(&str, bool)], map: &str) -> Opti
     (!unused.is_empty()).then(|| format!("{} of the configuration {verb} no effect on {map}", unused.join(", ")))
 }
 
-/// Returns the site, if one is given.
+/// Returns the site; `None` if none is given.
 pub fn site_of(config: &Config) -> anyhow::Result<Option<Site>> {
     Ok(if config.site.is_given() { Some(config.site()?) } else { None })
 }

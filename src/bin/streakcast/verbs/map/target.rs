@@ -15,9 +15,9 @@ use super::arguments::MapOutputArguments;
 use crate::output::check;
 use crate::output::{FORMATS, Format, Output};
 
-/// Destination of the table of a map, checked before the computation.
+/// Destination of the table of a map. It is checked before the computation.
 pub enum Target {
-    /// No table, because only a picture is requested.
+    /// No table, because only a picture is written.
     #[cfg(feature = "plot")]
     Nothing,
     Table(Output, Grid),
@@ -25,12 +25,12 @@ pub enum Target {
     Fits(PathBuf, Grid),
 }
 
-/// Kind of output by the extension of a file.
+/// Kind of a file by its extension.
 #[derive(Copy, Clone, PartialEq, Eq)]
 enum Ending {
     Fits,
     Table,
-    /// Any other extension, or none.
+    /// Any other extension, or no extension.
     Other,
 }
 
@@ -57,7 +57,8 @@ impl Ending {
 }
 
 impl Target {
-    /// Opens a target in the given format, or else in that of the file extension, or else in that of the configuration.
+    /// Opens a destination in the given format, or else in that of the file extension, or else in that of the
+    /// configuration.
     pub fn new(typed: &MapOutputArguments, configured: Option<&str>) -> anyhow::Result<Self> {
         let grid = match (typed.nside, typed.step_deg) {
             (Some(nside), _) => Grid::healpix(nside)?,
@@ -92,7 +93,7 @@ impl Target {
         Ok(Self::Table(Output::new(format, typed.output.clone())?, grid))
     }
 
-    /// Rejects flags of the table's grid if only a picture is written, because a picture has its own pixels.
+    /// Rejects grid flags if only a picture is written, because a picture has its own pixel grid.
     #[cfg(feature = "plot")]
     fn picture_alone(typed: &MapOutputArguments) -> anyhow::Result<Self> {
         let of_tables = [("--nside", typed.nside.is_some()), ("--step-deg", typed.step_deg.is_some())];
@@ -125,7 +126,7 @@ impl Target {
     }
 }
 
-/// Returns the bytes of a FITS file. CFITSIO writes it to the temporary folder of the system first.
+/// Returns the bytes of a FITS file. CFITSIO writes it to a temporary file first.
 #[cfg(all(feature = "fits", unix))]
 pub fn fits_bytes(made: impl FnOnce(&Path) -> Result<Vec<u8>, MapError>) -> anyhow::Result<Vec<u8>> {
     made(&std::env::temp_dir()).map_err(|error| match error {

@@ -1,4 +1,4 @@
-//! Tables with access by column name, from a result or from the output file of a verb.
+//! Tables with access by column name, from a result or from a file that a verb has written.
 
 use std::path::Path;
 
@@ -9,17 +9,17 @@ use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
 use streakcast::output::{Provenance, Table, Value as Cell};
 
-/// Table with cells as text, as in CSV; missing values are empty.
+/// Table with cells as text, as in CSV. Missing values are empty.
 pub struct Columns {
     origin: String,
     names: Vec<String>,
-    /// Rows: line in the file, or number of the row, for messages, and the cells.
+    /// Rows: line number in the file (or row number), for messages, and cells.
     rows: Vec<(usize, Vec<String>)>,
     provenance: Map<String, Value>,
 }
 
 impl Columns {
-    /// Returns the columns of a result.
+    /// Returns a result as columns.
     pub fn of(table: &Table, provenance: &Provenance) -> Self {
         let cells = |row: &Vec<Cell>| table.columns.iter().zip(row).map(|(column, cell)| column.text(cell)).collect();
         Self {
@@ -35,7 +35,7 @@ impl Columns {
         Self::read_first(path, &[section])
     }
 
-    /// Reads a file as [`Columns::read`]. In a JSON document, the first of `sections` that it contains is the table.
+    /// Same as [`Columns::read`], but in a JSON document the first of `sections` that it contains is the table.
     pub fn read_first(path: &Path, sections: &[&str]) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
         let text = streakcast::input::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
@@ -95,7 +95,7 @@ impl Columns {
             Ok(_) => bail!(
                 "table {origin} is neither an object nor an array; allowed: an object with an array '{allowed}', or an array of objects"
             ),
-            // JSON lines: one object per line, the first with the provenance.
+            // JSON lines: one object per line. The first line is the provenance.
             Err(error) => {
                 let lines = text.lines().filter(|line| !line.trim().is_empty());
                 let mut rows = lines
@@ -124,7 +124,7 @@ impl Columns {
         Ok(Self { origin: origin.to_owned(), names, rows, provenance })
     }
 
-    /// Returns the name of the table in messages.
+    /// Returns the name of the table for messages.
     pub fn origin(&self) -> &str {
         &self.origin
     }
@@ -141,12 +141,12 @@ impl Columns {
         self.names.iter().any(|known| known == name)
     }
 
-    /// Returns a statement of the provenance.
+    /// Returns a value of the provenance; `None` if it is missing.
     pub fn stated(&self, name: &str) -> Option<&Value> {
         self.provenance.get(name)
     }
 
-    /// Returns the sentence on simulated satellites in a caption; empty if all satellites are real.
+    /// Returns the sentence for a caption that some satellites are simulated; empty if all are real.
     pub fn simulation_note(&self) -> &'static str {
         let shells = self.stated("shells").and_then(Value::as_array);
         match (shells.is_some_and(|shells| !shells.is_empty()), self.stated("elements").is_some()) {
@@ -156,7 +156,7 @@ impl Columns {
         }
     }
 
-    /// Returns the site stated in the provenance.
+    /// Returns the site in the provenance.
     pub fn site(&self) -> Option<Site> {
         let site = self.stated("site")?;
         let number = |name: &str| site.get(name).and_then(Value::as_f64);
@@ -164,12 +164,12 @@ impl Columns {
         Site::new_deg(name, number("latitude_deg")?, number("longitude_deg")?, number("height_m")?).ok()
     }
 
-    /// Returns the limiting magnitude of the policy, if it is the same for all bands.
+    /// Returns the limiting magnitude of the policy; `None` if it depends on the band or is missing.
     pub fn limit_mag(&self) -> Option<f64> {
         self.stated("options")?.get("policy")?.get("limit_mag")?.as_f64()
     }
 
-    /// Returns all statements of the provenance.
+    /// Returns the whole provenance.
     pub fn provenance(&self) -> Provenance {
         let mut provenance = Provenance::new();
         self.provenance.iter().for_each(|(name, value)| provenance.state(name, value.clone()));

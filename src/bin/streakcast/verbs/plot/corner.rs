@@ -1,4 +1,4 @@
-//! `plot corner`: plots the posterior of a fit from its saved samples.
+//! `plot corner`: plots the posterior distribution of a fit from its saved samples.
 
 use anyhow::{anyhow, bail};
 use streakcast::fit::read_chain;
@@ -15,7 +15,7 @@ const MOST: usize = 9;
 
 pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
     let notices = Notices::new(false);
-    // No data file: the chains contain the data.
+    // There is no data file: the chain file contains the data.
     let target = Target::of_table(&typed.picture)?;
     let (chain, about) = read_chain(&typed.chains)?;
     let known = &about.parameters;

@@ -11,12 +11,12 @@ use super::columns::Columns;
 /// Suffix of the names of simulated satellites.
 pub const SYNTHETIC: &str = " (synthetic)";
 
-/// Returns the sentence on simulated satellites in a caption; empty if all satellites are real.
+/// Returns the sentence for a caption that some satellites are simulated; empty if all are real.
 pub fn shells_caption(names: &[&str]) -> &'static str {
     if names.iter().any(|name| name.ends_with(SYNTHETIC)) { "Satellites of shells are simulated." } else { "" }
 }
 
-/// Names of the JSON arrays with points.
+/// Names of the JSON arrays that may contain points.
 pub const SECTIONS: &[&str] = &["light_curves", "passes"];
 
 /// Pass with its points.
@@ -24,22 +24,22 @@ pub struct Curve {
     pub norad_id: String,
     /// True for a simulated satellite.
     pub is_synthetic: bool,
-    /// Distances of the first and last point, km.
+    /// Ranges of the first and the last point, km.
     pub range_km: [f64; 2],
     pub track: SkyTrack,
 }
 
 impl Curve {
-    /// Returns the brightest magnitude; NaN if the pass is not visible.
+    /// Returns the brightest magnitude; NaN if no point has a magnitude.
     pub fn brightest(&self) -> f64 {
         self.track.magnitude.iter().copied().fold(f64::NAN, f64::min)
     }
 }
 
-/// Returns the passes of a table in its order; only those of the satellites `norad` unless this list is empty.
+/// Returns the passes of a table in its order. If `norad` is not empty, only passes of these satellites are returned.
 ///
 /// # Errors
-/// The table has no points, or lacks one of the given satellites.
+/// The table has no points, or no pass of one of the given satellites.
 pub fn curves(columns: &Columns, norad: &[u32]) -> anyhow::Result<Vec<Curve>> {
     let all = if columns.is_empty() {
         Vec::new()

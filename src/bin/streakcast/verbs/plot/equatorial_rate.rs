@@ -1,5 +1,5 @@
 //! `plot sky-rate --equatorial`: plots the mean number of streaks per exposure over right ascension and declination,
-//! averaged over nights. Also defines the parts shared with the map over a site.
+//! averaged over nights. The module also contains functions shared with the map over a site.
 
 use std::collections::BTreeSet;
 
@@ -37,7 +37,7 @@ const COLUMNS: [Column; 6] = [
     BRIGHT,
 ];
 
-/// Sums over the exposures of a cell.
+/// Sums over the exposures of one cell.
 #[derive(Copy, Clone, Default)]
 struct Sum {
     exposures: usize,
@@ -45,8 +45,8 @@ struct Sum {
     bright: f64,
 }
 
-/// Counts the streaks of exposures in every cell of the local sky during the dark hours, and averages them in cells of
-/// right ascension and declination.
+/// Counts the streaks of exposures in every cell of the local sky during the dark hours, and averages the counts in
+/// cells of right ascension and declination.
 pub fn compute(
     typed: &PlotSkyRateArguments,
     config: &Config,
@@ -165,7 +165,7 @@ fn table(nside: u32, sums: &[Sum], has_limit: bool) -> Table {
     Table { columns: COLUMNS.to_vec(), rows: sums.iter().enumerate().filter_map(row).collect() }
 }
 
-/// Returns true for a table that this plot wrote.
+/// Returns true if the table was written by this plot.
 pub fn is_of(columns: &Columns) -> bool {
     columns.stated("options").and_then(|options| options.get("frame")).and_then(Value::as_str) == Some(FRAME)
 }
@@ -209,20 +209,20 @@ pub const BRIGHT: Column = Column::real(
     "Mean expected number of these satellites brighter than the limiting magnitude; empty without a limit.",
 );
 
-/// Rates read from a table of either map.
+/// Rates read from a table of either sky-rate map.
 pub struct Rates {
     pub nside: u32,
     pub cells: Vec<u64>,
-    /// Rates of all streaks, or of bright ones if a limit is given.
+    /// Rates of all streaks; if a magnitude limit is given, of brighter streaks.
     pub rate: Vec<f64>,
-    /// Part of the title on the limit, for example ` brighter than 7 mag`; empty without a limit.
+    /// Part of the title that states the limit, for example ` brighter than 7 mag`; empty without a limit.
     pub bright: String,
     pub site: String,
     options: Value,
 }
 
 impl Rates {
-    /// Reads a table; `allowed` is the verb that writes such tables.
+    /// Reads a table. `allowed` is the verb that writes such tables, for errors.
     pub fn of(columns: &Columns, allowed: &str) -> anyhow::Result<Self> {
         let options = columns.stated("options").cloned().unwrap_or_default();
         let number = |name: &str| options.get(name).and_then(Value::as_f64);
@@ -239,7 +239,7 @@ impl Rates {
         })
     }
 
-    /// Returns an option of the provenance.
+    /// Returns an option stored in the provenance.
     pub fn option(&self, name: &str) -> Option<&Value> {
         self.options.get(name)
     }
@@ -257,7 +257,7 @@ impl Rates {
     }
 }
 
-/// Returns the error of a table without a required statement.
+/// Returns the error for a table whose provenance lacks a required value.
 pub fn missing_statement(what: &str, allowed: &str) -> anyhow::Error {
     anyhow!("the table has no {what}; allowed: data written by {allowed}")
 }

@@ -1,4 +1,4 @@
-//! Table of exposures with verdicts, for the plots of nights.
+//! Table of exposures with their verdicts, used by the plots of nights.
 
 use std::path::Path;
 
@@ -14,7 +14,7 @@ use crate::verbs::judged::judge;
 use super::clock::sun_altitude_deg;
 use super::columns::Columns;
 
-/// Table of exposures with verdicts, and its provenance.
+/// Table of exposures with their verdicts, and its provenance.
 pub struct Exposures {
     pub table: Table,
     pub provenance: Provenance,
@@ -45,7 +45,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
     let rows = judged.schedule.exposures.iter().zip(&judged.report.flags);
     let row = |(row, flag): (&ScheduledExposure, &Verdict)| {
         let exposure = row.exposure.as_ref().ok();
-        // Limits of a telescope depend on each streak, so that there is no single number.
+        // The limits of a telescope depend on each streak, so there is no single number.
         let limit = limit.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
         let bright = limit.map(|limit| {
             let crossings = flag.passes.iter().filter(|pass| pass.lit && pass.is_crossing());
@@ -70,7 +70,7 @@ pub fn compute(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopT
     })
 }
 
-/// Returns the table for an output of `flag`, with the times of the schedule.
+/// Returns the table for an output of `flag`. The times are taken from the schedule.
 pub fn of_flags(
     flags: &Columns,
     path: &Path,
@@ -110,17 +110,17 @@ pub fn of_flags(
     Ok(Table { columns: COLUMNS.to_vec(), rows: rows.collect() })
 }
 
-/// Nights of a table, named by the date of their evening. A night lasts from noon to noon, local mean time of the site
-/// or UTC without a site.
+/// Nights of a table, named by the date of their evening. A night lasts from noon to noon, in local mean time of the
+/// site, or in UTC if there is no site.
 pub struct Nights {
-    /// Night of each row; `None` without a time.
+    /// Night of each row; `None` if the row has no time.
     pub of_rows: Vec<Option<String>>,
 }
 
 impl Nights {
     pub fn of(columns: &Columns, longitude_deg: f64) -> anyhow::Result<Self> {
         let date = |mjd: f64| {
-            // Nights begin at noon.
+            // Nights start at noon.
             let day = (mjd + longitude_deg / 360.0 - 0.5).floor();
             let (year, month, day, ..) = hifitime::Epoch::from_mjd_utc(day + 0.5).to_gregorian_utc();
             format!("{year:04}-{month:02}-{day:02}")
@@ -136,7 +136,7 @@ impl Nights {
         all
     }
 
-    /// Returns the given night, or else the first one.
+    /// Returns the given night; the first night if none is given.
     pub fn choose(&self, night: Option<&str>) -> anyhow::Result<String> {
         let all = self.all();
         let allowed = || match all.as_slice() {

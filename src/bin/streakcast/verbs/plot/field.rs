@@ -18,7 +18,7 @@ use super::columns::Columns;
 use super::curves::{SYNTHETIC, shells_caption};
 use super::target::{Target, required};
 
-/// Number of points of a circle's outline.
+/// Number of points of the outline of a circle.
 const CIRCLE_POINTS: usize = 180;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
@@ -41,14 +41,14 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let prediction = predict(&config)?;
     let table = prediction.table(false);
     let columns = Columns::of(&table, &prediction.prepared.provenance);
-    // Read from the provenance of the table, so that a file gives the same picture.
+    // The exposure is read from the provenance of the table, so that a file of the table gives the same picture.
     let exposure = Pointing::stated(&columns).ok_or_else(|| anyhow!("the result does not state its exposure"))?;
     let picture = picture(&columns, &exposure, Some(&config.field_of_view()?), title)?;
     target.write(&picture, "passes", &table, &prediction.prepared.provenance, &prediction.notices)?;
     Ok(outcome(&columns))
 }
 
-/// Returns the outcome of `passes`: exit code 1 without crossings, although the picture is written.
+/// Returns exit code 1 if there are no crossings, as `passes` does, although the picture is written.
 fn outcome(columns: &Columns) -> Outcome {
     if columns.is_empty() { Outcome::No } else { Outcome::Done }
 }
@@ -62,7 +62,7 @@ struct Pointing {
 }
 
 impl Pointing {
-    /// Reads the pointing from the provenance of a table of passes.
+    /// Reads pointing and time from the provenance of a table of passes.
     fn stated(columns: &Columns) -> Option<Self> {
         let options = columns.stated("options")?;
         let number = |name: &str| options.get(name).and_then(Value::as_f64);
@@ -75,8 +75,8 @@ impl Pointing {
     }
 }
 
-/// Returns the given field, or else that of the table. `None` if it is the field of a telescope, which the table does
-/// not contain.
+/// Returns the given field, or else that in the provenance of the table; `None` for the field of a telescope, which the
+/// provenance does not contain.
 fn stated_field(config: &Config, columns: &Columns) -> anyhow::Result<Option<Field>> {
     if config.fov.is_some() || config.field.is_some() || config.telescope.is_some() {
         return Ok(Some(config.field_of_view()?));

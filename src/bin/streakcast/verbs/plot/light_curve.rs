@@ -1,4 +1,4 @@
-//! `plot light-curve`: plots the magnitude along the track of one satellite, in the field and before and after it.
+//! `plot light-curve`: plots the magnitude of one satellite along its track, in the field and before and after it.
 
 use anyhow::{anyhow, bail};
 use serde_json::json;
@@ -109,9 +109,9 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the pass of the given satellite, or else the brightest one.
+/// Returns the pass of the given satellite; the brightest pass if none is given.
 fn chosen(prediction: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
-    // Near misses do not enter the field.
+    // Near misses are excluded, because they do not enter the field.
     let found: Vec<&Pass> = prediction.found().iter().filter(|pass| pass.is_crossing()).collect();
     if let Some(id) = norad {
         let pass = found.iter().find(|pass| pass.norad_id == NoradId(id));
@@ -128,15 +128,15 @@ fn chosen(prediction: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
     brightest.ok_or_else(|| anyhow!("no visible satellite crosses this exposure; allowed: an exposure with a crossing"))
 }
 
-/// Returns points from `around_s` before the first entry to `around_s` after the last exit, above the horizon.
+/// Returns points above the horizon from `around_s` before the first entry to `around_s` after the last exit.
 fn track(prediction: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
     let (first_s, last_s) = pass.chords.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), chord| {
         (low.min(chord.enter_s), high.max(chord.exit_s))
     });
     let start = seconds_after(prediction.exposure.start, first_s - around_s);
     let duration_s = last_s - first_s + 2.0 * around_s;
-    // A circle around the position in the field that contains the track. The apparent motion may be faster at higher
-    // altitude, so that the radius is half as large again.
+    // Circular field that contains the whole track. The angular rate may be higher at higher altitude, so the radius is
+    // increased by half.
     let radius_rad = (1.5 * pass.angular_rate_rad_s * duration_s + 0.1).min(std::f64::consts::FRAC_PI_2);
     let exposure = Exposure { start, duration_s, pointing: pass.mid.direction, ..prediction.exposure.clone() };
     let options = PassOptions { include_dark: true, min_probability: None, samples: POINTS, ..prediction.options };
@@ -152,7 +152,7 @@ fn track(prediction: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<
     })
 }
 
-/// Plots the brightest pass of a forecast, or of one of its satellites, from rise to set.
+/// Plots one pass of a forecast from rise to set: that of the given satellite, or the brightest one.
 fn of_forecast(
     columns: &Columns,
     norad: Option<u32>,
@@ -161,7 +161,7 @@ fn of_forecast(
     title: Option<&str>,
 ) -> anyhow::Result<Picture> {
     let found = curves(columns, norad.as_slice())?;
-    // NaN sorts after all numbers.
+    // NaN is ordered after all numbers.
     let brightest = found.into_iter().min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
     let Curve { norad_id, is_synthetic, range_km: [from_km, to_km], track } =
         brightest.ok_or_else(|| anyhow!("table {} has no pass; allowed: one or more", columns.origin()))?;

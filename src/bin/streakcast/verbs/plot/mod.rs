@@ -1,7 +1,7 @@
 //! `plot`: draws pictures and writes their data files. Each plot has its own module.
 //!
-//! `columns` reads the output tables of verbs, and `curves` those of forecasts. `target` names the output files,
-//! `clock` defines local time, and `exposures` the table of exposures for plots of nights.
+//! `columns` reads the output tables of verbs, and `curves` those of forecasts. `target` opens the output files,
+//! `clock` defines local time, and `exposures` defines the table of exposures for plots of nights.
 
 mod arguments;
 mod clock;

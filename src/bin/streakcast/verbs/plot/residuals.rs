@@ -17,7 +17,7 @@ use crate::verbs::map::model_of;
 use super::columns::Columns;
 use super::target::Target;
 
-/// Kind of the picture.
+/// Kind of plot.
 #[derive(Copy, Clone)]
 pub enum Chart {
     Panels,
@@ -82,7 +82,7 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     Ok(Outcome::Done)
 }
 
-/// Reads points, or kept pixels, and computes their magnitudes.
+/// Reads single points, or pixels that were kept, and computes their magnitudes.
 fn residuals(typed: &PlotResidualsArguments, config: &Config) -> anyhow::Result<Residuals> {
     let model = model_of(&config.model_library()?, &typed.model)?;
     let photometry = config.photometry()?;
@@ -97,7 +97,7 @@ fn residuals(typed: &PlotResidualsArguments, config: &Config) -> anyhow::Result<
     let height = columns.numbers("height_km")?;
     let mut found = Residuals::default();
     for k in (0..observed.len()).filter(|&k| kept[k] > 0.0 && observed[k].is_finite()) {
-        // Measured magnitudes are standard magnitudes, at 1000 km.
+        // Measured magnitudes are standard magnitudes at 1000 km.
         let geometry = ViewingGeometry::from_angles(sun[k], longitude[k], latitude[k], 1000.0, height[k]);
         let geometry =
             geometry.ok_or_else(|| anyhow!("table {}: row {} has an invalid geometry", typed.from.display(), k + 1))?;
@@ -129,7 +129,7 @@ impl Residuals {
                 phase_angle_rad: &self.phase,
             })?,
             Chart::Histogram => {
-                // The sigma of the normal curve is the scatter of the residuals.
+                // The normal curve in the plot has the standard deviation of the residuals.
                 let squares: f64 = self.residual.iter().map(|residual| residual * residual).sum();
                 let sigma_mag = (squares / self.residual.len().max(1) as f64).sqrt().max(1e-3);
                 residual_histogram(&ResidualHistogram { title, residuals_mag: &self.residual, sigma_mag })?

@@ -1,4 +1,4 @@
-//! Dispatch to the plots, `plot --list`, and the plots that `map` also draws.
+//! Calls the plots, prints `plot --list`, and draws the plots that `map` also draws.
 
 use streakcast::output::{Column, Kind, Provenance, Section, Table};
 

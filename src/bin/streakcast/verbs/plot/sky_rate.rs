@@ -121,7 +121,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns start and exposure time of the exposures of a grid.
+/// Returns start and exposure time for the exposures of a grid.
 pub fn start_and_length(config: &Config) -> anyhow::Result<(Epoch, f64)> {
     let missing = |what: &str| anyhow!("missing {what}; specify --start 2024-08-14T00:30:00Z --exposure 30s");
     let ExposureConfig { start, duration, .. } = &config.exposure;
@@ -131,7 +131,7 @@ pub fn start_and_length(config: &Config) -> anyhow::Result<(Epoch, f64)> {
     Ok((start, parse_duration_s("exposure", duration.as_str())?))
 }
 
-/// Returns the cells with centres at or above an altitude, degrees.
+/// Returns the HEALPix cells whose centres are at or above an altitude in degrees.
 pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direction<Horizontal>)>> {
     if !(0.0..=80.0).contains(&least_deg) {
         bail!("min-altitude is {least_deg} deg; allowed: 0 to 80 deg");

@@ -20,7 +20,7 @@ use super::exposures::compute;
 use super::sky_rate::{cells_above, start_and_length};
 use super::target::{Target, required};
 
-/// HEALPix resolution of the grid. Cells are 14.7° wide, and 48 are above 30°.
+/// HEALPix resolution of the grid. Cells are 14.7° wide, and 48 cells are above 30°.
 const NSIDE: u32 = 4;
 const DAY_S: f64 = 86_400.0;
 const SHORTEST_STEP_S: f64 = 30.0;
@@ -71,7 +71,7 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Computes exposures on a grid over the sky, at equal steps through a day, at times when the Sun is low enough.
+/// Computes exposures on a grid over the sky, at equal time steps during a day while the Sun is below the limit.
 fn grid(
     typed: &PlotSunAltitudeArguments,
     config: &Config,

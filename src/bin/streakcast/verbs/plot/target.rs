@@ -14,19 +14,19 @@ use crate::output::{Answer, Output, check, write_bytes};
 use crate::required::Required;
 use crate::screen::Style;
 
-/// Output files, checked before the computation.
+/// Output files. They are checked before the computation.
 pub struct Target {
     pictures: Vec<(PathBuf, PictureFormat)>,
     data: Option<Output>,
 }
 
 impl Target {
-    /// Opens the outputs of a computation: pictures and data file.
+    /// Opens pictures and data file for a computed plot.
     pub fn new(typed: &PictureArguments) -> anyhow::Result<Self> {
         Self::with_data(typed, true)
     }
 
-    /// Opens the outputs of a plot of an input table, without a data file.
+    /// Opens pictures for the plot of an input table; no data file is written.
     pub fn of_table(typed: &PictureArguments) -> anyhow::Result<Self> {
         match &typed.data {
             Some(path) => Err(anyhow!(
@@ -64,7 +64,7 @@ impl Target {
         Ok(Self { pictures, data: data.map(|path| Output::new(None, Some(path))).transpose()? })
     }
 
-    /// Draws all pictures before it writes the first file, so that an error leaves no file.
+    /// Draws all pictures, and then writes all files, so that an error in drawing leaves no files.
     pub fn write(
         &self,
         picture: &Picture,
@@ -92,25 +92,25 @@ impl Target {
         Ok(())
     }
 
-    /// Writes a picture of an input table.
+    /// Writes the picture for an input table.
     pub fn write_picture(&self, picture: &Picture, notices: &Notices) -> anyhow::Result<()> {
         self.write(picture, "", &Table::default(), &Provenance::new(), notices)
     }
 }
 
-/// Returns the default path of the data file, for example `night-data.ecsv` for `night.png`. The name `night.ecsv` may
-/// be that of the schedule.
+/// Returns the default path of the data file, for example `night-data.ecsv` for `night.png`. Because of the suffix it
+/// does not replace a schedule named `night.ecsv`.
 pub fn data_path(picture: &Path) -> PathBuf {
     let stem = picture.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
     picture.with_file_name(format!("{stem}-data.ecsv"))
 }
 
-/// Returns a check of required inputs that requires a picture.
+/// Returns a check of required inputs, of which a picture is the first.
 pub fn required<'a>(config: &'a Config, typed: &PictureArguments) -> Required<'a> {
     Required::of(config).input(!typed.output.is_empty(), "picture", "-o FILE")
 }
 
-/// Returns the picture of a plot that writes only one.
+/// Returns the path of the picture, for plots that write only one.
 pub fn only(typed: &PictureArguments) -> anyhow::Result<PathBuf> {
     match typed.output.as_slice() {
         [path] => Ok(path.clone()),

@@ -1,4 +1,4 @@
-//! Checks of every request before it is routed: form, rate, and access token.
+//! Checks of every request before routing: form, rate, and access token.
 
 use std::collections::HashMap;
 use std::net::{IpAddr, SocketAddr};
@@ -13,15 +13,16 @@ use subtle::ConstantTimeEq;
 use super::arguments::ServeArguments;
 use super::problem::Problem;
 
-/// Longest accepted path with query, bytes.
+/// Largest accepted length of path and query, bytes.
 pub const MAX_TARGET_BYTES: usize = 2000;
-/// Host names of a loopback address. A request with another Host comes from a page of another site (DNS rebinding).
+/// Host names of loopback addresses. With another Host header, the request was sent by a foreign web page (DNS
+/// rebinding).
 const LOOPBACK_NAMES: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
 
-/// Limits on the requests of a server.
+/// Limits for the requests of a server.
 pub struct RequestFilter {
     pub limiter: RateLimiter,
-    /// True if the server listens on a loopback address; the Host header must then name one.
+    /// True if the server listens on a loopback address; the Host header must then contain a loopback name.
     pub is_loopback: bool,
 }
 
@@ -39,11 +40,11 @@ impl RequestFilter {
             let detail = "the Host header names no loopback address; allowed: localhost, 127.0.0.1, [::1]";
             return Err(Problem::new(403, detail));
         }
-        // Only browsers send this header.
+        // This header is sent only by browsers.
         if headers.get("sec-fetch-site").is_some_and(|site| site == "cross-site" || site == "same-site") {
             return Err(Problem::new(403, "the request comes from a page of another site"));
         }
-        // The router rejects other methods with 405.
+        // Other methods are rejected by the router with status 405.
         if [Method::GET, Method::HEAD].contains(request.method()) && has_body(headers) {
             return Err(Problem::new(413, "the request has a body; allowed: none"));
         }
@@ -63,18 +64,18 @@ fn names_loopback(headers: &HeaderMap) -> bool {
     LOOPBACK_NAMES.iter().any(|known| name.eq_ignore_ascii_case(known))
 }
 
-/// Returns true if a body follows the head.
+/// Returns true if the request has a body.
 pub fn has_body(headers: &HeaderMap) -> bool {
     headers.get(CONTENT_LENGTH).is_some_and(|length| length != "0") || headers.contains_key(TRANSFER_ENCODING)
 }
 
-/// Largest number of tracked addresses. Addresses without recent requests are removed first.
+/// Largest number of tracked addresses. When it is reached, addresses without recent requests are removed.
 const MAX_ADDRESSES: usize = 4096;
-/// Burst allowance: the requests allowed in this time may also arrive all at once.
+/// Burst allowance: the number of requests allowed in this time may also arrive at once.
 const BURST: Duration = Duration::from_secs(1);
 
-/// Generic cell rate algorithm: each request of an address moves its due time ahead by one interval, at most to `BURST`
-/// after now.
+/// Rate limiter with the generic cell rate algorithm: each address has a due time, which each request moves ahead by
+/// one interval. A request is rejected if the due time would be more than `BURST` after now.
 #[derive(Debug)]
 pub struct RateLimiter {
     interval: Duration,
@@ -86,7 +87,7 @@ impl RateLimiter {
         Self { interval: BURST / requests_per_second, due: Mutex::default() }
     }
 
-    /// Counts a request; returns true if it is allowed. After a rejection, a request one second later is allowed.
+    /// Returns true and counts the request if it is allowed. One second after a rejection, a request is allowed.
     pub fn allows(&self, address: IpAddr, now: Instant) -> bool {
         let mut due = self.due.lock().unwrap_or_else(PoisonError::into_inner);
         let network = network_of(address);
@@ -106,7 +107,7 @@ impl RateLimiter {
     }
 }
 
-/// Returns the /64 network of an IPv6 address, which usually belongs to one client; returns an IPv4 address unchanged.
+/// Returns the /64 network of an IPv6 address, which usually belongs to one client. An IPv4 address is unchanged.
 fn network_of(address: IpAddr) -> IpAddr {
     match address.to_canonical() {
         IpAddr::V6(address) => {
@@ -117,15 +118,15 @@ fn network_of(address: IpAddr) -> IpAddr {
     }
 }
 
-/// Shortest token, characters. Shorter ones can be guessed.
+/// Smallest length of a token, characters. Shorter tokens could be guessed.
 const SHORTEST: usize = 16;
 const LONGEST: usize = 512;
 
-/// Access token of the API, which is never printed.
+/// Access token of the API. It is not printed.
 pub struct Token(Vec<u8>);
 
 impl Token {
-    /// Reads the token from the file or environment variable of the flags. It is optional for a loopback address.
+    /// Reads the token from the file or environment variable in the flags. It is optional for loopback addresses.
     pub fn of(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
         let text = match (&typed.token_file, &typed.token_env) {
             (Some(path), _) => {
@@ -150,7 +151,7 @@ impl Token {
         Ok(Some(Self(text.into_bytes())))
     }
 
-    /// Returns true if an Authorization header carries the token. The comparison takes constant time.
+    /// Returns true if an Authorization header contains the token. The comparison takes constant time.
     pub fn is_carried_by(&self, authorization: Option<&[u8]>) -> bool {
         let Some((scheme, given)) = authorization.and_then(|header| header.split_at_checked(7)) else { return false };
         scheme.eq_ignore_ascii_case(b"bearer ") && bool::from(self.0.as_slice().ct_eq(given.trim_ascii()))
@@ -228,7 +229,7 @@ mod tests {
         let address = |number: u32| IpAddr::from(number.to_be_bytes());
         let allowed = (0..10_000).filter(|number| limiter.allows(address(*number), begin)).count();
         assert_eq!((allowed, limiter.due.lock().unwrap().len()), (MAX_ADDRESSES, MAX_ADDRESSES));
-        // Addresses without a request in the last second are dropped.
+        // Addresses without a request in the last second are removed.
         assert!(limiter.allows(address(20_000), begin + Duration::from_secs(2)));
         assert_eq!(limiter.due.lock().unwrap().len(), 1);
     }

@@ -11,19 +11,19 @@ pub const JSON: &str = "application/json";
 /// Path of the API with its parameters, handler and schema.
 pub struct Route {
     pub path: &'static str,
-    /// The same path without the slash at its end.
+    /// The same path without its final slash.
     pub alias: Option<&'static str>,
     pub summary: &'static str,
     pub parameters: &'static [Parameter],
     /// True if the path requires the access token of the server.
     pub needs_token: bool,
-    /// Computes the JSON body of the response.
+    /// Computes the JSON body of a response.
     pub answer: fn(&ServerState, &Query) -> Result<String, Problem>,
     /// Returns the JSON Schema of the body.
     pub schema: fn() -> Value,
 }
 
-/// Returns the OpenAPI 3.1 document of these paths.
+/// Returns the OpenAPI 3.1 document of the paths.
 pub fn document(routes: &[Route]) -> Value {
     let paths: Map<String, Value> =
         routes.iter().map(|route| (route.path.to_owned(), json!({"get": operation(route)}))).collect();

@@ -7,17 +7,17 @@ use serde_json::json;
 
 pub const PROBLEM_JSON: &str = "application/problem+json";
 
-/// Largest number of characters of a parameter's value in a message.
+/// Largest number of characters of a parameter value in a message.
 const MAX_SHOWN: usize = 60;
 
-/// Reason for an error response.
+/// Content of an error response.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
     pub status: u16,
     detail: String,
     /// Name of the invalid parameter.
     parameter: Option<String>,
-    /// Header that belongs to the status.
+    /// Additional header required by the status.
     header: Option<(HeaderName, &'static str)>,
 }
 
@@ -30,24 +30,24 @@ impl Problem {
         Self { parameter: Some(name.to_owned()), ..Self::new(400, detail) }
     }
 
-    /// Returns the error of an invalid value of a parameter.
+    /// Returns the error for an invalid value of a parameter.
     pub fn parameter(name: &str, given: &str, allowed: &str) -> Self {
         let shown: String = given.chars().take(MAX_SHOWN).collect();
         let cut = if shown.len() < given.len() { "..." } else { "" };
         Self::of_parameter(name, format!("invalid {name} '{shown}{cut}'; allowed: {allowed}"))
     }
 
-    /// Returns the error of a missing parameter.
+    /// Returns the error for a missing parameter.
     pub fn missing(name: &str, allowed: &str) -> Self {
         Self::of_parameter(name, format!("missing {name}; allowed: {allowed}"))
     }
 
-    /// Returns the error of two parameters that exclude each other.
+    /// Returns the error for two parameters that exclude each other.
     pub fn both(name: &str, other: &str) -> Self {
         Self::of_parameter(name, format!("{name} and {other} are both given; allowed: one of them"))
     }
 
-    /// Returns the error of a parameter that is given more than once.
+    /// Returns the error for a parameter that is given more than once.
     pub fn repeated(name: &str) -> Self {
         Self::of_parameter(name, format!("{name} is given more than once; allowed: once"))
     }
@@ -56,7 +56,7 @@ impl Problem {
         Self { header: Some((name, value)), ..self }
     }
 
-    /// Returns the JSON document, with the path of the request if it is known.
+    /// Returns the problem document as JSON, with the path of the request if it is known.
     pub fn document(&self, path: Option<&str>) -> String {
         let mut document = json!({
             "type": "about:blank",
@@ -72,7 +72,7 @@ impl Problem {
         document.to_string()
     }
 
-    /// Returns the response to a request of this path.
+    /// Returns the response to a request for this path.
     pub fn response(&self, path: &str) -> Response {
         let status = StatusCode::from_u16(self.status).unwrap_or(StatusCode::INTERNAL_SERVER_ERROR);
         let mut response = (status, [(CONTENT_TYPE, PROBLEM_JSON)], self.document(Some(path))).into_response();
@@ -81,7 +81,7 @@ impl Problem {
     }
 }
 
-/// Error statuses, each with its title and its meaning in this API.
+/// Error statuses: status, title, and meaning in this API.
 pub const STATUSES: &[(u16, &str, &str)] = &[
     (
         400,

@@ -1,4 +1,4 @@
-//! Query parameters: types and ranges, used to parse queries and to generate the OpenAPI document.
+//! Query parameters with types and ranges. They are used to parse queries and to generate the OpenAPI document.
 
 use std::collections::BTreeMap;
 
@@ -14,32 +14,32 @@ pub struct Parameter {
     pub name: &'static str,
     pub kind: Kind,
     pub required: bool,
-    /// Description in one sentence, with the default.
+    /// Description in one sentence, including the default.
     pub about: &'static str,
 }
 
 /// Type and range of a parameter.
 #[derive(Copy, Clone, Debug)]
 pub enum Kind {
-    /// A number in a closed range.
+    /// Number in a closed range.
     Number { least: f64, greatest: f64, unit: &'static str },
-    /// A whole number in a closed range.
+    /// Integer in a closed range.
     Count { least: u64, greatest: u64 },
-    /// A time in UTC like 2024-08-14T00:30:00.000Z, 1957 to 2099.
+    /// Time in UTC such as 2024-08-14T00:30:00.000Z, in the years 1957 to 2099.
     Moment,
-    /// A Julian date, UTC.
+    /// Julian date, UTC.
     JulianDate,
-    /// A date like 2024-08-14.
+    /// Date such as 2024-08-14.
     Date,
-    /// Text with a largest number of characters.
+    /// Text with at most `longest` characters.
     Text { longest: usize },
-    /// One of some words.
+    /// One of the listed words.
     Word(&'static [&'static str]),
 }
 
 pub const TRUTH: Kind = Kind::Word(&["true", "false", "True", "False"]);
 
-/// Years 1957 to 2099 as Julian dates.
+/// Range of Julian dates: the years 1957 to 2099.
 const JULIAN_DATES: (f64, f64) = (2_435_839.5, 2_488_069.5);
 const MOMENT_PATTERN: &str =
     r"^(19[5-9][0-9]|20[0-9]{2})-[0-1][0-9]-[0-3][0-9]T[0-2][0-9]:[0-5][0-9]:[0-5][0-9](\.[0-9]{1,9})?Z$";
@@ -74,7 +74,7 @@ impl Kind {
 
     fn is_allowed(self, text: &str) -> bool {
         let in_range = |least: f64, greatest: f64| {
-            // Rust also parses `inf` and `nan`.
+            // The Rust parser would also accept `inf` and `nan`.
             let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
             is_plain && text.parse().is_ok_and(|number: f64| (least..=greatest).contains(&number))
         };
@@ -115,7 +115,7 @@ fn date(text: &str) -> Option<Epoch> {
     if text.len() == 10 { moment(&format!("{text}T12:00:00Z")) } else { None }
 }
 
-/// Parameters of a request, each valid for its kind.
+/// Parsed parameters of a request.
 #[derive(Clone, Debug, Default)]
 pub struct Query {
     values: BTreeMap<&'static str, String>,

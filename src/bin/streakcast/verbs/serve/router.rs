@@ -1,4 +1,4 @@
-//! Paths, their parameters and handlers, and the middleware around them.
+//! Paths with their parameters and handlers, and middleware for all requests.
 
 use std::net::IpAddr;
 use std::sync::Arc;
@@ -22,11 +22,11 @@ use super::state::ServerState;
 use super::workers::WorkerPool;
 use super::{openapi, page};
 
-/// Policy under which the page can load and call only this server, and no other page can embed it in a frame.
+/// Content security policy: the page can load from and connect only to this server, and cannot be embedded in a frame.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
-/// Headers of every response.
+/// Headers of all responses.
 pub const HEADERS: [(&str, &str); 6] = [
     ("content-security-policy", CONTENT_SECURITY_POLICY),
     ("x-content-type-options", "nosniff"),
@@ -169,7 +169,7 @@ async fn method_not_allowed(uri: Uri) -> Response {
     Problem::new(405, "invalid method; allowed: GET and HEAD").with(ALLOW, "GET, HEAD").response(uri.path())
 }
 
-/// Rejects requests that do not pass the filter.
+/// Rejects requests that the filter does not accept.
 async fn filter(
     State(app): State<Arc<App>>,
     Extension(ClientAddress(address)): Extension<ClientAddress>,
@@ -182,7 +182,7 @@ async fn filter(
     }
 }
 
-/// Adds to a response the headers that all responses have, and the computing time.
+/// Adds the common headers and the computing time to a response.
 async fn complete(request: Request, next: Next) -> Response {
     let began = Instant::now();
     let closes = has_body(request.headers());
@@ -192,7 +192,8 @@ async fn complete(request: Request, next: Next) -> Response {
     let took_ms = began.elapsed().as_secs_f64() * 1e3;
     headers.extend(HeaderValue::try_from(format!("answer;dur={took_ms:.2}")).map(|took| (SERVER_TIMING, took)));
     if closes {
-        // The body is not read: the connection is closed, so that the body is not taken for the next request.
+        // The body of the request is not read. The connection is closed, because the body would be read as the next
+        // request.
         headers.insert(CONNECTION, HeaderValue::from_static("close"));
     }
     response

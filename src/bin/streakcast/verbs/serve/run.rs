@@ -1,4 +1,4 @@
-//! Start of the server: reads the inputs, judges the schedule, and listens.
+//! Start of the server: reads the inputs, judges the schedule, and opens the port.
 
 use std::io::Write;
 use std::sync::Arc;
@@ -30,7 +30,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let notices = judged::begin(&config)?;
     let plan = config.observation()?;
-    // The port is opened before the computation, so that an address in use is reported at once.
+    // The port is opened before the computation, so that an error such as an address in use is reported at once.
     let listener =
         std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
     let address = listener.local_addr()?;
@@ -98,7 +98,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         workers: WorkerPool::new(workers),
     };
     let mut out = std::io::stdout().lock();
-    // Programs that start the server read this line. A closed pipe is ignored.
+    // This line can be read by programs that start the server. A closed pipe is ignored.
     let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
     drop(out);
     server::serve(listener, router(app), workers)?;
@@ -106,7 +106,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-/// Returns the provenance without its attached lists.
+/// Returns the provenance without attached lists.
 fn without_lists(provenance: &Provenance) -> Provenance {
     let mut short = Provenance::default();
     for (name, value) in provenance.entries() {

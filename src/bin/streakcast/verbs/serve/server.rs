@@ -1,6 +1,5 @@
-//! Connections of the server: limits on their number, on their age and on request heads; error responses to malformed
-//! heads; and a stop that completes open requests.
-//!
+//! Connections of the server: limits on their number, their age and the size of request heads; error responses to
+//! malformed heads; and a shutdown that completes open requests.
 //! hyper responds to a malformed head with a status and no body, and closes the connection without a response if a head
 //! is late or incomplete. `Wire` suppresses the responses without a body, and `close` sends a problem document instead.
 
@@ -35,18 +34,18 @@ use super::router::{ClientAddress, HEADERS};
 const MAX_CONNECTIONS: u32 = 512;
 /// Age at which a connection is closed, after the current response.
 const MAX_AGE: Duration = Duration::from_secs(600);
-/// Time after a stop within which open requests can complete.
+/// Largest time after the start of a shutdown in which open requests can complete.
 const SHUTDOWN_TIMEOUT: Duration = Duration::from_secs(10);
 /// Pause after a failed accept, for example because of too many open files.
 const ACCEPT_PAUSE: Duration = Duration::from_millis(100);
 
-/// Serves until SIGINT or SIGTERM arrives; `workers` is the number of blocking threads.
+/// Serves until SIGINT or SIGTERM. `workers` is the number of blocking threads.
 pub fn serve(listener: TcpListener, router: Router, workers: usize) -> anyhow::Result<()> {
     listener.set_nonblocking(true)?;
     let runtime =
         tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(workers + 1).build()?;
     runtime.block_on(accept(listener, router))?;
-    // Computations that still run are not waited for.
+    // Computations that are still running are abandoned.
     runtime.shutdown_background();
     Ok(())
 }
@@ -54,7 +53,7 @@ pub fn serve(listener: TcpListener, router: Router, workers: usize) -> anyhow::R
 async fn accept(listener: TcpListener, router: Router) -> anyhow::Result<()> {
     let listener = tokio::net::TcpListener::from_std(listener)?;
     let permits = Arc::new(Semaphore::new(MAX_CONNECTIONS as usize));
-    // When the sender is dropped, the connections stop.
+    // The connections stop when the sender is dropped.
     let (running, stop) = watch::channel(());
     let mut signal = Box::pin(stop_signal()?);
     loop {
@@ -71,7 +70,7 @@ async fn accept(listener: TcpListener, router: Router) -> anyhow::Result<()> {
         }
     }
     drop((listener, running));
-    // A second signal ends the wait.
+    // A second signal ends the shutdown at once.
     tokio::select! {
         _ = timeout(SHUTDOWN_TIMEOUT, permits.acquire_many(MAX_CONNECTIONS)) => {}
         () = stop_signal()? => {}
@@ -79,7 +78,7 @@ async fn accept(listener: TcpListener, router: Router) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// Serves one connection until it is closed. Its errors do not affect other connections.
+/// Serves one connection until it is closed. Errors of one connection do not affect others.
 async fn serve_connection(
     stream: TcpStream,
     from: SocketAddr,
@@ -118,7 +117,7 @@ async fn stopped(mut stop: watch::Receiver<()>) {
     while stop.changed().await.is_ok() {}
 }
 
-/// Returns a future that completes on SIGINT or SIGTERM (on other systems on Ctrl-C).
+/// Returns a future that completes on SIGINT or SIGTERM (on Ctrl-C on other systems).
 fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
     #[cfg(unix)]
     {
@@ -137,15 +136,15 @@ fn stop_signal() -> anyhow::Result<impl Future<Output = ()>> {
     })
 }
 
-/// Time limit for the arrival of a request head, also of the next request on an open connection.
+/// Largest time for the arrival of a request head, also for the next request of an open connection.
 pub const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 /// Limit on the size of a request head, bytes.
 pub const MAX_HEAD_BYTES: usize = 16 << 10;
 pub const MAX_HEADERS: usize = 64;
-/// Time limit for closing a connection.
+/// Largest time for closing a connection.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(4);
 
-/// Stream of a connection that suppresses hyper's error responses and stays open until `close`.
+/// Connection stream that drops hyper's own error responses and ignores its shutdown; `close` ends the connection.
 pub struct Wire(pub TcpStream);
 
 impl AsyncRead for Wire {
@@ -175,15 +174,15 @@ impl AsyncWrite for Wire {
     }
 }
 
-/// Returns true if these bytes are an error response of hyper: a head without content type, which all responses of the
-/// server have.
+/// Returns true if these bytes are an error response of hyper: a head without a content type. All responses of this
+/// server have one.
 fn is_bare_error(bytes: &[u8]) -> bool {
     let is_error = bytes.starts_with(b"HTTP/1.1 4") || bytes.starts_with(b"HTTP/1.0 4");
     let name = b"\r\ncontent-type:";
     is_error && bytes.ends_with(b"\r\n\r\n") && !bytes.windows(name.len()).any(|window| window == name)
 }
 
-/// Returns the error response for a failed connection, if one is sent; `unread` is the received part of a head.
+/// Returns the error response for a failed connection; `None` if none is sent. `unread` is the received part of a head.
 pub fn problem_of(error: &hyper::Error, unread: &[u8]) -> Option<Problem> {
     let allowed = "allowed: HTTP/1.1 and 1.0, without TLS";
     if error.is_parse_too_large() && !unread.contains(&b'\n') {
@@ -194,7 +193,7 @@ pub fn problem_of(error: &hyper::Error, unread: &[u8]) -> Option<Problem> {
     } else if error.is_parse() {
         Some(Problem::new(400, format!("malformed head of the request: {error}; {allowed}")))
     } else if unread.is_empty() {
-        // The connection was idle, or the client has closed it.
+        // The connection was idle, or was closed by the client.
         None
     } else if error.is_timeout() {
         let seconds = HEAD_TIMEOUT.as_secs();
@@ -204,19 +203,20 @@ pub fn problem_of(error: &hyper::Error, unread: &[u8]) -> Option<Problem> {
     }
 }
 
-/// Sends a last response, if there is one, and closes the connection once the client has closed its side.
+/// Sends a last response, if there is one, and closes the connection after the client has closed its side.
 pub async fn close(mut stream: TcpStream, problem: Option<Problem>) {
     let response = problem.map(|problem| last_response(&problem)).unwrap_or_default();
     let closed = async {
         stream.write_all(&response).await?;
         stream.shutdown().await?;
-        // Closing with unread input would reset the connection before the client reads the response.
+        // If input were unread at the time of closing, the connection would be reset before the client reads the
+        // response.
         tokio::io::copy(&mut stream, &mut tokio::io::sink()).await
     };
     let _ = timeout(CLOSE_TIMEOUT, closed).await;
 }
 
-/// Returns head and body of a response that hyper did not write.
+/// Returns head and body of a response that is not written by hyper.
 fn last_response(problem: &Problem) -> Vec<u8> {
     let body = problem.document(None);
     let mut head = format!("HTTP/1.1 {} {}\r\n", problem.status, title(problem.status));
@@ -241,7 +241,7 @@ mod tests {
         assert!(is_bare_error(bare) && is_bare_error(b"HTTP/1.0 400 Bad Request\r\n\r\n"));
         let ours = b"HTTP/1.1 404 Not Found\r\ncontent-type: application/problem+json\r\ncontent-length: 90\r\n\r\n";
         assert!(!is_bare_error(ours));
-        // The rest of such a response after a partial write.
+        // Remaining bytes of such a response after a partial write.
         for from in 1..bare.len() {
             assert!(!is_bare_error(&bare[from..]) && !is_bare_error(&bare[..from]), "{from}");
         }

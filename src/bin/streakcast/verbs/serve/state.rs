@@ -1,4 +1,4 @@
-//! Inputs and verdicts of the server, computed once at the start and never changed.
+//! Inputs and verdicts of the server. They are computed at the start and do not change.
 
 use std::collections::BTreeMap;
 
@@ -13,32 +13,32 @@ use streakcast::schedule::{FlagRequest, Policy, Schedule, Verdict, evening_mjd};
 
 use super::problem::Problem;
 
-/// Schedule with its verdicts, and satellites.
+/// Schedule with its verdicts, satellites and site.
 pub struct ServerState {
     pub config: Config,
     pub prepared: PreparedSky,
-    /// Site of all responses except those of SatChecker's paths.
+    /// Site of all responses except those of the SatChecker paths.
     pub site: Site,
     pub plan: ObservationPlan,
     pub schedule: Schedule,
     /// Verdicts, one for each row of the schedule.
     pub flags: Vec<Verdict>,
-    /// Warnings about the verdicts, and the number of satellites left out.
+    /// Warnings about the verdicts, and number of satellites whose position cannot be computed.
     pub caveats: Caveats,
-    /// Provenance without its lists (rejected records), which may be long.
+    /// Provenance without attached lists (rejected records), which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
-    /// Rows by the evening's date (MJD) of their night.
+    /// Rows of each night, by the MJD of its evening.
     pub nights: BTreeMap<i64, Vec<usize>>,
     /// Local time minus UTC, hours.
     pub utc_offset_h: f64,
 }
 
-/// Warnings about a response, and the number of satellites left out of it.
+/// Warnings about a response, and number of satellites whose position cannot be computed.
 pub struct Caveats {
     /// Warnings, as on the command line.
     pub warnings: Vec<String>,
-    /// Number of satellites left out.
+    /// Number of satellites whose position cannot be computed.
     pub left_out_count: usize,
 }
 
@@ -47,10 +47,11 @@ impl ServerState {
         &self.prepared.sky
     }
 
-    /// Returns the caveats of a response for times from `first` to `last` with the satellites `left_out`.
+    /// Returns the warnings and the number for a response for times from `first` to `last`; `left_out` are the
+    /// satellites whose position cannot be computed.
     ///
     /// # Errors
-    /// All satellites are left out, so that an empty response would be wrong.
+    /// No satellite has a position; an empty response would be misleading.
     pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
         let of_left_out = self.prepared.left_out_warning(left_out, first);
         let mut warnings = self.prepared.warnings_at(first, last);
@@ -58,12 +59,12 @@ impl ServerState {
         Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
-    /// Returns the request for verdicts with this policy.
+    /// Returns a request for verdicts with this policy.
     pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
         FlagRequest { policy, ..self.plan.request(self.sky()) }
     }
 
-    /// Returns the options of `passes`.
+    /// Returns the same pass options as `passes` uses, with `samples` points along each track.
     pub fn pass_options(&self, samples: usize) -> PassOptions {
         PassOptions {
             include_dark: false,
@@ -75,7 +76,7 @@ impl ServerState {
     }
 }
 
-/// Returns the rows of each night by the MJD of its evening. Invalid rows are in the first night.
+/// Returns the rows of each night, by the MJD of its evening. Invalid rows are in the first night.
 pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
     let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for (row, exposure) in schedule.valid_exposures() {
@@ -89,7 +90,7 @@ pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> 
     nights
 }
 
-/// Returns the whole-hour time zone in which the Sun culminates closest to noon, hours ahead of UTC.
+/// Returns the time zone, in whole hours ahead of UTC, in which the Sun culminates closest to noon.
 pub fn zone_h(site: &Site) -> f64 {
     (site.longitude_rad.to_degrees() / 15.0).round()
 }

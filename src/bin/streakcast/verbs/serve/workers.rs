@@ -1,4 +1,4 @@
-//! Worker threads that compute responses, with a bounded queue, a time limit, and a cache of earlier responses.
+//! Worker threads that compute responses, with a bounded queue, a time limit, and a cache of responses.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -12,19 +12,19 @@ use tokio::time::timeout;
 
 use super::problem::Problem;
 
-/// Largest number of requests that wait while the workers are busy.
+/// Largest number of requests that wait while all workers are busy.
 const MAX_WAITING: usize = 256;
-/// Time limit of waiting and computing together.
+/// Time limit for waiting and computing together.
 const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
-/// Size of the cache, bytes.
+/// Largest size of the cache, bytes.
 const CACHE_BYTES: u64 = 16 << 20;
 /// Expected number of cached responses.
 const CACHE_ENTRIES: usize = 1000;
 
-/// Pool that computes responses and caches the last ones by path and query. The inputs of the server never change, so
-/// that a cached response stays valid.
+/// Pool that computes responses and caches the last ones by path and query. The inputs of the server do not change, so
+/// cached responses stay valid.
 pub struct WorkerPool {
-    /// Permits for requests that wait or are computed.
+    /// Permits for requests that are waiting or being computed.
     queue: Semaphore,
     workers: Arc<Semaphore>,
     cache: Mutex<Cache<String, Bytes, ByteSize>>,
@@ -48,10 +48,11 @@ impl WorkerPool {
         }
     }
 
-    /// Returns the response to `target` (path and query) from the cache, or computes it with `work` on a worker thread.
+    /// Returns the response for `target` (path and query) from the cache, or computes it with `work` on a worker
+    /// thread.
     ///
     /// # Errors
-    /// The error of `work`; 503 if the queue is full or the time limit has passed; 500 if `work` panics.
+    /// The error of `work`; status 503 if the queue is full or the time limit has passed; 500 if `work` panics.
     pub async fn answer<W>(&self, target: &str, work: W) -> Result<Bytes, Problem>
     where
         W: FnOnce() -> Result<String, Problem> + Send + 'static,
@@ -63,7 +64,7 @@ impl WorkerPool {
         let computed = timeout(ANSWER_TIMEOUT, async {
             let worker = Arc::clone(&self.workers).acquire_owned().await;
             spawn_blocking(move || {
-                // The permit is held until the computation ends, even after a timeout of the request.
+                // The permit is held until the computation ends, also if the request times out.
                 let _worker = worker;
                 work()
             })

@@ -1,4 +1,4 @@
-//! JSON bodies of responses, their JSON Schemas, and the columns that only the API has.
+//! JSON bodies of responses, their JSON Schemas, and columns that occur only in the API.
 
 use serde_json::{Value, json};
 use streakcast::output::{Column, Kind, Provenance, Table, json_members, json_rows};
@@ -71,7 +71,7 @@ pub fn object_schema(members: &[(&str, Value)]) -> Value {
     json!({"type": "object", "properties": members, "required": names, "additionalProperties": false})
 }
 
-/// Returns the schema of the provenance.
+/// Returns the schema of provenance.
 pub fn provenance_schema() -> Value {
     json!({"type": "object", "description": "Origin of the answer: version, elements with hash and epochs, models, time scale, options."})
 }
@@ -85,7 +85,7 @@ pub fn warnings_schema() -> Value {
     })
 }
 
-/// Returns the schema of the number of satellites left out.
+/// Returns the schema of the number of satellites whose position cannot be computed.
 pub fn left_out_count_schema() -> Value {
     json!({"type": "integer", "minimum": 0, "description": "Number of satellites that are missing from the answer because SGP4 cannot compute their position at that time."})
 }
@@ -106,7 +106,7 @@ fn cell_schema(column: &Column) -> Value {
     schema
 }
 
-/// Columns of the altitudes and azimuths of pointing and Sun.
+/// Columns for altitude and azimuth of pointing and Sun.
 pub const POINTING: [Column; 5] = [
     Column::time("utc", "Time of the position."),
     Column::real("altitude_deg", "deg", 4, "Altitude of the field's centre, without refraction."),
@@ -115,7 +115,7 @@ pub const POINTING: [Column; 5] = [
     Column::real("sun_azimuth_deg", "deg", 4, "Azimuth of the Sun, from north through east."),
 ];
 
-/// Columns of the crossings of the field before, during and after the exposure.
+/// Columns for crossings of the field before, during and after the exposure.
 pub const AROUND: [Column; 7] = [
     Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
     Column::new("name", Kind::Text, "Name in the element set."),
@@ -126,14 +126,14 @@ pub const AROUND: [Column; 7] = [
     Column::real("p_brighter", "", 4, "Probability of being brighter than the magnitude limit; empty without a limit."),
 ];
 
-/// Columns of the positions of the Sun in a night.
+/// Columns for positions of the Sun in a night.
 pub const SUN: [Column; 3] = [
     Column { kind: Kind::Time { decimals: 0 }, ..Column::time("utc", "Time of the position.") },
     Column::real("sun_altitude_deg", "deg", 3, "Altitude of the Sun, without refraction."),
     Column::real("sun_azimuth_deg", "deg", 3, "Azimuth of the Sun, from north through east."),
 ];
 
-/// Columns of the exposures of the schedule. Times and pointings of invalid exposures are null.
+/// Columns for exposures of the schedule. Times and pointings of invalid exposures are null.
 pub const SCHEDULED: [Column; 8] = [
     Column::new("id", Kind::Text, "Identifier of the exposure in the schedule."),
     Column::new("row", Kind::Integer, "Row in the file, counted from 0."),
@@ -145,13 +145,13 @@ pub const SCHEDULED: [Column; 8] = [
     Column::new("band", Kind::Text, "Band as the schedule writes it."),
 ];
 
-/// Columns of the nights of the schedule.
+/// Columns for nights of the schedule.
 pub const NIGHTS: [Column; 2] = [
     Column::new("night", Kind::Text, "Local date of the evening."),
     Column::new("exposures", Kind::Integer, "Number of exposures in the night."),
 ];
 
-/// Columns of the site.
+/// Columns for the site.
 pub const SITE: [Column; 5] = [
     Column::new("name", Kind::Text, "Name of the site."),
     Column::new("mpc_code", Kind::Text, "Observatory code of the Minor Planet Center."),

@@ -30,9 +30,9 @@ pub const PARAMETERS: &[Parameter] = &[
 
 const DEFAULT_HEIGHT_KM: f64 = 550.0;
 const DEFAULT_MODEL: &str = "starlink-v1.5";
-/// Step of the magnitude map, degrees.
+/// Grid step of the magnitude map, degrees.
 const STEP_DEG: f64 = 5.0;
-/// Number of points along the edge of the Earth's shadow.
+/// Number of points of the outline of the Earth's shadow.
 const EDGE_POINTS: usize = 180;
 /// Number of points along a track.
 const TRACK_POINTS: usize = 5;

@@ -1,5 +1,5 @@
-//! `/api/v1/exposure`: returns the results of `flag` and `passes` for any exposure, and the crossings before and after
-//! it.
+//! `/api/v1/exposure`: returns the results of `flag` and `passes` for an exposure with any start, and the crossings
+//! before and after it.
 
 use serde_json::Value;
 use streakcast::frames::{Direction, seconds_after, seconds_between};
@@ -83,7 +83,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
         duration_s: exposure.duration_s + 2.0 * around_s,
         ..exposure.clone()
     });
-    // Computed in parallel, because the page sends this request at each move of a drag.
+    // Both are computed in parallel, because the page sends this request repeatedly while an exposure is dragged.
     let ((passes, before_and_after), report) = rayon::join(
         || rayon::join(|| passes_of(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| passes_of(&long, 0))),
         || flag_exposures(&[&row], &state.request(&policy)),
@@ -94,7 +94,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let mut caveats = state.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
     caveats.warnings.extend(report.lower_limit_warning());
     if report.flags.iter().any(|flag| flag.kind == VerdictKind::Invalid) {
-        // A field below the horizon has no visible crossings.
+        // The pointing is below the horizon, so crossings are not visible.
         passes.clear();
         before_and_after.clear();
     }
@@ -125,7 +125,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     Ok(document.into_json())
 }
 
-/// Returns the error response to a query that only the computation finds invalid.
+/// Returns the error response for a query that is found invalid during the computation.
 pub fn of_sky(error: &SkyError) -> Problem {
     Problem::new(400, error.to_string())
 }
@@ -159,7 +159,7 @@ fn pointing(state: &ServerState, exposure: &Exposure) -> Result<Table, Problem> 
 pub fn schema() -> Value {
     let columns = StreakColumns { p_brighter: true, chords: true, samples: true };
     let mut passes = rows_schema(&streak_table(std::iter::empty(), columns).columns);
-    // Not required: present only if the parameter of this name, or a magnitude limit, is given.
+    // These columns are only present if the corresponding parameter, or a magnitude limit, is given.
     if let Some(required) = passes["items"]["required"].as_array_mut() {
         required.retain(|name| name != "samples" && name != "p_brighter");
     }

@@ -1,4 +1,4 @@
-//! Handlers of the paths. Each handler reads its query, calls the library and returns JSON.
+//! Handlers of the API paths. Each handler reads its query, calls the library and returns JSON.
 
 mod document;
 pub mod dome;

@@ -1,4 +1,4 @@
-//! `/api/v1/night`: returns one night of the schedule with its verdicts, the Sun, the field and the site.
+//! `/api/v1/night`: returns one night of the schedule with verdicts, Sun, field and site.
 
 use serde_json::{Value, json};
 use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
@@ -20,9 +20,9 @@ use crate::clock::date_of;
 pub const PARAMETERS: &[Parameter] =
     &[optional("night", Kind::Date, "The evening's local date; default: the first night of the schedule.")];
 
-/// Interval between positions of the Sun, seconds.
+/// Interval between two positions of the Sun, seconds.
 const SUN_EVERY_S: f64 = 300.0;
-/// Number of points of a circle's outline.
+/// Number of points of the outline of a circle.
 const OUTLINE_POINTS: usize = 120;
 
 pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {

@@ -1,5 +1,5 @@
-//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/`: paths with the parameters and responses of IAU CPS
-//! SatChecker (version 1.7, docs/source/fov.rst). Magnitudes are added; asynchronous tasks are not supported.
+//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/`: compatible with the parameters and responses of IAU
+//! CPS SatChecker (version 1.7, docs/source/fov.rst). Magnitudes are added; asynchronous tasks are not supported.
 
 use std::collections::BTreeMap;
 
@@ -82,7 +82,7 @@ pub const ABOVE: &[Parameter] = &[
 const SOURCE: &str = "streakcast";
 /// Largest number of positions in one response.
 const MAX_POSITIONS: f64 = 20_000.0;
-/// Largest number of points along a pass; SatChecker has one per second.
+/// Largest number of points along a pass. SatChecker has one point per second.
 const MAX_SAMPLES: usize = 601;
 
 pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
@@ -98,7 +98,7 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
         let selected = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
         Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((selected.collect(), answer.left_out))
     };
-    // The passes are computed without points first, to check the number of points.
+    // The passes are first computed without points, to check the number of points.
     let (found, left_out) = passes_of(0)?;
     let caveats = state.caveats_at(exposure.start, seconds_after(exposure.start, exposure.duration_s), &left_out)?;
     let expected: f64 = found.iter().map(|pass| length_s(pass).ceil().min(MAX_SAMPLES as f64) + 1.0).sum();
@@ -120,7 +120,7 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
     Ok(with_source(document, &caveats))
 }
 
-/// Returns the time interval and the direction of the query.
+/// Returns time interval and direction of the query as an exposure.
 fn exposure(query: &Query) -> Result<Exposure, Problem> {
     let number = |name: &str| query.number(name).unwrap_or_default();
     let duration_s = number("duration");
@@ -156,7 +156,7 @@ fn length_s(pass: &Pass) -> f64 {
 /// Returns the positions of a pass with their times, at most a second apart.
 fn positions(sky: &Sky, exposure: &Exposure, pass: &Pass) -> Vec<(Epoch, Value)> {
     let last = pass.samples.len().saturating_sub(1);
-    // Every `step`-th of the evenly spaced points.
+    // Every `step`-th of the evenly spaced points is used.
     let step =
         if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
     let kept = pass.samples.iter().enumerate().filter(|(point, _)| point % step == 0 || *point == last);
@@ -176,7 +176,7 @@ fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: 
     for pass in passes {
         let elements = &sky.elements()[pass.element_index];
         let key = format!("{} ({})", elements.name, elements.norad_id);
-        // A satellite may cross more than once.
+        // A satellite may have several passes.
         let satellite = satellites.entry(key).or_insert_with(|| {
             let mut satellite =
                 json!({"name": elements.name.as_ref(), "norad_id": elements.norad_id.0, "positions": [], "streaks": []});
@@ -198,7 +198,7 @@ fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: 
     json!({"data": {"satellites": satellites, "total_satellites": total, "total_position_results": count}})
 }
 
-/// Returns the positions of all satellites in order of time.
+/// Returns the positions of all satellites in time order.
 fn by_time(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: bool) -> Value {
     let mut all = Vec::new();
     for pass in passes {
@@ -260,7 +260,7 @@ fn with_source(mut document: Value, caveats: &Caveats) -> String {
     document.to_string()
 }
 
-/// Returns the server's satellites seen from the site of the query.
+/// Returns the sky with the satellites of the server for the site of the query.
 fn sky(state: &ServerState, query: &Query) -> Result<Sky, Problem> {
     let numbers = ["latitude", "longitude", "elevation"].map(|name| query.number(name));
     let site = match (query.text("site"), numbers) {
@@ -291,12 +291,12 @@ fn is_of_constellation(sky: &Sky, element_index: usize, query: &Query) -> bool {
 fn orbital_data(sky: &Sky, element_index: usize) -> Value {
     match streakcast::elements::format_tle(&sky.elements()[element_index]) {
         Ok([line1, line2]) => json!({"tle_line1": line1, "tle_line2": line2}),
-        // A TLE cannot hold these values.
+        // The values do not fit the columns of a TLE.
         Err(error) => json!({"error": error.to_string()}),
     }
 }
 
-/// Returns the streak as a whole. SatChecker has only points once per second.
+/// Returns the streak of a pass; SatChecker has only single points.
 fn streak(pass: &Pass) -> Value {
     let utc = |epoch| streakcast::output::format_utc(epoch, 3);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());

@@ -1,4 +1,4 @@
-//! One position in the format of SatChecker, with a magnitude added.
+//! Position in the format of SatChecker, with a magnitude added.
 
 use serde_json::{Value, json};
 use streakcast::frames::utc_jd;
@@ -8,7 +8,7 @@ use streakcast::passes::{Sky, TrackPoint};
 use super::document::object_schema;
 use super::document::rounded;
 
-/// Decimals to which SatChecker rounds angles and dates.
+/// Decimals of angles and dates in SatChecker.
 const DECIMALS: i32 = 8;
 
 pub fn position(sky: &Sky, element_index: usize, point: &TrackPoint, age_days: f64) -> Value {
@@ -41,7 +41,7 @@ fn date_time(epoch: hifitime::Epoch) -> String {
     format_utc(epoch, 0).replace('T', " ").replace('Z', " UTC")
 }
 
-/// Returns the schema of a position with further members.
+/// Returns the schema of a position with additional members.
 pub fn position_schema(more: &[&'static str]) -> Value {
     let (number, or_null, text) =
         (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
