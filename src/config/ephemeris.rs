@@ -64,7 +64,7 @@ pub struct EphemerisConfig {
     /// Time between two rows with its unit, for example 10s or 1min
     #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
     pub step: Option<String>,
-    /// Only places at or above this altitude, degrees; all if omitted, also below the horizon
+    /// Only positions at or above this altitude, degrees; all if omitted, also below the horizon
     #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true))]
     pub min_altitude: Option<f64>,
 }

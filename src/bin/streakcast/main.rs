@@ -63,7 +63,7 @@ enum Verb {
     Windows(Box<WindowsArguments>),
     /// List the visible passes of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
-    /// Compute places, rates, brightness and lateness of chosen satellites at given times
+    /// Compute positions, rates, brightness and lateness of chosen satellites at given times
     Ephemeris(Box<EphemerisArguments>),
     /// Wait until an exposure can start without a crossing, before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
