@@ -12,6 +12,7 @@ use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
 use crate::images::ImagesError;
 use crate::maps::MapError;
+use crate::measure::MeasureError;
 use crate::orbit::OrbitError;
 use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
@@ -57,6 +58,9 @@ pub enum Error {
     /// Error in drawing streaks or injecting them into frames.
     #[error(transparent)]
     Streaks(#[from] StreaksError),
+    /// Error of measuring streaks.
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
     /// Error of a map.
     #[error(transparent)]
     Maps(#[from] MapError),

@@ -47,6 +47,7 @@ pub mod input;
 pub mod maps;
 #[doc(hidden)]
 pub mod math;
+pub mod measure;
 pub mod orbit;
 #[doc(hidden)]
 pub mod output;

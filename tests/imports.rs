@@ -22,6 +22,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("plot", &["maps", "math", "photometry"]),
     ("fit", &["elements", "frames", "geometry", "math", "orbit", "output", "photometry"]),
     ("streaks", &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry"]),
+    (
+        "measure",
+        &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry", "streaks"],
+    ),
     ("identify", &["elements", "frames", "geometry", "orbit", "output", "passes", "photometry"]),
     ("forecast", &["elements", "frames", "geometry", "orbit", "output", "passes", "photometry"]),
     ("schedule", &["elements", "frames", "geometry", "images", "math", "orbit", "output", "passes", "photometry"]),
@@ -35,6 +39,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "identify",
             "images",
             "math",
+            "measure",
             "orbit",
             "output",
             "passes",

@@ -13,5 +13,6 @@ mod frame_files;
 mod frame_hostile;
 #[cfg(all(feature = "fits", unix))]
 mod streak_real;
+mod measure;
 mod streaks;
 mod wcs;

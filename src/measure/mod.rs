@@ -1,0 +1,24 @@
+//! Forced photometry of satellite streaks along predicted tracks.
+//!
+//! A [`PredictedStreak`] is the track of a satellite in pixels with its times and errors. [`measure_streak`] searches the
+//! corridor of these errors for the streak and measures flux, offset, lateness and width, or an upper limit.
+//!
+//! `background` subtracts the sky for the search; `corridor` describes the track by columns of pixels across it;
+//! `search` is the matched filter; `band` holds the pixels around one streak; `stars` masks stars in it; `fit` is the
+//! weighted least-squares fit of the drawn streak; `streak` combines them. `predict` computes tracks from a sky,
+//! `frame` measures whole files, `zero_point` computes zero points from stars, `table` makes the outputs.
+
+mod background;
+mod band;
+mod corridor;
+mod error;
+mod fit;
+mod search;
+mod stars;
+mod streak;
+
+pub use background::Background;
+pub use error::MeasureError;
+pub use streak::{
+    Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak,
+};

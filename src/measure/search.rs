@@ -1,0 +1,254 @@
+//! Search for a streak in the corridor of a prediction: a matched filter over offset, angle and lateness.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use super::background::{Background, median_and_sigma};
+use super::corridor::Corridor;
+use crate::streaks::RadialProfile;
+
+/// Number of widths of the streak (FWHM) in one block along the track, and the largest number of blocks.
+const WIDTHS_PER_BLOCK: f64 = 4.0;
+const LEAST_BLOCK: f64 = 12.0;
+const MOST_BLOCKS: usize = 128;
+/// Offsets up to this distance beyond the corridor are evaluated to measure the noise, pixels.
+const NOISE_PIX: f64 = 150.0;
+/// Half length of the filter across the track, FWHM.
+const FILTER_WIDTHS: f64 = 4.0;
+/// Steps of angle and lateness move the end of the streak by this fraction of its width.
+const STEP_WIDTHS: f64 = 0.5;
+const MOST_ANGLES: usize = 101;
+const MOST_DELAYS: usize = 201;
+/// Smallest fraction of the greatest number of pixels along the track at which an offset is evaluated.
+const LEAST_COVERAGE: f64 = 0.2;
+/// Smallest number of pixels along the track.
+const LEAST_PIXELS: f32 = 12.0;
+
+/// Extent of the search.
+#[derive(Copy, Clone, Debug)]
+pub struct Extent {
+    /// Largest distance from the predicted track, pixels.
+    pub across_pix: f64,
+    /// Largest difference in angle, radians.
+    pub tilt_rad: f64,
+    /// Largest delay or advance, seconds.
+    pub late_s: f64,
+}
+
+/// Most significant position in the corridor.
+#[derive(Copy, Clone, Debug)]
+pub struct Found {
+    /// Distance from the predicted track, pixels along the minor axis.
+    pub minor_pix: f64,
+    /// Change of this distance per pixel of the major axis.
+    pub slope: f64,
+    /// Delay, seconds.
+    pub late_s: f64,
+    /// Signal divided by noise.
+    pub significance: f64,
+    /// Significance that noise exceeds anywhere in the corridor with the given probability.
+    pub threshold: f64,
+}
+
+/// Sums of pixels for each block and offset.
+struct Sums {
+    blocks: usize,
+    offsets: usize,
+    /// Sums of the blocks before each block, one more than the number of blocks; the same for the numbers of pixels.
+    light: Vec<f32>,
+    pixels: Vec<f32>,
+    /// Index of the middle of each block on the major axis, relative to the middle of the track.
+    position: Vec<f64>,
+    time_s: Vec<f64>,
+}
+
+/// Returns the most significant position in the corridor; `None` if no position has enough pixels in the frame.
+pub fn search(
+    background: &Background,
+    corridor: &Corridor,
+    profile: &RadialProfile,
+    exposure_s: f64,
+    extent: &Extent,
+    false_alarm: f64,
+) -> Option<Found> {
+    let cos = corridor.cos();
+    let width_minor = profile.fwhm_pix().max(1.0) / cos;
+    let reach = (FILTER_WIDTHS * width_minor).ceil() as usize;
+    let limit = ((extent.across_pix / cos).ceil() as usize).min(2 * corridor.minor_count).max(1);
+    let half_length = 0.5 * corridor.len() as f64;
+    let tilt = (extent.tilt_rad / (cos * cos)).max(STEP_WIDTHS * width_minor / half_length);
+    let half = limit + reach + (NOISE_PIX / cos) as usize;
+    let sums = Sums::of(background, corridor, half, width_minor);
+    let filter = filter(profile, corridor, reach);
+
+    let steps = |extent: f64, step: f64, most: usize| -> Vec<f64> {
+        let count = ((extent / step).ceil() as usize).min(most / 2);
+        (0..=2 * count).map(|index| (index as f64 - count as f64) * if count > 0 { extent / count as f64 } else { 0.0 }).collect()
+    };
+    let slopes = steps(tilt, STEP_WIDTHS * width_minor / half_length, MOST_ANGLES);
+    let windows = sums.windows(&steps(
+        extent.late_s,
+        (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s,
+        MOST_DELAYS,
+    ), exposure_s);
+
+    let nominal = sums.significance(0.0, windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1, &filter);
+    let finite: Vec<f64> = nominal.iter().copied().filter(|z| z.is_finite()).collect();
+    // The scatter of all offsets includes the noise of unresolved stars.
+    let (_, noise) = median_and_sigma(&finite);
+    let noise = if noise > 0.0 { noise } else { 1.0 };
+    let mut best: Option<Found> = None;
+    for slope in &slopes {
+        for (late_s, window) in &windows {
+            let row = sums.significance(*slope, *window, &filter);
+            for (index, z) in row.iter().enumerate().skip(half - limit).take(2 * limit + 1) {
+                if z.is_finite() && best.is_none_or(|best| *z > best.significance) {
+                    best = Some(Found {
+                        minor_pix: index as f64 - half as f64,
+                        slope: *slope,
+                        late_s: *late_s,
+                        significance: *z,
+                        threshold: 0.0,
+                    });
+                }
+            }
+        }
+    }
+    let trials = (2 * limit + 1) as f64 / width_minor * slopes.len() as f64 * STEP_WIDTHS
+        * if windows.len() > 1 { windows.len() as f64 * STEP_WIDTHS } else { 1.0 };
+    best.map(|found| Found {
+        significance: found.significance / noise,
+        threshold: exceeded_with(false_alarm / trials.max(1.0)),
+        ..found
+    })
+}
+
+/// Returns the number of sigmas that a normal distribution exceeds with this probability.
+pub fn exceeded_with(probability: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 38.0);
+    for _ in 0..60 {
+        let middle: f64 = 0.5 * (low + high);
+        if 0.5 * libm::erfc(middle * FRAC_1_SQRT_2) > probability { low = middle } else { high = middle }
+    }
+    low
+}
+
+/// Returns the profile of a line across the track at whole pixels of the minor axis, minus its mean.
+fn filter(profile: &RadialProfile, corridor: &Corridor, reach: usize) -> Vec<f32> {
+    let light =
+        |index: usize| profile.line((index as f64 - reach as f64) * corridor.cos(), corridor.angle_rad()) as f32;
+    let mut filter: Vec<f32> = (0..=2 * reach).map(light).collect();
+    let mean = filter.iter().sum::<f32>() / filter.len() as f32;
+    filter.iter_mut().for_each(|weight| *weight -= mean);
+    filter
+}
+
+impl Sums {
+    fn of(background: &Background, corridor: &Corridor, half: usize, width_minor: f64) -> Self {
+        let length = corridor.len();
+        let blocks = ((length as f64 / (WIDTHS_PER_BLOCK * width_minor).max(LEAST_BLOCK)) as usize).clamp(1, MOST_BLOCKS);
+        let offsets = 2 * half + 1;
+        let block_of = |index: usize| index * blocks / length;
+        let (mut light, mut pixels) = (vec![0.0f32; (blocks + 1) * offsets], vec![0.0f32; (blocks + 1) * offsets]);
+        let plane = background.normalised();
+        let lowest: Vec<isize> =
+            corridor.centre.iter().map(|centre| centre.round() as isize - half as isize).collect();
+        let mut add = |index: usize, offset: usize, value: f32| {
+            if value.is_finite() {
+                let at = (block_of(index) + 1) * offsets + offset;
+                light[at] += value;
+                pixels[at] += 1.0;
+            }
+        };
+        for row in 0..plane.rows() {
+            let values = plane.row(row);
+            if corridor.is_along_rows {
+                let columns = &values[corridor.first..corridor.first + length];
+                for (index, (value, lowest)) in columns.iter().zip(&lowest).enumerate() {
+                    let offset = row as isize - lowest;
+                    if offset >= 0 && (offset as usize) < offsets {
+                        add(index, offset as usize, *value);
+                    }
+                }
+            } else if let Some(index) = row.checked_sub(corridor.first).filter(|index| *index < length) {
+                let from = lowest[index].max(0) as usize;
+                let to = (lowest[index] + offsets as isize).clamp(0, values.len() as isize) as usize;
+                for (column, value) in values.iter().enumerate().take(to).skip(from) {
+                    add(index, (column as isize - lowest[index]) as usize, *value);
+                }
+            }
+        }
+        // Sums over the blocks before each block.
+        for at in offsets..light.len() {
+            light[at] += light[at - offsets];
+            pixels[at] += pixels[at - offsets];
+        }
+        let middles: Vec<usize> = (0..blocks).map(|block| (2 * block + 1) * length / (2 * blocks)).collect();
+        Self {
+            blocks,
+            offsets,
+            light,
+            pixels,
+            position: middles.iter().map(|middle| *middle as f64 - 0.5 * length as f64).collect(),
+            time_s: middles.iter().map(|middle| corridor.time_s[*middle]).collect(),
+        }
+    }
+
+    /// Returns the blocks that are exposed at each delay, without repetition.
+    fn windows(&self, delays_s: &[f64], exposure_s: f64) -> Vec<(f64, [usize; 2])> {
+        let mut windows: Vec<(f64, [usize; 2])> = Vec::new();
+        // The nominal time comes first, so that equal windows have no delay.
+        let mut ordered = delays_s.to_vec();
+        ordered.sort_by(|a, b| a.abs().total_cmp(&b.abs()));
+        for late_s in ordered {
+            let exposed = |time_s: &f64| (0.0..=exposure_s).contains(&(time_s + late_s));
+            let first = self.time_s.iter().position(exposed);
+            let last = self.time_s.iter().rposition(exposed);
+            let window = match first.zip(last) {
+                Some((first, last)) => [first, last + 1],
+                // The search needs the nominal window as a reference.
+                None if late_s == 0.0 => [0, self.blocks],
+                None => continue,
+            };
+            if windows.iter().all(|(_, known)| *known != window) {
+                windows.push((late_s, window));
+            }
+        }
+        windows
+    }
+
+    /// Returns the filtered light at each offset, in units of the noise of a clipped pixel; NaN where too few pixels are
+    /// in the frame.
+    fn significance(&self, slope: f64, [from, to]: [usize; 2], filter: &[f32]) -> Vec<f64> {
+        let offsets = self.offsets;
+        let (mut light, mut pixels) = (vec![0.0f32; offsets], vec![0.0f32; offsets]);
+        // Neighbouring blocks with the same shift are added at once.
+        let shift = |block: usize| (slope * self.position[block]).round() as isize;
+        let mut block = from;
+        while block < to {
+            let mut end = block + 1;
+            while end < to && shift(end) == shift(block) {
+                end += 1;
+            }
+            let by = shift(block);
+            let range = by.max(0) as usize..(offsets as isize + by.min(0)) as usize;
+            for at in range {
+                let target = (at as isize - by) as usize;
+                light[target] += self.light[end * offsets + at] - self.light[block * offsets + at];
+                pixels[target] += self.pixels[end * offsets + at] - self.pixels[block * offsets + at];
+            }
+            block = end;
+        }
+        let most = pixels.iter().copied().fold(0.0, f32::max);
+        let least = (LEAST_COVERAGE as f32 * most).max(LEAST_PIXELS);
+        let mean: Vec<f32> =
+            light.iter().zip(&pixels).map(|(light, pixels)| if *pixels >= least { light / pixels } else { f32::NAN }).collect();
+        let norm = filter.iter().map(|weight| weight * weight).sum::<f32>().sqrt();
+        let reach = filter.len() / 2;
+        let mut row = vec![f64::NAN; offsets];
+        for centre in reach..offsets.saturating_sub(reach) {
+            let sum: f32 = mean[centre - reach..=centre + reach].iter().zip(filter).map(|(mean, weight)| mean * weight).sum();
+            row[centre] = f64::from(sum * pixels[centre].sqrt() / norm);
+        }
+        row
+    }
+}

@@ -1,0 +1,174 @@
+//! Mask of stars and defects in the band around a streak.
+
+use super::background::SIGMA_OF_MAD;
+use super::band::Band;
+use super::fit::{Blocks, fit_blocks};
+use crate::math::quantile::median;
+
+/// Threshold in sigmas of the light averaged over 3 by 3 pixels.
+const THRESHOLD_SIGMAS: f64 = 4.0;
+/// Fraction of the model of the streak by which it may be wrong, and the same relative to its peak.
+const MODEL_ERROR: f64 = 0.2;
+const MODEL_ERROR_OF_PEAK: f64 = 0.02;
+/// Pixels with at least this fraction of the greatest light of their column belong to the core of the streak.
+const CORE: f32 = 0.3;
+/// Half length of the running median of the streak's light, widths of the streak and pixels.
+const MEDIAN_WIDTHS: f64 = 4.0;
+const MEDIAN_PIX: usize = 15;
+
+/// Marks pixels that are brighter than streak and background, with their surroundings.
+///
+/// 1. The background of a block is the median of its pixels outside the streak.
+/// 2. The light of the streak is fitted in each column; its running median is not affected by stars, which are shorter
+///    than the median's length.
+/// 3. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked.
+/// 4. All pixels within one FWHM of a marked pixel are marked.
+pub fn mask_stars(band: &Band, mask: &[bool], template: &[f32], blocks: &Blocks, fwhm_pix: f64) -> Vec<bool> {
+    let height = band.height;
+    let peak_of = |column: usize| template[column * height..][..height].iter().copied().fold(0.0, f32::max);
+    let peaks: Vec<f32> = (0..band.len()).map(peak_of).collect();
+
+    let (mut background, mut sigmas) = (vec![0.0f32; band.len()], Vec::new());
+    for columns in blocks.ranges() {
+        let pixels = columns.clone().flat_map(|column| (0..height).map(move |offset| (column, column * height + offset)));
+        let mut values: Vec<f32> = pixels
+            .filter(|(column, at)| !mask[*at] && band.values[*at].is_finite() && template[*at] <= 0.05 * peaks[*column])
+            .map(|(_, at)| band.values[at])
+            .collect();
+        if values.is_empty() {
+            continue;
+        }
+        let middle = values.len() / 2;
+        let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
+        values.iter_mut().for_each(|value| *value = (*value - level).abs());
+        sigmas.push(f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1) * SIGMA_OF_MAD);
+        background[columns].fill(level);
+    }
+    let light = column_light(band, mask, template, &peaks, &background, fwhm_pix);
+
+    // Residuals; 0 where the frame has no pixel.
+    let mut residual = vec![0.0f32; band.values.len()];
+    for column in 0..band.len() {
+        for offset in 0..height {
+            let at = column * height + offset;
+            let value = band.values[at] - background[column] - light[column] * template[at];
+            residual[at] = if value.is_finite() { value } else { 0.0 };
+        }
+    }
+    let smooth = averaged(band, &residual);
+    let sigma = SIGMA_OF_MAD * median(smooth.iter().step_by(7).map(|value| f64::from(value.abs())).collect());
+    let threshold = (THRESHOLD_SIGMAS * sigma) as f32;
+    let marked: Vec<bool> = (0..smooth.len())
+        .map(|at| {
+            let column = at / height;
+            let model = MODEL_ERROR as f32 * light[column] * template[at]
+                + MODEL_ERROR_OF_PEAK as f32 * light[column] * peaks[column];
+            smooth[at] > threshold + model.max(0.0)
+        })
+        .collect();
+    grown(band, &marked, fwhm_pix.round().max(1.0) as isize)
+}
+
+/// Returns the light of the streak in each column: a running median of the amplitudes of single columns.
+fn column_light(
+    band: &Band,
+    mask: &[bool],
+    template: &[f32],
+    peaks: &[f32],
+    background: &[f32],
+    fwhm_pix: f64,
+) -> Vec<f32> {
+    let height = band.height;
+    let amplitude = |column: usize| -> Option<f64> {
+        let (mut signal, mut weight) = (0.0, 0.0);
+        for offset in 0..height {
+            let at = column * height + offset;
+            let is_core = template[at] > CORE * peaks[column] && template[at] > 0.0;
+            if is_core && !mask[at] && band.values[at].is_finite() {
+                signal += f64::from(template[at] * (band.values[at] - background[column]));
+                weight += f64::from(template[at] * template[at]);
+            }
+        }
+        (weight > 0.0).then(|| signal / weight)
+    };
+    let amplitudes: Vec<Option<f64>> = (0..band.len()).map(amplitude).collect();
+    let reach = ((MEDIAN_WIDTHS * fwhm_pix) as usize).max(MEDIAN_PIX);
+    (0..band.len())
+        .map(|column| {
+            let near = column.saturating_sub(reach)..(column + reach + 1).min(band.len());
+            let near: Vec<f64> = amplitudes[near].iter().flatten().copied().collect();
+            if near.is_empty() { 0.0 } else { median(near).max(0.0) as f32 }
+        })
+        .collect()
+}
+
+/// Returns the average over 3 by 3 pixels of the frame.
+fn averaged(band: &Band, values: &[f32]) -> Vec<f32> {
+    let height = band.height;
+    let mut columns = vec![0.0f32; values.len()];
+    for column in 0..band.len() {
+        let own = &values[column * height..][..height];
+        for offset in 0..height {
+            let near = &own[offset.saturating_sub(1)..(offset + 2).min(height)];
+            columns[column * height + offset] = near.iter().sum::<f32>() / 3.0;
+        }
+    }
+    let mut averaged = vec![0.0f32; values.len()];
+    for column in 0..band.len() {
+        for other in column.saturating_sub(1)..(column + 2).min(band.len()) {
+            let step = band.step(other, column);
+            for offset in 0..height {
+                let source = offset as isize + step;
+                if (0..height as isize).contains(&source) {
+                    averaged[column * height + offset] += columns[other * height + source as usize] / 3.0;
+                }
+            }
+        }
+    }
+    averaged
+}
+
+/// Marks all pixels within `reach` pixels of a marked one, in a square.
+fn grown(band: &Band, marked: &[bool], reach: isize) -> Vec<bool> {
+    let height = band.height as isize;
+    let mut columns = vec![false; marked.len()];
+    for column in 0..band.len() {
+        let start = column * band.height;
+        let mut last: Option<isize> = None;
+        for offset in 0..height {
+            if marked[start + offset as usize] {
+                let from = (offset - reach).max(last.map_or(0, |last| last + 1)).max(0);
+                let to = (offset + reach).min(height - 1);
+                (from..=to).for_each(|at| columns[start + at as usize] = true);
+                last = Some(to);
+            }
+        }
+    }
+    let mut grown = vec![false; marked.len()];
+    for column in 0..band.len() {
+        let near = column.saturating_sub(reach as usize)..(column + reach as usize + 1).min(band.len());
+        for other in near {
+            let step = band.step(other, column);
+            for offset in 0..height {
+                let source = offset + step;
+                if (0..height).contains(&source) && columns[other * band.height + source as usize] {
+                    grown[column * band.height + offset as usize] = true;
+                }
+            }
+        }
+    }
+    grown
+}
+
+/// Residuals of the fit: the data minus the template with the amplitude of each block.
+pub fn without_streak(band: &Band, mask: &[bool], template: &[f32], blocks: &Blocks) -> Vec<f32> {
+    let fits = fit_blocks(band, &band.values, mask, template, 0, blocks);
+    let mut rest = band.values.clone();
+    for (columns, fit) in blocks.ranges().zip(fits) {
+        let amplitude = fit.amplitude().unwrap_or(0.0).max(0.0) as f32;
+        for at in columns.start * band.height..columns.end * band.height {
+            rest[at] -= amplitude * template[at];
+        }
+    }
+    rest
+}

@@ -1,0 +1,759 @@
+//! Measurement of one streak in one image.
+
+use super::background::{Background, median_and_sigma};
+use super::band::Band;
+use super::corridor::Corridor;
+use super::error::MeasureError;
+use super::fit::{Amplitude, BlockFit, Blocks, combined, fit_blocks, squares_by_block};
+use super::search::{Extent, Found, search};
+use super::stars::{mask_stars, without_streak};
+use crate::images::{LightArea, PixelPosition, Plane};
+use crate::math::minimum::minimum;
+use crate::math::quantile::median;
+use crate::streaks::{Optics, PathNode, RadialProfile, StreakPath, draw};
+
+/// Half width of the fit across the streak: FWHM, and pixels at least.
+const FIT_WIDTHS: f64 = 6.0;
+const LEAST_FIT_PIX: f64 = 10.0;
+/// Length of a block along the track: FWHM, and pixels at least.
+const BLOCK_WIDTHS: f64 = 8.0;
+const LEAST_BLOCK_PIX: f64 = 32.0;
+/// Distance of the first and of the next control fits beside the streak, FWHM, and their number on each side.
+const FIRST_CONTROL_WIDTHS: f64 = 4.0;
+const CONTROL_STEP_WIDTHS: f64 = 0.75;
+const CONTROLS_A_SIDE: usize = 30;
+/// Smallest weight of a control fit relative to that of the streak, and the smallest number of control fits from which
+/// the error is computed.
+const LEAST_CONTROL_WEIGHT: f64 = 0.5;
+const LEAST_CONTROLS: usize = 10;
+/// Control fits beyond this number of robust sigmas are omitted.
+const CONTROL_CLIP: f64 = 3.5;
+/// Number of iterations of mask, offset and angle.
+const ITERATIONS: usize = 6;
+/// Smallest signal to noise at which offset and angle are improved, and at which the width is measured.
+const REFINED_FROM: f64 = 3.5;
+const WIDTH_FROM: f64 = 10.0;
+/// Range of fitted widths relative to the given one.
+const WIDTH_RANGE: [f64; 2] = [0.4, 2.5];
+/// Smallest number of pixels along the track.
+const LEAST_LENGTH_PIX: usize = 12;
+/// Share of a streak's length with saturated pixels from which the flux is a lower limit.
+const SATURATED_SHARE: f64 = 0.05;
+/// Share of the length that may be near the edge of the frame, or masked, without a flag.
+const EDGE_SHARE: f64 = 0.1;
+const MASKED_SHARE: f64 = 0.5;
+/// Relative difference of measured and assumed width from which it is flagged.
+const WIDTH_TOLERANCE: f64 = 0.2;
+/// Half of the blocks of a streak must have light: the median of the blocks exceeds this fraction of the threshold.
+const MEDIAN_SHARE: f64 = 0.4;
+/// Smallest number of blocks of which the median is tested.
+const LEAST_BLOCKS: usize = 4;
+
+/// Image with a streak.
+#[derive(Copy, Clone, Debug)]
+pub struct StreakImage<'a> {
+    /// Pixels.
+    pub plane: &'a Plane,
+    /// Sky background of the pixels.
+    pub background: &'a Background,
+    /// Illuminated part.
+    pub light_area: &'a LightArea,
+    /// Exposure time, seconds.
+    pub exposure_s: f64,
+    /// Electrons per unit of the pixels; `None` if unknown: the photon noise of the streak is then omitted.
+    pub electrons_per_unit: Option<f64>,
+    /// Value at which a pixel is saturated; `None` if unknown.
+    pub saturation: Option<f64>,
+    /// Angular size of a pixel, arcsec.
+    pub pixel_scale_arcsec: f64,
+    /// Ratio of width to height of a pixel on the sky.
+    pub pixel_aspect: f64,
+}
+
+/// Predicted track of a satellite in an image, with its errors.
+#[derive(Clone, Debug)]
+pub struct PredictedStreak {
+    /// Predicted positions. Times are seconds after the shutter opened; the path extends beyond the exposure by the
+    /// largest delay and beyond the image by the corridor. The rate is 1 where the satellite is lit and 0 elsewhere.
+    pub path: StreakPath,
+    /// Displacement of the track in the image for a delay of one second that is not due to the satellite's own motion:
+    /// the observer moves during the delay. Pixels per second.
+    pub drift_pix_s: [f64; 2],
+    /// Error (one sigma) along the track, seconds.
+    pub lateness_sigma_s: f64,
+    /// Error (one sigma) across the track, pixels.
+    pub cross_sigma_pix: f64,
+    /// Distance of the satellite, km, and radius of a disk with its area, m.
+    pub range_km: f64,
+    /// Radius of a disk with the area of the satellite, m.
+    pub radius_m: f64,
+}
+
+/// Options of a measurement.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct MeasureOptions {
+    /// Half width of the corridor in sigmas of the prediction.
+    pub corridor_sigmas: f64,
+    /// Largest half width of the corridor, pixels.
+    pub most_corridor_pix: f64,
+    /// Probability of a false detection in one corridor.
+    pub false_alarm: f64,
+    /// Upper limits are this number of sigmas above the brightest place of the corridor.
+    pub limit_sigmas: f64,
+    /// If true, the width is a parameter of the flux fit; otherwise it is the given seeing.
+    pub fit_width: bool,
+}
+
+impl Default for MeasureOptions {
+    fn default() -> Self {
+        Self { corridor_sigmas: 3.0, most_corridor_pix: 2000.0, false_alarm: 0.01, limit_sigmas: 3.0, fit_width: false }
+    }
+}
+
+/// Remark about a measurement.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Flag {
+    /// Pixels of the streak are saturated: the flux is a lower limit.
+    Saturated,
+    /// The streak runs along the edge of the image.
+    Edge,
+    /// Stars or defects cover more than half of the streak.
+    Masked,
+    /// The width of the streak differs from the given seeing by more than 20 %: the flux is biased.
+    Width,
+    /// The gain is unknown: the error does not contain the photon noise of the streak.
+    NoGain,
+    /// There is no space for fits beside the streak: the error is that of the pixels, without faint stars.
+    PixelNoise,
+}
+
+impl Flag {
+    /// Returns the name in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Saturated => "saturated",
+            Self::Edge => "edge",
+            Self::Masked => "masked",
+            Self::Width => "width",
+            Self::NoGain => "no_gain",
+            Self::PixelNoise => "pixel_noise",
+        }
+    }
+}
+
+/// A number and its error (one sigma).
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Estimate {
+    /// Value.
+    pub value: f64,
+    /// One sigma.
+    pub sigma: f64,
+}
+
+/// Measured streak, or upper limit of a streak that was not found.
+#[derive(Clone, Debug)]
+pub struct StreakMeasurement {
+    /// True if the streak was found.
+    pub is_detected: bool,
+    /// Light per second, in the unit of the pixels, averaged over the track in the image.
+    pub rate: Estimate,
+    /// Rate that is excluded at the given number of sigmas everywhere in the corridor.
+    pub rate_limit: f64,
+    /// Rate divided by its error.
+    pub signal_to_noise: f64,
+    /// Significance in the search, and the significance required for a detection.
+    pub significance: f64,
+    /// Significance that noise exceeds with the given probability.
+    pub threshold: f64,
+    /// Distance from the predicted track, pixels, positive towards increasing y (increasing x for a track nearer to the
+    /// columns).
+    pub offset_pix: Estimate,
+    /// Difference in angle from the predicted track, radians.
+    pub tilt_rad: f64,
+    /// Delay, seconds, if an end of the streak is in the image.
+    pub late_s: Option<Estimate>,
+    /// Number of ends in the image.
+    pub ends: usize,
+    /// Measured seeing: FWHM of a star's image, arcsec, that gives the width of the streak; `None` at low signal.
+    pub seeing_arcsec: Option<f64>,
+    /// Full width at half maximum of the drawn streak, pixels.
+    pub width_pix: f64,
+    /// Length in the image, pixels.
+    pub length_pix: f64,
+    /// First and last time at which the satellite is in the image, seconds after the shutter opened.
+    pub inside_s: [f64; 2],
+    /// Path of the measured streak.
+    pub path: StreakPath,
+    /// Remarks, in order.
+    pub flags: Vec<Flag>,
+    /// Largest distance from the predicted track that was searched, pixels.
+    pub corridor_pix: f64,
+}
+
+/// Parameters of a streak relative to its prediction.
+#[derive(Copy, Clone, Debug)]
+struct Shift {
+    offset_pix: f64,
+    tilt_rad: f64,
+    late_s: f64,
+}
+
+/// Measures the streak of one satellite in one image; `None` if fewer than 12 pixels of its track are in the image.
+///
+/// # Errors
+/// The image of a star is too narrow or too wide to be drawn.
+pub fn measure_streak(
+    image: &StreakImage<'_>,
+    predicted: &PredictedStreak,
+    optics: &Optics,
+    options: &MeasureOptions,
+) -> Result<Option<StreakMeasurement>, MeasureError> {
+    let (rows, columns) = (image.plane.rows(), image.plane.columns());
+    let Some(corridor) = Corridor::of(&predicted.path, rows, columns, LEAST_LENGTH_PIX) else { return Ok(None) };
+    let mut measuring = Measuring { image, predicted, corridor, optics: *optics, profile: profile_of(image, predicted, optics)? };
+    let extent = measuring.extent(options);
+    let Some(found) = search(
+        image.background,
+        &measuring.corridor,
+        &measuring.profile,
+        image.exposure_s,
+        &extent,
+        options.false_alarm,
+    ) else {
+        return Ok(None);
+    };
+    measuring.measure(&found, &extent, options)
+}
+
+fn profile_of(
+    image: &StreakImage<'_>,
+    predicted: &PredictedStreak,
+    optics: &Optics,
+) -> Result<RadialProfile, MeasureError> {
+    let PredictedStreak { range_km, radius_m, .. } = *predicted;
+    Ok(optics.profile(range_km, radius_m, image.pixel_scale_arcsec, image.pixel_aspect)?)
+}
+
+/// State of the measurement of one streak.
+struct Measuring<'a> {
+    image: &'a StreakImage<'a>,
+    predicted: &'a PredictedStreak,
+    corridor: Corridor,
+    optics: Optics,
+    profile: RadialProfile,
+}
+
+/// Drawn streak in the pixels of a band.
+struct Drawn {
+    path: StreakPath,
+    template: Vec<f32>,
+}
+
+impl Measuring<'_> {
+    /// Returns the corridor that contains the errors of the prediction.
+    fn extent(&self, options: &MeasureOptions) -> Extent {
+        let [nx, ny] = self.corridor.normal();
+        let [dx, dy] = self.predicted.drift_pix_s;
+        let late_s = options.corridor_sigmas * self.predicted.lateness_sigma_s;
+        // During the delay the observer moves across the track.
+        let across_pix = (options.corridor_sigmas * self.predicted.cross_sigma_pix).hypot(late_s * (dx * nx + dy * ny));
+        let drift_rad_s = (dx.hypot(dy) * self.image.pixel_scale_arcsec / 3600.0).to_radians();
+        /// Error of the angle of a track and of the world coordinates, radians.
+        const ANGLE_ERROR_RAD: f64 = 1e-3;
+        Extent {
+            across_pix: (across_pix + self.profile.fwhm_pix()).min(options.most_corridor_pix),
+            tilt_rad: (ANGLE_ERROR_RAD + late_s * drift_rad_s).min(0.05),
+            late_s,
+        }
+    }
+
+    /// Returns the path of a shifted streak while the shutter is open; `None` if it is too short.
+    ///
+    /// p(t) = P(t - δ) + n (v + τ u) + e (e · d) δ with the predicted path P, delay δ, offset v, tilt τ, distance u
+    /// along the track from the middle, drift d, and unit vectors n across and e along the track.
+    fn path(&self, shift: &Shift) -> Result<Option<StreakPath>, MeasureError> {
+        let Corridor { motion: [ex, ey], middle, .. } = self.corridor;
+        let [nx, ny] = self.corridor.normal();
+        let [dx, dy] = self.predicted.drift_pix_s;
+        let along = (dx * ex + dy * ey) * shift.late_s;
+        let predicted = &self.predicted.path;
+        let exposure_s = self.image.exposure_s;
+        let node = |time_s: f64, rate: f64| {
+            let at = predicted.point_at(time_s - shift.late_s);
+            let across = shift.offset_pix + shift.tilt_rad * ((at.x - middle.x) * ex + (at.y - middle.y) * ey);
+            let at = PixelPosition { x: at.x + nx * across + ex * along, y: at.y + ny * across + ey * along };
+            PathNode::new(time_s, at, rate)
+        };
+        let nodes = predicted.nodes();
+        let [first_s, last_s] = [nodes[0].time_s, nodes[nodes.len() - 1].time_s].map(|time_s| time_s + shift.late_s);
+        let [from_s, to_s] = [first_s.max(0.0), last_s.min(exposure_s)];
+        /// Smallest time between two nodes, seconds.
+        const LEAST_STEP_S: f64 = 1e-7;
+        if to_s - from_s < 2.0 * LEAST_STEP_S {
+            return Ok(None);
+        }
+        let mut path = vec![node(from_s, predicted.rate_at(from_s - shift.late_s))];
+        for inner in nodes {
+            let time_s = inner.time_s + shift.late_s;
+            if time_s > from_s + LEAST_STEP_S && time_s < to_s - LEAST_STEP_S {
+                path.push(node(time_s, inner.rate));
+            }
+        }
+        path.push(node(to_s, predicted.rate_at(to_s - shift.late_s)));
+        Ok(Some(StreakPath::new(path)?))
+    }
+
+    fn drawn(&self, band: &Band, shift: &Shift) -> Result<Option<Drawn>, MeasureError> {
+        let Some(path) = self.path(shift)? else { return Ok(None) };
+        let patch = draw(&path, &self.profile, self.image.plane.rows(), self.image.plane.columns());
+        let template = band.template(&patch);
+        Ok(Some(Drawn { path, template }))
+    }
+
+    fn measure(
+        &mut self,
+        found: &Found,
+        extent: &Extent,
+        options: &MeasureOptions,
+    ) -> Result<Option<StreakMeasurement>, MeasureError> {
+        let corridor = &self.corridor;
+        let cos = corridor.cos();
+        // A shift along the minor axis is one across the track and one along it.
+        let [ex, ey] = corridor.motion;
+        let along = if corridor.is_along_rows { ey } else { ex };
+        let sense = if corridor.is_along_rows { ex.signum() } else { ey.signum() };
+        let mut shift = Shift {
+            offset_pix: found.minor_pix * cos,
+            tilt_rad: found.slope * cos * cos * sense,
+            late_s: found.late_s - found.minor_pix * along / corridor.speed_pix_s,
+        };
+        // Without an end in the image the delay is not measurable, and the predicted time is used.
+        let ends = self.ends(&shift)?;
+        if ends == 0 {
+            shift.late_s = 0.0;
+        }
+        let fwhm = self.profile.fwhm_pix().max(1.0);
+        let half_width = (((FIT_WIDTHS * fwhm).max(LEAST_FIT_PIX)) / cos).ceil() as usize;
+        let block = ((BLOCK_WIDTHS * fwhm).max(LEAST_BLOCK_PIX) * cos) as usize;
+        let step = (CONTROL_STEP_WIDTHS * fwhm / cos).ceil().max(1.0) as isize;
+        let first = (FIRST_CONTROL_WIDTHS * fwhm / cos).ceil() as isize;
+        let last = first + step * CONTROLS_A_SIDE as isize;
+        let half = half_width + last as usize;
+        let band = Band::read(self.image.plane, self.image.light_area, corridor, [found.minor_pix, found.slope], half);
+        let blocks = Blocks::new(band.len(), block, half_width);
+        let none = vec![false; band.values.len()];
+
+        let Some(mut drawn) = self.drawn(&band, &shift)? else { return Ok(None) };
+        let mut mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm);
+        let is_saturated = self.is_saturated(&band, &drawn.template);
+        let mut seeing_arcsec = None;
+        for iteration in 0..ITERATIONS {
+            let fits = fit_blocks(&band, &band.values, &mask, &drawn.template, 0, &blocks);
+            let Some(amplitude) = combined(&fits) else { return Ok(None) };
+            let sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
+            if amplitude.value < REFINED_FROM * sigma {
+                break;
+            }
+            let moved = self.refined(&band, &mask, &drawn.template, &blocks, &fits, &mut shift);
+            if iteration == 1 && ends > 0 {
+                self.fit_lateness(&band, &mask, &blocks, extent, &mut shift)?;
+            }
+            if iteration == 2 && options.fit_width && amplitude.value > WIDTH_FROM * sigma {
+                seeing_arcsec = Some(self.fit_width(&band, &mask, &blocks, &shift)?);
+            }
+            let Some(next) = self.drawn(&band, &shift)? else { return Ok(None) };
+            drawn = next;
+            mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm);
+            if iteration > 2 && moved < 0.02 {
+                break;
+            }
+        }
+
+        let fits = fit_blocks(&band, &band.values, &mask, &drawn.template, 0, &blocks);
+        let Some(amplitude) = combined(&fits) else { return Ok(None) };
+        let rest = without_streak(&band, &mask, &drawn.template, &blocks);
+        let pixel_sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
+        let controls = controls(&band, &rest, &mask, &drawn.template, &blocks, amplitude.weight, first, step);
+        let mut flags = Vec::new();
+        let background_sigma = match controls {
+            Some(sigma) => sigma / amplitude.weight.sqrt(),
+            None => {
+                flags.push(Flag::PixelNoise);
+                pixel_sigma
+            }
+        };
+        let photon = self.photon_variance(&band, &mask, &drawn.template, amplitude.value);
+        if photon.is_none() {
+            flags.push(Flag::NoGain);
+        }
+        let inflation = if seeing_arcsec.is_some() { self.width_inflation(&band, &mask, &blocks, &shift)? } else { 1.0 };
+        let sigma = (background_sigma * background_sigma * inflation + photon.unwrap_or(0.0) * inflation).sqrt();
+        let noise_ratio = background_sigma / pixel_sigma.max(1e-300);
+
+        let is_spread = is_spread(&fits, &amplitude, sigma, found.threshold);
+        let signal_to_noise = amplitude.value / sigma;
+        let is_detected = found.significance >= found.threshold && signal_to_noise >= found.threshold && is_spread;
+
+        let given_width = seeing_arcsec.is_none();
+        if given_width && is_detected && signal_to_noise > WIDTH_FROM {
+            let optics = self.optics;
+            let measured = self.fit_width(&band, &mask, &blocks, &shift)?;
+            (self.optics, self.profile) = (optics, profile_of(self.image, self.predicted, &optics)?);
+            seeing_arcsec = Some(measured);
+            if (measured / optics.seeing_arcsec).ln().abs() > (1.0 + WIDTH_TOLERANCE).ln() {
+                flags.push(Flag::Width);
+            }
+        }
+        if is_saturated {
+            flags.push(Flag::Saturated);
+        }
+        let (edge, masked) = shares(&band, &mask, &drawn.template, self.image.light_area, (fwhm / cos).ceil() as usize);
+        if edge > EDGE_SHARE {
+            flags.push(Flag::Edge);
+        }
+        if masked > MASKED_SHARE {
+            flags.push(Flag::Masked);
+        }
+        flags.sort_unstable();
+
+        let inside = self.inside(&drawn.path);
+        let ends = self.ends(&shift)?;
+        let late_s = if is_detected && ends > 0 {
+            let sigma_s = self.lateness_sigma(&band, &mask, &blocks, &shift, &amplitude, noise_ratio)?;
+            sigma_s.map(|sigma| Estimate { value: shift.late_s, sigma })
+        } else {
+            None
+        };
+        let offset_sigma = offset_sigma(&band, &mask, &drawn.template, &amplitude) * noise_ratio;
+        let length_pix = drawn.path.point_at(inside[0]).distance(drawn.path.point_at(inside[1]));
+        Ok(Some(StreakMeasurement {
+            is_detected,
+            rate: Estimate { value: amplitude.value, sigma },
+            rate_limit: amplitude.value.max(0.0) + options.limit_sigmas * sigma,
+            signal_to_noise,
+            significance: found.significance,
+            threshold: found.threshold,
+            offset_pix: Estimate { value: shift.offset_pix, sigma: offset_sigma },
+            tilt_rad: shift.tilt_rad,
+            late_s,
+            ends,
+            seeing_arcsec,
+            width_pix: self.profile.fwhm_pix(),
+            length_pix,
+            inside_s: inside,
+            path: drawn.path,
+            flags,
+            corridor_pix: extent.across_pix,
+        }))
+    }
+
+    /// Improves offset and tilt by one step of Gauss and Newton; returns the change of the offset in pixels.
+    fn refined(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        template: &[f32],
+        blocks: &Blocks,
+        fits: &[BlockFit],
+        shift: &mut Shift,
+    ) -> f64 {
+        let (height, half) = (band.height, band.half());
+        let width = blocks.half_width;
+        let middle = 0.5 * band.len() as f64;
+        let sense =
+            if self.corridor.is_along_rows { self.corridor.motion[0].signum() } else { self.corridor.motion[1].signum() };
+        // Sums of J², J² u, J² u², J r, J r u, with J = ∂m/∂v.
+        let mut sums = [0.0f64; 5];
+        for (columns, fit) in blocks.ranges().zip(fits) {
+            let Some(amplitude) = fit.amplitude() else { continue };
+            let amplitude = amplitude.max(0.0);
+            let background = [0, 1].map(|term| fit.background[term] - amplitude * fit.response[term]);
+            for column in columns {
+                let u = (column as f64 - middle) / band.cos * sense;
+                for offset in half - width..=half + width {
+                    let at = column * height + offset;
+                    if mask[at] || band.values[at].is_nan() {
+                        continue;
+                    }
+                    let x = offset as f64 - half as f64;
+                    let rest = f64::from(band.values[at])
+                        - background[0]
+                        - background[1] * x
+                        - amplitude * f64::from(template[at]);
+                    let slope =
+                        amplitude * f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos);
+                    let terms = [1.0, u, u * u].map(|power| slope * slope * power);
+                    sums[0] += terms[0];
+                    sums[1] += terms[1];
+                    sums[2] += terms[2];
+                    sums[3] += slope * rest;
+                    sums[4] += slope * rest * u;
+                }
+            }
+        }
+        let [jj, ju, juu, jr, jru] = sums;
+        let determinant = jj * juu - ju * ju;
+        if !(jj > 0.0 && determinant > 1e-9 * jj * juu) {
+            return 0.0;
+        }
+        let fwhm = self.profile.fwhm_pix().max(1.0);
+        let reach = 0.5 * band.len() as f64 / band.cos;
+        let offset = ((juu * jr - ju * jru) / determinant).clamp(-fwhm, fwhm);
+        let tilt = ((jj * jru - ju * jr) / determinant).clamp(-fwhm / reach, fwhm / reach);
+        shift.offset_pix += offset;
+        shift.tilt_rad += tilt;
+        offset.abs().max(tilt.abs() * reach)
+    }
+
+    /// Sum of the squared residuals for a shift, with one amplitude.
+    fn squares(&self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<Option<f64>, MeasureError> {
+        let Some(drawn) = self.drawn(band, shift)? else { return Ok(None) };
+        let fits = fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks);
+        Ok(combined(&fits).map(|amplitude| amplitude.squares))
+    }
+
+    fn fit_lateness(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        extent: &Extent,
+        shift: &mut Shift,
+    ) -> Result<(), MeasureError> {
+        // The search has steps of half a width or of a block.
+        let block_s = blocks.bounds[1] as f64 / band.cos / self.corridor.speed_pix_s;
+        let step_s = block_s.max(2.0 * self.profile.fwhm_pix() / self.corridor.speed_pix_s);
+        let mut failed = None;
+        let mut of = |late_s: f64| match self.squares(band, mask, blocks, &Shift { late_s, ..*shift }) {
+            Ok(squares) => squares.unwrap_or(f64::NAN),
+            Err(error) => {
+                failed = Some(error);
+                f64::NAN
+            }
+        };
+        let start = shift.late_s;
+        // The sum of squares has one minimum only within a few widths of the end.
+        let samples = (-4..=4).map(|step| start + f64::from(step) * 0.25 * step_s);
+        let best = samples
+            .filter(|late_s| late_s.abs() <= extent.late_s + step_s)
+            .map(|late_s| (late_s, of(late_s)))
+            .filter(|(_, squares)| squares.is_finite())
+            .min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some(best) = best {
+            let tolerance_s = 0.01 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
+            let bounds = [best.0 - 0.25 * step_s, best.0 + 0.25 * step_s];
+            shift.late_s = minimum(of, bounds, best, tolerance_s).0;
+        }
+        failed.map_or(Ok(()), Err)
+    }
+
+    /// Returns the error of the delay from the curvature of the sum of squares: σ² = 2 σ_pixel² / S''.
+    fn lateness_sigma(
+        &self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+        amplitude: &Amplitude,
+        noise_ratio: f64,
+    ) -> Result<Option<f64>, MeasureError> {
+        let step_s = 0.5 * self.profile.fwhm_pix() / self.corridor.speed_pix_s;
+        let at = |late_s: f64| self.squares(band, mask, blocks, &Shift { late_s, ..*shift });
+        let (Some(before), Some(here), Some(after)) =
+            (at(shift.late_s - step_s)?, at(shift.late_s)?, at(shift.late_s + step_s)?)
+        else {
+            return Ok(None);
+        };
+        let bend = (before - 2.0 * here + after) / (step_s * step_s);
+        let variance = 2.0 * amplitude.squares / amplitude.freedom / bend;
+        Ok((bend > 0.0).then(|| variance.sqrt() * noise_ratio))
+    }
+
+    /// Fits the seeing to the width of the streak, sets it, and returns it in arcsec.
+    fn fit_width(&mut self, band: &Band, mask: &[bool], blocks: &Blocks, shift: &Shift) -> Result<f64, MeasureError> {
+        let given = self.optics;
+        let mut best = (0.0, f64::INFINITY);
+        let mut of = |this: &mut Self, ln_ratio: f64| -> f64 {
+            this.optics = Optics { seeing_arcsec: given.seeing_arcsec * ln_ratio.exp(), ..given };
+            // Widths that cannot be drawn are excluded.
+            let Ok(profile) = profile_of(this.image, this.predicted, &this.optics) else { return f64::NAN };
+            this.profile = profile;
+            let Ok(Some(drawn)) = this.drawn(band, shift) else { return f64::NAN };
+            let squares = squares_by_block(&fit_blocks(band, &band.values, mask, &drawn.template, 0, blocks));
+            if squares < best.1 {
+                best = (ln_ratio, squares);
+            }
+            squares
+        };
+        let [low, high] = WIDTH_RANGE.map(f64::ln);
+        /// Accuracy of the logarithm of the width.
+        const TOLERANCE: f64 = 0.005;
+        let start = (0.0, of(self, 0.0));
+        minimum(|ln_ratio| of(self, ln_ratio), [low, high], start, TOLERANCE);
+        self.optics = Optics { seeing_arcsec: given.seeing_arcsec * best.0.exp(), ..given };
+        self.profile = profile_of(self.image, self.predicted, &self.optics)?;
+        Ok(self.optics.seeing_arcsec)
+    }
+
+    /// Returns the factor by which the variance of the flux is larger because the width is fitted, too:
+    /// 1 / (1 - ρ²) with the correlation ρ of the template and its derivative by the width.
+    fn width_inflation(
+        &mut self,
+        band: &Band,
+        mask: &[bool],
+        blocks: &Blocks,
+        shift: &Shift,
+    ) -> Result<f64, MeasureError> {
+        const STEP: f64 = 0.02;
+        let given = self.optics;
+        let template = |this: &mut Self, ratio: f64| -> Result<Option<Vec<f32>>, MeasureError> {
+            let optics = Optics { seeing_arcsec: given.seeing_arcsec * ratio, ..given };
+            this.profile = profile_of(this.image, this.predicted, &optics)?;
+            Ok(this.drawn(band, shift)?.map(|drawn| drawn.template))
+        };
+        let (wider, same) = (template(self, 1.0 + STEP)?, template(self, 1.0)?);
+        let (Some(wider), Some(same)) = (wider, same) else { return Ok(1.0) };
+        let change: Vec<f32> = wider.iter().zip(&same).map(|(wider, same)| (wider - same) / STEP as f32).collect();
+        // Blanks of the frame are blanks of the derivative.
+        let change: Vec<f32> =
+            change.iter().zip(&band.values).map(|(change, value)| if value.is_nan() { f32::NAN } else { *change }).collect();
+        let fits = fit_blocks(band, &change, mask, &same, 0, blocks);
+        let sum = |of: fn(&BlockFit) -> f64| fits.iter().map(of).sum::<f64>();
+        let correlation = sum(|fit| fit.signal).powi(2) / (sum(|fit| fit.weight) * sum(|fit| fit.squares));
+        Ok(1.0 / (1.0 - correlation.clamp(0.0, 0.9)))
+    }
+
+    /// Returns the variance of the amplitude due to the photons of the streak: Σ m² A m / g / (Σ m²)². `None` without
+    /// gain.
+    fn photon_variance(&self, band: &Band, mask: &[bool], template: &[f32], amplitude: f64) -> Option<f64> {
+        let gain = self.image.electrons_per_unit?;
+        let (mut squares, mut cubes) = (0.0, 0.0);
+        for ((light, is_masked), value) in template.iter().zip(mask).zip(&band.values) {
+            if !is_masked && value.is_finite() {
+                let light = f64::from(*light);
+                squares += light * light;
+                cubes += light * light * light;
+            }
+        }
+        Some(if squares > 0.0 { amplitude.max(0.0) * cubes / (gain * squares * squares) } else { 0.0 })
+    }
+
+    /// Returns true if more than a small part of the streak's length has saturated pixels.
+    fn is_saturated(&self, band: &Band, template: &[f32]) -> bool {
+        let Some(level) = self.image.saturation else { return false };
+        let (mut lit, mut saturated) = (0, 0);
+        for (light, values) in template.chunks_exact(band.height).zip(band.values.chunks_exact(band.height)) {
+            let peak = light.iter().copied().fold(0.0, f32::max);
+            if peak <= 0.0 {
+                continue;
+            }
+            lit += 1;
+            let is_full = |(light, value): (&f32, &f32)| *light > 0.5 * peak && f64::from(*value) >= level;
+            saturated += usize::from(light.iter().zip(values).any(is_full));
+        }
+        saturated as f64 > SATURATED_SHARE * f64::from(lit)
+    }
+
+    /// Returns the number of ends of the exposed track that are in the image.
+    fn ends(&self, shift: &Shift) -> Result<usize, MeasureError> {
+        let Some(path) = self.path(shift)? else { return Ok(0) };
+        let end_s = self.image.exposure_s;
+        // The path may begin or end elsewhere because the prediction does not extend to the ends of the exposure.
+        let nodes = path.nodes();
+        let (first, last) = (&nodes[0], &nodes[nodes.len() - 1]);
+        let is_end = |is_exposed: bool, node: &PathNode| {
+            is_exposed && node.rate > 0.0 && self.image.light_area.contains(node.at)
+        };
+        Ok(usize::from(is_end(first.time_s <= 1e-9, first)) + usize::from(is_end(last.time_s >= end_s - 1e-9, last)))
+    }
+
+    /// Returns the first and the last time at which a path is on illuminated pixels.
+    fn inside(&self, path: &StreakPath) -> [f64; 2] {
+        const SAMPLES: usize = 2000;
+        let nodes = path.nodes();
+        let (from_s, to_s) = (nodes[0].time_s, nodes[nodes.len() - 1].time_s);
+        let time_s = |sample: usize| from_s + (to_s - from_s) * sample as f64 / SAMPLES as f64;
+        let is_inside =
+            |sample: &usize| self.image.light_area.contains(path.point_at(time_s(*sample))) && path.rate_at(time_s(*sample)) > 0.0;
+        let first = (0..=SAMPLES).find(is_inside).unwrap_or(0);
+        let last = (0..=SAMPLES).rev().find(is_inside).unwrap_or(SAMPLES);
+        [time_s(first), time_s(last)]
+    }
+}
+
+/// Returns the scatter of fits of the same template beside the streak, multiplied by the square root of their weights;
+/// `None` if there is no space for enough of them.
+///
+/// These fits contain all noise of the background: that of the pixels, correlated or not, of faint stars, of masks and
+/// of the fitted background. Nothing else is added for them to the error.
+#[expect(clippy::too_many_arguments, reason = "parts of one computation")]
+fn controls(
+    band: &Band,
+    rest: &[f32],
+    mask: &[bool],
+    template: &[f32],
+    blocks: &Blocks,
+    weight: f64,
+    first: isize,
+    step: isize,
+) -> Option<f64> {
+    let shifts = (0..=CONTROLS_A_SIDE as isize).flat_map(|number| [first + number * step, -first - number * step]);
+    let scaled: Vec<f64> = shifts
+        .filter_map(|shift| combined(&fit_blocks(band, rest, mask, template, shift, blocks)))
+        .filter(|amplitude| amplitude.weight >= LEAST_CONTROL_WEIGHT * weight)
+        .map(|amplitude| amplitude.value * amplitude.weight.sqrt())
+        .collect();
+    if scaled.len() < LEAST_CONTROLS {
+        return None;
+    }
+    let (middle, sigma) = median_and_sigma(&scaled);
+    let kept: Vec<f64> = scaled.into_iter().filter(|value| (value - middle).abs() <= CONTROL_CLIP * sigma).collect();
+    let mean = kept.iter().sum::<f64>() / kept.len() as f64;
+    let variance = kept.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (kept.len() as f64 - 1.0);
+    (variance > 0.0).then(|| variance.sqrt())
+}
+
+/// Returns true if the light is spread along the track: the median of the blocks is significant, too. A star lights only
+/// one or two blocks. Streaks of few blocks are not tested.
+fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f64) -> bool {
+    let mean_weight = amplitude.weight / fits.len() as f64;
+    let blocks: Vec<f64> =
+        fits.iter().filter(|fit| fit.weight > 0.3 * mean_weight).filter_map(BlockFit::amplitude).collect();
+    blocks.len() < LEAST_BLOCKS || median(blocks) > MEDIAN_SHARE * threshold * sigma
+}
+
+/// Error of the offset from the pixels: σ² = σ_pixel² / Σ (A ∂m/∂v)².
+fn offset_sigma(band: &Band, mask: &[bool], template: &[f32], amplitude: &Amplitude) -> f64 {
+    let mut sum = 0.0;
+    for at in 1..template.len() - 1 {
+        if !mask[at] && band.values[at].is_finite() {
+            sum += (f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos)).powi(2);
+        }
+    }
+    (amplitude.squares / amplitude.freedom / sum).sqrt() / amplitude.value.abs()
+}
+
+/// Returns the fraction of the streak's length that has no pixels of the image at `margin` pixels beside its middle, and
+/// the fraction of its light that is masked or without a value.
+fn shares(band: &Band, mask: &[bool], template: &[f32], light_area: &LightArea, margin: usize) -> (f64, f64) {
+    let (mut lit, mut edge, mut light, mut hidden) = (0.0, 0.0, 0.0, 0.0);
+    for (column, weights) in template.chunks_exact(band.height).enumerate() {
+        if weights.iter().all(|weight| *weight <= 0.0) {
+            continue;
+        }
+        lit += 1.0;
+        let is_outside = |offset: usize| {
+            let at = band.pixel(column, offset);
+            !light_area.contains(at)
+        };
+        edge += f64::from(u8::from(is_outside(band.half() - margin) || is_outside(band.half() + margin)));
+        let start = column * band.height;
+        for (offset, weight) in weights.iter().enumerate() {
+            light += f64::from(*weight);
+            if mask[start + offset] || band.values[start + offset].is_nan() {
+                hidden += f64::from(*weight);
+            }
+        }
+    }
+    (if lit > 0.0 { edge / lit } else { 1.0 }, if light > 0.0 { hidden / light } else { 1.0 })
+}

@@ -1,0 +1,214 @@
+//! Forced photometry of drawn streaks with known brightness, among random stars.
+
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, StandardNormal};
+use rayon::prelude::*;
+use streakcast::images::{LightArea, PixelPosition, Plane};
+use streakcast::measure::{
+    Background, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak,
+};
+use streakcast::streaks::{Optics, PathNode, RandomStars, SeeingForm, StreakPath, background, draw};
+
+// Bounds of the project, set before the first run.
+
+/// Largest bias of the flux.
+const FLUX_BIAS: f64 = 0.02;
+/// Share of fluxes within one sigma.
+const WITHIN_ONE_SIGMA: std::ops::RangeInclusive<f64> = 0.63..=0.73;
+/// Probability of a false detection in a corridor that the library is asked for, and the largest observed share in 600
+/// corridors: 2.4 sigmas more.
+const FALSE_ALARM: f64 = 0.01;
+const FALSE_ALARMS: f64 = 0.02;
+/// Smallest share of streaks found at a signal to noise of 10, and of 30.
+const FOUND_AT_10: f64 = 0.95;
+const FOUND_AT_30: f64 = 0.99;
+
+const ROWS: usize = 320;
+const COLUMNS: usize = 400;
+const EXPOSURE_S: f64 = 30.0;
+/// Electrons of the sky in a pixel, and read noise.
+const SKY_E: f64 = 400.0;
+const READ_E: f64 = 5.0;
+/// Error of the predicted track: pixels across and seconds along.
+const CROSS_PIX: f64 = 8.0;
+const SPEED_PIX_S: f64 = 100.0;
+
+#[derive(Copy, Clone, Debug)]
+struct Case {
+    /// Signal to noise of the streak without stars; 0 for no streak.
+    signal_to_noise: f64,
+    angle_deg: f64,
+    /// FWHM, pixels.
+    seeing_pix: f64,
+    form: SeeingForm,
+    stars_per_megapixel: f64,
+    /// True if the shutter closes while the satellite is in the image.
+    has_end: bool,
+    seed: u64,
+}
+
+struct Outcome {
+    case: Case,
+    truth: f64,
+    measured: StreakMeasurement,
+    late_s: f64,
+    offset_pix: f64,
+}
+
+fn optics(case: &Case) -> Optics {
+    Optics { form: case.form, seeing_arcsec: case.seeing_pix, outer_radius_m: 0.0, inner_radius_m: 0.0 }
+}
+
+/// Draws a frame with one streak, and measures it at a predicted track that is wrong by random errors.
+fn measured(case: Case, options: &MeasureOptions, assumed: Optics) -> Outcome {
+    let mut random = ChaCha8Rng::seed_from_u64(case.seed);
+    let mut normal = |sigma: f64| -> f64 { sigma * <StandardNormal as Distribution<f64>>::sample(&StandardNormal, &mut random) };
+    let profile = optics(&case).profile(600.0, 0.0, 1.0, 1.0).unwrap();
+    let (sin, cos) = case.angle_deg.to_radians().sin_cos();
+    let middle = PixelPosition { x: 0.5 * COLUMNS as f64 + normal(20.0), y: 0.5 * ROWS as f64 + normal(20.0) };
+    // The middle is passed in the middle of the exposure, or shortly before its end.
+    let middle_s = if case.has_end { EXPOSURE_S - 0.4 } else { 0.5 * EXPOSURE_S };
+    let late_sigma_s = 0.1;
+    let (late_s, offset_pix) = (normal(late_sigma_s).clamp(-0.25, 0.25), normal(CROSS_PIX).clamp(-20.0, 20.0));
+    let at = |time_s: f64, across: f64| {
+        let along = SPEED_PIX_S * (time_s - middle_s);
+        PixelPosition { x: middle.x + cos * along - sin * across, y: middle.y + sin * along + cos * across }
+    };
+    // Length of the streak in the image.
+    let inside = |time_s: f64| LightArea::whole(ROWS, COLUMNS).contains(at(time_s - late_s, offset_pix));
+    let length_pix = (0..30_000).filter(|step| inside(f64::from(*step) * 1e-3)).count() as f64 * 1e-3 * SPEED_PIX_S;
+    // Σ m² = L / (v² 2 √π s) for a Gaussian of standard deviation s.
+    let spread = case.seeing_pix / 2.3548;
+    let pixel_sigma = (SKY_E + READ_E * READ_E).sqrt();
+    let squares = length_pix / (SPEED_PIX_S * SPEED_PIX_S * 2.0 * std::f64::consts::PI.sqrt() * spread);
+    let truth = case.signal_to_noise * pixel_sigma / squares.sqrt();
+
+    let stars = RandomStars {
+        per_megapixel: case.stars_per_megapixel,
+        slope: 0.3,
+        brightest_mag: 13.0,
+        faintest_mag: 20.0,
+        zero_point_mag: 26.5,
+    };
+    let stars = stars.draw(ROWS, COLUMNS, 20.0, case.seed + 1).unwrap();
+    let mut plane = background(ROWS, COLUMNS, SKY_E, &stars, &profile).unwrap();
+    if truth > 0.0 {
+        let nodes = [0.0, EXPOSURE_S].map(|time_s| PathNode::new(time_s, at(time_s - late_s, offset_pix), truth));
+        draw(&StreakPath::new(nodes.to_vec()).unwrap(), &profile, ROWS, COLUMNS).add_to(&mut plane);
+    }
+    for value in plane.values_mut() {
+        let mean = f64::from(*value);
+        *value = (mean + normal((mean + READ_E * READ_E).sqrt())) as f32;
+    }
+    let nodes = [-2.0, EXPOSURE_S + 2.0].map(|time_s| PathNode::new(time_s, at(time_s, 0.0), 1.0));
+    let predicted = PredictedStreak {
+        path: StreakPath::new(nodes.to_vec()).unwrap(),
+        drift_pix_s: [0.0; 2],
+        lateness_sigma_s: late_sigma_s,
+        cross_sigma_pix: CROSS_PIX,
+        range_km: 600.0,
+        radius_m: 0.0,
+    };
+    let light_area = LightArea::whole(ROWS, COLUMNS);
+    let measured = measure(&plane, &light_area, &predicted, &assumed, options);
+    Outcome { case, truth, measured: measured.expect("the track is in the image"), late_s, offset_pix }
+}
+
+fn measure(
+    plane: &Plane,
+    light_area: &LightArea,
+    predicted: &PredictedStreak,
+    optics: &Optics,
+    options: &MeasureOptions,
+) -> Option<StreakMeasurement> {
+    let sky = Background::of(plane, light_area);
+    let image = StreakImage {
+        plane,
+        background: &sky,
+        light_area,
+        exposure_s: EXPOSURE_S,
+        electrons_per_unit: Some(1.0),
+        saturation: None,
+        pixel_scale_arcsec: 1.0,
+        pixel_aspect: 1.0,
+    };
+    measure_streak(&image, predicted, optics, options).unwrap()
+}
+
+fn options() -> MeasureOptions {
+    MeasureOptions { false_alarm: FALSE_ALARM, ..MeasureOptions::default() }
+}
+
+const BRIGHTNESS: [f64; 4] = [10.0, 30.0, 100.0, 400.0];
+const ANGLES_DEG: [f64; 4] = [3.0, 30.0, 52.0, 88.0];
+const SEEING_PIX: [f64; 3] = [2.2, 4.0, 7.0];
+const STARS: [f64; 3] = [0.0, 100.0, 1000.0];
+const REPEATS: u64 = 10;
+
+/// All combinations of brightness, angle, seeing and crowding.
+fn grid() -> Vec<Outcome> {
+    let mut cases = Vec::new();
+    for signal_to_noise in BRIGHTNESS {
+        for angle_deg in ANGLES_DEG {
+            for (number, seeing_pix) in SEEING_PIX.into_iter().enumerate() {
+                for stars_per_megapixel in STARS {
+                    for repeat in 0..REPEATS {
+                        let form = if repeat % 2 == 0 { SeeingForm::Gaussian } else { SeeingForm::Moffat { beta: 3.5 } };
+                        let seed = 1000 * cases.len() as u64 + number as u64;
+                        let has_end = repeat % 4 >= 2;
+                        cases.push(Case { signal_to_noise, angle_deg, seeing_pix, form, stars_per_megapixel, has_end, seed });
+                    }
+                }
+            }
+        }
+    }
+    cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect()
+}
+
+/// Mean relative error of the flux, its standard error, and share within one sigma, of the detected streaks.
+fn bias_and_share<'a>(outcomes: impl Iterator<Item = &'a Outcome>) -> (f64, f64, f64, usize) {
+    let found: Vec<&Outcome> = outcomes.filter(|outcome| outcome.measured.is_detected).collect();
+    let errors: Vec<f64> = found.iter().map(|one| one.measured.rate.value / one.truth - 1.0).collect();
+    let count = errors.len() as f64;
+    let mean = errors.iter().sum::<f64>() / count;
+    let scatter = (errors.iter().map(|error| (error - mean).powi(2)).sum::<f64>() / count).sqrt();
+    let within = found.iter().filter(|one| (one.measured.rate.value - one.truth).abs() <= one.measured.rate.sigma).count();
+    (mean, scatter / count.sqrt(), within as f64 / count, found.len())
+}
+
+#[test]
+fn verif_flux_is_unbiased_and_errors_are_honest() {
+    let outcomes = grid();
+    let mut failures = Vec::new();
+    let mut check = |name: String, selected: Vec<&Outcome>| {
+        let all = selected.len();
+        let (bias, error, share, found) = bias_and_share(selected.into_iter());
+        println!("{name}: bias {:+.2} % +- {:.2}, within one sigma {:.1} %, found {found} of {all}", 100.0 * bias, 100.0 * error, 100.0 * share);
+        if bias.abs() >= FLUX_BIAS || !WITHIN_ONE_SIGMA.contains(&share) {
+            failures.push(name);
+        }
+    };
+    type Key = fn(&Case) -> f64;
+    let keys: [(&str, &[f64], Key); 4] = [
+        ("signal to noise", &BRIGHTNESS, |case| case.signal_to_noise),
+        ("angle", &ANGLES_DEG, |case| case.angle_deg),
+        ("seeing", &SEEING_PIX, |case| case.seeing_pix),
+        ("stars per megapixel", &STARS, |case| case.stars_per_megapixel),
+    ];
+    check("all".to_owned(), outcomes.iter().collect());
+    check("gaussian".to_owned(), outcomes.iter().filter(|one| one.case.form == SeeingForm::Gaussian).collect());
+    check("moffat".to_owned(), outcomes.iter().filter(|one| one.case.form != SeeingForm::Gaussian).collect());
+    check("with an end".to_owned(), outcomes.iter().filter(|one| one.case.has_end).collect());
+    for (name, values, key) in keys {
+        for value in values {
+            check(format!("{name} {value}"), outcomes.iter().filter(|one| key(&one.case) == *value).collect());
+        }
+    }
+    for (signal_to_noise, least) in [(10.0, FOUND_AT_10), (30.0, FOUND_AT_30)] {
+        let of: Vec<&Outcome> = outcomes.iter().filter(|one| one.case.signal_to_noise == signal_to_noise).collect();
+        let found = of.iter().filter(|one| one.measured.is_detected).count() as f64 / of.len() as f64;
+        assert!(found >= least, "found {found} at {signal_to_noise}");
+    }
+    assert!(failures.is_empty(), "{failures:?}");
+}
