@@ -10,6 +10,8 @@ use crate::frames::FramesError;
 use crate::geometry::GeometryError;
 use crate::identify::IdentifyError;
 use crate::images::ImagesError;
+#[cfg(all(feature = "fits", unix))]
+use crate::measure::MeasureError;
 use crate::orbit::OrbitError;
 use crate::passes::SkyError;
 use crate::photometry::PhotometryError;
@@ -208,6 +210,10 @@ pub enum ConfigError {
     #[cfg(all(feature = "fits", unix))]
     #[error(transparent)]
     Streaks(#[from] StreaksError),
+    /// Error of measuring streaks.
+    #[cfg(all(feature = "fits", unix))]
+    #[error(transparent)]
+    Measure(#[from] MeasureError),
 }
 
 impl ConfigError {
@@ -223,7 +229,7 @@ impl ConfigError {
             Self::Invalid(_) | Self::Angle(_) | Self::Schedule(_) | Self::Forecast(_) | Self::Identify(_)
         );
         #[cfg(all(feature = "fits", unix))]
-        return is_general || matches!(self, Self::Frame(_) | Self::Streaks(_));
+        return is_general || matches!(self, Self::Frame(_) | Self::Streaks(_) | Self::Measure(_));
         #[cfg(not(all(feature = "fits", unix)))]
         is_general
     }

@@ -423,7 +423,7 @@ fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
     LightCurve::new(points).map_err(|error| ConfigError::invalid(format!("{shown}: {error}")))
 }
 
-fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
+pub(super) fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
     let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
     match (name.to_ascii_lowercase().as_str(), number) {
         ("gaussian", None) => Ok(SeeingForm::Gaussian),

@@ -19,6 +19,8 @@ mod injection;
 #[cfg(all(feature = "fits", unix))]
 mod injection_plan;
 mod inputs;
+#[cfg(all(feature = "fits", unix))]
+mod measure;
 mod observation;
 mod prepared;
 mod site;
@@ -40,6 +42,8 @@ pub use injection::InjectionConfig;
 #[cfg(all(feature = "fits", unix))]
 pub use injection_plan::{SkyOf, inject_frames, inject_into_array};
 pub use inputs::LoadedInputs;
+#[cfg(all(feature = "fits", unix))]
+pub use measure::{MeasureConfig, Measurements};
 pub use observation::{MOST_SAMPLES, ObservationPlan};
 pub use prepared::{PreparedSky, state_scales};
 pub use values::{

@@ -6,19 +6,31 @@
 //! `background` subtracts the sky for the search; `corridor` describes the track by columns of pixels across it;
 //! `search` is the matched filter; `band` holds the pixels around one streak; `stars` masks stars in it; `fit` is the
 //! weighted least-squares fit of the drawn streak; `streak` combines them. `predict` computes tracks from a sky,
-//! `frame` measures whole files, `zero_point` computes zero points from stars, `table` makes the outputs.
+//! `frame` measures whole files, `table` makes the outputs.
 
 mod background;
 mod band;
 mod corridor;
 mod error;
 mod fit;
+#[cfg(all(feature = "fits", unix))]
+mod frame;
+#[cfg(all(feature = "fits", unix))]
+mod predict;
 mod search;
 mod stars;
 mod streak;
+#[cfg(all(feature = "fits", unix))]
+mod table;
 
 pub use background::Background;
 pub use error::MeasureError;
+#[cfg(all(feature = "fits", unix))]
+pub use frame::{FrameMeasurements, MeasuredPass, measure_frame};
+#[cfg(all(feature = "fits", unix))]
+pub use predict::{PredictOptions, Prediction, predictions};
 pub use streak::{
     Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak,
 };
+#[cfg(all(feature = "fits", unix))]
+pub use table::{ScoreObserver, measurement_table, score_table};

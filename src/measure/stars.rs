@@ -23,12 +23,21 @@ const MEDIAN_PIX: usize = 15;
 ///    than the median's length.
 /// 3. The residuals are averaged over 3 by 3 pixels; those above the threshold are marked.
 /// 4. All pixels within one FWHM of a marked pixel are marked.
-pub fn mask_stars(band: &Band, mask: &[bool], template: &[f32], blocks: &Blocks, fwhm_pix: f64) -> Vec<bool> {
+///
+/// With `keeps_core`, no pixel within 1.5 FWHM of the middle is marked: the template is not yet in its place.
+pub fn mask_stars(
+    band: &Band,
+    mask: &[bool],
+    template: &[f32],
+    blocks: &Blocks,
+    fwhm_pix: f64,
+    keeps_core: bool,
+) -> Vec<bool> {
     let height = band.height;
     let peak_of = |column: usize| template[column * height..][..height].iter().copied().fold(0.0, f32::max);
     let peaks: Vec<f32> = (0..band.len()).map(peak_of).collect();
 
-    let (mut background, mut sigmas) = (vec![0.0f32; band.len()], Vec::new());
+    let mut background = vec![0.0f32; band.len()];
     for columns in blocks.ranges() {
         let pixels = columns.clone().flat_map(|column| (0..height).map(move |offset| (column, column * height + offset)));
         let mut values: Vec<f32> = pixels
@@ -40,8 +49,6 @@ pub fn mask_stars(band: &Band, mask: &[bool], template: &[f32], blocks: &Blocks,
         }
         let middle = values.len() / 2;
         let level = *values.select_nth_unstable_by(middle, f32::total_cmp).1;
-        values.iter_mut().for_each(|value| *value = (*value - level).abs());
-        sigmas.push(f64::from(*values.select_nth_unstable_by(middle, f32::total_cmp).1) * SIGMA_OF_MAD);
         background[columns].fill(level);
     }
     let light = column_light(band, mask, template, &peaks, &background, fwhm_pix);
@@ -56,7 +63,8 @@ pub fn mask_stars(band: &Band, mask: &[bool], template: &[f32], blocks: &Blocks,
         }
     }
     let smooth = averaged(band, &residual);
-    let sigma = SIGMA_OF_MAD * median(smooth.iter().step_by(7).map(|value| f64::from(value.abs())).collect());
+    let sampled = smooth.iter().zip(&band.values).step_by(7).filter(|(_, value)| value.is_finite());
+    let sigma = SIGMA_OF_MAD * median(sampled.map(|(value, _)| f64::from(value.abs())).collect());
     let threshold = (THRESHOLD_SIGMAS * sigma) as f32;
     let marked: Vec<bool> = (0..smooth.len())
         .map(|at| {
@@ -66,7 +74,14 @@ pub fn mask_stars(band: &Band, mask: &[bool], template: &[f32], blocks: &Blocks,
             smooth[at] > threshold + model.max(0.0)
         })
         .collect();
-    grown(band, &marked, fwhm_pix.round().max(1.0) as isize)
+    let mut grown = grown(band, &marked, fwhm_pix.round().max(1.0) as isize);
+    if keeps_core {
+        let core = (1.5 * fwhm_pix / band.cos).ceil() as usize;
+        for column in grown.chunks_exact_mut(height) {
+            column[(height / 2).saturating_sub(core)..=(height / 2 + core).min(height - 1)].fill(false);
+        }
+    }
+    grown
 }
 
 /// Returns the light of the streak in each column: a running median of the amplitudes of single columns.

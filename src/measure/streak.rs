@@ -27,7 +27,9 @@ const CONTROLS_A_SIDE: usize = 30;
 const LEAST_CONTROL_WEIGHT: f64 = 0.5;
 const LEAST_CONTROLS: usize = 10;
 /// Control fits beyond this number of robust sigmas are omitted.
-const CONTROL_CLIP: f64 = 3.5;
+const CONTROL_CLIP: f64 = 5.0;
+/// Share of the control fits that is independent: neighbouring ones overlap.
+const INDEPENDENT: f64 = 0.7;
 /// Number of iterations of mask, offset and angle.
 const ITERATIONS: usize = 6;
 /// Smallest signal to noise at which offset and angle are improved, and at which the width is measured.
@@ -344,7 +346,7 @@ impl Measuring<'_> {
         let none = vec![false; band.values.len()];
 
         let Some(mut drawn) = self.drawn(&band, &shift)? else { return Ok(None) };
-        let mut mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm);
+        let mut mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, true);
         let is_saturated = self.is_saturated(&band, &drawn.template);
         let mut seeing_arcsec = None;
         for iteration in 0..ITERATIONS {
@@ -352,6 +354,7 @@ impl Measuring<'_> {
             let Some(amplitude) = combined(&fits) else { return Ok(None) };
             let sigma = (amplitude.squares / amplitude.freedom / amplitude.weight).sqrt();
             if amplitude.value < REFINED_FROM * sigma {
+                mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
                 break;
             }
             let moved = self.refined(&band, &mask, &drawn.template, &blocks, &fits, &mut shift);
@@ -363,7 +366,10 @@ impl Measuring<'_> {
             }
             let Some(next) = self.drawn(&band, &shift)? else { return Ok(None) };
             drawn = next;
-            mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm);
+            // The first steps bring the template into place.
+            if iteration == 1 || iteration == 3 {
+                mask = mask_stars(&band, &none, &drawn.template, &blocks, fwhm, false);
+            }
             if iteration > 2 && moved < 0.02 {
                 break;
             }
@@ -710,7 +716,9 @@ fn controls(
     let kept: Vec<f64> = scaled.into_iter().filter(|value| (value - middle).abs() <= CONTROL_CLIP * sigma).collect();
     let mean = kept.iter().sum::<f64>() / kept.len() as f64;
     let variance = kept.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (kept.len() as f64 - 1.0);
-    (variance > 0.0).then(|| variance.sqrt())
+    // Half width of 68.27 % of Student's distribution, to first order in 1 / degrees of freedom.
+    let student = 1.0 + 0.5 / (INDEPENDENT * kept.len() as f64);
+    (variance > 0.0).then(|| student * variance.sqrt())
 }
 
 /// Returns true if the light is spread along the track: the median of the blocks is significant, too. A star lights only

@@ -34,6 +34,10 @@ const SITE_OR_FRAME: Group = Group {
     marked_heading: "Site (required: --site, --mpc, or --lat and --lon; with --image also from the header)",
     ..SITE
 };
+const SITE_OF_FRAME: Group =
+    Group { marked_heading: "Site (required: --site, --mpc, or --lat and --lon, or the header)", ..SITE };
+const MEASURED_FRAMES: Group =
+    Group { heading: "", marked_heading: "", ids: &[], usage: "<FRAME>...", rule: "" };
 const FIELD: Group = Group {
     heading: "Camera",
     marked_heading: "Camera (required: --fov, --field or --telescope)",
@@ -287,6 +291,15 @@ const VERBS: &[VerbHelp] = &[
         examples: [
             "--image frame.fits --random-streaks 3 --magnitude 5,8 --seeing 1.2arcsec -o streaks.fits --truth streaks.csv",
             "--image frame.fits --elements active.tle --mpc X05 --telescope rubin -o streaks.fits",
+        ],
+    },
+    VerbHelp {
+        path: "measure",
+        flags: &[],
+        groups: &[MEASURED_FRAMES, SATELLITES, SITE_OF_FRAME],
+        examples: [
+            "frame.fits --elements active.tle --mpc X05 --seeing 1.2arcsec",
+            "night/a.fits night/b.fits --elements active.tle --mpc X05 --zero-point 27.1 --format fit -o photometry.csv",
         ],
     },
     verb("fetch", ["celestrak --group active", "satchecker --epoch 2024-08-14T00:30:00Z"]),

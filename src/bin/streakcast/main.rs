@@ -32,6 +32,8 @@ use verbs::identify::IdentifyArguments;
 use verbs::inject::InjectArguments;
 use verbs::lists::ListArguments;
 use verbs::map::MapArguments;
+#[cfg(all(feature = "fits", unix))]
+use verbs::measure::MeasureArguments;
 use verbs::model::ModelArguments;
 use verbs::passes::PassesArguments;
 #[cfg(feature = "plot")]
@@ -77,6 +79,9 @@ enum Verb {
     /// Inject streaks of satellites, or random ones, into frames, with masks and truth tables
     #[cfg(all(feature = "fits", unix))]
     Inject(Box<InjectArguments>),
+    /// Measure the streaks of predicted satellites in frames: magnitude, lateness, offset, or upper limits
+    #[cfg(all(feature = "fits", unix))]
+    Measure(Box<MeasureArguments>),
     /// Download element sets from CelesTrak, Space-Track or SatChecker into a cache, with rate limits
     #[cfg(feature = "fetch")]
     Fetch(Box<FetchArguments>),
@@ -133,6 +138,8 @@ fn main() -> ExitCode {
         Verb::Plot(typed) => verbs::plot::run(*typed),
         #[cfg(all(feature = "fits", unix))]
         Verb::Inject(typed) => verbs::inject::run(*typed),
+        #[cfg(all(feature = "fits", unix))]
+        Verb::Measure(typed) => verbs::measure::run(*typed),
         #[cfg(feature = "fetch")]
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
         #[cfg(feature = "fit")]

@@ -16,6 +16,8 @@ pub mod inject;
 mod judged;
 pub mod lists;
 pub mod map;
+#[cfg(all(feature = "fits", unix))]
+pub mod measure;
 pub mod model;
 #[cfg(feature = "fit")]
 mod model_check;

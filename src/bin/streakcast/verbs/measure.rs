@@ -1,0 +1,170 @@
+//! `measure`: forced photometry of the streaks of predicted satellites in frames.
+
+use anyhow::anyhow;
+use clap::Args;
+use serde_json::json;
+use streakcast::config::{Config, MeasureConfig, Measurements};
+use streakcast::measure::{ScoreObserver, measurement_table, score_table};
+use streakcast::output::{Provenance, Section, Table, counted};
+
+use super::judged::begin;
+use super::passes::left_out_table;
+use crate::arguments::OutputArguments;
+use crate::failure::Outcome;
+use crate::notices::Notices;
+use crate::output::{Answer, FORMATS, Output};
+use crate::required::Required;
+use crate::screen::{Shown, Style, rounded, shown};
+
+#[derive(Args)]
+pub struct MeasureArguments {
+    #[command(flatten)]
+    pub measure: MeasureConfig,
+    /// Address of the observer, for --format score
+    #[arg(long, value_name = "EMAIL", help_heading = "SCORE")]
+    pub observer_email: Option<String>,
+    /// ORCID of the observer, or several separated by commas, for --format score
+    #[arg(long, value_name = "ORCID", help_heading = "SCORE")]
+    pub observer_orcid: Option<String>,
+    /// Telescope and instrument, for --format score
+    #[arg(long, value_name = "TEXT", help_heading = "SCORE")]
+    pub instrument: Option<String>,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+const ON_SCREEN: &[Shown] = &[
+    shown("name", "name"),
+    shown("norad_id", "norad"),
+    shown("hdu", "hdu"),
+    shown("detected", "found"),
+    rounded("mid_utc", "mid (UTC)", 2),
+    rounded("magnitude", "mag", 2),
+    rounded("magnitude_sigma", "sigma", 2),
+    rounded("limit_magnitude", "limit", 2),
+    rounded("predicted_magnitude", "model", 1),
+    rounded("signal_to_noise", "S/N", 1),
+    rounded("offset_arcsec", "offset arcsec", 1),
+    rounded("late_s", "late s", 3),
+    rounded("length_pix", "length pix", 0),
+    rounded("seeing_arcsec", "seeing arcsec", 2),
+    shown("flags", "flags"),
+];
+
+/// Tables in the columns of SCORE.
+#[derive(Copy, Clone, PartialEq, Eq)]
+enum Upload {
+    /// With limits, for SCORE.
+    Score,
+    /// Without limits, for `fit`.
+    Fit,
+}
+
+pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
+    let config = typed.config.clone().with_file()?;
+    reject_unused(&typed.config)?;
+    Required::of(&config)
+        .input(!typed.measure.image.is_empty(), "frames", "FRAME..., FITS files")
+        .satellites()
+        .check()?;
+    let upload = match typed.output.format.as_deref() {
+        Some("score") => Some(Upload::Score),
+        Some("fit") => Some(Upload::Fit),
+        _ => None,
+    };
+    let observer = observer(&typed, upload)?;
+    let output = match upload {
+        Some(_) => Output::new(Some("csv"), typed.output.output.clone())?,
+        None => Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())
+            .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, score, fit"))))?,
+    };
+    let notices = begin(&config)?;
+    let mut done = typed.measure.measure(&config)?;
+    done.remarks.iter().for_each(|remark| notices.info(remark));
+    notices.warn(&done.warnings);
+    summary(&notices, &done);
+    let table = match upload {
+        Some(upload) => upload_table(&done, &observer, upload)?,
+        None => measurement_table(&done.passes),
+    };
+    let frames: Vec<String> = typed.measure.image.iter().map(|path| path.display().to_string()).collect();
+    done.provenance.state("options", json!({ "frames": frames }));
+    // Uploads begin with the line of columns.
+    let none = Provenance::default();
+    let left_out = left_out_table(&done.left_out);
+    output.write(
+        &Answer {
+            sections: vec![
+                Section { name: "measurements", table: &table },
+                Section { name: "left_out", table: &left_out },
+            ],
+            main: &table,
+            provenance: if upload.is_some() { &none } else { &done.provenance },
+            style: Style { columns: ON_SCREEN, bold_row: None },
+        },
+        &notices,
+    )?;
+    Ok(if done.passes.is_empty() { Outcome::No } else { Outcome::Done })
+}
+
+/// Returns the observer of a SCORE upload, in which all fields are required.
+fn observer(typed: &MeasureArguments, upload: Option<Upload>) -> anyhow::Result<ScoreObserver> {
+    let fields = [
+        ("--observer-email", &typed.observer_email),
+        ("--observer-orcid", &typed.observer_orcid),
+        ("--instrument", &typed.instrument),
+    ];
+    if upload == Some(Upload::Score)
+        && let Some((flag, _)) = fields.iter().find(|(_, value)| value.is_none())
+    {
+        return Err(anyhow!("missing {flag}; SCORE requires --observer-email, --observer-orcid and --instrument"));
+    }
+    if upload.is_none()
+        && let Some((flag, _)) = fields.iter().find(|(_, value)| value.is_some())
+    {
+        return Err(anyhow!("{flag} has no effect without --format score; allowed: with --format score"));
+    }
+    let text = |value: &Option<String>| value.clone().unwrap_or_default();
+    Ok(ScoreObserver {
+        email: text(&typed.observer_email),
+        orcid: text(&typed.observer_orcid),
+        instrument: text(&typed.instrument),
+    })
+}
+
+fn upload_table(done: &Measurements, observer: &ScoreObserver, upload: Upload) -> anyhow::Result<Table> {
+    let site = done.site.as_ref().ok_or_else(|| anyhow!("the observer is in orbit; allowed with --format score: a site"))?;
+    if let Some(bare) = done.passes.iter().find(|pass| !pass.is_calibrated) {
+        return Err(anyhow!("{} has no zero point; specify --zero-point or --zero-point-1s", bare.image));
+    }
+    let mut table = score_table(&done.passes, site, observer);
+    if upload == Upload::Fit {
+        let magnitude = table.columns.iter().position(|column| column.name == "apparent_magnitude").unwrap_or_default();
+        table.rows.retain(|row| row[magnitude] != streakcast::output::Value::Null);
+    }
+    Ok(table)
+}
+
+/// Rejects flags of a field of view: the frame is the field.
+fn reject_unused(flags: &Config) -> anyhow::Result<()> {
+    let given = [
+        ("--fov", flags.fov.is_some()),
+        ("--field", flags.field.is_some()),
+        ("--rotation", flags.rotation.is_some()),
+        ("--min-probability", flags.min_probability.is_some()),
+    ];
+    match given.iter().find(|(_, is_given)| *is_given) {
+        Some((flag, _)) => {
+            Err(anyhow!("{flag} has no effect on measure, where the frame is the field; allowed: the command without it"))
+        }
+        None => Ok(()),
+    }
+}
+
+fn summary(notices: &Notices, done: &Measurements) {
+    let found = done.passes.iter().filter(|pass| pass.measured.is_detected).count();
+    let all = counted(done.passes.len(), "predicted track", "predicted tracks");
+    notices.info(&format!("{all}: {} measured, {} not found", counted(found, "streak", "streaks"), done.passes.len() - found));
+}

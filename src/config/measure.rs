@@ -1,0 +1,208 @@
+//! Options of the measurement of streaks in frames, and its execution.
+
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use super::document::Config;
+use super::error::ConfigError;
+use super::injection_plan::seeing_form;
+use super::prepared::state_scales;
+use super::site::no_site_in;
+use super::values::{parse_angle_deg, parse_duration_s};
+use crate::frames::{parse_moment, seconds_after};
+use crate::geometry::Site;
+use crate::images::{Calibration, CountBasis, FrameFile};
+use crate::measure::{FrameMeasurements, MeasureOptions, MeasuredPass, measure_frame};
+use crate::orbit::LeftOut;
+use crate::output::Provenance;
+use crate::photometry::{Band, PhotometryOptions};
+use crate::streaks::{FrameOverrides, Optics, TargetFrame};
+
+/// Seeing from which the width is fitted if none is given, pixels.
+const SEEING_PIX: f64 = 4.0;
+
+/// Frames and options of a measurement, in addition to [`Config`].
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct MeasureConfig {
+    /// Frames (FITS) with world coordinates, including mosaics and tile-compressed .fz
+    #[cfg_attr(feature = "cli", arg(value_name = "FRAME"))]
+    pub image: Vec<PathBuf>,
+    /// HDUs to use, counted from 0; all images with world coordinates if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", num_args = 1.., value_delimiter = ','))]
+    pub hdu: Vec<usize>,
+    /// Shutter opening, for example 2020-03-06T00:04:15.410Z; from the header if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
+    pub start: Option<String>,
+    /// Exposure time with its unit, for example 30s or 2min; from the header if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
+    pub exposure: Option<String>,
+    /// Seeing: FWHM of a star's image with its unit, for example 1.2arcsec; that of --telescope if omitted; without both
+    /// it is fitted to each streak
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE"))]
+    pub seeing: Option<String>,
+    /// Fit the width of each streak instead of using the given seeing
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub fit_width: bool,
+    /// Point spread function: gaussian, moffat (β 3.5), moffat:BETA, double; moffat if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FORM"))]
+    pub psf: Option<String>,
+    /// Zero point: magnitude of a star with a total of 1 in the frame's unit; from the header if omitted; without both,
+    /// magnitudes are instrumental
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
+    pub zero_point: Option<f64>,
+    /// Zero point for 1 count per second, instead of --zero-point
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "MAG", allow_hyphen_values = true, conflicts_with = "zero_point")
+    )]
+    pub zero_point_1s: Option<f64>,
+    /// Gain, electrons per count; from the header if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "E"))]
+    pub gain: Option<f64>,
+}
+
+/// Measurements of several frames.
+#[derive(Clone, Debug)]
+pub struct Measurements {
+    /// Measured streaks and upper limits.
+    pub passes: Vec<MeasuredPass>,
+    /// Satellites whose positions cannot be computed, for each frame.
+    pub left_out: Vec<LeftOut>,
+    /// Site of the frames.
+    pub site: Option<Site>,
+    /// Provenance of the result.
+    pub provenance: Provenance,
+    /// Remarks about values from headers.
+    pub remarks: Vec<String>,
+    /// Warnings.
+    pub warnings: Vec<String>,
+}
+
+impl MeasureConfig {
+    /// Opens the frames, predicts the satellites in them, and measures their streaks.
+    ///
+    /// # Errors
+    /// A frame has no image, world coordinates, time or site, or a value is out of range.
+    pub fn measure(&self, config: &Config) -> Result<Measurements, ConfigError> {
+        let frames: Vec<(TargetFrame, bool)> =
+            self.image.iter().map(|path| self.open(path, config)).collect::<Result<_, _>>()?;
+        let (Some(first), Some(last)) = (
+            frames.iter().map(|(frame, _)| frame.opened).min(),
+            frames.iter().map(|(frame, _)| seconds_after(frame.opened, frame.exposure_s)).max(),
+        ) else {
+            return Err(ConfigError::invalid("missing frames; specify FRAME..., FITS files"));
+        };
+        let (config, remark) = with_site(config, &frames)?;
+        let mut prepared = config.prepare(first, last)?;
+        let mut warnings = prepared.warnings.clone();
+        let (mut passes, mut left_out) = (Vec::new(), Vec::new());
+        for (frame, is_calibrated) in &frames {
+            let shown = frame.file.path().display();
+            let ignored = frame.left_out.iter().map(|(hdu, error)| format!("{shown}: HDU {hdu} is ignored: {error}"));
+            warnings.extend(ignored);
+            if !is_calibrated {
+                warnings.push(format!(
+                    "{shown}: no zero point: magnitudes are instrumental, -2.5 log10 of the counts; specify --zero-point"
+                ));
+            }
+            if frame.chips.iter().any(|target| target.electrons_per_unit.is_none()) {
+                warnings.push(format!(
+                    "{shown}: the gain is unknown: errors do not contain the photon noise of the streaks; specify --gain"
+                ));
+            }
+            let photometry = photometry(&config, frame)?;
+            let (optics, fit_width) = self.optics(&config, frame)?;
+            let options = MeasureOptions { fit_width, ..MeasureOptions::default() };
+            let measured: FrameMeasurements =
+                measure_frame(&prepared.sky, frame, *is_calibrated, &photometry, &optics, &options)?;
+            passes.extend(measured.passes);
+            left_out.extend(measured.left_out);
+        }
+        let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
+        state_scales(&mut prepared.provenance, &scale, &config.photometry()?);
+        let site = prepared.sky.viewpoint().site().map(|observer| observer.site().clone());
+        let remarks = remark.into_iter().collect();
+        Ok(Measurements { passes, left_out, site, provenance: prepared.provenance, remarks, warnings })
+    }
+
+    /// Opens a frame; returns it and whether it has a zero point.
+    fn open(&self, path: &Path, config: &Config) -> Result<(TargetFrame, bool), ConfigError> {
+        let scale = config.time_scale()?;
+        let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
+        let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
+        if duration_s.is_some_and(|seconds| seconds <= 0.0) {
+            return Err(ConfigError::invalid("exposure is 0 s; allowed: above 0 s"));
+        }
+        if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
+            return Err(ConfigError::invalid(format!("gain is {gain} e/count; allowed: above 0 e/count")));
+        }
+        let given = self.zero_point.map(|mag| (mag, CountBasis::Frame));
+        let given = given.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second)));
+        let is_calibrated = given.is_some() || has_zero_point(path, &self.hdu)?;
+        // Magnitude 0 for one count: -2.5 log10 of the counts.
+        let zero_point = if is_calibrated { given } else { Some((0.0, CountBasis::Frame)) };
+        let overrides = FrameOverrides {
+            start,
+            duration_s,
+            hdus: self.hdu.clone(),
+            zero_point,
+            gain_e_adu: self.gain,
+            pixel_scale_arcsec: None,
+        };
+        Ok((TargetFrame::open(path, &overrides)?, is_calibrated))
+    }
+
+    /// Returns the optics, and whether the width of the streaks is fitted.
+    fn optics(&self, config: &Config, frame: &TargetFrame) -> Result<(Optics, bool), ConfigError> {
+        let telescope = config.telescope()?;
+        let given = self.seeing.as_deref().map(|text| parse_angle_deg("seeing", text)).transpose()?;
+        let given = given.map(|deg| deg * 3600.0).or(telescope.as_ref().map(|telescope| telescope.seeing_arcsec));
+        let scale_arcsec = frame.chips.first().map_or(1.0, |target| target.chip.pixel_scale_arcsec());
+        let optics = Optics {
+            form: seeing_form(self.psf.as_deref().unwrap_or("moffat"))?,
+            seeing_arcsec: given.unwrap_or(SEEING_PIX * scale_arcsec),
+            outer_radius_m: telescope.as_ref().map_or(0.0, |telescope| telescope.outer_radius_m),
+            inner_radius_m: telescope.as_ref().map_or(0.0, |telescope| telescope.inner_radius_m),
+        };
+        Ok((optics, self.fit_width || given.is_none()))
+    }
+}
+
+/// Returns true if an image of the file, or its primary header, has a zero point.
+fn has_zero_point(path: &Path, hdus: &[usize]) -> Result<bool, ConfigError> {
+    let file = FrameFile::open(path)?;
+    let images = if hdus.is_empty() { file.light_images() } else { hdus.to_vec() };
+    for hdu in images {
+        if Calibration::from_headers(&[file.header(hdu)?, file.header(0)?]).zero_point.is_some() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Returns the configuration, with the site of the first frame's header and a remark if it has none.
+fn with_site(config: &Config, frames: &[(TargetFrame, bool)]) -> Result<(Config, Option<String>), ConfigError> {
+    let Some((frame, _)) = frames.first().filter(|_| !config.has_viewpoint()) else {
+        return Ok((config.clone(), None));
+    };
+    let site = frame.site()?.ok_or_else(|| no_site_in(&frame.file.path().display().to_string()))?;
+    let (config, remark) = config.at_site_of_header(&site);
+    Ok((config, Some(remark)))
+}
+
+/// Returns the photometric options of a frame: the band is the one given, or else that of the filter in the header.
+fn photometry(config: &Config, frame: &TargetFrame) -> Result<PhotometryOptions, ConfigError> {
+    let given = config.photometry()?;
+    let word = frame.filter.as_deref().and_then(|filter| filter.split_whitespace().next());
+    let band = word.and_then(|word| word.trim_end_matches('\'').parse::<Band>().ok());
+    Ok(match band.filter(|_| config.light.band.is_none()) {
+        Some(band) => {
+            let system = if config.light.mag_system.is_some() { given.system } else { band.usual_system() };
+            PhotometryOptions { band, system, ..given }
+        }
+        None => given,
+    })
+}

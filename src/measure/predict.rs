@@ -1,0 +1,166 @@
+//! Predicted streaks of the satellites that may cross a frame.
+
+use std::sync::Arc;
+
+use super::error::MeasureError;
+use super::streak::PredictedStreak;
+use crate::elements::NoradId;
+use crate::frames::{seconds_after, seconds_between};
+use crate::orbit::LeftOut;
+use crate::passes::{Exposure, ExposureInterval, Field, Pass, PassOptions, Sky};
+use crate::photometry::{Brightness, PhotometryOptions};
+use crate::streaks::{PathNode, SkyPoint, SkyTrack, StreakPath, TargetChip, TargetFrame, Tracking};
+
+/// Number of points of a track in the field.
+const SAMPLES: usize = 257;
+/// Margin around the frame on the sky, radians (0.1°), in which tracks are predicted.
+const MARGIN_RAD: f64 = 1.7e-3;
+
+/// Largest errors of predictions.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PredictOptions {
+    /// Largest delay, seconds, at most 50.
+    pub most_late_s: f64,
+    /// Number of sigmas of the delay and of the distance across the track.
+    pub sigmas: f64,
+}
+
+impl Default for PredictOptions {
+    fn default() -> Self {
+        Self { most_late_s: 5.0, sigmas: 3.0 }
+    }
+}
+
+/// Predicted streak of one satellite on one chip.
+#[derive(Clone, Debug)]
+pub struct Prediction {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Name in the element set; empty if it has none.
+    pub name: Arc<str>,
+    /// Age of the elements, days.
+    pub element_age_days: f64,
+    /// Predicted brightness at the middle of the track.
+    pub brightness: Option<Brightness>,
+    /// Phase angle at the middle of the track, radians.
+    pub phase_angle_rad: f64,
+    /// Index of the chip in [`TargetFrame::chips`].
+    pub chip: usize,
+    /// Track in pixels with its errors.
+    pub streak: PredictedStreak,
+}
+
+/// Returns the predicted streaks of lit satellites whose tracks, with their errors, may cross a chip of the frame, and
+/// the satellites whose positions cannot be computed.
+///
+/// # Errors
+/// Passes cannot be computed, or the world coordinates do not cover the frame.
+pub fn predictions(
+    sky: &Sky,
+    frame: &TargetFrame,
+    photometry: &PhotometryOptions,
+    options: &PredictOptions,
+) -> Result<(Vec<Prediction>, Vec<LeftOut>), MeasureError> {
+    let (pointing, radius_rad) = frame.circle().ok_or_else(|| {
+        let what = format!("{}: position of the corners of the frame on the sky", frame.file.path().display());
+        MeasureError::invalid(what, "undefined", "world coordinates that cover the frame")
+    })?;
+    let exposure = Exposure {
+        id: String::new(),
+        start: seconds_after(frame.opened, -options.most_late_s),
+        duration_s: frame.exposure_s + 2.0 * options.most_late_s,
+        pointing,
+        rotation_rad: 0.0,
+    };
+    let field = Field::circle(2.0 * (radius_rad + MARGIN_RAD))?;
+    let query = PassOptions { samples: SAMPLES, photometry: *photometry, ..PassOptions::default() };
+    let mut answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &query)?;
+    let passes = answer.by_exposure.pop().unwrap_or_default();
+    let interval = sky.exposure_interval(&exposure)?;
+    let mut found = Vec::new();
+    for pass in &passes {
+        for (index, chip) in frame.chips.iter().enumerate() {
+            if let Some(streak) = predicted_streak(pass, frame, chip, &interval, options)? {
+                found.push(Prediction {
+                    norad_id: pass.norad_id,
+                    name: sky.elements()[pass.element_index].name.clone(),
+                    element_age_days: pass.element_age_days,
+                    brightness: pass.mid.brightness.clone(),
+                    phase_angle_rad: pass.mid.geometry.phase_angle_rad(),
+                    chip: index,
+                    streak,
+                });
+            }
+        }
+    }
+    Ok((found, answer.left_out))
+}
+
+fn predicted_streak(
+    pass: &Pass,
+    frame: &TargetFrame,
+    target: &TargetChip,
+    interval: &ExposureInterval<'_>,
+    options: &PredictOptions,
+) -> Result<Option<PredictedStreak>, MeasureError> {
+    let chip = &target.chip;
+    let Some((centre, _)) = chip.circle() else { return Ok(None) };
+    // A satellite of this magnitude has a rate of 1 in the unit of the frame per second.
+    let unit = chip.scale.magnitude(1.0);
+    let points = pass.samples.iter().map(|sample| SkyPoint {
+        time_s: seconds_between(frame.opened, sample.epoch),
+        direction: sample.direction,
+        range_km: sample.range_km,
+        magnitude: sample.brightness.as_ref().and(unit),
+    });
+    let track = SkyTrack { points: points.collect() };
+    let radian_pix = (1.0f64).to_degrees() * 3600.0 / chip.pixel_scale_arcsec();
+    let cross_sigma_pix = pass.cross_track_sigma_rad * radian_pix;
+    let margin_pix = (MARGIN_RAD * radian_pix).min(options.sigmas * cross_sigma_pix + 100.0);
+    let paths = chip.paths(&track, &Tracking::Sidereal, &centre, margin_pix)?;
+    let Some(longest) = paths.into_iter().max_by(|a, b| a.path.length_pix().total_cmp(&b.path.length_pix())) else {
+        return Ok(None);
+    };
+    let late_s = (options.sigmas * pass.along_track_sigma_s).min(options.most_late_s);
+    let Some(path) = cut(&longest.path, [-late_s, frame.exposure_s + late_s])? else { return Ok(None) };
+    if path.total() <= 0.0 {
+        return Ok(None);
+    }
+    let nodes = path.nodes();
+    let middle_s = 0.5 * (nodes[0].time_s + nodes[nodes.len() - 1].time_s);
+    Ok(Some(PredictedStreak {
+        drift_pix_s: drift(pass, target, interval, middle_s + options.most_late_s).unwrap_or_default(),
+        path,
+        lateness_sigma_s: late_s / options.sigmas,
+        cross_sigma_pix,
+        range_km: pass.mid.range_km,
+        radius_m: 0.5 * interval.sky().model(pass.element_index).size_m(),
+    }))
+}
+
+/// Returns the displacement per second of delay that the motion of the observer causes, pixels. `time_s` is relative to
+/// the start of the interval.
+fn drift(pass: &Pass, target: &TargetChip, interval: &ExposureInterval<'_>, time_s: f64) -> Option<[f64; 2]> {
+    const DELAY_S: f64 = 1.0;
+    let nominal = interval.track(pass.element_index, 0.0).ok()?;
+    let late = interval.track(pass.element_index, DELAY_S).ok()?;
+    let wcs = &target.chip.wcs;
+    let from = wcs.to_pixel(nominal.direction(time_s - DELAY_S).0)?;
+    let to = wcs.to_pixel(late.direction(time_s).0)?;
+    Some([(to.x - from.x) / DELAY_S, (to.y - from.y) / DELAY_S])
+}
+
+/// Returns the part of a path between two times; `None` if it is empty.
+fn cut(path: &StreakPath, [from_s, to_s]: [f64; 2]) -> Result<Option<StreakPath>, MeasureError> {
+    let nodes = path.nodes();
+    let (from_s, to_s) = (from_s.max(nodes[0].time_s), to_s.min(nodes[nodes.len() - 1].time_s));
+    /// Smallest time between two nodes, seconds.
+    const LEAST_S: f64 = 1e-6;
+    if to_s - from_s < 2.0 * LEAST_S {
+        return Ok(None);
+    }
+    let end = |time_s: f64| PathNode::new(time_s, path.point_at(time_s), path.rate_at(time_s));
+    let inner = nodes.iter().filter(|node| node.time_s > from_s + LEAST_S && node.time_s < to_s - LEAST_S);
+    let nodes = std::iter::once(end(from_s)).chain(inner.copied()).chain([end(to_s)]).collect();
+    Ok(Some(StreakPath::new(nodes)?))
+}

@@ -1,0 +1,215 @@
+//! Tables of measurements: all columns, and the upload format of IAU CPS SCORE.
+
+use super::frame::MeasuredPass;
+use super::streak::Flag;
+use crate::geometry::Site;
+use crate::output::{Column, Kind, Table, TableField, Value};
+
+const fn text(name: &'static str, description: &'static str) -> Column {
+    Column::new(name, Kind::Text, description)
+}
+
+const FIELDS: &[TableField<MeasuredPass>] = &[
+    TableField::new(text("image", "File of the frame."), |one| one.image.as_str().into()),
+    TableField::new(Column::new("hdu", Kind::Integer, "HDU of the chip, from 0."), |one| one.hdu.into()),
+    TableField::new(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |one| {
+        i64::from(one.prediction.norad_id.0).into()
+    }),
+    TableField::new(text("name", "Name of the satellite."), |one| Value::nonempty(&one.prediction.name)),
+    TableField::new(Column::new("detected", Kind::Boolean, "True if the streak was found."), |one| {
+        one.measured.is_detected.into()
+    }),
+    TableField::new(Column::time("mid_utc", "Middle of the time in which the satellite is on the chip."), |one| {
+        one.epoch.into()
+    }),
+    TableField::new(Column::real("duration_s", "s", 4, "Time in which the satellite is on the chip."), |one| {
+        one.duration_s.into()
+    }),
+    TableField::new(Column::real("ra_deg", "deg", 6, "Right ascension at mid_utc (ICRS)."), |one| {
+        one.direction.longitude_rad().to_degrees().into()
+    }),
+    TableField::new(Column::real("dec_deg", "deg", 6, "Declination at mid_utc (ICRS)."), |one| {
+        one.direction.latitude_rad().to_degrees().into()
+    }),
+    TableField::new(
+        Column::real("magnitude", "mag", 4, "Measured magnitude; a bright limit if flags contain saturated."),
+        |one| one.magnitude.map(|magnitude| magnitude.value).into(),
+    ),
+    TableField::new(Column::real("magnitude_sigma", "mag", 4, "Error (one sigma) without that of the zero point."), |one| {
+        one.magnitude.map(|magnitude| magnitude.sigma).into()
+    }),
+    TableField::new(
+        Column::real("limit_magnitude", "mag", 4, "For a streak not found: faintest magnitude that is excluded."),
+        |one| if one.measured.is_detected { Value::Null } else { one.limit_mag.into() },
+    ),
+    TableField::new(Column::new("calibrated", Kind::Boolean, "False if magnitudes are instrumental."), |one| {
+        one.is_calibrated.into()
+    }),
+    TableField::new(text("filter", "Filter in the header."), |one| one.filter.clone().into()),
+    TableField::new(Column::real("rate", "", 4, "Light per second in the unit of the frame, mean over the track."), |one| {
+        one.measured.rate.value.into()
+    }),
+    TableField::new(Column::real("rate_sigma", "", 4, "Error (one sigma) of rate."), |one| {
+        one.measured.rate.sigma.into()
+    }),
+    TableField::new(Column::real("signal_to_noise", "", 2, "rate divided by rate_sigma."), |one| {
+        one.measured.signal_to_noise.into()
+    }),
+    TableField::new(Column::real("significance", "", 2, "Significance of the streak in the search."), |one| {
+        one.measured.significance.into()
+    }),
+    TableField::new(Column::real("threshold", "", 2, "Significance required for a detection."), |one| {
+        one.measured.threshold.into()
+    }),
+    TableField::new(
+        Column::real("offset_pix", "pix", 3, "Distance from the predicted track, positive towards increasing y or x."),
+        |one| found(one, one.measured.offset_pix.value),
+    ),
+    TableField::new(Column::real("offset_sigma_pix", "pix", 3, "Error (one sigma) of offset_pix."), |one| {
+        found(one, one.measured.offset_pix.sigma)
+    }),
+    TableField::new(Column::real("offset_arcsec", "arcsec", 3, "Distance from the predicted track."), |one| {
+        found(one, one.measured.offset_pix.value * one.pixel_scale_arcsec)
+    }),
+    TableField::new(Column::real("tilt_deg", "deg", 4, "Difference in angle from the predicted track."), |one| {
+        found(one, one.measured.tilt_rad.to_degrees())
+    }),
+    TableField::new(Column::real("late_s", "s", 4, "Delay, if an end of the streak is in the frame."), |one| {
+        one.measured.late_s.map(|late| late.value).into()
+    }),
+    TableField::new(Column::real("late_sigma_s", "s", 4, "Error (one sigma) of late_s."), |one| {
+        one.measured.late_s.map(|late| late.sigma).into()
+    }),
+    TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |one| {
+        one.measured.ends.into()
+    }),
+    TableField::new(Column::real("length_pix", "pix", 2, "Length in the frame."), |one| {
+        one.measured.length_pix.into()
+    }),
+    TableField::new(Column::real("seeing_arcsec", "arcsec", 3, "Seeing that the width of the streak implies."), |one| {
+        one.measured.seeing_arcsec.into()
+    }),
+    TableField::new(Column::real("corridor_pix", "pix", 1, "Largest distance from the predicted track searched."), |one| {
+        one.measured.corridor_pix.into()
+    }),
+    TableField::new(Column::real("predicted_magnitude", "mag", 3, "Magnitude of the model."), |one| {
+        one.prediction.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
+    }),
+    TableField::new(Column::real("range_km", "km", 3, "Predicted distance."), |one| {
+        one.prediction.streak.range_km.into()
+    }),
+    TableField::new(Column::real("phase_angle_deg", "deg", 3, "Predicted angle Sun-satellite-observer."), |one| {
+        one.prediction.phase_angle_rad.to_degrees().into()
+    }),
+    TableField::new(Column::real("element_age_days", "d", 3, "Age of the elements."), |one| {
+        one.prediction.element_age_days.into()
+    }),
+    TableField::new(
+        Column::new("flags", Kind::List { separator: " " }, "Remarks: saturated, edge, masked, width, no_gain, pixel_noise."),
+        |one| Value::List(one.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
+    ),
+];
+
+/// Returns a value of streaks that were found, otherwise a missing value.
+fn found(one: &MeasuredPass, value: f64) -> Value {
+    if one.measured.is_detected { value.into() } else { Value::Null }
+}
+
+/// Returns the table of all measurements.
+pub fn measurement_table(passes: &[MeasuredPass]) -> Table {
+    Table::from_records(FIELDS, passes)
+}
+
+/// Observer as stated in a SCORE upload.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ScoreObserver {
+    /// Address of the observer.
+    pub email: String,
+    /// ORCID of the observer, or several separated by commas.
+    pub orcid: String,
+    /// Telescope and instrument.
+    pub instrument: String,
+}
+
+/// Returns the measurements in the columns of the SCORE upload format, which `streakcast fit` also reads.
+///
+/// Streaks that were not found have no magnitude, the limit in `limiting_magnitude` and a comment, as the format requires
+/// for non-detections. Saturated streaks and instrumental magnitudes are omitted. The range is that of the prediction.
+pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserver) -> Table {
+    let columns = [
+        text("satellite_name", ""),
+        text("norad_cat_id", ""),
+        Column::new("observation_time_utc", Kind::Time { decimals: 3 }, ""),
+        Column::real("observation_time_uncertainty_sec", "s", 4, ""),
+        Column::real("apparent_magnitude", "mag", 4, ""),
+        Column::real("apparent_magnitude_uncertainty", "mag", 4, ""),
+        Column::real("observer_latitude_deg", "deg", 6, ""),
+        Column::real("observer_longitude_deg", "deg", 6, ""),
+        Column::real("observer_altitude_m", "m", 1, ""),
+        Column::real("limiting_magnitude", "mag", 3, ""),
+        text("instrument", ""),
+        text("observing_mode", ""),
+        text("observing_filter", ""),
+        text("observer_email", ""),
+        text("observer_orcid", ""),
+        Column::real("satellite_right_ascension_deg", "deg", 7, ""),
+        Column::real("satellite_declination_deg", "deg", 7, ""),
+        Column::real("sigma_2_ra", "arcsec2", 5, ""),
+        Column::real("sigma_ra_sigma_dec", "arcsec2", 5, ""),
+        Column::real("sigma_2_dec", "arcsec2", 5, ""),
+        Column::real("range_to_satellite_km", "km", 3, ""),
+        Column::real("range_to_satellite_uncertainty_km", "km", 3, ""),
+        Column::real("range_rate_of_satellite_km_per_sec", "km/s", 4, ""),
+        Column::real("range_rate_of_satellite_uncertainty_km_per_sec", "km/s", 4, ""),
+        text("comments", ""),
+        text("data_archive_link", ""),
+        text("mpc_code", ""),
+    ];
+    let is_usable = |one: &&MeasuredPass| {
+        one.is_calibrated && !(one.measured.is_detected && one.measured.flags.contains(&Flag::Saturated))
+    };
+    let rows = passes.iter().filter(is_usable).map(|one| {
+        let longitude_deg = site.longitude_rad.to_degrees();
+        let time_sigma_s = match one.measured.late_s {
+            Some(late) => late.sigma,
+            None => one.prediction.streak.lateness_sigma_s,
+        };
+        let is_detected = one.measured.is_detected;
+        let comment = if is_detected {
+            format!("streak of {:.0} pixels, signal to noise {:.1}", one.measured.length_pix, one.measured.signal_to_noise)
+        } else {
+            "non-detection".to_owned()
+        };
+        let limit = if is_detected { one.faintest_mag } else { one.limit_mag };
+        vec![
+            Value::nonempty(&one.prediction.name),
+            one.prediction.norad_id.0.to_string().into(),
+            one.epoch.into(),
+            time_sigma_s.into(),
+            one.magnitude.map(|magnitude| magnitude.value).into(),
+            one.magnitude.map(|magnitude| magnitude.sigma).into(),
+            site.latitude_rad.to_degrees().into(),
+            (if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg }).into(),
+            site.height_m.into(),
+            limit.into(),
+            Value::nonempty(&observer.instrument),
+            "CCD".into(),
+            one.filter.as_deref().unwrap_or("CLEAR").into(),
+            Value::nonempty(&observer.email),
+            Value::nonempty(&observer.orcid),
+            found(one, one.direction.longitude_rad().to_degrees().rem_euclid(360.0)),
+            found(one, one.direction.latitude_rad().to_degrees()),
+            Value::Null,
+            Value::Null,
+            Value::Null,
+            one.prediction.streak.range_km.into(),
+            Value::Null,
+            Value::Null,
+            Value::Null,
+            comment.into(),
+            Value::Null,
+            site.mpc_code.clone().into(),
+        ]
+    });
+    Table { columns: columns.to_vec(), rows: rows.collect() }
+}
