@@ -41,12 +41,4 @@ impl MeasureError {
     pub(super) fn invalid(what: impl Into<String>, given: impl Display, allowed: impl Into<String>) -> Self {
         Self::Invalid { what: what.into(), given: given.to_string(), allowed: allowed.into() }
     }
-
-    /// Rejects a number that is outside a range or not finite.
-    pub(super) fn check_range(what: &str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
-        if (least..=greatest).contains(&given) {
-            return Ok(());
-        }
-        Err(Self::invalid(what, given, format!("{least} to {greatest}")))
-    }
 }

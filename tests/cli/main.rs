@@ -30,6 +30,8 @@ mod inject_raw;
 mod magnitudes;
 mod main_job;
 mod maps;
+#[cfg(all(feature = "cli", feature = "fits", unix))]
+mod measure;
 #[cfg(feature = "sqlite")]
 mod opsim;
 #[cfg(feature = "plot")]

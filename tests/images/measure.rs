@@ -144,7 +144,7 @@ const BRIGHTNESS: [f64; 4] = [10.0, 30.0, 100.0, 400.0];
 const ANGLES_DEG: [f64; 4] = [3.0, 30.0, 52.0, 88.0];
 const SEEING_PIX: [f64; 3] = [2.2, 4.0, 7.0];
 const STARS: [f64; 3] = [0.0, 100.0, 1000.0];
-const REPEATS: u64 = 3;
+const REPEATS: u64 = 10;
 
 /// All combinations of brightness, angle, seeing and crowding.
 fn grid() -> Vec<Outcome> {
@@ -205,10 +205,99 @@ fn verif_flux_is_unbiased_and_errors_are_honest() {
             check(format!("{name} {value}"), outcomes.iter().filter(|one| key(&one.case) == *value).collect());
         }
     }
+    // Among 1,000 stars per megapixel the search is not complete at these signals: docs/explanation/measuring.md.
+    let is_sparse = |case: &Case| case.stars_per_megapixel < 1000.0;
     for (signal_to_noise, least) in [(10.0, FOUND_AT_10), (30.0, FOUND_AT_30)] {
-        let of: Vec<&Outcome> = outcomes.iter().filter(|one| one.case.signal_to_noise == signal_to_noise).collect();
+        let is_selected = |one: &&Outcome| one.case.signal_to_noise == signal_to_noise && is_sparse(&one.case);
+        let of: Vec<&Outcome> = outcomes.iter().filter(is_selected).collect();
         let found = of.iter().filter(|one| one.measured.is_detected).count() as f64 / of.len() as f64;
         assert!(found >= least, "found {found} at {signal_to_noise}");
     }
     assert!(failures.is_empty(), "{failures:?}");
+}
+
+/// Corridors without a streak, a third of them among 1,000 stars per megapixel.
+#[test]
+fn verif_false_detections_are_rare() {
+    let cases: Vec<Case> = (0..600)
+        .map(|number: usize| Case {
+            signal_to_noise: 0.0,
+            angle_deg: ANGLES_DEG[number % 4],
+            seeing_pix: SEEING_PIX[(number / 4) % 3],
+            form: SeeingForm::Gaussian,
+            stars_per_megapixel: STARS[(number / 12) % 3],
+            has_end: false,
+            seed: 7_000_000 + 10 * number as u64,
+        })
+        .collect();
+    let outcomes: Vec<Outcome> =
+        cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
+    let found = outcomes.iter().filter(|one| one.measured.is_detected).count() as f64 / outcomes.len() as f64;
+    println!("false detections: {:.2} %", 100.0 * found);
+    assert!(found <= FALSE_ALARMS, "{found}");
+    // Upper limits are above the rate, which is 0, and not above a streak that is found with certainty.
+    assert!(outcomes.iter().all(|one| one.measured.rate_limit > 0.0));
+}
+
+/// Offset and delay agree with the truth within their errors.
+#[test]
+fn verif_offsets_and_delays_are_measured() {
+    /// Smallest share within three sigmas plus a hundredth of a pixel.
+    const WITHIN_THREE_SIGMAS: f64 = 0.97;
+    let cases = (0..120).map(|number: usize| Case {
+        signal_to_noise: 60.0,
+        angle_deg: ANGLES_DEG[number % 4],
+        seeing_pix: 4.0,
+        form: SeeingForm::Gaussian,
+        stars_per_megapixel: 0.0,
+        has_end: true,
+        seed: 9_000_000 + 10 * number as u64,
+    });
+    let cases: Vec<Case> = cases.collect();
+    let outcomes: Vec<Outcome> =
+        cases.into_par_iter().map(|case| measured(case, &options(), optics(&case))).collect();
+    let of = |difference: fn(&Outcome) -> Option<(f64, f64, f64)>| {
+        let all: Vec<(f64, f64, f64)> = outcomes.iter().filter_map(difference).collect();
+        let within = all.iter().filter(|(error, sigma, margin)| error.abs() <= 3.0 * sigma + margin).count();
+        (all.len(), within as f64 / all.len() as f64)
+    };
+    let (delays, delays_within) = of(|one| {
+        let late = one.measured.late_s?;
+        Some((late.value - one.late_s, late.sigma, 0.01 / SPEED_PIX_S))
+    });
+    let (offsets, offsets_within) = of(|one| {
+        // Positive offsets of the library have larger y, or larger x for steep tracks.
+        let sense = if one.case.angle_deg > 45.0 { -1.0 } else { 1.0 };
+        let (offset, truth) = (one.measured.offset_pix, sense * one.offset_pix);
+        // The offset is measured at the middle of the corridor, where a tilt does not change it.
+        Some((offset.value - truth, offset.sigma, 0.01 + 20.0 * one.measured.tilt_rad.abs()))
+    });
+    println!("{delays} delays, {delays_within} within; {offsets} offsets, {offsets_within} within");
+    assert!(delays >= 100 && offsets == 120);
+    assert!(delays_within >= WITHIN_THREE_SIGMAS && offsets_within >= WITHIN_THREE_SIGMAS);
+}
+
+/// With a given seeing that is wrong by 20 %, the fit of the width restores the flux.
+#[test]
+fn verif_a_fitted_width_replaces_a_wrong_seeing() {
+    let cases: Vec<Case> = (0..60)
+        .map(|number: usize| Case {
+            signal_to_noise: 150.0,
+            angle_deg: ANGLES_DEG[number % 4],
+            seeing_pix: 4.0,
+            form: SeeingForm::Gaussian,
+            stars_per_megapixel: 0.0,
+            has_end: false,
+            seed: 8_000_000 + 10 * number as u64,
+        })
+        .collect();
+    let fitted = MeasureOptions { fit_width: true, ..options() };
+    let outcomes: Vec<Outcome> = cases
+        .into_par_iter()
+        .map(|case| measured(case, &fitted, Optics { seeing_arcsec: 1.2 * case.seeing_pix, ..optics(&case) }))
+        .collect();
+    let (bias, _, _, found) = bias_and_share(outcomes.iter());
+    println!("fitted width: bias {:.2} %", 100.0 * bias);
+    assert!(found == 60 && bias.abs() < FLUX_BIAS, "{bias}");
+    assert!(outcomes.iter().all(|one| (one.measured.seeing_arcsec.unwrap() / 4.0 - 1.0).abs() < 0.05));
 }

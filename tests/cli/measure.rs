@@ -1,0 +1,164 @@
+//! `measure` on the command line: injected streaks of satellites, outputs, invalid input.
+
+use std::fs;
+
+use crate::common::cli::{done, json, path, records, run};
+use crate::common::injected::{SKY, column, numbers, unrounded};
+use tempfile::TempDir;
+
+/// Largest difference of measured and true flux in sigmas, and the largest bias.
+const SIGMAS: f64 = 4.0;
+const FLUX_BIAS: f64 = 0.02;
+
+const SATELLITES: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+
+/// A wide frame with the streaks of a synthetic constellation; returns its path and that of its truth table.
+fn wide(folder: &TempDir) -> (String, String) {
+    let description = path(folder, "wide.toml");
+    let text = unrounded()
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0");
+    fs::write(&description, text).unwrap();
+    let (output, truth) = (path(folder, "wide.fits"), path(folder, "truth.csv"));
+    let shot = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"];
+    let seeing = ["--seeing", "90arcsec", "--truth", &truth];
+    done(&[&["inject", "--synthetic", &description, "-o", &output], &shot, &seeing, SATELLITES]);
+    (output, truth)
+}
+
+#[test]
+fn verif_injected_streaks_of_satellites_have_their_magnitudes() {
+    let folder = TempDir::new().unwrap();
+    let (frame, truth) = wide(&folder);
+    let document = json(&[&["measure", &frame, "--seeing", "90arcsec"], SATELLITES]);
+    let rows = document["measurements"].as_array().unwrap();
+    let truth = records(&fs::read_to_string(&truth).unwrap());
+    let (ids, counts) = (column(&truth, "norad_id"), numbers(&truth, "counts"));
+    let mut compared = 0;
+    for (id, counts) in ids.iter().zip(&counts) {
+        let row = rows.iter().find(|row| row["norad_id"].to_string() == *id).expect("a predicted track");
+        if row["detected"] != true {
+            continue;
+        }
+        let number = |name: &str| row[name].as_f64().unwrap();
+        let (rate, sigma, truth) = (number("rate"), number("rate_sigma"), counts / number("duration_s"));
+        assert!((rate - truth).abs() < SIGMAS * sigma + FLUX_BIAS * truth, "{id}: {rate} +- {sigma}, true {truth}");
+        compared += 1;
+    }
+    assert!(compared >= 1, "{rows:?}");
+    assert!(document["provenance"]["models"].to_string().contains("starlink"));
+}
+
+#[test]
+fn verif_uploads_have_the_columns_of_score_and_are_read_by_fit() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let observer =
+        ["--observer-email", "a@example.org", "--observer-orcid", "0000-0000-0000-0000", "--instrument", "test"];
+    let text = done(&[&["measure", &frame, "--seeing", "90arcsec", "--format", "score"], &observer, SATELLITES]);
+    let header = "satellite_name,norad_cat_id,observation_time_utc,observation_time_uncertainty_sec,\
+                  apparent_magnitude,apparent_magnitude_uncertainty,observer_latitude_deg,observer_longitude_deg,\
+                  observer_altitude_m,limiting_magnitude,instrument,observing_mode,observing_filter,observer_email,\
+                  observer_orcid,satellite_right_ascension_deg,satellite_declination_deg,sigma_2_ra,\
+                  sigma_ra_sigma_dec,sigma_2_dec,range_to_satellite_km,range_to_satellite_uncertainty_km,\
+                  range_rate_of_satellite_km_per_sec,range_rate_of_satellite_uncertainty_km_per_sec,comments,\
+                  data_archive_link,mpc_code";
+    assert_eq!(text.lines().next(), Some(header));
+    let rows = records(&text);
+    assert!(numbers(&rows, "limiting_magnitude").iter().all(|limit| (0.0..20.0).contains(limit)));
+    for (magnitude, comment) in column(&rows, "apparent_magnitude").iter().zip(column(&rows, "comments")) {
+        assert_eq!(magnitude.is_empty(), comment == "non-detection");
+    }
+    if let Some(folder) = crate::common::data_dir() {
+        let example = fs::read_to_string(folder.join("photometry/score_format/observation_format_example.csv")).unwrap();
+        assert_eq!(example.lines().next(), Some(header));
+    }
+    let photometry = path(&folder, "photometry.csv");
+    done(&[&["measure", &frame, "--seeing", "90arcsec", "--format", "fit", "-o", &photometry], SATELLITES]);
+    let found = records(&fs::read_to_string(&photometry).unwrap());
+    assert!(found.len() > 1);
+}
+
+#[test]
+fn invalid_input_is_named() {
+    let folder = TempDir::new().unwrap();
+    let (frame, _) = wide(&folder);
+    let missing = path(&folder, "missing.fits");
+    let text = path(&folder, "text.fits");
+    fs::write(&text, "no frame").unwrap();
+    let no_wcs = path(&folder, "no_wcs.fits");
+    let bytes = fs::read(&frame).unwrap();
+    let renamed = |from: &str, to: &str| -> Vec<u8> {
+        let mut bytes = bytes.clone();
+        for card in bytes.chunks_exact_mut(80) {
+            if card.starts_with(from.as_bytes()) {
+                card[..to.len()].copy_from_slice(to.as_bytes());
+            }
+        }
+        bytes
+    };
+    fs::write(&no_wcs, renamed("CTYPE1  ", "XTYPE1  ")).unwrap();
+    let no_time = path(&folder, "no_time.fits");
+    fs::write(&no_time, renamed("DATE-OBS", "XATE-OBS")).unwrap();
+    for (arguments, parts) in [
+        (vec![missing.as_str()], vec!["missing.fits"]),
+        (vec![text.as_str()], vec!["text.fits"]),
+        (vec![no_wcs.as_str()], vec!["no_wcs.fits", "CTYPE1"]),
+        (vec![no_time.as_str()], vec!["no_time.fits", "allowed"]),
+        (vec![frame.as_str(), "--seeing", "0arcsec"], vec!["seeing"]),
+        (vec![frame.as_str(), "--seeing", "1e9arcsec"], vec!["allowed"]),
+        (vec![frame.as_str(), "--psf", "square"], vec!["square", "allowed"]),
+        (vec![frame.as_str(), "--gain", "0"], vec!["gain is 0", "allowed"]),
+        (vec![frame.as_str(), "--hdu", "77"], vec!["77"]),
+        (vec![frame.as_str(), "--fov", "1deg"], vec!["--fov", "no effect"]),
+        (vec![frame.as_str(), "--format", "score"], vec!["--observer-email"]),
+        (vec![frame.as_str(), "--format", "sc0re"], vec!["sc0re", "score, fit"]),
+    ] {
+        let (code, _, stderr) = run(&[&["measure"], &arguments, SATELLITES]);
+        assert_eq!(code, 2, "{arguments:?}: {stderr}");
+        assert!(stderr.starts_with("error: ") && stderr.lines().count() == 1, "{stderr}");
+        assert!(parts.iter().all(|part| stderr.contains(part)), "{arguments:?}: {stderr}");
+    }
+    let (code, _, stderr) = run(&[&["measure"], SATELLITES]);
+    assert!(code == 2 && stderr.contains("missing frames"), "{stderr}");
+}
+
+#[test]
+fn verif_saturated_streaks_are_lower_limits_and_magnitudes_without_zero_point_are_instrumental() {
+    let folder = TempDir::new().unwrap();
+    let description = path(&folder, "sky.toml");
+    // The streaks exceed the range of the counts.
+    let text = SKY
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 23.0");
+    fs::write(&description, text).unwrap();
+    let (frame, truth) = (path(&folder, "bright.fits"), path(&folder, "truth.csv"));
+    let shot = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"];
+    let seeing = ["--seeing", "90arcsec", "--truth", &truth];
+    done(&[&["inject", "--synthetic", &description, "-o", &frame], &shot, &seeing, SATELLITES]);
+    let rows_of = |frame: &str| -> Vec<serde_json::Value> {
+        let document = json(&[&["measure", frame, "--seeing", "90arcsec"], SATELLITES]);
+        document["measurements"].as_array().unwrap().clone()
+    };
+    let truth = records(&fs::read_to_string(&truth).unwrap());
+    let (ids, counts) = (column(&truth, "norad_id"), numbers(&truth, "counts"));
+    let mut saturated = 0;
+    for row in rows_of(&frame) {
+        if !row["flags"].to_string().contains("saturated") {
+            continue;
+        }
+        let truth = ids.iter().position(|id| row["norad_id"].to_string() == *id).map(|at| counts[at]).unwrap();
+        assert!(row["rate"].as_f64().unwrap() * row["duration_s"].as_f64().unwrap() < truth, "{row}");
+        saturated += 1;
+    }
+    assert!(saturated > 0);
+    let bare = path(&folder, "bare.fits");
+    let mut bytes = fs::read(&frame).unwrap();
+    let card = bytes.chunks_exact_mut(80).find(|card| card.starts_with(b"MAGZP   =")).unwrap();
+    card[0] = b'X';
+    fs::write(&bare, bytes).unwrap();
+    let rows = rows_of(&bare);
+    assert!(!rows.is_empty() && rows.iter().all(|row| row["calibrated"] == false));
+    let (code, _, stderr) = run(&[&["measure", &bare, "--format", "fit"], SATELLITES]);
+    assert!(code == 2 && stderr.contains("no zero point"), "{stderr}");
+}
