@@ -37,7 +37,8 @@ impl Corridor {
         let is_along_rows = (end.1.x - start.1.x).abs() >= (end.1.y - start.1.y).abs();
         let axes = |at: PixelPosition| if is_along_rows { (at.x, at.y) } else { (at.y, at.x) };
         let (major_count, minor_count) = if is_along_rows { (columns, rows) } else { (rows, columns) };
-        let mut line: Vec<(f64, f64, f64)> = points.iter().map(|(time, at)| (axes(*at).0, axes(*at).1, *time)).collect();
+        let mut line: Vec<(f64, f64, f64)> =
+            points.iter().map(|(time, at)| (axes(*at).0, axes(*at).1, *time)).collect();
         if line[0].0 > line[line.len() - 1].0 {
             line.reverse();
         }

@@ -51,7 +51,14 @@ impl BlockFit {
 /// Fits amplitude, constant and slope in each block. The template is shifted by `shift` pixels along the minor axis, and
 /// the fit extends to the half width of the blocks on both sides of the shifted line. Masked pixels and pixels without a
 /// value are omitted.
-pub fn fit_blocks(band: &Band, data: &[f32], mask: &[bool], template: &[f32], shift: isize, blocks: &Blocks) -> Vec<BlockFit> {
+pub fn fit_blocks(
+    band: &Band,
+    data: &[f32],
+    mask: &[bool],
+    template: &[f32],
+    shift: isize,
+    blocks: &Blocks,
+) -> Vec<BlockFit> {
     let (height, half) = (band.height as isize, band.half() as isize);
     let width = blocks.half_width as isize;
     let from = (half + shift - width).clamp(0, height);
@@ -82,7 +89,8 @@ pub fn fit_blocks(band: &Band, data: &[f32], mask: &[bool], template: &[f32], sh
                 return BlockFit::default();
             }
             // Constant and slope of the template and of the data.
-            let line = |sum: f64, moment: f64| [(xx * sum - x * moment) / determinant, (n * moment - x * sum) / determinant];
+            let line =
+                |sum: f64, moment: f64| [(xx * sum - x * moment) / determinant, (n * moment - x * sum) / determinant];
             let (of_template, of_data) = (line(m, mx), line(d, dx));
             BlockFit {
                 weight: (mm - of_template[0] * m - of_template[1] * mx).max(0.0),

@@ -106,11 +106,8 @@ fn on_sky(
     let chip = &frame.chips[prediction.chip].chip;
     let [from_s, to_s] = measured.inside_s;
     let middle_s = 0.5 * (from_s + to_s);
-    let at = if measured.is_detected {
-        measured.path.point_at(middle_s)
-    } else {
-        prediction.streak.path.point_at(middle_s)
-    };
+    let at =
+        if measured.is_detected { measured.path.point_at(middle_s) } else { prediction.streak.path.point_at(middle_s) };
     let magnitude = measured.is_detected.then_some(()).and_then(|()| {
         let value = chip.scale.magnitude(measured.rate.value)?;
         // σ_m = 2.5 / ln 10 σ_F / F

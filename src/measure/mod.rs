@@ -29,8 +29,6 @@ pub use error::MeasureError;
 pub use frame::{FrameMeasurements, MeasuredPass, measure_frame};
 #[cfg(all(feature = "fits", unix))]
 pub use predict::{PredictOptions, Prediction, predictions};
-pub use streak::{
-    Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak,
-};
+pub use streak::{Estimate, Flag, MeasureOptions, PredictedStreak, StreakImage, StreakMeasurement, measure_streak};
 #[cfg(all(feature = "fits", unix))]
 pub use table::{ScoreObserver, measurement_table, score_table};

@@ -82,14 +82,15 @@ pub fn search(
 
     let steps = |extent: f64, step: f64, most: usize| -> Vec<f64> {
         let count = ((extent / step).ceil() as usize).min(most / 2);
-        (0..=2 * count).map(|index| (index as f64 - count as f64) * if count > 0 { extent / count as f64 } else { 0.0 }).collect()
+        (0..=2 * count)
+            .map(|index| (index as f64 - count as f64) * if count > 0 { extent / count as f64 } else { 0.0 })
+            .collect()
     };
     let slopes = steps(tilt, STEP_WIDTHS * width_minor / half_length, MOST_ANGLES);
-    let windows = sums.windows(&steps(
-        extent.late_s,
-        (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s,
-        MOST_DELAYS,
-    ), exposure_s);
+    let windows = sums.windows(
+        &steps(extent.late_s, (STEP_WIDTHS * profile.fwhm_pix()).max(1.0) / corridor.speed_pix_s, MOST_DELAYS),
+        exposure_s,
+    );
 
     let nominal = sums.significance(0.0, windows.iter().find(|(late_s, _)| *late_s == 0.0)?.1, &filter);
     let finite: Vec<f64> = nominal.iter().copied().filter(|z| z.is_finite()).collect();
@@ -113,7 +114,9 @@ pub fn search(
             }
         }
     }
-    let trials = (2 * limit + 1) as f64 / width_minor * slopes.len() as f64 * STEP_WIDTHS
+    let trials = (2 * limit + 1) as f64 / width_minor
+        * slopes.len() as f64
+        * STEP_WIDTHS
         * if windows.len() > 1 { windows.len() as f64 * STEP_WIDTHS } else { 1.0 };
     best.map(|found| Found {
         significance: found.significance / noise,
@@ -145,13 +148,13 @@ fn filter(profile: &RadialProfile, corridor: &Corridor, reach: usize) -> Vec<f32
 impl Sums {
     fn of(background: &Background, corridor: &Corridor, half: usize, width_minor: f64) -> Self {
         let length = corridor.len();
-        let blocks = ((length as f64 / (WIDTHS_PER_BLOCK * width_minor).max(LEAST_BLOCK)) as usize).clamp(1, MOST_BLOCKS);
+        let blocks =
+            ((length as f64 / (WIDTHS_PER_BLOCK * width_minor).max(LEAST_BLOCK)) as usize).clamp(1, MOST_BLOCKS);
         let offsets = 2 * half + 1;
         let block_of = |index: usize| index * blocks / length;
         let (mut light, mut pixels) = (vec![0.0f32; (blocks + 1) * offsets], vec![0.0f32; (blocks + 1) * offsets]);
         let plane = background.normalised();
-        let lowest: Vec<isize> =
-            corridor.centre.iter().map(|centre| centre.round() as isize - half as isize).collect();
+        let lowest: Vec<isize> = corridor.centre.iter().map(|centre| centre.round() as isize - half as isize).collect();
         let mut add = |index: usize, offset: usize, value: f32| {
             if value.is_finite() {
                 let at = (block_of(index) + 1) * offsets + offset;
@@ -240,13 +243,17 @@ impl Sums {
         }
         let most = pixels.iter().copied().fold(0.0, f32::max);
         let least = (LEAST_COVERAGE as f32 * most).max(LEAST_PIXELS);
-        let mean: Vec<f32> =
-            light.iter().zip(&pixels).map(|(light, pixels)| if *pixels >= least { light / pixels } else { f32::NAN }).collect();
+        let mean: Vec<f32> = light
+            .iter()
+            .zip(&pixels)
+            .map(|(light, pixels)| if *pixels >= least { light / pixels } else { f32::NAN })
+            .collect();
         let norm = filter.iter().map(|weight| weight * weight).sum::<f32>().sqrt();
         let reach = filter.len() / 2;
         let mut row = vec![f64::NAN; offsets];
         for centre in reach..offsets.saturating_sub(reach) {
-            let sum: f32 = mean[centre - reach..=centre + reach].iter().zip(filter).map(|(mean, weight)| mean * weight).sum();
+            let sum: f32 =
+                mean[centre - reach..=centre + reach].iter().zip(filter).map(|(mean, weight)| mean * weight).sum();
             row[centre] = f64::from(sum * pixels[centre].sqrt() / norm);
         }
         row

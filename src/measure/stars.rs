@@ -39,7 +39,8 @@ pub fn mask_stars(
 
     let mut background = vec![0.0f32; band.len()];
     for columns in blocks.ranges() {
-        let pixels = columns.clone().flat_map(|column| (0..height).map(move |offset| (column, column * height + offset)));
+        let pixels =
+            columns.clone().flat_map(|column| (0..height).map(move |offset| (column, column * height + offset)));
         let mut values: Vec<f32> = pixels
             .filter(|(column, at)| !mask[*at] && band.values[*at].is_finite() && template[*at] <= 0.05 * peaks[*column])
             .map(|(_, at)| band.values[at])

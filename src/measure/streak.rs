@@ -212,7 +212,8 @@ pub fn measure_streak(
 ) -> Result<Option<StreakMeasurement>, MeasureError> {
     let (rows, columns) = (image.plane.rows(), image.plane.columns());
     let Some(corridor) = Corridor::of(&predicted.path, rows, columns, LEAST_LENGTH_PIX) else { return Ok(None) };
-    let mut measuring = Measuring { image, predicted, corridor, optics: *optics, profile: profile_of(image, predicted, optics)? };
+    let mut measuring =
+        Measuring { image, predicted, corridor, optics: *optics, profile: profile_of(image, predicted, optics)? };
     let extent = measuring.extent(options);
     let Some(found) = search(
         image.background,
@@ -392,7 +393,8 @@ impl Measuring<'_> {
         if photon.is_none() {
             flags.push(Flag::NoGain);
         }
-        let inflation = if seeing_arcsec.is_some() { self.width_inflation(&band, &mask, &blocks, &shift)? } else { 1.0 };
+        let inflation =
+            if seeing_arcsec.is_some() { self.width_inflation(&band, &mask, &blocks, &shift)? } else { 1.0 };
         let sigma = (background_sigma * background_sigma * inflation + photon.unwrap_or(0.0) * inflation).sqrt();
         let noise_ratio = background_sigma / pixel_sigma.max(1e-300);
 
@@ -466,8 +468,11 @@ impl Measuring<'_> {
         let (height, half) = (band.height, band.half());
         let width = blocks.half_width;
         let middle = 0.5 * band.len() as f64;
-        let sense =
-            if self.corridor.is_along_rows { self.corridor.motion[0].signum() } else { self.corridor.motion[1].signum() };
+        let sense = if self.corridor.is_along_rows {
+            self.corridor.motion[0].signum()
+        } else {
+            self.corridor.motion[1].signum()
+        };
         // Sums of J², J² u, J² u², J r, J r u, with J = ∂m/∂v.
         let mut sums = [0.0f64; 5];
         for (columns, fit) in blocks.ranges().zip(fits) {
@@ -486,8 +491,7 @@ impl Measuring<'_> {
                         - background[0]
                         - background[1] * x
                         - amplitude * f64::from(template[at]);
-                    let slope =
-                        amplitude * f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos);
+                    let slope = amplitude * f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos);
                     let terms = [1.0, u, u * u].map(|power| slope * slope * power);
                     sums[0] += terms[0];
                     sums[1] += terms[1];
@@ -621,8 +625,11 @@ impl Measuring<'_> {
         let (Some(wider), Some(same)) = (wider, same) else { return Ok(1.0) };
         let change: Vec<f32> = wider.iter().zip(&same).map(|(wider, same)| (wider - same) / STEP as f32).collect();
         // Blanks of the frame are blanks of the derivative.
-        let change: Vec<f32> =
-            change.iter().zip(&band.values).map(|(change, value)| if value.is_nan() { f32::NAN } else { *change }).collect();
+        let change: Vec<f32> = change
+            .iter()
+            .zip(&band.values)
+            .map(|(change, value)| if value.is_nan() { f32::NAN } else { *change })
+            .collect();
         let fits = fit_blocks(band, &change, mask, &same, 0, blocks);
         let sum = |of: fn(&BlockFit) -> f64| fits.iter().map(of).sum::<f64>();
         let correlation = sum(|fit| fit.signal).powi(2) / (sum(|fit| fit.weight) * sum(|fit| fit.squares));
@@ -679,8 +686,9 @@ impl Measuring<'_> {
         let nodes = path.nodes();
         let (from_s, to_s) = (nodes[0].time_s, nodes[nodes.len() - 1].time_s);
         let time_s = |sample: usize| from_s + (to_s - from_s) * sample as f64 / SAMPLES as f64;
-        let is_inside =
-            |sample: &usize| self.image.light_area.contains(path.point_at(time_s(*sample))) && path.rate_at(time_s(*sample)) > 0.0;
+        let is_inside = |sample: &usize| {
+            self.image.light_area.contains(path.point_at(time_s(*sample))) && path.rate_at(time_s(*sample)) > 0.0
+        };
         let first = (0..=SAMPLES).find(is_inside).unwrap_or(0);
         let last = (0..=SAMPLES).rev().find(is_inside).unwrap_or(SAMPLES);
         [time_s(first), time_s(last)]
@@ -730,15 +738,21 @@ fn is_spread(fits: &[BlockFit], amplitude: &Amplitude, sigma: f64, threshold: f6
     blocks.len() < LEAST_BLOCKS || median(blocks) > MEDIAN_SHARE * threshold * sigma
 }
 
-/// Error of the offset from the pixels: σ² = σ_pixel² / Σ (A ∂m/∂v)².
+/// Error of the offset from the pixels, with the tilt as another parameter: σ² = σ_pixel² [JJ]⁻¹ with J = A ∂m/∂v (1, u).
 fn offset_sigma(band: &Band, mask: &[bool], template: &[f32], amplitude: &Amplitude) -> f64 {
-    let mut sum = 0.0;
+    let middle = 0.5 * band.len() as f64;
+    let [mut jj, mut ju, mut juu] = [0.0; 3];
     for at in 1..template.len() - 1 {
         if !mask[at] && band.values[at].is_finite() {
-            sum += (f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos)).powi(2);
+            let u = ((at / band.height) as f64 - middle) / band.cos;
+            let square = (f64::from(template[at - 1] - template[at + 1]) / (2.0 * band.cos)).powi(2);
+            jj += square;
+            ju += square * u;
+            juu += square * u * u;
         }
     }
-    (amplitude.squares / amplitude.freedom / sum).sqrt() / amplitude.value.abs()
+    let variance = amplitude.squares / amplitude.freedom * juu / (jj * juu - ju * ju);
+    variance.sqrt() / amplitude.value.abs()
 }
 
 /// Returns the fraction of the streak's length that has no pixels of the image at `margin` pixels beside its middle, and

@@ -35,9 +35,10 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         Column::real("magnitude", "mag", 4, "Measured magnitude; a bright limit if flags contain saturated."),
         |one| one.magnitude.map(|magnitude| magnitude.value).into(),
     ),
-    TableField::new(Column::real("magnitude_sigma", "mag", 4, "Error (one sigma) without that of the zero point."), |one| {
-        one.magnitude.map(|magnitude| magnitude.sigma).into()
-    }),
+    TableField::new(
+        Column::real("magnitude_sigma", "mag", 4, "Error (one sigma) without that of the zero point."),
+        |one| one.magnitude.map(|magnitude| magnitude.sigma).into(),
+    ),
     TableField::new(
         Column::real("limit_magnitude", "mag", 4, "For a streak not found: faintest magnitude that is excluded."),
         |one| if one.measured.is_detected { Value::Null } else { one.limit_mag.into() },
@@ -46,9 +47,10 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         one.is_calibrated.into()
     }),
     TableField::new(text("filter", "Filter in the header."), |one| one.filter.clone().into()),
-    TableField::new(Column::real("rate", "", 4, "Light per second in the unit of the frame, mean over the track."), |one| {
-        one.measured.rate.value.into()
-    }),
+    TableField::new(
+        Column::real("rate", "", 4, "Light per second in the unit of the frame, mean over the track."),
+        |one| one.measured.rate.value.into(),
+    ),
     TableField::new(Column::real("rate_sigma", "", 4, "Error (one sigma) of rate."), |one| {
         one.measured.rate.sigma.into()
     }),
@@ -83,15 +85,15 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
     TableField::new(Column::new("ends", Kind::Integer, "Number of ends of the streak in the frame."), |one| {
         one.measured.ends.into()
     }),
-    TableField::new(Column::real("length_pix", "pix", 2, "Length in the frame."), |one| {
-        one.measured.length_pix.into()
-    }),
-    TableField::new(Column::real("seeing_arcsec", "arcsec", 3, "Seeing that the width of the streak implies."), |one| {
-        one.measured.seeing_arcsec.into()
-    }),
-    TableField::new(Column::real("corridor_pix", "pix", 1, "Largest distance from the predicted track searched."), |one| {
-        one.measured.corridor_pix.into()
-    }),
+    TableField::new(Column::real("length_pix", "pix", 2, "Length in the frame."), |one| one.measured.length_pix.into()),
+    TableField::new(
+        Column::real("seeing_arcsec", "arcsec", 3, "Seeing that the width of the streak implies."),
+        |one| one.measured.seeing_arcsec.into(),
+    ),
+    TableField::new(
+        Column::real("corridor_pix", "pix", 1, "Largest distance from the predicted track searched."),
+        |one| one.measured.corridor_pix.into(),
+    ),
     TableField::new(Column::real("predicted_magnitude", "mag", 3, "Magnitude of the model."), |one| {
         one.prediction.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
     }),
@@ -105,7 +107,11 @@ const FIELDS: &[TableField<MeasuredPass>] = &[
         one.prediction.element_age_days.into()
     }),
     TableField::new(
-        Column::new("flags", Kind::List { separator: " " }, "Remarks: saturated, edge, masked, width, no_gain, pixel_noise."),
+        Column::new(
+            "flags",
+            Kind::List { separator: " " },
+            "Remarks: saturated, edge, masked, width, no_gain, pixel_noise.",
+        ),
         |one| Value::List(one.measured.flags.iter().map(|flag| flag.name().to_owned()).collect()),
     ),
 ];
@@ -176,7 +182,10 @@ pub fn score_table(passes: &[MeasuredPass], site: &Site, observer: &ScoreObserve
         };
         let is_detected = one.measured.is_detected;
         let comment = if is_detected {
-            format!("streak of {:.0} pixels, signal to noise {:.1}", one.measured.length_pix, one.measured.signal_to_noise)
+            format!(
+                "streak of {:.0} pixels, signal to noise {:.1}",
+                one.measured.length_pix, one.measured.signal_to_noise
+            )
         } else {
             "non-detection".to_owned()
         };

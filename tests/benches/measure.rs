@@ -26,12 +26,8 @@ fn path(number: usize, offset_pix: f64, rate: f64, times_s: [f64; 2]) -> StreakP
 
 #[divan::bench(sample_count = 10)]
 fn five_streaks_in_a_frame(bencher: Bencher) {
-    let optics = Optics {
-        form: SeeingForm::Moffat { beta: 3.5 },
-        seeing_arcsec: 3.0,
-        outer_radius_m: 0.0,
-        inner_radius_m: 0.0,
-    };
+    let optics =
+        Optics { form: SeeingForm::Moffat { beta: 3.5 }, seeing_arcsec: 3.0, outer_radius_m: 0.0, inner_radius_m: 0.0 };
     let profile = optics.profile(600.0, 1.0, 1.0, 1.0).unwrap();
     let mut plane = Plane::zeros(SIDE, SIDE);
     // Noise of a linear congruential generator: the sum of four uniform numbers, with a sigma of 20.
@@ -40,7 +36,10 @@ fn five_streaks_in_a_frame(bencher: Bencher) {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (state >> 40) as f32 / (1u64 << 24) as f32 - 0.5
     };
-    plane.values_mut().iter_mut().for_each(|value| *value = 400.0 + 34.6 * (uniform() + uniform() + uniform() + uniform()));
+    plane
+        .values_mut()
+        .iter_mut()
+        .for_each(|value| *value = 400.0 + 34.6 * (uniform() + uniform() + uniform() + uniform()));
     for number in 0..5 {
         draw(&path(number, 12.0, 4e5, [0.0, EXPOSURE_S]), &profile, SIDE, SIDE).add_to(&mut plane);
     }

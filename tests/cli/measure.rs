@@ -70,7 +70,8 @@ fn verif_uploads_have_the_columns_of_score_and_are_read_by_fit() {
         assert_eq!(magnitude.is_empty(), comment == "non-detection");
     }
     if let Some(folder) = crate::common::data_dir() {
-        let example = fs::read_to_string(folder.join("photometry/score_format/observation_format_example.csv")).unwrap();
+        let example =
+            fs::read_to_string(folder.join("photometry/score_format/observation_format_example.csv")).unwrap();
         assert_eq!(example.lines().next(), Some(header));
     }
     let photometry = path(&folder, "photometry.csv");

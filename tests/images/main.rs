@@ -11,8 +11,8 @@ mod frame_copies;
 mod frame_files;
 #[cfg(all(feature = "fits", unix))]
 mod frame_hostile;
+mod measure;
 #[cfg(all(feature = "fits", unix))]
 mod streak_real;
-mod measure;
 mod streaks;
 mod wcs;

@@ -36,8 +36,7 @@ const SITE_OR_FRAME: Group = Group {
 };
 const SITE_OF_FRAME: Group =
     Group { marked_heading: "Site (required: --site, --mpc, or --lat and --lon, or the header)", ..SITE };
-const MEASURED_FRAMES: Group =
-    Group { heading: "", marked_heading: "", ids: &[], usage: "<FRAME>...", rule: "" };
+const MEASURED_FRAMES: Group = Group { heading: "", marked_heading: "", ids: &[], usage: "<FRAME>...", rule: "" };
 const FIELD: Group = Group {
     heading: "Camera",
     marked_heading: "Camera (required: --fov, --field or --telescope)",

@@ -77,8 +77,10 @@ pub fn run(typed: MeasureArguments) -> anyhow::Result<Outcome> {
     let observer = observer(&typed, upload)?;
     let output = match upload {
         Some(_) => Output::new(Some("csv"), typed.output.output.clone())?,
-        None => Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())
-            .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, score, fit"))))?,
+        None => {
+            Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())
+                .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, score, fit"))))?
+        }
     };
     let notices = begin(&config)?;
     let mut done = typed.measure.measure(&config)?;
@@ -135,7 +137,8 @@ fn observer(typed: &MeasureArguments, upload: Option<Upload>) -> anyhow::Result<
 }
 
 fn upload_table(done: &Measurements, observer: &ScoreObserver, upload: Upload) -> anyhow::Result<Table> {
-    let site = done.site.as_ref().ok_or_else(|| anyhow!("the observer is in orbit; allowed with --format score: a site"))?;
+    let site =
+        done.site.as_ref().ok_or_else(|| anyhow!("the observer is in orbit; allowed with --format score: a site"))?;
     if let Some(bare) = done.passes.iter().find(|pass| !pass.is_calibrated) {
         return Err(anyhow!("{} has no zero point; specify --zero-point or --zero-point-1s", bare.image));
     }
@@ -156,9 +159,9 @@ fn reject_unused(flags: &Config) -> anyhow::Result<()> {
         ("--min-probability", flags.min_probability.is_some()),
     ];
     match given.iter().find(|(_, is_given)| *is_given) {
-        Some((flag, _)) => {
-            Err(anyhow!("{flag} has no effect on measure, where the frame is the field; allowed: the command without it"))
-        }
+        Some((flag, _)) => Err(anyhow!(
+            "{flag} has no effect on measure, where the frame is the field; allowed: the command without it"
+        )),
         None => Ok(()),
     }
 }
@@ -166,5 +169,9 @@ fn reject_unused(flags: &Config) -> anyhow::Result<()> {
 fn summary(notices: &Notices, done: &Measurements) {
     let found = done.passes.iter().filter(|pass| pass.measured.is_detected).count();
     let all = counted(done.passes.len(), "predicted track", "predicted tracks");
-    notices.info(&format!("{all}: {} measured, {} not found", counted(found, "streak", "streaks"), done.passes.len() - found));
+    notices.info(&format!(
+        "{all}: {} measured, {} not found",
+        counted(found, "streak", "streaks"),
+        done.passes.len() - found
+    ));
 }
