@@ -100,7 +100,10 @@ fn invalid_input_is_named() {
     };
     fs::write(&no_wcs, renamed("CTYPE1  ", "XTYPE1  ")).unwrap();
     let no_time = path(&folder, "no_time.fits");
-    fs::write(&no_time, renamed("DATE-OBS", "XATE-OBS")).unwrap();
+    let mut timeless = renamed("DATE-OBS", "XATE-OBS");
+    let card = timeless.chunks_exact_mut(80).find(|card| card.starts_with(b"MJD-OBS ")).unwrap();
+    card[0] = b'X';
+    fs::write(&no_time, timeless).unwrap();
     for (arguments, parts) in [
         (vec![missing.as_str()], vec!["missing.fits"]),
         (vec![text.as_str()], vec!["text.fits"]),
@@ -128,10 +131,12 @@ fn invalid_input_is_named() {
 fn verif_saturated_streaks_are_lower_limits_and_magnitudes_without_zero_point_are_instrumental() {
     let folder = TempDir::new().unwrap();
     let description = path(&folder, "sky.toml");
-    // The streaks exceed the range of the counts.
+    // The streaks exceed the full well of the pixels, the sky does not.
     let text = SKY
         .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
-        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 23.0");
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 24.5")
+        .replace("sky_mag_arcsec2 = 21.0", "sky_mag_arcsec2 = 28.0")
+        .replace("bias_adu = 300,", "bias_adu = 300, saturation = { full_well_e = 20000 },");
     fs::write(&description, text).unwrap();
     let (frame, truth) = (path(&folder, "bright.fits"), path(&folder, "truth.csv"));
     let shot = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"];
