@@ -116,9 +116,10 @@ fn flag_fields() -> Vec<TableField<Verdict>> {
             ),
             |flag| flag.p_any.into(),
         ),
-        field(Column::real("streak_length_deg", "deg", 4, "Length of the lit parts of all nominal tracks in the field."), |flag| {
-            flag.streak_length_deg.into()
-        }),
+        field(
+            Column::real("streak_length_deg", "deg", 4, "Length of the lit parts of all nominal tracks in the field."),
+            |flag| flag.streak_length_deg.into(),
+        ),
         field(Column::new("reasons", Kind::List { separator: "; " }, "Reasons for the verdict."), |flag| {
             Value::List(flag.reasons.clone())
         }),
@@ -249,9 +250,15 @@ fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
         field(Column::real("min_separation_deg", "deg", 6, "Least angle between track and field centre."), |row| {
             row.pass.min_separation_rad.to_degrees().into()
         }),
-        field(Column::real("streak_length_deg", "deg", 6, "Length of the streak inside the field: the lit part of the track."), |row| {
-            row.pass.streak_length_rad.to_degrees().into()
-        }),
+        field(
+            Column::real(
+                "streak_length_deg",
+                "deg",
+                6,
+                "Length of the streak inside the field: the lit part of the track.",
+            ),
+            |row| row.pass.streak_length_rad.to_degrees().into(),
+        ),
         field(
             Column::real("position_angle_deg", "deg", 4, "Direction of motion at mid, from north through east."),
             |row| row.pass.position_angle_rad.to_degrees().into(),

@@ -249,7 +249,11 @@ fn with_pairs(row: Comparison, tolerances: &Tolerances, pairs: Vec<(f64, f64, f6
 const COLUMNS: [Column; 15] = [
     Column::new("model", Kind::Text, "Name of the model."),
     Column::new("satellites", Kind::Text, "Satellites that the model describes; empty if its name is unknown."),
-    Column::new("kind", Kind::Text, "Kind of reference: mean, phase curve, photometry, grazing (photometry in grazing sunlight), none."),
+    Column::new(
+        "kind",
+        Kind::Text,
+        "Kind of reference: mean, phase curve, photometry, grazing (photometry in grazing sunlight), none.",
+    ),
     Column::new("reference", Kind::Text, "Publication of the reference."),
     Column::new("n", Kind::Integer, "Number of geometries or measurements compared."),
     Column::real("model_mean_mag", "mag", 3, "Mean of the model over them, at 1000 km."),

@@ -148,8 +148,7 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Se
     };
     let sunlit = read(&Selection::default())?;
     // A survey may flag grazing rows as in the penumbra.
-    let any_light =
-        Selection { drop_penumbra_flag: false, least_grazing_height_km: None, ..Selection::default() };
+    let any_light = Selection { drop_penumbra_flag: false, least_grazing_height_km: None, ..Selection::default() };
     let all = read(&any_light)?;
     let is_grazing = |point: &&Measurement| {
         point.grazing_height_km.is_some_and(|height_km| height_km < KARMAN_LINE_KM) && point.lit_fraction > 0.0

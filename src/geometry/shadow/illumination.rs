@@ -232,7 +232,7 @@ mod tests {
     fn lit_at(angle_from_antisun_rad: f64, radius_km: f64) -> Illumination {
         let sun = Position::<Gcrs>::new(AU_KM, 0.0, 0.0);
         let (sin, cos) = angle_from_antisun_rad.sin_cos();
-        illumination(&Position::new(-radius_km * cos, radius_km * sin, 0.0), &sun)
+        ShadowModel::Geometric.illumination(&Position::new(-radius_km * cos, radius_km * sin, 0.0), &sun)
     }
 
     #[test]
@@ -347,7 +347,8 @@ mod tests {
                 for step in 0..16 {
                     let angle = limb - 0.009 + 0.016 * f64::from(step) / 16.0;
                     let satellite = (-sun.normalize() * angle.cos() + up * angle.sin()) * radius_km;
-                    let ours = illumination(&Position::from_vector(satellite), &Position::from_vector(sun));
+                    let (place, sun_place) = (Position::from_vector(satellite), Position::from_vector(sun));
+                    let ours = ShadowModel::Geometric.illumination(&place, &sun_place);
                     if let Illumination::Penumbra { lit_fraction } = ours {
                         let rays = lit_by_rays(&satellite, &sun);
                         worst = worst.max((lit_fraction - rays).abs());
@@ -360,10 +361,27 @@ mod tests {
         assert!(worst < TOLERANCE, "{worst}");
     }
 
+    /// Where the light of the atmosphere is not computed, it is below 1 % or above 99 %.
+    #[test]
+    fn verif_the_edges_of_the_computed_light() {
+        let mut radius_km = EARTH_EQUATORIAL_RADIUS_KM + atmosphere::TOP_KM + 0.1;
+        while radius_km < atmosphere::FARTHEST_KM {
+            let arc = |height_km: f64| ((EARTH_EQUATORIAL_RADIUS_KM + height_km) / radius_km).asin();
+            // Smallest and largest radius of the Sun, which the flattening of the Earth changes by 0.3 %.
+            for sun_rad in [0.004_55, 0.004_65, 0.004_78] {
+                let dark = atmosphere::lit_fraction(radius_km, arc(0.0) - sun_rad, sun_rad);
+                assert!(dark < LEAST_LIT, "{radius_km} {sun_rad}: {dark}");
+                let clear = atmosphere::lit_fraction(radius_km, arc(atmosphere::CLEAR_KM) + sun_rad, sun_rad);
+                assert!(clear > 1.0 - LEAST_LIT, "{radius_km} {sun_rad}: {clear}");
+            }
+            radius_km *= 1.01;
+        }
+    }
+
     #[test]
     fn verif_all_of_the_dark_core_is_dark() {
+        let (radius_km, narrowing) = ShadowModel::dark_core();
         for model in [ShadowModel::Geometric, ShadowModel::Atmosphere] {
-            let (radius_km, narrowing) = model.dark_core();
             // The nearest Sun, overhead at both tropics and at the equator.
             for declination_rad in [-0.409_f64, 0.0, 0.409] {
                 let toward = Vector3::new(declination_rad.cos(), 0.0, declination_rad.sin());

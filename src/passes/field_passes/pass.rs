@@ -29,8 +29,7 @@ impl ExposedField<'_> {
             return Ok(None);
         };
         let lit_chords: Vec<Chord> = crossing.chords.iter().flat_map(|chord| evaluator.lit_parts(chord)).collect();
-        let lit =
-            if crossing.chords.is_empty() { evaluator.is_lit(enter_s, exit_s) } else { !lit_chords.is_empty() };
+        let lit = if crossing.chords.is_empty() { evaluator.is_lit(enter_s, exit_s) } else { !lit_chords.is_empty() };
         if !(lit || options.include_dark) {
             return Ok(None);
         }
